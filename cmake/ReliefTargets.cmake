@@ -1,0 +1,37 @@
+# What every target of the project shares: warnings, sanitizers, include root, instruction set.
+
+add_library(relief_build_flags INTERFACE)
+target_compile_features(relief_build_flags INTERFACE cxx_std_20)
+# The distribution builds PCL, Ceres and VTK for plain SSE; wider vectors here would change Eigen's
+# alignment and corrupt memory shared with them. x86-64-v2 keeps the alignment.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  target_compile_options(relief_build_flags INTERFACE -march=x86-64-v2)
+endif()
+target_compile_options(relief_build_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow=local
+                                                    -Wnon-virtual-dtor -Wno-missing-field-initializers)
+if(RELIEF_WERROR)
+  # Eigen inside PCL's headers trips g++ 12's array-bounds analysis.
+  target_compile_options(relief_build_flags INTERFACE -Werror -Wno-error=array-bounds
+                                                      -Wno-error=maybe-uninitialized)
+endif()
+if(RELIEF_SANITIZE)
+  target_compile_options(relief_build_flags INTERFACE -fsanitize=${RELIEF_SANITIZE}
+                                                      -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
+  target_link_options(relief_build_flags INTERFACE -fsanitize=${RELIEF_SANITIZE})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND RELIEF_SANITIZE MATCHES "address")
+    target_compile_definitions(relief_build_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  endif()
+endif()
+
+# relief_library(NAME): a static library relief_NAME, alias relief::NAME, rooted at the project folder.
+# Sources follow with target_sources, heavy dependencies with target_link_libraries(... PRIVATE).
+function(relief_library name)
+  add_library(relief_${name} STATIC)
+  add_library(relief::${name} ALIAS relief_${name})
+  set_target_properties(relief_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(relief_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/relief>)
+  target_link_libraries(relief_${name} PUBLIC Eigen3::Eigen PRIVATE $<BUILD_INTERFACE:relief_build_flags>)
+  target_compile_features(relief_${name} PUBLIC cxx_std_20)
+endfunction()

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+
+#include "scan/grid.h"
+#include "scan/range_view.h"
+
+namespace relief {
+
+/// Which neighbouring samples of a range view lie on one continuous surface.
+struct GridEdges {
+  Grid<std::uint8_t> right;  ///< 1: samples (u,v) and (u+1,v) are connected.
+  Grid<std::uint8_t> down;   ///< 1: samples (u,v) and (u,v+1) are connected.
+
+  /// Whether the sample at (u,v) is connected to its horizontal or vertical neighbour (u+du, v+dv).
+  bool connected(int u, int v, int du, int dv) const;
+};
+
+struct DiscontinuityOptions {
+  /// An edge closer to the viewing ray than this is an occlusion edge, whatever its neighbours do.
+  double grazing_angle_deg = 8.0;
+  /// Steps along the ray up to this many lateral spacings are always taken as surface; larger ones
+  /// only if the steps beside them are alike. Raised to four times the step noise of the view.
+  double free_step = 2.0;
+};
+
+/// Connects neighbouring samples except across occlusion edges: steps along the ray that are large
+/// against the lateral spacing and that no neighbouring slope explains.
+GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options = {});
+
+/// Chessboard distance [pixels] of each sample to the nearest pixel that has no sample or is cut
+/// off by an occlusion edge, or to the border of the grid: 0 on such boundary samples themselves
+/// and where there is no sample, capped at 255.
+Grid<std::uint8_t> boundary_distance(const RangeView& view, const GridEdges& edges);
+
+}  // namespace relief

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace relief {
+
+/// A dense image of `width` columns (index u) and `height` rows (index v), stored row by row.
+template <typename T>
+class Grid {
+ public:
+  Grid() = default;
+  Grid(int width, int height, const T& value = T())
+      : width_(width),
+        height_(height),
+        data_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), value) {
+    assert(width >= 0 && height >= 0);
+  }
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  std::size_t size() const { return data_.size(); }
+  bool empty() const { return data_.empty(); }
+
+  bool contains(int u, int v) const { return u >= 0 && v >= 0 && u < width_ && v < height_; }
+  std::size_t index(int u, int v) const {
+    assert(contains(u, v));
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(u);
+  }
+
+  decltype(auto) operator()(int u, int v) { return data_[index(u, v)]; }
+  decltype(auto) operator()(int u, int v) const { return data_[index(u, v)]; }
+  decltype(auto) operator[](std::size_t i) { return data_[i]; }
+  decltype(auto) operator[](std::size_t i) const { return data_[i]; }
+
+  T* data() { return data_.data(); }
+  const T* data() const { return data_.data(); }
+  auto begin() { return data_.begin(); }
+  auto end() { return data_.end(); }
+  auto begin() const { return data_.begin(); }
+  auto end() const { return data_.end(); }
+
+  template <typename U>
+  bool same_size(const Grid<U>& other) const {
+    return width_ == other.width() && height_ == other.height();
+  }
+
+ private:
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<T> data_;
+};
+
+}  // namespace relief

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+
+#include "scan/progress.h"
+#include "scan/result.h"
+#include "scan/scan_project.h"
+
+namespace relief {
+
+struct ReadProjectOptions {
+  /// Intrinsics of grid files without a camera: `fx fy cx cy`, the model `pinhole_gl`. Empty: the
+  /// best-fitting model is found from the points and named in the notes.
+  std::filesystem::path fc_file;
+  int threads = 0;  ///< Views are read in parallel; 0: one thread per core.
+};
+
+/// Reads what stands for a scan project: a `scan.json`, a Stanford `.conf`, one grid file
+/// (range-grid PLY, organized PCD), or a folder of grid files (or of a scan.json). Docs:
+/// file-formats.md. Errors are kBadInput and name file and place.
+Result<ScanProject> read_project(const std::filesystem::path& path,
+                                 const ReadProjectOptions& options = {},
+                                 const Progress& progress = {});
+
+/// Writes `project` as FOLDER/scan.json with one float TIFF of range, one of normals (if any) and
+/// one of confidence (if any) per view; views whose rays are a table are written as range-grid PLY
+/// with doubles. Creates the folder. Reading it back gives the same samples to float precision.
+Result<void> write_project(const ScanProject& project, const std::filesystem::path& folder,
+                           const Progress& progress = {});
+
+/// Writes only FILE (a scan.json), for a project whose views' data files exist already: a copy of
+/// the project file `source` with the poses of `project` in place of its own, and file names made
+/// relative to FILE. A `source` that is no scan.json gets one whose views refer to the original
+/// grid files.
+Result<void> write_project_poses(const ScanProject& project, const std::filesystem::path& source,
+                                 const ReadProjectOptions& source_options,
+                                 const std::filesystem::path& file);
+
+}  // namespace relief
