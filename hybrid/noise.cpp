@@ -1,0 +1,230 @@
+#include "hybrid/noise.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Dense>
+
+namespace relief {
+
+namespace {
+
+// The smallest positive value among some low quantiles of `values` (all >= 0), with the factor that
+// makes it a standard deviation if they are absolute values of a Gaussian. Low quantiles withstand
+// many outliers; coarsely quantised data needs the higher ones.
+double starting_sigma(std::vector<double>& values) {
+  constexpr std::array<std::pair<double, double>, 4> kQuantiles{
+      {{0.10, 0.12566}, {0.25, 0.31864}, {0.50, 0.67449}, {0.90, 1.64485}}};
+  for (const auto& [quantile, gaussian] : kQuantiles) {
+    const auto place =
+        values.begin() + static_cast<std::ptrdiff_t>(quantile * static_cast<double>(values.size()));
+    std::nth_element(values.begin(), place, values.end());
+    if (*place > 0.0) return *place / gaussian;
+  }
+  return 0.0;
+}
+
+// Standard deviation of the Gaussian core of `values`: the fixed point of the second moment of what
+// lies within two standard deviations.
+double robust_sigma(std::vector<double> values) {
+  constexpr double kCut = 2.0, kKeptMoment = 0.77374;  // E[z^2 | |z| < 2], z Gaussian
+  if (values.empty()) return 0.0;
+  for (double& value : values) value = std::abs(value);
+  double sigma = starting_sigma(values);
+  for (int round = 0; round < 30; ++round) {
+    double sum = 0.0, count = 0.0;
+    for (const double value : values) {
+      if (value >= kCut * sigma) continue;
+      sum += value * value;
+      count += 1.0;
+    }
+    if (!(sum > 0.0)) break;
+    sigma = std::sqrt(sum / count / kKeptMoment);
+  }
+  return sigma;
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Sums over a straight walk of edges. Node n of the walk enters with the mean of the sensitivities
+// of its two edges, so that `node_squares` times the variance of a slope is that of the sum.
+struct WalkSums {
+  double discrepancy = 0.0, expected = 0.0;
+  double sensitivity = 0.0;   // sum of the edges' sensitivities
+  double node_squares = 0.0;  // sum of squares of the nodes' sensitivities
+  double first = 0.0, last = 0.0;
+};
+
+WalkSums walk(const RangeSteps::Direction& direction, int u, int v, int du, int dv, int edges) {
+  WalkSums sums;
+  double before = 0.0;
+  for (int k = 0; k < edges; ++k) {
+    const int eu = u + k * du, ev = v + k * dv;
+    const double sensitivity = direction.sensitivity(eu, ev);
+    sums.discrepancy += direction.discrepancy(eu, ev);
+    sums.expected += direction.expected(eu, ev);
+    sums.sensitivity += sensitivity;
+    sums.node_squares += 0.25 * (before + sensitivity) * (before + sensitivity);
+    if (k == 0) sums.first = 0.5 * sensitivity;
+    before = sensitivity;
+  }
+  sums.last = 0.5 * before;
+  sums.node_squares += sums.last * sums.last;
+  return sums;  // NaN anywhere on the walk makes every sum NaN
+}
+
+// Calls visit(direction, u, v, du, dv) for every start of a walk that stays inside the grid.
+template <typename Visit>
+void for_each_walk(const RangeSteps& steps, int length, int stride, const Visit& visit) {
+  const int width = steps.along_rows.expected.width();
+  const int height = steps.along_rows.expected.height();
+  for (int v = 0; v < height; v += stride)
+    for (int u = 0; u + length < width; u += stride) visit(steps.along_rows, u, v, 1, 0);
+  for (int v = 0; v + length < height; v += stride)
+    for (int u = 0; u < width; u += stride) visit(steps.along_columns, u, v, 0, 1);
+}
+
+// Equation (10): round a loop of k x k cells the expected steps close up but for the noise of the
+// normals. Closures are divided by their sensitivity: values of standard deviation sigma_normal.
+std::vector<double> loop_closures(const RangeSteps& steps, int k) {
+  std::vector<double> closures;
+  const auto& rows = steps.along_rows;
+  const auto& columns = steps.along_columns;
+  for (int v = 0; v + k < rows.expected.height(); ++v) {
+    for (int u = 0; u + k < rows.expected.width(); ++u) {
+      const WalkSums top = walk(rows, u, v, 1, 0, k), bottom = walk(rows, u, v + k, 1, 0, k);
+      const WalkSums left = walk(columns, u, v, 0, 1, k), right = walk(columns, u + k, v, 0, 1, k);
+      const double closure = top.expected + right.expected - bottom.expected - left.expected;
+      const double squares =
+          top.node_squares + right.node_squares + bottom.node_squares + left.node_squares;
+      if (closure == closure && squares > 0.0) closures.push_back(closure / std::sqrt(squares));
+    }
+  }
+  return closures;
+}
+
+// The white part of the closures' variance over loops of growing size; a curl of the bias grows
+// with the cube of the size and is fitted away.
+double normal_noise(const RangeSteps& steps) {
+  Eigen::Matrix2d normal_matrix = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
+  double first = 0.0;
+  for (const int k : {1, 2, 4}) {
+    const double sigma = robust_sigma(loop_closures(steps, k));
+    if (sigma <= 0.0) continue;
+    if (first == 0.0) first = sigma * sigma;
+    const Eigen::Vector2d model(1.0, double(k) * k * k);
+    const double weight = 1.0 / std::pow(sigma, 4);
+    normal_matrix += weight * model * model.transpose();
+    rhs += weight * model * (sigma * sigma);
+  }
+  const Eigen::Vector2d fit = normal_matrix.ldlt().solve(rhs);
+  const double variance = fit.allFinite() && fit[1] > 0.0 && fit[0] > 0.0 ? fit[0] : first;
+  return std::sqrt(variance);
+}
+
+// One squared second difference and the terms of its expected value, equation (11):
+//   6 sigma_position^2 + nodes sigma_normal^2 + area bias_gradient^2.
+struct SecondDifference {
+  double square, nodes, area;
+};
+
+std::vector<SecondDifference> second_differences(const RangeSteps& steps) {
+  std::vector<SecondDifference> differences;
+  for (const int k : {1, 2, 3, 4, 6, 8}) {
+    for_each_walk(steps, 2 * k, 1, [&](const auto& direction, int u, int v, int du, int dv) {
+      const WalkSums first = walk(direction, u, v, du, dv, k);
+      const WalkSums second = walk(direction, u + k * du, v + k * dv, du, dv, k);
+      const double value = second.discrepancy - first.discrepancy;
+      if (!(value == value)) return;
+      // The node in the middle belongs to both walks, with opposite signs.
+      const double middle = first.last - second.first;
+      const double nodes = first.node_squares - first.last * first.last + second.node_squares -
+                           second.first * second.first + middle * middle;
+      const double area = 0.5 * k * (first.sensitivity + second.sensitivity);
+      differences.push_back({value * value, nodes, area * area});
+    });
+  }
+  return differences;
+}
+
+struct WalkFit {
+  double position_variance = 0.0, normal_variance = 0.0, gradient_variance = 0.0;
+};
+
+// Moment fit of (11) with known normal noise; squares beyond nine times their model are outliers.
+WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
+                               double normal_variance) {
+  constexpr double kCut = 9.0, kKeptMoment = 0.9733;  // E[z^2; z^2 < 9] / P[z^2 < 9], z Gaussian
+  std::vector<double> whitened;                       // as if all were position noise
+  for (const auto& d : differences)
+    whitened.push_back(std::sqrt(std::max(0.0, d.square - d.nodes * normal_variance) / 6.0));
+  const double start = robust_sigma(std::move(whitened));
+  WalkFit fit{start * start, normal_variance, 0.0};
+  for (int round = 0; round < 20; ++round) {
+    Eigen::Matrix2d normal_matrix = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
+    for (const auto& d : differences) {
+      const double expected =
+          6.0 * fit.position_variance + d.nodes * normal_variance + d.area * fit.gradient_variance;
+      if (!(d.square < kCut * expected)) continue;
+      const double weight = 1.0 / (expected * expected);
+      const Eigen::Vector2d model(6.0, d.area);
+      normal_matrix += weight * model * model.transpose();
+      rhs += weight * model * (d.square / kKeptMoment - d.nodes * normal_variance);
+    }
+    Eigen::Vector2d next = normal_matrix.ldlt().solve(rhs);
+    if (!(next[1] > 0.0)) next = {rhs[0] / normal_matrix(0, 0), 0.0};
+    if (!next.allFinite()) break;
+    fit.position_variance = std::max(next[0], 1e-6 * start * start);
+    fit.gradient_variance = next[1];
+  }
+  return fit;
+}
+
+// Equation (12): over k edges the discrepancy has variance 2 sigma_position^2 + nodes
+// sigma_normal^2 + (sum of sensitivities)^2 bias^2.
+double smooth_bias(const RangeSteps& steps, const WalkFit& noise) {
+  constexpr int kLength = 16;
+  std::vector<double> slopes, noise_slopes;
+  for_each_walk(steps, kLength, 2, [&](const auto& direction, int u, int v, int du, int dv) {
+    const WalkSums sums = walk(direction, u, v, du, dv, kLength);
+    if (!(sums.sensitivity > 0.0)) return;
+    slopes.push_back(sums.discrepancy / sums.sensitivity);
+    noise_slopes.push_back(
+        std::sqrt(2.0 * noise.position_variance + sums.node_squares * noise.normal_variance) /
+        sums.sensitivity);
+  });
+  const double total = robust_sigma(slopes);
+  const double random = median_of(noise_slopes);
+  return std::sqrt(std::max(0.0, total * total - random * random));
+}
+
+}  // namespace
+
+NoiseEstimate estimate_noise(const RangeSteps& steps) {
+  NoiseEstimate estimate;
+  const std::vector<SecondDifference> differences = second_differences(steps);
+  estimate.samples = differences.size();
+  if (estimate.samples < 30) return estimate;
+  estimate.sigma_normal = normal_noise(steps);
+  const WalkFit fit =
+      fit_second_differences(differences, estimate.sigma_normal * estimate.sigma_normal);
+  estimate.sigma_position = std::sqrt(fit.position_variance);
+  estimate.bias_gradient = std::sqrt(fit.gradient_variance);
+  estimate.bias = smooth_bias(steps, fit);
+  return estimate;
+}
+
+NoiseEstimate estimate_noise(const RangeView& view, const GridEdges& edges) {
+  return estimate_noise(range_steps(view, edges));
+}
+
+}  // namespace relief

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+
+#include "hybrid/range_steps.h"
+#include "scan/discontinuities.h"
+#include "scan/range_view.h"
+
+namespace relief {
+
+/// The errors of one view's measurements, estimated from how its ranges and normals disagree.
+struct NoiseEstimate {
+  double sigma_position = 0.0;  ///< Standard deviation of a range, along the ray [unit].
+  double sigma_normal = 0.0;    ///< Of a normal's slope along one tangent, white part [rad].
+  double bias = 0.0;            ///< RMS of the smooth slope error of the normals [rad].
+  double bias_gradient = 0.0;   ///< RMS change of that error from pixel to pixel [rad].
+  std::size_t samples = 0;      ///< Independent comparisons used; below 30 nothing is estimated.
+  bool usable() const { return samples >= 30 && sigma_position > 0.0 && sigma_normal > 0.0; }
+};
+
+/// Robust estimates, free of tuning and of units. Three statistics are compared with their models:
+/// the closure of the steps that the normals imply round small loops (normal noise alone, equation
+/// (10)), second differences of the discrepancy over walks of k edges (position noise, equation
+/// (11)), and its first differences over long walks (bias, equation (12)).
+NoiseEstimate estimate_noise(const RangeSteps& steps);
+
+NoiseEstimate estimate_noise(const RangeView& view, const GridEdges& edges);
+
+}  // namespace relief

@@ -1,0 +1,276 @@
+#include "hybrid/refine_view.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "hybrid/normal_correction.h"
+#include "hybrid/unexplained_steps.h"
+#include "hybrid/view_problem.h"
+#include "hybrid/view_system.h"
+
+namespace relief {
+
+namespace {
+
+// A bias of the normals is an angle: this weak prior [rad] only keeps it determined on islands too
+// small to show one.
+constexpr double kBiasSize = 0.35;
+
+// Whitened residuals beyond this many standard deviations lose most of their weight.
+constexpr double kRobustWidth = 3.0;
+
+// Noise of a view in the form that the weights need.
+struct NoiseModel {
+  double sigma_position = 0.0;
+  double sigma_normal = 0.0;
+  double sigma_bias_step = 0.0;
+  double spacing = 0.0;
+};
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double median_length(const std::vector<SlopeConstraint>& slopes) {
+  std::vector<double> lengths;
+  lengths.reserve(slopes.size());
+  for (const auto& c : slopes) lengths.push_back(c.length);
+  return median(std::move(lengths));
+}
+
+NoiseModel noise_model(const RefineOptions& options, const NoiseEstimate& estimate,
+                       double spacing) {
+  NoiseModel noise;
+  noise.spacing = spacing;
+  noise.sigma_position = options.sigma_position.value_or(estimate.sigma_position);
+  noise.sigma_normal = options.sigma_normal.value_or(estimate.sigma_normal);
+  // E_p / sigma_p^2 + E_n / (l sigma_n)^2 is the published sum up to a factor.
+  if (options.lambda)
+    noise.sigma_normal =
+        noise.sigma_position / noise.spacing * std::sqrt(*options.lambda / (1.0 - *options.lambda));
+  // Positions beat normals below the spatial frequency l sigma_n / sigma_p [rad per sample]; there
+  // the random walk of the bias, sigma_b / frequency, meets sigma_n.
+  const double crossover = noise.spacing * noise.sigma_normal / noise.sigma_position;
+  noise.sigma_bias_step =
+      options.sigma_bias_step.value_or(noise.sigma_normal * std::min(crossover, 1.0));
+  return noise;
+}
+
+double equivalent_lambda(const NoiseModel& noise) {
+  const double step = noise.spacing * noise.sigma_normal;
+  return step * step / (noise.sigma_position * noise.sigma_position + step * step);
+}
+
+ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
+                            bool equal_slopes) {
+  ViewWeights weights;
+  weights.position = problem.confidence / (noise.sigma_position * noise.sigma_position);
+  weights.slope.resize(static_cast<Eigen::Index>(problem.slopes.size()));
+  for (std::size_t k = 0; k < problem.slopes.size(); ++k) {
+    const double length = equal_slopes ? noise.spacing : problem.slopes[k].length;
+    const double sigma = length * noise.sigma_normal;
+    weights.slope[static_cast<Eigen::Index>(k)] = 1.0 / (sigma * sigma);
+  }
+  weights.bias_step = 1.0 / (noise.sigma_bias_step * noise.sigma_bias_step);
+  weights.bias_size = 1.0 / (kBiasSize * kBiasSize);
+  return weights;
+}
+
+// The weights of Geman and McClure's loss. Its width starts at what the residuals are and ends at
+// what they should be, so that a first solve misled by many outliers does not reject the truth.
+Eigen::VectorXd reweighted(const Eigen::VectorXd& slope_weights, const Eigen::VectorXd& residuals) {
+  Eigen::VectorXd whitened = residuals.cwiseProduct(slope_weights.cwiseSqrt()).cwiseAbs();
+  const double scale = 1.4826 * median(std::vector<double>(whitened.begin(), whitened.end()));
+  const double width = kRobustWidth * std::max(1.0, scale);
+  const Eigen::ArrayXd ratio = (whitened / width).array().square();
+  return slope_weights.array() / (1.0 + ratio).square();
+}
+
+struct RobustSolve {
+  Eigen::VectorXd y;
+  RefineStatus status = RefineStatus::kRefined;
+  int rounds = 0, iterations = 0;
+  bool interrupted = false;
+};
+
+RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
+                           const RefineOptions& options, const Progress& progress) {
+  ViewSystem system(problem, options.bias == BiasModel::kLatent);
+  SpdSolver solver({options.solver, system.blocks(), options.tolerance, options.max_iterations,
+                    options.threads});
+  const ViewWeights plain = initial_weights(problem, noise, options.lambda.has_value());
+  ViewWeights weights = plain;
+  RobustSolve result;
+  result.y = Eigen::VectorXd::Zero(system.blocks() * system.block_size());
+  for (int round = 0; round <= options.robust_rounds; ++round) {
+    if (!report_progress(progress, double(round) / (options.robust_rounds + 1), "refine")) {
+      result.interrupted = true;
+      return result;
+    }
+    if (round > 0) weights.slope = reweighted(plain.slope, system.slope_residuals(result.y));
+    system.assemble(weights);
+    const SpdSolve solve = solver.solve(system.lower(), system.rhs(), result.y);
+    ++result.rounds;
+    result.iterations += solve.iterations;
+    if (!solve.converged) {
+      result.status =
+          solve.iterations > 0 ? RefineStatus::kNotConverged : RefineStatus::kSolverFailed;
+      return result;
+    }
+  }
+  return result;
+}
+
+void move_samples(const ViewProblem& problem, const Eigen::VectorXd& y, RangeView& view) {
+  for (std::size_t k = 0; k < problem.size(); ++k) {
+    const std::size_t pixel = problem.pixels[k];
+    const int u = static_cast<int>(pixel) % view.width(),
+              v = static_cast<int>(pixel) / view.width();
+    view.range[pixel] += y[static_cast<Eigen::Index>(k)] / view.camera.ray(u, v).direction.norm();
+  }
+}
+
+Result<void> validate(const RefineOptions& options) {
+  const auto positive = [](const std::optional<double>& value) {
+    return !value || (*value > 0.0 && std::isfinite(*value));
+  };
+  const auto bad = [](const std::string& field, const std::string& constraint) {
+    return Error{ErrorKind::kBadInput, "refine: " + field + " must be " + constraint};
+  };
+  if (!positive(options.sigma_position)) return bad("sigma_position", "positive");
+  if (!positive(options.sigma_normal)) return bad("sigma_normal", "positive");
+  if (!positive(options.sigma_bias_step)) return bad("sigma_bias_step", "positive");
+  if (!positive(options.smoothing_scale)) return bad("smoothing_scale", "positive");
+  if (options.lambda && !(*options.lambda > 0.0 && *options.lambda < 1.0))
+    return bad("lambda", "between 0 and 1, both excluded");
+  if (options.lambda && options.sigma_normal)
+    return bad("lambda", "absent when sigma_normal is given: it stands in its place");
+  if (options.robust_rounds < 0) return bad("robust_rounds", "at least 0");
+  if (!(options.tolerance > 0.0)) return bad("tolerance", "positive");
+  if (options.max_iterations < 1) return bad("max_iterations", "at least 1");
+  return {};
+}
+
+// The steps of refine_view, each of which may end it early.
+class Refinement {
+ public:
+  Refinement(const RangeView& view, const RefineOptions& options) : options_(options) {
+    result_.view = view;
+    result_.kept = view.sample_count();
+  }
+
+  // Whether there is something to solve; if not, the status says why.
+  bool prepare() {
+    RangeView& view = result_.view;
+    edges_ = connect_samples(view, options_.discontinuities);
+    const RangeSteps steps = range_steps(view, edges_);
+    NoiseEstimate estimate = estimate_noise(steps);
+    if (options_.sigma_position) estimate.sigma_position = *options_.sigma_position;
+    if (options_.sigma_normal) estimate.sigma_normal = *options_.sigma_normal;
+    if (estimate.sigma_position > 0.0) edges_ = cut_unexplained_steps(edges_, steps, estimate);
+    problem_ = make_view_problem(view, edges_, options_.stencil);
+    if (problem_.empty()) return stop(why_empty());
+    noise_ = noise_model(options_, estimate, median_length(problem_.slopes));
+    if (!(noise_.sigma_position > 0.0) || !(noise_.sigma_normal > 0.0))
+      return stop(RefineStatus::kNoNoise);
+    return options_.bias != BiasModel::kTwoStep || correct_first();
+  }
+
+  // False when interrupted.
+  bool solve(const Progress& progress) {
+    const RobustSolve solved = solve_robustly(problem_, noise_, options_, progress);
+    if (solved.interrupted) return false;
+    result_.status = solved.status;
+    result_.rounds = solved.rounds;
+    result_.iterations = solved.iterations;
+    if (solved.status != RefineStatus::kSolverFailed) finish(solved.y);
+    return true;
+  }
+
+  RefinedView& result() { return result_; }
+
+ private:
+  bool stop(RefineStatus status) {
+    result_.status = status;
+    return false;
+  }
+
+  RefineStatus why_empty() const {
+    const bool unconstrained = slope_constraints(result_.view, edges_, options_.stencil).empty();
+    return unconstrained ? RefineStatus::kNoNormals : RefineStatus::kNoConfidence;
+  }
+
+  bool correct_first() {
+    const double scale = options_.smoothing_scale.value_or(noise_.sigma_position /
+                                                           (noise_.spacing * noise_.sigma_normal));
+    TwoStepResult corrected = two_step_correction(result_.view, edges_, problem_, scale);
+    if (!corrected.solved) return stop(RefineStatus::kSolverFailed);
+    result_.view.normals = std::move(corrected.normals);
+    problem_ = make_view_problem(result_.view, edges_, options_.stencil);
+    return true;
+  }
+
+  void finish(const Eigen::VectorXd& y) {
+    const auto count = static_cast<Eigen::Index>(problem_.size());
+    move_samples(problem_, y, result_.view);
+    if (y.size() > count) {
+      const Eigen::VectorXd bias = y.tail(2 * count);
+      result_.view.normals = subtract_bias(result_.view, problem_, bias);
+      result_.bias_rms = std::sqrt(bias.squaredNorm() / static_cast<double>(bias.size()));
+    }
+    result_.rms_change = std::sqrt(y.head(count).squaredNorm() / static_cast<double>(count));
+    result_.refined = problem_.size();
+    result_.kept = problem_.pinned;
+    result_.sigma_position = noise_.sigma_position;
+    result_.sigma_normal = noise_.sigma_normal;
+    result_.lambda = equivalent_lambda(noise_);
+  }
+
+  RefineOptions options_;
+  RefinedView result_;
+  GridEdges edges_;
+  ViewProblem problem_;
+  NoiseModel noise_;
+};
+
+}  // namespace
+
+std::string_view to_string(RefineStatus status) {
+  switch (status) {
+    case RefineStatus::kRefined:
+      return "refined";
+    case RefineStatus::kNoNormals:
+      return "no normals";
+    case RefineStatus::kNoConfidence:
+      return "no confidence";
+    case RefineStatus::kNoNoise:
+      return "noise unknown";
+    case RefineStatus::kNotConverged:
+      return "not converged";
+    case RefineStatus::kSolverFailed:
+      return "solver failed";
+  }
+  return "";
+}
+
+Result<RefinedView> refine_view(const RangeView& view, const RefineOptions& options,
+                                const Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  if (const Result<void> valid = validate(options); !valid) return valid.error();
+  Refinement refinement(view, options);
+  if (refinement.prepare() && !refinement.solve(progress))
+    return Error{ErrorKind::kInterrupted, "refine: stopped on request"};
+  RefinedView& result = refinement.result();
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return std::move(result);
+}
+
+}  // namespace relief

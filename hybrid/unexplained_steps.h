@@ -1,0 +1,15 @@
+#pragma once
+
+#include "hybrid/noise.h"
+#include "hybrid/range_steps.h"
+#include "scan/discontinuities.h"
+
+namespace relief {
+
+/// `edges` without those that cross a step which the normals do not explain: three samples on one
+/// side lie together above or below three on the other by more than five standard deviations of
+/// that difference under `noise`. Single wild samples cut nothing.
+GridEdges cut_unexplained_steps(const GridEdges& edges, const RangeSteps& steps,
+                                const NoiseEstimate& noise);
+
+}  // namespace relief

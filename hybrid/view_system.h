@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "hybrid/view_problem.h"
+
+namespace relief {
+
+/// The weights of the terms of equation (7a), each the inverse of a variance.
+struct ViewWeights {
+  Eigen::VectorXd position;  ///< Per movable sample [1/unit^2].
+  Eigen::VectorXd slope;     ///< Per slope constraint [1/unit^2].
+  double bias_step = 0.0;    ///< Of the change of the bias between neighbours [1/rad^2].
+  double bias_size = 0.0;    ///< Of the bias itself [1/rad^2]; keeps islands determined.
+};
+
+/// The normal equations of a view: A y = b with y = [x; b_u; b_v], or y = x without a bias. The
+/// sparsity pattern is found once, weights are put in as often as needed.
+class ViewSystem {
+ public:
+  /// `problem` must outlive the system.
+  ViewSystem(const ViewProblem& problem, bool with_bias);
+
+  void assemble(const ViewWeights& weights);
+
+  /// The lower triangle of A, symmetric and positive definite.
+  const Eigen::SparseMatrix<double>& lower() const { return lower_; }
+  const Eigen::VectorXd& rhs() const { return rhs_; }
+  /// Unknowns of one kind; there are 1 or 3 such blocks.
+  Eigen::Index block_size() const { return samples_; }
+  int blocks() const { return with_bias_ ? 3 : 1; }
+
+  /// Residual of every slope constraint [unit] at `y`.
+  Eigen::VectorXd slope_residuals(const Eigen::VectorXd& y) const;
+
+ private:
+  static constexpr int kTerms = 4;  // unknowns of one slope constraint
+  struct Row {
+    Eigen::Index unknown[kTerms];
+    double coefficient[kTerms];
+  };
+  Row row_of(const SlopeConstraint& constraint) const;
+  int terms() const { return with_bias_ ? 4 : 2; }
+  void find_pattern();
+  std::uint32_t slot(Eigen::Index i, Eigen::Index j) const;
+  void add_slopes(const Eigen::VectorXd& weights);
+  void add_bias_prior(const ViewWeights& weights);
+
+  const ViewProblem& problem_;
+  bool with_bias_;
+  Eigen::Index samples_;
+  Eigen::SparseMatrix<double> lower_;
+  Eigen::VectorXd rhs_;
+  std::vector<std::uint32_t> slope_slots_;   // places in `lower_` of every product of two terms
+  std::vector<std::uint32_t> smooth_slots_;  // off-diagonal places of the bias differences
+};
+
+}  // namespace relief
