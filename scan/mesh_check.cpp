@@ -1,0 +1,163 @@
+#include "scan/mesh_check.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <tuple>
+#include <vector>
+
+namespace relief {
+
+namespace {
+
+// Disjoint sets with path halving.
+class UnionFind {
+ public:
+  explicit UnionFind(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+  std::size_t find(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void unite(std::size_t a, std::size_t b) { parent_[find(a)] = find(b); }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+// One side of a face, as an undirected edge. `corner` is 3 face + k, where the side starts.
+struct HalfEdge {
+  std::uint32_t low, high;
+  std::size_t corner;
+  bool ascending;
+
+  bool same_edge(const HalfEdge& other) const { return low == other.low && high == other.high; }
+  bool operator<(const HalfEdge& other) const {
+    return std::tie(low, high, corner) < std::tie(other.low, other.high, other.corner);
+  }
+};
+
+bool in_range(const TriangleMesh& mesh, const TriangleMesh::Face& face) {
+  return std::all_of(face.begin(), face.end(),
+                     [&](std::uint32_t vertex) { return vertex < mesh.vertices.size(); });
+}
+
+std::size_t next_corner(std::size_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+
+std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
+  std::vector<HalfEdge> sides;
+  sides.reserve(3 * mesh.faces.size());
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = mesh.faces[f][k], b = mesh.faces[f][(k + 1) % 3];
+      if (a != b) sides.push_back({std::min(a, b), std::max(a, b), 3 * f + k, a < b});
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  return sides;
+}
+
+// Joins the corners at both ends of an edge of two faces: they belong to the same fan.
+void join_fans(const HalfEdge& a, const HalfEdge& b, UnionFind& fans) {
+  const std::array<std::size_t, 2> a_ends{a.corner, next_corner(a.corner)};
+  const std::array<std::size_t, 2> b_ends{b.corner, next_corner(b.corner)};
+  for (const std::size_t end : {0u, 1u})
+    fans.unite(a_ends[end], b_ends[a.ascending == b.ascending ? end : 1 - end]);
+}
+
+void count_edges(const TriangleMesh& mesh, UnionFind& fans, MeshCheck& check) {
+  const std::vector<HalfEdge> sides = sorted_half_edges(mesh);
+  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+    while (end < sides.size() && sides[end].same_edge(sides[begin])) ++end;
+    ++check.edges;
+    check.boundary_edges += end - begin == 1;
+    check.non_manifold_edges += end - begin > 2;
+    if (end - begin == 2) {
+      check.inconsistent_edges += sides[begin].ascending == sides[begin + 1].ascending;
+      join_fans(sides[begin], sides[begin + 1], fans);
+    }
+  }
+}
+
+void count_vertices(const TriangleMesh& mesh, UnionFind& fans, MeshCheck& check) {
+  std::vector<std::uint32_t> fan_count(mesh.vertices.size(), 0);
+  UnionFind components(mesh.vertices.size());
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (fans.find(3 * f + k) == 3 * f + k) ++fan_count[mesh.faces[f][k]];
+      components.unite(mesh.faces[f][0], mesh.faces[f][k]);
+    }
+  }
+  for (std::size_t v = 0; v < fan_count.size(); ++v) {
+    check.unused_vertices += fan_count[v] == 0;
+    check.non_manifold_vertices += fan_count[v] > 1;
+    check.components += fan_count[v] > 0 && components.find(v) == v;
+    check.non_finite_vertices += !mesh.vertices[v].allFinite();
+  }
+}
+
+std::size_t duplicate_vertices(const TriangleMesh& mesh) {
+  std::vector<std::array<double, 3>> places;
+  places.reserve(mesh.vertices.size());
+  for (const auto& p : mesh.vertices)
+    if (p.allFinite()) places.push_back({p.x(), p.y(), p.z()});
+  std::sort(places.begin(), places.end());
+  const auto first_repeated = std::unique(places.begin(), places.end());
+  return static_cast<std::size_t>(places.end() - first_repeated);
+}
+
+// Whether a face has no area that doubles can tell from none.
+bool degenerate(const TriangleMesh& mesh, std::size_t face) {
+  double longest = 0.0;
+  for (int k = 0; k < 3; ++k)
+    longest =
+        std::max(longest, (mesh.corner(face, (k + 1) % 3) - mesh.corner(face, k)).squaredNorm());
+  return !(face_cross(mesh, face).norm() > 1e-12 * longest);
+}
+
+}  // namespace
+
+bool MeshCheck::closed() const {
+  return faces > 0 && boundary_edges == 0 && non_manifold_edges == 0 && inconsistent_edges == 0 &&
+         invalid_faces == 0;
+}
+
+bool MeshCheck::manifold() const { return non_manifold_edges == 0 && non_manifold_vertices == 0; }
+
+bool MeshCheck::watertight() const {
+  return closed() && manifold() && degenerate_faces == 0 && duplicate_vertices == 0 &&
+         unused_vertices == 0 && non_finite_vertices == 0 && volume > 0.0;
+}
+
+MeshCheck check_mesh(const TriangleMesh& mesh) {
+  TriangleMesh valid;
+  const TriangleMesh* checked = &mesh;
+  MeshCheck check;
+  check.invalid_faces = static_cast<std::size_t>(std::count_if(
+      mesh.faces.begin(), mesh.faces.end(), [&](const auto& f) { return !in_range(mesh, f); }));
+  if (check.invalid_faces > 0) {
+    valid.vertices = mesh.vertices;
+    std::copy_if(mesh.faces.begin(), mesh.faces.end(), std::back_inserter(valid.faces),
+                 [&](const auto& f) { return in_range(mesh, f); });
+    checked = &valid;
+  }
+  check.vertices = mesh.vertices.size();
+  check.faces = mesh.faces.size();
+  UnionFind fans(3 * checked->faces.size());
+  count_edges(*checked, fans, check);
+  count_vertices(*checked, fans, check);
+  check.duplicate_vertices = duplicate_vertices(*checked);
+  for (std::size_t f = 0; f < checked->faces.size(); ++f)
+    check.degenerate_faces += degenerate(*checked, f);
+  check.volume = checked->faces.empty() ? 0.0 : enclosed_volume(*checked);
+  if (check.closed() && check.manifold()) {
+    // Euler and Poincare: V - E + F = 2 (components - genus).
+    const auto used = static_cast<long>(check.vertices - check.unused_vertices);
+    const long euler = used - static_cast<long>(check.edges) + static_cast<long>(check.faces);
+    check.genus = static_cast<long>(check.components) - euler / 2;
+  }
+  return check;
+}
+
+}  // namespace relief
