@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "fusion/sparse_field.h"
+#include "fusion/view_sampler.h"
+#include "scan/progress.h"
+#include "scan/result.h"
+
+namespace relief {
+
+struct ClosedFieldOptions {
+  double voxel_size = 0.0;  ///< Spacing of the finest lattice [unit], > 0.
+  double truncation = 0.0;  ///< Views measure up to this distance from their surface [unit], > 0.
+  int coarse_cells = 40;    ///< Cells of the coarsest lattice along the longest side of the object.
+  int threads = 0;
+};
+
+/// A signed function on all of space, positive outside of the object and far away, whose zero set
+/// is the closed surface; fields from the finest to the coarsest, each reading the next.
+struct ClosedField {
+  std::vector<std::unique_ptr<SparseField>> levels;
+  const SparseField& finest() const { return *levels.front(); }
+};
+
+/// Computes the field coarse to fine. Where views measured, it is their mean signed distance. In
+/// between it is harmonic, but never less than the clearance that the views saw to be empty. Each
+/// level covers the surroundings of the samples and of the next coarser level's zero set.
+Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
+                                         const ClosedFieldOptions& options,
+                                         const Progress& progress);
+
+}  // namespace relief

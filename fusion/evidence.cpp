@@ -1,0 +1,71 @@
+#include "fusion/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace relief {
+
+namespace {
+
+// Evidence of emptiness must outweigh that of matter by this factor to overrule it.
+constexpr double kOverrule = 2.0;
+
+// A ray that grazes the surface stays close to its tangent plane far beyond where it leaves the
+// object again: a distance is believed this many truncation distances along the ray at most.
+constexpr double kGrazingReach = 2.0;
+
+// Tukey's biweight: of two surfaces close together (the sides of a thin plate) the nearer one
+// counts, and the average stays unbiased at distance zero, where the surface is.
+double nearness(double relative_distance) {
+  const double inside = 1.0 - relative_distance * relative_distance;
+  return inside > 0.0 ? inside * inside : 0.0;
+}
+
+}  // namespace
+
+Evidence EvidenceCollector::collect(const Eigen::Vector3d& point) {
+  return combine(point, nullptr);
+}
+
+Evidence EvidenceCollector::collect(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
+  return combine(point, &normal);
+}
+
+Evidence EvidenceCollector::combine(const Eigen::Vector3d& point, const Eigen::Vector3d* normal) {
+  near_.clear();
+  empty_.clear();
+  Evidence evidence;
+  for (const ViewSampler& view : views_) {
+    const auto seen = view.observe(point);
+    if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
+    if (std::abs(seen->distance) < truncation_ && seen->range_gap < kGrazingReach * truncation_)
+      near_.push_back({seen->distance, seen->weight * nearness(seen->distance / truncation_)});
+    else if (seen->clearance > 0.5 * truncation_)
+      empty_.push_back({seen->distance, seen->weight});
+    evidence.clearance = std::max(evidence.clearance, seen->clearance);
+  }
+  // Sums in the order of the values: the order of the views does not matter, not even by rounding.
+  std::sort(near_.begin(), near_.end());
+  std::sort(empty_.begin(), empty_.end());
+
+  double squares = 0.0, inside = 0.0, empty = 0.0;
+  for (const Vote& vote : near_) {
+    evidence.weight += vote.weight;
+    squares += vote.weight * vote.weight;
+    evidence.distance += vote.weight * vote.distance;
+    if (vote.distance < 0.0) inside += vote.weight;
+  }
+  for (const Vote& vote : empty_) empty += vote.weight;
+  if (!(evidence.weight > 0.0)) return evidence;
+  evidence.distance /= evidence.weight;
+  evidence.measured = evidence.distance >= 0.0 || empty <= kOverrule * inside;
+  for (const Vote& vote : near_) {
+    const double deviation = vote.distance - evidence.distance;
+    evidence.variance += vote.weight * deviation * deviation / evidence.weight;
+  }
+  evidence.effective_views = evidence.weight * evidence.weight / squares;
+  evidence.views = static_cast<int>(near_.size());
+  return evidence;
+}
+
+}  // namespace relief

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fusion/view_sampler.h"
+
+namespace relief {
+
+/// What all views together say about a point.
+struct Evidence {
+  bool measured = false;         ///< Some view measured the surface within the truncation distance.
+  double distance = 0.0;         ///< If measured: signed distance [unit], positive outside.
+  double clearance = 0.0;        ///< The signed distance is at least this wherever it is positive.
+  double weight = 0.0;           ///< Sum of the weights of the measuring views.
+  double effective_views = 0.0;  ///< (sum w)^2 / sum w^2.
+  double variance = 0.0;         ///< Weighted variance of the views' distances [unit^2].
+  int views = 0;                 ///< Number of measuring views.
+};
+
+/// Combines the views' signed distances (Curless and Levoy 1996) as docs/fusion.md has it.
+/// Keeps scratch memory: one object per thread.
+class EvidenceCollector {
+ public:
+  EvidenceCollector(const std::vector<ViewSampler>& views, double truncation)
+      : views_(views), truncation_(truncation) {}
+
+  Evidence collect(const Eigen::Vector3d& point);
+
+  /// The same from the views only that see the surface from the side `normal` points to.
+  Evidence collect(const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
+
+ private:
+  Evidence combine(const Eigen::Vector3d& point, const Eigen::Vector3d* normal);
+
+  struct Vote {
+    double distance, weight;
+    bool operator<(const Vote& other) const {
+      return distance != other.distance ? distance < other.distance : weight < other.weight;
+    }
+  };
+
+  const std::vector<ViewSampler>& views_;
+  double truncation_;
+  std::vector<Vote> near_, empty_;
+};
+
+}  // namespace relief

@@ -1,0 +1,136 @@
+#include "fusion/merge_views.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "fusion/closed_field.h"
+#include "fusion/isosurface.h"
+#include "fusion/manifold_repair.h"
+#include "fusion/vertex_attributes.h"
+#include "fusion/view_sampler.h"
+#include "scan/mesh_components.h"
+
+namespace relief {
+
+namespace {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+// A single view has nothing to be aligned with: any pose serves.
+bool usable(const RangeView& view, std::size_t count) {
+  return count == 1 || view.pose != PoseKind::kAbsent;
+}
+
+Result<std::vector<ViewSampler>> prepare(const std::vector<RangeView>& views,
+                                         const MergeOptions& options,
+                                         std::vector<std::string>& notes) {
+  if (views.empty()) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
+  std::vector<ViewSampler> samplers;
+  std::size_t without_pose = 0;
+  for (const RangeView& view : views) {
+    if (!usable(view, views.size())) {
+      ++without_pose;
+      notes.push_back("view `" + view.name + "` has no pose and is left out; align it first");
+      continue;
+    }
+    auto sampler = ViewSampler::create(view, {options.silhouette_ramp, options.threads});
+    if (!sampler) return sampler.error();
+    if (sampler->empty())
+      notes.push_back("view `" + view.name + "` has no connected samples and is left out");
+    else
+      samplers.push_back(std::move(sampler).value());
+  }
+  if (!samplers.empty()) return samplers;
+  if (without_pose == views.size())
+    return Error{ErrorKind::kUnsolvable, "no view has a pose: align the views before merging"};
+  return Error{ErrorKind::kUnsolvable, "no view with a pose has connected samples to merge"};
+}
+
+void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& options,
+                   MergeResult& result) {
+  std::vector<double> spacings, noises;
+  for (const ViewSampler& view : views) {
+    spacings.push_back(view.spacing());
+    noises.push_back(view.noise());
+  }
+  result.view_noise = median(noises);
+  result.voxel_size = options.voxel_size > 0.0 ? options.voxel_size : median(spacings);
+  result.truncation =
+      options.truncation > 0.0
+          ? options.truncation
+          : std::max(3.0 * result.voxel_size, 4.0 * result.view_noise + result.voxel_size);
+}
+
+bool has_filled(const TriangleMesh& mesh, const TriangleMesh::Face& face) {
+  return std::any_of(face.begin(), face.end(), [&](std::uint32_t v) { return mesh.filled[v]; });
+}
+
+double filled_area_fraction(const TriangleMesh& mesh) {
+  double filled = 0.0;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    if (has_filled(mesh, mesh.faces[f])) filled += 0.5 * face_cross(mesh, f).norm();
+  return filled / surface_area(mesh);
+}
+
+void open_holes(TriangleMesh& mesh) {
+  std::erase_if(mesh.faces, [&](const auto& face) { return has_filled(mesh, face); });
+  drop_unused_vertices(mesh);
+}
+
+Error failed_check(const MeshCheck& check) {
+  std::ostringstream message;
+  message << "the merged surface is no closed manifold (" << check.faces << " faces, "
+          << check.boundary_edges << " boundary edges, " << check.non_manifold_edges
+          << " non-manifold edges, " << check.non_manifold_vertices << " non-manifold vertices, "
+          << check.degenerate_faces << " degenerate faces, " << check.duplicate_vertices
+          << " duplicate vertices, volume " << check.volume << "); try another voxel size";
+  return {ErrorKind::kUnsolvable, message.str()};
+}
+
+}  // namespace
+
+Result<MergeResult> merge_views(const std::vector<RangeView>& views, const MergeOptions& options,
+                                const Progress& progress) {
+  const Error interrupted{ErrorKind::kInterrupted, "merging was interrupted"};
+  MergeResult result;
+  if (!report_progress(progress, 0.0, "merge")) return interrupted;
+  const auto samplers = prepare(views, options, result.notes);
+  if (!samplers) return samplers.error();
+  choose_scales(*samplers, options, result);
+
+  ClosedFieldOptions field_options;
+  field_options.voxel_size = result.voxel_size;
+  field_options.truncation = result.truncation;
+  field_options.threads = options.threads;
+  const auto field = compute_closed_field(*samplers, field_options, progress);
+  if (!field) return field.error();
+
+  if (!report_progress(progress, 0.85, "extract")) return interrupted;
+  Isosurface surface = extract_isosurface(field->finest(), options.threads);
+  result.edges_split = split_shared_diagonals(surface);
+  result.mesh = std::move(surface.mesh);
+  if (!options.keep_components) {
+    const RemovedComponents removed = keep_largest_component(result.mesh);
+    result.components_removed = removed.components;
+    result.faces_removed = removed.faces;
+  }
+  result.check = check_mesh(result.mesh);
+  if (!result.check.watertight()) return failed_check(result.check);
+
+  if (!report_progress(progress, 0.9, "measure the surface")) return interrupted;
+  set_vertex_attributes(result.mesh, *samplers,
+                        {result.truncation, result.voxel_size, result.view_noise, options.threads});
+  result.filled_area_fraction = filled_area_fraction(result.mesh);
+  if (options.keep_holes) {
+    open_holes(result.mesh);
+    result.check = check_mesh(result.mesh);
+  }
+  report_progress(progress, 1.0, "merge");
+  return result;
+}
+
+}  // namespace relief

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scan/mesh_check.h"
+#include "scan/progress.h"
+#include "scan/range_view.h"
+#include "scan/result.h"
+#include "scan/triangle_mesh.h"
+
+namespace relief {
+
+struct MergeOptions {
+  /// Spacing of the lattice the surface is extracted from [unit]; 0: the median sample spacing of
+  /// the views.
+  double voxel_size = 0.0;
+  /// Views contribute to the signed distance up to this far from their surface [unit]; 0: three
+  /// voxels, or four standard deviations of the views' noise and one voxel if that is more.
+  double truncation = 0.0;
+  /// The weight of a sample grows from a view's silhouettes over this many pixels.
+  int silhouette_ramp = 6;
+  /// Leave the surface open where no view measured it. The result is then not watertight.
+  bool keep_holes = false;
+  /// Keep surfaces apart from the largest one.
+  bool keep_components = false;
+  int threads = 0;  ///< 0: one per core. The result does not depend on it.
+};
+
+struct MergeResult {
+  /// With quality (expected error; for filled vertices the distance to the nearest measured one),
+  /// number of views, filled flag and normal of each vertex.
+  TriangleMesh mesh;
+  MeshCheck check;                    ///< Of `mesh`.
+  double filled_area_fraction = 0.0;  ///< Of the area before `keep_holes` opens it.
+  double voxel_size = 0.0;            ///< As used [unit].
+  double truncation = 0.0;            ///< As used [unit].
+  double view_noise = 0.0;            ///< Median standard deviation of the views' positions [unit].
+  std::size_t components_removed = 0;
+  std::size_t faces_removed = 0;   ///< In the removed components.
+  std::size_t edges_split = 0;     ///< Where the contour touched itself along an edge.
+  std::vector<std::string> notes;  ///< What the user should know, one line each.
+};
+
+/// Merges views, taken at their `world_from_view`, to one surface that is closed, edge- and
+/// vertex-manifold, oriented outwards and of positive volume. The order of the views does not
+/// matter. Views without samples or without a pose are left out, with a note.
+///
+/// Errors, all kUnsolvable: no views, no view with both a pose and connected samples, a voxel size
+/// far too small for the object, or a surface that fails its final check; kInterrupted.
+Result<MergeResult> merge_views(const std::vector<RangeView>& views,
+                                const MergeOptions& options = {}, const Progress& progress = {});
+
+}  // namespace relief

@@ -1,0 +1,240 @@
+#include "fusion/merge_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/fusion/scenes.h"
+
+namespace relief {
+namespace {
+
+using testing::box_distance;
+using testing::SignedDistance;
+using testing::sphere_distance;
+using testing::torus_distance;
+using testing::traced;
+using testing::views_around;
+
+MergeResult merged(const std::vector<RangeView>& views, const MergeOptions& options = {}) {
+  auto result = merge_views(views, options);
+  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
+  return result.ok() ? std::move(result).value() : MergeResult();
+}
+
+double measured_rms(const MergeResult& result, const SignedDistance& distance) {
+  double squares = 0.0;
+  std::size_t count = 0;
+  for (std::size_t v = 0; v < result.mesh.vertices.size(); ++v) {
+    if (result.mesh.filled[v]) continue;
+    squares += std::pow(distance(result.mesh.vertices[v]), 2);
+    ++count;
+  }
+  return std::sqrt(squares / static_cast<double>(count));
+}
+
+bool same(const TriangleMesh& a, const TriangleMesh& b) {
+  return a.vertices == b.vertices && a.faces == b.faces && a.normals == b.normals &&
+         a.quality == b.quality && a.views == b.views && a.filled == b.filled;
+}
+
+TEST(MergeViews, ASphereConvergesWithTheSquareOfTheResolution) {
+  const testing::Surface surface = testing::sphere(Eigen::Vector3d::Zero(), 50.0);
+  std::vector<double> rms;
+  for (const int size : {40, 80, 160}) {
+    const MergeResult result = merged(views_around(surface, 8, size, 50.0));
+    EXPECT_TRUE(result.check.watertight());
+    EXPECT_EQ(result.check.genus, 0);
+    EXPECT_EQ(result.check.components, 1u);
+    EXPECT_EQ(result.components_removed, 0u);
+    rms.push_back(measured_rms(result, sphere_distance(50.0)));
+    EXPECT_LT(rms.back(), 0.01 * result.voxel_size);
+    const double ball = 4.0 / 3.0 * std::numbers::pi * std::pow(50.0, 3);
+    EXPECT_NEAR(result.check.volume / ball, 1.0, 2e-4 * result.voxel_size * result.voxel_size);
+  }
+  EXPECT_GT(rms[0] / rms[1], 3.0);
+  EXPECT_GT(rms[1] / rms[2], 3.0);
+}
+
+TEST(MergeViews, ATorusKeepsItsHole) {
+  const SignedDistance torus = torus_distance(35.0, 12.0);
+  const MergeResult result = merged(views_around(traced(torus), 14, 100, 50.0));
+  EXPECT_TRUE(result.check.watertight());
+  EXPECT_EQ(result.check.genus, 1);
+  EXPECT_EQ(result.check.components, 1u);
+  const double volume = 2.0 * std::pow(std::numbers::pi * 12.0, 2) * 35.0;
+  EXPECT_NEAR(result.check.volume / volume, 1.0, 0.005);
+  EXPECT_LT(measured_rms(result, torus), 0.03 * result.voxel_size);
+}
+
+TEST(MergeViews, ABoxKeepsItsFacesAndVolume) {
+  const SignedDistance box = box_distance({30.0, 25.0, 20.0});
+  const MergeResult result = merged(views_around(traced(box), 14, 100, 50.0));
+  EXPECT_TRUE(result.check.watertight());
+  EXPECT_EQ(result.check.genus, 0);
+  EXPECT_NEAR(result.check.volume / (60.0 * 50.0 * 40.0), 1.0, 0.01);
+  EXPECT_LT(measured_rms(result, box), 0.12 * result.voxel_size);
+}
+
+TEST(MergeViews, AThinPlateKeepsItsThickness) {
+  const SignedDistance plate = box_distance({30.0, 25.0, 2.0});
+  const MergeResult result = merged(views_around(traced(plate), 20, 120, 40.0));
+  EXPECT_TRUE(result.check.watertight());
+  EXPECT_EQ(result.check.genus, 0);
+  EXPECT_NEAR(result.check.volume / (60.0 * 50.0 * 4.0), 1.0, 0.03);
+}
+
+TEST(MergeViews, AveragingManyViewsReducesNoise) {
+  auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 20, 100, 50.0);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    testing::add_range_noise(views[i], 0.3, static_cast<std::uint32_t>(i));
+  const MergeResult result = merged(views);
+  EXPECT_TRUE(result.check.watertight());
+  EXPECT_NEAR(result.view_noise, 0.2, 0.1);  // along the normal: below 0.3 at slanted samples
+  const double rms = measured_rms(result, sphere_distance(50.0));
+  EXPECT_LT(rms, 0.12);
+  // The expected errors are of the size of the real ones.
+  double expected = 0.0;
+  for (const float quality : result.mesh.quality) expected += quality * quality;
+  expected = std::sqrt(expected / static_cast<double>(result.mesh.quality.size()));
+  EXPECT_GT(expected, 0.5 * rms);
+  EXPECT_LT(expected, 2.0 * rms);
+}
+
+TEST(MergeViews, OneViewIsClosedBehindWithoutEnteringSpaceSeenEmpty) {
+  const auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 1, 80, 50.0);
+  const MergeResult result = merged(views);
+  EXPECT_TRUE(result.check.watertight());
+  EXPECT_GT(result.filled_area_fraction, 0.3);
+  const RangeView& view = views[0];
+  std::size_t checked = 0;
+  for (std::size_t v = 0; v < result.mesh.vertices.size(); ++v) {
+    if (!result.mesh.filled[v]) continue;
+    const Eigen::Vector3d p = view.world_from_view.inverse() * result.mesh.vertices[v];
+    const auto pixel = view.camera.project(p);
+    if (!pixel) continue;
+    const int u = static_cast<int>(std::lround(pixel->x())),
+              w = static_cast<int>(std::lround(pixel->y()));
+    if (!view.has_sample(u, w)) continue;
+    const double in_front = view.normals(u, w).cast<double>().dot(p - view.point(u, w));
+    EXPECT_LT(in_front, result.voxel_size);
+    ++checked;
+  }
+  EXPECT_GT(checked, 100u);
+}
+
+TEST(MergeViews, HolesCanBeKept) {
+  const auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 2, 60, 50.0);
+  MergeOptions options;
+  options.keep_holes = true;
+  const MergeResult result = merged(views, options);
+  EXPECT_GT(result.check.boundary_edges, 0u);
+  EXPECT_GT(result.filled_area_fraction, 0.0);
+  for (const auto filled : result.mesh.filled) EXPECT_EQ(filled, 0);
+  EXPECT_EQ(result.check.non_manifold_edges, 0u);
+}
+
+TEST(MergeViews, ThreadsAndTheOrderOfViewsDoNotChangeAByte) {
+  auto views = views_around(traced(torus_distance(35.0, 12.0)), 6, 60, 50.0);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    testing::add_range_noise(views[i], 0.2, static_cast<std::uint32_t>(i));
+  MergeOptions options;
+  options.threads = 1;
+  const MergeResult reference = merged(views, options);
+  for (const int threads : {2, 4}) {
+    options.threads = threads;
+    EXPECT_TRUE(same(merged(views, options).mesh, reference.mesh)) << threads;
+  }
+  std::reverse(views.begin(), views.end());
+  EXPECT_TRUE(same(merged(views, options).mesh, reference.mesh));
+}
+
+TEST(MergeViews, NothingDependsOnTheUnit) {
+  auto views = views_around(traced(torus_distance(32.0, 12.0)), 6, 50, 50.0);
+  const MergeResult large = merged(views);
+  for (RangeView& view : views) {
+    for (double& t : view.range) t /= 1024.0;
+    view.world_from_view.translation() /= 1024.0;
+  }
+  const MergeResult small = merged(views);
+  EXPECT_EQ(small.check.faces, large.check.faces);
+  EXPECT_NEAR(small.check.volume * std::pow(1024.0, 3) / large.check.volume, 1.0, 1e-5);
+}
+
+TEST(MergeViews, AnOutlierSeenThroughByOthersIsRemoved) {
+  auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 14, 60, 50.0);
+  // A patch of one view floats 40 in front of the sphere.
+  for (int v = 25; v < 35; ++v)
+    for (int u = 25; u < 35; ++u) views[4].range(u, v) -= 20.0;
+  const MergeResult result = merged(views);
+  EXPECT_TRUE(result.check.watertight());
+  for (const auto& p : result.mesh.vertices) EXPECT_LT(p.norm(), 53.0);
+}
+
+TEST(MergeViews, RandomScenesAreAlwaysClosedManifolds) {
+  const std::vector<SignedDistance> shapes{sphere_distance(40.0), torus_distance(32.0, 10.0),
+                                           box_distance({35.0, 20.0, 3.0})};
+  std::vector<std::vector<RangeView>> pool;
+  for (const auto& shape : shapes) pool.push_back(views_around(traced(shape), 10, 36, 46.0));
+  for (std::uint32_t seed = 0; seed < 50; ++seed) {
+    std::mt19937 random(seed);
+    const auto below = [&](std::uint32_t n) { return static_cast<int>(random() % n); };
+    std::vector<RangeView> views;
+    const int count = 1 + below(8);
+    for (int i = 0; i < count; ++i) {
+      RangeView view = pool[seed % pool.size()][static_cast<std::size_t>(below(10))];
+      testing::add_range_noise(view, 0.3 * below(6), random());
+      RigidTangent error;
+      for (int k = 0; k < 6; ++k) error[k] = (below(2001) - 1000) * (k < 3 ? 3e-5 : 2e-3);
+      view.world_from_view = motion_from_tangent(error) * view.world_from_view;
+      for (int rectangle = below(4); rectangle > 0; --rectangle) {
+        const int u0 = below(30), v0 = below(30), step = below(3) * 10;
+        for (int v = v0; v < std::min(36, v0 + 6); ++v)
+          for (int u = u0; u < std::min(36, u0 + 6); ++u)
+            view.range(u, v) = step == 0 ? kNoSample : view.range(u, v) - step;
+      }
+      views.push_back(std::move(view));
+    }
+    const auto result = merge_views(views);
+    ASSERT_TRUE(result.ok()) << "seed " << seed << ": " << result.error().message;
+    EXPECT_TRUE(result.value().check.watertight()) << "seed " << seed;
+  }
+}
+
+TEST(MergeViews, SaysWhatIsWrongWithItsInput) {
+  EXPECT_EQ(merge_views({}).error().kind, ErrorKind::kUnsolvable);
+  auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 2, 40, 50.0);
+  for (RangeView& view : views) view.pose = PoseKind::kAbsent;
+  const auto absent = merge_views(views);
+  ASSERT_FALSE(absent.ok());
+  EXPECT_NE(absent.error().message.find("align"), std::string::npos);
+
+  views[0].pose = PoseKind::kKnown;
+  const MergeResult partly = merged(views);
+  ASSERT_EQ(partly.notes.size(), 1u);
+  EXPECT_NE(partly.notes[0].find("view1"), std::string::npos);
+
+  for (RangeView& view : views) {
+    view.pose = PoseKind::kKnown;
+    for (double& t : view.range) t = kNoSample;
+  }
+  const auto empty = merge_views(views);
+  ASSERT_FALSE(empty.ok());
+  EXPECT_EQ(empty.error().kind, ErrorKind::kUnsolvable);
+}
+
+TEST(MergeViews, CanBeInterrupted) {
+  const auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 2, 40, 50.0);
+  for (const double until : {0.0, 0.5, 0.87}) {
+    const auto result =
+        merge_views(views, {}, [&](double fraction, std::string_view) { return fraction < until; });
+    ASSERT_FALSE(result.ok());
+    EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
+  }
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "scan/range_view.h"
+#include "tests/support/synthetic_views.h"
+
+namespace relief::testing {
+
+/// A signed distance (or a lower bound of it), negative inside.
+using SignedDistance = std::function<double(const Eigen::Vector3d&)>;
+
+SignedDistance sphere_distance(double radius);
+/// Round the z axis.
+SignedDistance torus_distance(double major_radius, double minor_radius);
+SignedDistance box_distance(const Eigen::Vector3d& half_sizes);
+
+/// The surface found by marching along the ray in steps of the distance.
+Surface traced(SignedDistance distance);
+
+/// `count` directions spread evenly over the sphere (a Fibonacci lattice).
+std::vector<Eigen::Vector3d> even_directions(int count);
+
+/// Pinhole views from `count` even directions, `size` pixels square, of a sphere of `radius` round
+/// the origin that fills the image.
+std::vector<RangeView> views_around(const Surface& surface, int count, int size, double radius);
+
+}  // namespace relief::testing
