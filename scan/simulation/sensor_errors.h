@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "scan/range_view.h"
+
+namespace relief {
+
+/// Which random numbers an error draws: equal streams of equal seeds give equal errors.
+struct RandomStream {
+  std::uint64_t seed = 1;
+  std::uint64_t stream = 0;
+};
+
+/// Adds white Gaussian noise to the range: `sigma` [unit] is its standard deviation along the ray.
+void add_range_noise(RangeView& view, double sigma, const RandomStream& random);
+
+/// Turns each normal by independent Gaussian angles of standard deviation `sigma_rad` about two
+/// perpendicular axes of its tangent plane, so the angle between the old and the new normal has the
+/// mean 1.25 sigma and the RMS 1.41 sigma.
+void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& random);
+
+/// Turns the normals by a smooth random field of rotations about axes of the tangent plane: the
+/// low-frequency error of photometric stereo. `rms_rad` is the RMS of the angle over the view's
+/// normals. The field is a sum of plane waves in space whose lengths lie between `wavelength`
+/// [unit] and twice that, so it is smooth over the surface and changes nothing at shorter scales.
+void add_normal_bias(RangeView& view, double rms_rad, double wavelength,
+                     const RandomStream& random);
+
+/// A motion of exactly the given size: a rotation by `angle_rad` about a random axis through
+/// `centre`, then a translation by `distance` [unit] in a random direction.
+RigidMotion random_motion(double angle_rad, double distance, const Eigen::Vector3d& centre,
+                          const RandomStream& random);
+
+}  // namespace relief
