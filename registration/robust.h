@@ -1,0 +1,38 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace relief {
+
+/// Turns the median absolute value of Gaussian numbers of mean zero into their standard deviation.
+inline constexpr double kSigmaPerMedian = 1.4826;
+
+/// The value at `fraction` in [0, 1] of the sorted values; 0 for none. Reorders its copy only.
+inline double quantile(std::vector<double> values, double fraction) {
+  if (values.empty()) return 0.0;
+  const auto last = static_cast<double>(values.size() - 1);
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(fraction * last);
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+/// Robust standard deviation about zero: insensitive to almost half of the values being outliers.
+inline double robust_sigma(std::vector<double> residuals) {
+  for (double& residual : residuals) residual = std::abs(residual);
+  return kSigmaPerMedian * quantile(std::move(residuals), 0.5);
+}
+
+/// The weight that iterative reweighting gives a whitened residual under the Cauchy loss of scale
+/// `c`, rho(r) = c^2 log(1 + (r/c)^2).
+inline double cauchy_weight(double residual, double c) {
+  const double ratio = residual / c;
+  return 1.0 / (1.0 + ratio * ratio);
+}
+
+/// Where the Cauchy loss turns from quadratic to logarithmic [standard deviations]; 2.385 keeps 95
+/// % of the efficiency of least squares on Gaussian residuals.
+inline constexpr double kCauchyScale = 2.385;
+
+}  // namespace relief

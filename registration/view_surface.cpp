@@ -1,0 +1,175 @@
+#include "registration/view_surface.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "registration/robust.h"
+#include "scan/discontinuities.h"
+#include "scan/grid_normals.h"
+
+namespace relief {
+
+namespace {
+
+constexpr double kWantedNormalNoise = 0.035;  // [rad], two degrees
+constexpr int kLargestNormalRadius = 5;
+
+// A bijection of 64-bit integers whose outputs look random (the finaliser of Steele, Lea and Flood
+// 2014): sorting by it scatters indices without a random generator.
+std::uint64_t scatter(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+// Third differences of the range along (du, dv), turned into distances along the normal and scaled
+// to the standard deviation of one sample: (1, -3, 3, -1) has variance 20 sigma^2. A surface that
+// is quadratic over four samples contributes nothing.
+void third_differences(const RangeView& view, const GridEdges& edges,
+                       const Grid<Eigen::Vector3f>& normals, int du, int dv,
+                       std::vector<double>& out) {
+  for (int v = 0; v + 3 * dv < view.height(); ++v) {
+    for (int u = 0; u + 3 * du < view.width(); ++u) {
+      bool connected = normals(u, v).allFinite();
+      for (int k = 0; k < 3 && connected; ++k)
+        connected = edges.connected(u + k * du, v + k * dv, du, dv);
+      if (!connected) continue;
+      const auto t = [&](int k) { return view.range(u + k * du, v + k * dv); };
+      const double along_normal = view.camera.ray(u, v).direction.dot(normals(u, v).cast<double>());
+      out.push_back((t(0) - 3 * t(1) + 3 * t(2) - t(3)) * along_normal / std::sqrt(20.0));
+    }
+  }
+}
+
+double position_noise(const RangeView& view, const GridEdges& edges,
+                      const Grid<Eigen::Vector3f>& normals) {
+  std::vector<double> differences;
+  third_differences(view, edges, normals, 1, 0, differences);
+  third_differences(view, edges, normals, 0, 1, differences);
+  return robust_sigma(std::move(differences));
+}
+
+// The error of the slope of a plane fitted to a square window of half width `radius` [pixels]:
+// sigma / (spacing sqrt(sum of u^2 over the window)).
+double slope_noise(double noise, double spacing, int radius) {
+  const double side = 2.0 * radius + 1.0;
+  const double moment = side * side * radius * (radius + 1.0) / 3.0;
+  return spacing > 0.0 ? noise / (spacing * std::sqrt(moment)) : 0.0;
+}
+
+}  // namespace
+
+ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& options)
+    : camera_(view.camera), range_(view.range), confidence_(view.confidence) {
+  assert(options.boundary_margin >= 1);
+  spacing_ = sample_spacing(view);
+  smooth_normals(view, options);
+  select_samples();
+  if (samples_.empty() || (camera_.can_project() && !options.neighbour_index)) return;
+  Eigen::Matrix3Xd points(3, samples_.size());
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    points.col(static_cast<Eigen::Index>(i)) = sample(samples_[i]).point;
+  index_ = std::make_unique<NeighbourIndex>(points);
+}
+
+void ViewSurface::smooth_normals(const RangeView& view, const ViewSurfaceOptions& options) {
+  const GridEdges edges = connect_samples(view);
+  int radius = options.normal_radius > 0 ? options.normal_radius : 2;
+  normals_ = estimate_normals(view, edges, {.radius = radius, .threads = options.threads});
+  noise_ = position_noise(view, edges, normals_);
+  if (options.normal_radius == 0) {
+    while (radius < kLargestNormalRadius &&
+           slope_noise(noise_, spacing_, radius) > kWantedNormalNoise)
+      ++radius;
+    if (radius != 2)
+      normals_ = estimate_normals(view, edges, {.radius = radius, .threads = options.threads});
+  }
+  normal_noise_ = slope_noise(noise_, spacing_, radius);
+  if (options.normals == NormalSource::kMeasured && view.has_normals()) {
+    for (std::size_t i = 0; i < normals_.size(); ++i)
+      if (view.normals[i].allFinite()) normals_[i] = view.normals[i];
+  }
+  const auto boundary = boundary_distance(view, edges);
+  for (std::size_t i = 0; i < normals_.size(); ++i) {
+    const bool trusted = confidence_.empty() || confidence_[i] > 0.0f;
+    if (boundary[i] < options.boundary_margin || !trusted)
+      normals_[i].setConstant(std::numeric_limits<float>::quiet_NaN());
+  }
+}
+
+void ViewSurface::select_samples() {
+  for (std::size_t i = 0; i < normals_.size(); ++i)
+    if (normals_[i].allFinite()) samples_.push_back(static_cast<std::uint32_t>(i));
+  if (samples_.empty()) return;
+  std::sort(samples_.begin(), samples_.end(),
+            [](std::uint32_t a, std::uint32_t b) { return scatter(a) < scatter(b); });
+  // Relative to one sample, so that a view far from its own origin loses nothing.
+  const Eigen::Vector3d first = sample(samples_.front()).point;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const std::uint32_t i : samples_) {
+    const SurfacePoint s = sample(i);
+    sum += s.point - first;
+    mean_normal_ += s.normal;
+  }
+  mean_normal_.normalize();
+  centre_ = first + sum / static_cast<double>(samples_.size());
+  for (const std::uint32_t i : samples_)
+    radius_ = std::max(radius_, (sample(i).point - centre_).norm());
+}
+
+SurfacePoint ViewSurface::sample(std::uint32_t index) const {
+  const int u = static_cast<int>(index) % range_.width();
+  const int v = static_cast<int>(index) / range_.width();
+  return {camera_.ray(u, v).at(range_[index]), normals_[index].cast<double>().normalized(),
+          confidence_.empty() ? 1.0 : confidence_[index]};
+}
+
+std::optional<SurfacePoint> ViewSurface::at(const Eigen::Vector2d& pixel) const {
+  const double u_floor = std::floor(pixel.x()), v_floor = std::floor(pixel.y());
+  if (!(u_floor >= 0.0 && v_floor >= 0.0 && u_floor + 1.0 < range_.width() &&
+        v_floor + 1.0 < range_.height()))
+    return std::nullopt;
+  const double a = pixel.x() - u_floor, b = pixel.y() - v_floor;
+  const std::size_t row = static_cast<std::size_t>(range_.width());
+  const std::size_t corner = range_.index(static_cast<int>(u_floor), static_cast<int>(v_floor));
+  const std::size_t corners[4] = {corner, corner + 1, corner + row, corner + row + 1};
+  const double weights[4] = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
+  double range = 0.0, confidence = 0.0;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 4; ++k) {
+    range += weights[k] * range_[corners[k]];
+    normal += weights[k] * normals_[corners[k]].cast<double>();
+    confidence += confidence_.empty() ? weights[k] : weights[k] * confidence_[corners[k]];
+  }
+  // One corner that is not usable makes the normal NaN.
+  if (!(normal.squaredNorm() > 0.0)) return std::nullopt;
+  return SurfacePoint{camera_.ray_at(pixel.x(), pixel.y()).at(range), normal.normalized(),
+                      confidence};
+}
+
+std::vector<Eigen::Vector2d> ViewSurface::closest(const Eigen::Matrix3Xd& points) const {
+  assert(index_);
+  const std::vector<int> nearest = index_->nearest(points);
+  std::vector<Eigen::Vector2d> pixels(nearest.size());
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    const std::uint32_t index = samples_[static_cast<std::size_t>(nearest[i])];
+    const int u = static_cast<int>(index) % range_.width();
+    const int v = static_cast<int>(index) / range_.width();
+    // Usable samples are off the boundary, so their neighbours exist and are connected.
+    const auto point = [&](int x, int y) { return camera_.ray(x, y).at(range_(x, y)); };
+    Eigen::Matrix<double, 3, 2> tangents;
+    tangents.col(0) = 0.5 * (point(u + 1, v) - point(u - 1, v));
+    tangents.col(1) = 0.5 * (point(u, v + 1) - point(u, v - 1));
+    const Eigen::Vector3d offset = points.col(static_cast<Eigen::Index>(i)) - point(u, v);
+    const Eigen::Vector2d step =
+        (tangents.transpose() * tangents).inverse() * (tangents.transpose() * offset);
+    // Never further than to the neighbouring samples: beyond, another sample would be the nearest.
+    pixels[i] = Eigen::Vector2d(u, v) + step.cwiseMax(-1.0).cwiseMin(1.0);
+  }
+  return pixels;
+}
+
+}  // namespace relief

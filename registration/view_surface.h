@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/neighbour_index.h"
+#include "scan/range_view.h"
+
+namespace relief {
+
+enum class NormalSource {
+  kGeometric,  ///< Of the measured surface, smoothed: right on average whatever the normal maps
+               ///< are.
+  kMeasured,   ///< The view's own normals where it has them: for views that were refined.
+};
+
+struct ViewSurfaceOptions {
+  NormalSource normals = NormalSource::kGeometric;
+  /// Half width [pixels] of the window of geometric normals. 0: the smallest whose normals are good
+  /// to two degrees at the view's noise.
+  int normal_radius = 0;
+  /// Samples nearer than this [pixels] to a silhouette, an occlusion edge or the border of the grid
+  /// are not used: they are the least accurate, and there overlap ends. >= 1.
+  int boundary_margin = 2;
+  /// Build the nearest-neighbour index even where the camera can project.
+  bool neighbour_index = false;
+  int threads = 0;  ///< 0: one per core.
+};
+
+/// A point of a view's surface and its unit normal towards the sensor, in the view frame.
+struct SurfacePoint {
+  Eigen::Vector3d point, normal;
+  double confidence = 1.0;
+};
+
+/// What alignment needs of a range view, computed once: an interpolated surface with normals and
+/// the two ways of finding the place in it that is closest to a point. Movable, not copyable.
+class ViewSurface {
+ public:
+  explicit ViewSurface(const RangeView& view, const ViewSurfaceOptions& options = {});
+
+  /// Grid indices of the usable samples (normal, positive confidence, off the boundary) in a
+  /// scattered order: every prefix is spread over the whole surface.
+  const std::vector<std::uint32_t>& samples() const { return samples_; }
+  /// The sample at a grid index of samples().
+  SurfacePoint sample(std::uint32_t index) const;
+
+  /// The surface at fractional pixel coordinates, bilinear between samples; nothing unless the four
+  /// samples around are usable.
+  std::optional<SurfacePoint> at(const Eigen::Vector2d& pixel) const;
+
+  bool can_project() const { return camera_.can_project(); }
+  /// Constant-time association: the pixel that sees `point`.
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point) const {
+    return camera_.project(point);
+  }
+
+  bool has_neighbour_index() const { return index_ != nullptr; }
+  /// For each column the fractional pixel of the surface point closest to it: the nearest sample,
+  /// moved within its tangent plane to the foot of the query. Needs the index and a sample.
+  std::vector<Eigen::Vector2d> closest(const Eigen::Matrix3Xd& points) const;
+
+  double spacing() const { return spacing_; }  ///< Median sample spacing [unit].
+  /// Standard deviation of the white noise of positions along the normal [unit], robustly from
+  /// third differences.
+  double noise() const { return noise_; }
+  /// Standard deviation of the smoothed geometric normals due to that noise [rad].
+  double normal_noise() const { return normal_noise_; }
+  const Eigen::Vector3d& centre() const { return centre_; }  ///< Mean sample, view frame.
+  /// Unit mean normal of the samples: roughly towards the sensor, view frame.
+  const Eigen::Vector3d& mean_normal() const { return mean_normal_; }
+  double radius() const {
+    return radius_;
+  }  ///< Of the sphere about centre() that holds all samples.
+
+ private:
+  void smooth_normals(const RangeView& view, const ViewSurfaceOptions& options);
+  void select_samples();
+
+  Camera camera_;
+  Grid<double> range_;
+  Grid<Eigen::Vector3f> normals_;  // NaN where a sample is not usable.
+  Grid<float> confidence_;
+  std::vector<std::uint32_t> samples_;
+  std::unique_ptr<NeighbourIndex> index_;
+  double spacing_ = 0.0, noise_ = 0.0, normal_noise_ = 0.0, radius_ = 0.0;
+  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), mean_normal_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace relief

@@ -1,0 +1,99 @@
+#include "registration/view_surface.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tests/registration/bumpy_object.h"
+
+namespace relief {
+namespace {
+
+const Camera kCamera = Camera::pinhole(80, 60, {100, 100, 39.5, 29.5});
+
+TEST(ViewSurface, InterpolatesAPlaneExactly) {
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.2, -1).normalized();
+  const ViewSurface surface(testing::render(testing::plane({0, 0, 10}, normal), kCamera));
+  const auto found = surface.at({31.3, 22.8});
+  ASSERT_TRUE(found.has_value());
+  // The range is interpolated, whose inverse is what is linear on a plane.
+  EXPECT_NEAR((found->point - Eigen::Vector3d(0, 0, 10)).dot(normal), 0.0, 1e-4);
+  EXPECT_NEAR(found->normal.dot(normal), 1.0, 1e-6);
+}
+
+TEST(ViewSurface, EndsBeforeBoundariesAndTheGridsBorder) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  for (int v = 0; v < 60; ++v) view.range(40, v) = kNoSample;
+  const ViewSurface surface(view, {.boundary_margin = 2});
+  EXPECT_FALSE(surface.at({38.5, 30.0}).has_value());
+  EXPECT_TRUE(surface.at({35.5, 30.0}).has_value());
+  EXPECT_FALSE(surface.at({0.5, 30.0}).has_value());
+  EXPECT_FALSE(surface.at({-5.0, 30.0}).has_value());
+  EXPECT_FALSE(surface.at({1e9, 30.0}).has_value());
+}
+
+TEST(ViewSurface, DropsSamplesWithoutConfidence) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  view.confidence = Grid<float>(80, 60, 1.0f);
+  view.confidence(20, 20) = 0.0f;
+  const ViewSurface surface(view);
+  EXPECT_FALSE(surface.at({19.5, 19.5}).has_value());
+  EXPECT_TRUE(surface.at({22.5, 19.5}).has_value());
+}
+
+TEST(ViewSurface, MeasuresTheNoiseOfAView) {
+  for (const double sigma : {0.005, 0.03}) {  // Spacings are 0.06 to 0.1.
+    RangeView view = testing::render(testing::sphere({0, 0, 10}, 4.0), kCamera);
+    testing::add_range_noise(view, sigma, 1);
+    // Along the normal, so a little less than along the ray.
+    const ViewSurface surface(view);
+    EXPECT_LT(surface.noise(), 1.1 * sigma);
+    EXPECT_GT(surface.noise(), 0.6 * sigma);
+  }
+}
+
+TEST(ViewSurface, EveryPrefixOfTheSamplesCoversTheSurface) {
+  const ViewSurface surface(testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera));
+  int quadrants[4] = {};
+  for (std::size_t i = 0; i < 400; ++i) {
+    const Eigen::Vector3d p = surface.sample(surface.samples()[i]).point;
+    ++quadrants[(p.x() > 0) + 2 * (p.y() > 0)];
+  }
+  for (const int count : quadrants) EXPECT_NEAR(count, 100, 35);
+}
+
+TEST(ViewSurface, ClosestPointsAgreeWithTheProjectedOnes) {
+  testing::RingOptions ring;
+  ring.views = 1;
+  ring.noise = 0.0;
+  const RangeView view = testing::ring_of_views(ring).front();
+  const ViewSurface surface(view, {.neighbour_index = true});
+  Eigen::Matrix3Xd queries(3, 200);
+  for (int i = 0; i < 200; ++i) {
+    const SurfacePoint s = surface.sample(surface.samples()[static_cast<std::size_t>(i)]);
+    queries.col(i) = s.point + 0.2 * surface.spacing() * s.normal;
+  }
+  const auto pixels = surface.closest(queries);
+  int compared = 0;
+  for (int i = 0; i < 200; ++i) {
+    const auto closest = surface.at(pixels[static_cast<std::size_t>(i)]);
+    const auto seen = surface.at(*surface.project(queries.col(i)));
+    if (!closest || !seen) continue;
+    ++compared;
+    const double by_closest = closest->normal.dot(queries.col(i) - closest->point);
+    const double by_projection = seen->normal.dot(queries.col(i) - seen->point);
+    EXPECT_NEAR(by_closest, by_projection, 0.05 * surface.spacing());
+  }
+  EXPECT_GT(compared, 150);
+}
+
+TEST(ViewSurface, OfAnEmptyViewHasNoSamples) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  std::fill(view.range.begin(), view.range.end(), kNoSample);
+  const ViewSurface surface(view, {.neighbour_index = true});
+  EXPECT_TRUE(surface.samples().empty());
+  EXPECT_FALSE(surface.at({30.5, 30.5}).has_value());
+}
+
+}  // namespace
+}  // namespace relief
