@@ -1,0 +1,108 @@
+#include "registration/plane_step.h"
+
+#include <cmath>
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+
+namespace relief {
+
+namespace {
+
+struct NormalEquations {
+  Matrix6d matrix = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+
+  void add(const Vector6d& j, double residual, double weight) {
+    matrix.noalias() += weight * j * j.transpose();
+    gradient += weight * residual * j;
+  }
+};
+
+std::vector<OrientedPoint> oriented_points(const std::vector<PlanePair>& pairs) {
+  std::vector<OrientedPoint> points;
+  points.reserve(pairs.size());
+  for (const auto& pair : pairs) points.push_back({pair.fixed, pair.normal});
+  return points;
+}
+
+// Tangents scaled so that rotations and translations weigh alike: translation in radii.
+NormalEquations linearise(const std::vector<PlanePair>& pairs, IcpObjective objective,
+                          const Stability& about) {
+  NormalEquations system;
+  for (const auto& pair : pairs) {
+    const Eigen::Vector3d p = (pair.moving - about.centre) / about.radius;
+    const Eigen::Vector3d q = (pair.fixed - about.centre) / about.radius;
+    Vector6d j;
+    if (objective == IcpObjective::kPointToPlane) {
+      // (R1): n . (p + w x p + v - q).
+      j << p.cross(pair.normal), pair.normal;
+      system.add(j, pair.normal.dot(p - q), pair.weight);
+    } else {
+      // (R2), Rusinkiewicz 2019, eq. 10: n . (p - q) + ((p + q) x n) . a + n . t, here with the
+      // mean instead of the sum of the normals.
+      const Eigen::Vector3d n = 0.5 * (pair.moving_normal + pair.fixed_normal);
+      j << (p + q).cross(n), n;
+      system.add(j, n.dot(p - q), pair.weight);
+    }
+  }
+  return system;
+}
+
+// The minimiser within the space that the surface determines.
+Vector6d solve_within(const NormalEquations& system, const Stability& stability, double threshold) {
+  const auto free = static_cast<Eigen::Index>((stability.stiffness.array() >= threshold).count());
+  if (free == 0) return Vector6d::Zero();
+  const auto basis = stability.directions.rightCols(free);
+  const Eigen::MatrixXd reduced = basis.transpose() * system.matrix * basis;
+  return -(basis * reduced.ldlt().solve(basis.transpose() * system.gradient));
+}
+
+// (R4) without what noise contributes to undetermined directions, in radians and units.
+Matrix6d determined_information(const Matrix6d& scaled, const Stability& stability,
+                                double threshold) {
+  const auto free = static_cast<Eigen::Index>((stability.stiffness.array() >= threshold).count());
+  const Eigen::MatrixXd basis = stability.directions.rightCols(free);
+  const Matrix6d projector = basis * basis.transpose();
+  Vector6d scale = Vector6d::Ones();
+  scale.head<3>().setConstant(stability.radius);
+  return scale.asDiagonal() * (projector * scaled * projector) * scale.asDiagonal();
+}
+
+RigidMotion about(const Eigen::Vector3d& centre, const RigidMotion& motion) {
+  return Eigen::Translation3d(centre) * motion * Eigen::Translation3d(-centre);
+}
+
+RigidMotion motion_of(const Vector6d& x, IcpObjective objective, double radius) {
+  if (objective == IcpObjective::kPointToPlane) {
+    RigidTangent tangent = x;
+    tangent.tail<3>() *= radius;
+    return motion_from_tangent(tangent);
+  }
+  // Half the rotation is applied before and half after the translation (Rusinkiewicz 2019, sec. 4).
+  const Eigen::Vector3d a = x.head<3>();
+  const double angle = std::atan(a.norm());
+  RigidMotion half = RigidMotion::Identity();
+  if (angle > 0.0) half.linear() = Eigen::AngleAxisd(angle, a.normalized()).toRotationMatrix();
+  const Eigen::Vector3d translation = radius * std::cos(angle) * x.tail<3>();
+  return half * Eigen::Translation3d(translation) * half;
+}
+
+}  // namespace
+
+PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, IcpObjective objective,
+                           double threshold) {
+  PlaneStep step;
+  step.stability = analyse_stability(oriented_points(pairs));
+  const double radius = step.stability.radius;
+  const Vector6d x =
+      solve_within(linearise(pairs, objective, step.stability), step.stability, threshold);
+  step.motion = about(step.stability.centre, motion_of(x, objective, radius));
+
+  step.information =
+      determined_information(linearise(pairs, IcpObjective::kPointToPlane, step.stability).matrix,
+                             step.stability, threshold);
+  return step;
+}
+
+}  // namespace relief

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/icp.h"
+#include "registration/slippage.h"
+#include "scan/rigid_motion.h"
+
+namespace relief {
+
+/// Two points that should coincide up to sliding along the surface, in one frame.
+struct PlanePair {
+  Eigen::Vector3d moving, fixed;
+  Eigen::Vector3d moving_normal, fixed_normal;
+  /// The normal of whichever point was interpolated on a surface.
+  Eigen::Vector3d normal;
+  double weight = 1.0;
+};
+
+/// One linearised least-squares step of pairwise alignment.
+struct PlaneStep {
+  RigidMotion motion = RigidMotion::Identity();  ///< To apply to the moving points.
+  /// sum of weight j j^T over tangents about the centre of `stability`, (R4), of the
+  /// determined directions only.
+  Matrix6d information = Matrix6d::Zero();
+  Stability stability;
+};
+
+/// The motion that minimises the weighted squared distances of `pairs`, (R1) or (R2). Directions
+/// whose stiffness is below `threshold` are left alone: nothing but noise would move along them.
+PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, IcpObjective objective,
+                           double threshold);
+
+}  // namespace relief

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+namespace relief {
+
+/// One level of a coarse-to-fine search.
+struct SearchLevel {
+  int count = 0;              ///< Correspondences per direction of a pair.
+  double max_distance = 0.0;  ///< Between corresponding points [unit].
+  double tolerance = 0.0;     ///< The level ends when no point moves more than this [unit].
+};
+
+struct SearchScheduleOptions {
+  int levels = 3;               ///< >= 1.
+  int correspondences = 2000;   ///< At the finest level; half as many at each coarser one. >= 6.
+  double first_distance = 0.0;  ///< Search distance of the coarsest level [unit]; > 0.
+  double last_distance = 0.0;   ///< Of the finest [unit]; > 0.
+  double tolerance = 0.0;       ///< Of the finest level [unit]; > 0.
+};
+
+/// The distance [unit] within which corresponding points lie once two views are aligned: a few
+/// spacings and standard deviations of the noise.
+inline double finest_search_distance(double spacing, double noise) {
+  return 4.0 * spacing + 6.0 * noise;
+}
+
+/// Levels from coarse to fine, with distances in geometric progression. A single level where the
+/// first distance is not larger than the last.
+std::vector<SearchLevel> search_schedule(const SearchScheduleOptions& options);
+
+}  // namespace relief
