@@ -1,0 +1,151 @@
+#include "registration/joint_solver.h"
+
+#include <cmath>
+
+#include <Eigen/Dense>
+#include <ceres/ceres.h>
+
+#include "registration/plane_residual.h"
+#include "registration/robust.h"
+
+namespace relief {
+
+namespace {
+
+class PlaneCost : public ceres::SizedCostFunction<1, 7, 7> {
+ public:
+  explicit PlaneCost(const PlaneResidual& residual) : residual_(residual) {}
+
+  bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
+    residuals[0] = residual_.evaluate(poses[0], poses[1], jacobians ? jacobians[0] : nullptr,
+                                      jacobians ? jacobians[1] : nullptr);
+    return true;
+  }
+
+ private:
+  PlaneResidual residual_;
+};
+
+// The poses of all views as parameters about a common centre.
+struct PoseBlocks {
+  Eigen::Vector3d world_centre = Eigen::Vector3d::Zero();
+  std::vector<PoseParameters> values;
+};
+
+PoseBlocks pose_blocks(const std::vector<ViewSurface>& surfaces,
+                       const std::vector<RigidMotion>& world_from_view) {
+  PoseBlocks blocks;
+  const Eigen::Vector3d first = world_from_view.front() * surfaces.front().centre();
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    blocks.world_centre += world_from_view[i] * surfaces[i].centre() - first;
+  blocks.world_centre = first + blocks.world_centre / static_cast<double>(surfaces.size());
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    blocks.values.push_back(
+        pose_parameters(world_from_view[i], surfaces[i].centre(), blocks.world_centre));
+  return blocks;
+}
+
+PlaneResidual plane_residual(const Correspondence& c, double sigma, const ViewSurface& source,
+                             const ViewSurface& target) {
+  return {c.source.point - source.centre(), c.target.point - target.centre(), c.target.normal,
+          std::sqrt(c.weight) / sigma};
+}
+
+// What a pose without any constraint is known to: one radian, one radius of the view.
+RigidTangent prior_deviation(const ViewSurface& surface) {
+  RigidTangent deviation = RigidTangent::Ones();
+  deviation.tail<3>() *= surface.radius();
+  return deviation;
+}
+
+}  // namespace
+
+void solve_poses(const std::vector<ViewSurface>& surfaces,
+                 const std::vector<DirectedMatches>& matches, const std::vector<bool>& fixed,
+                 const JointSolverOptions& options, std::vector<RigidMotion>& world_from_view) {
+  PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
+  ceres::Problem::Options ownership;
+  ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::CauchyLoss loss(kCauchyScale);
+  ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> rigid;
+  ceres::Problem problem(ownership);
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    problem.AddParameterBlock(blocks.values[i].data(), 7, &rigid);
+    if (fixed[i]) problem.SetParameterBlockConstant(blocks.values[i].data());
+  }
+  for (const auto& pair : matches) {
+    for (const auto& c : pair.found.items) {
+      auto* cost = new PlaneCost(
+          plane_residual(c, pair.found.sigma, surfaces[pair.source], surfaces[pair.target]));
+      problem.AddResidualBlock(cost, &loss, blocks.values[pair.source].data(),
+                               blocks.values[pair.target].data());
+    }
+  }
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.max_num_iterations = options.max_iterations;
+  solver.num_threads = 1;  // Parallel sums would depend on the number of threads.
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  if (!summary.IsSolutionUsable()) return;
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    if (!fixed[i])
+      world_from_view[i] =
+          pose_from_parameters(blocks.values[i], surfaces[i].centre(), blocks.world_centre);
+}
+
+std::vector<RigidTangent> pose_deviations(const std::vector<ViewSurface>& surfaces,
+                                          const std::vector<DirectedMatches>& matches,
+                                          const std::vector<bool>& fixed,
+                                          const std::vector<RigidMotion>& world_from_view) {
+  const PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
+  const auto size = static_cast<Eigen::Index>(6 * surfaces.size());
+  // (R6): the information J^T W J of whitened residuals, plus the prior.
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const RigidTangent precision =
+        prior_deviation(surfaces[i]).cwiseMax(1e-300).array().square().inverse();
+    information.diagonal().segment<6>(static_cast<Eigen::Index>(6 * i)) = precision;
+  }
+  for (const auto& pair : matches) {
+    const auto s = static_cast<Eigen::Index>(6 * pair.source);
+    const auto t = static_cast<Eigen::Index>(6 * pair.target);
+    Eigen::Matrix<double, 12, 12> block = Eigen::Matrix<double, 12, 12>::Zero();
+    for (const auto& c : pair.found.items) {
+      const PlaneResidual residual =
+          plane_residual(c, pair.found.sigma, surfaces[pair.source], surfaces[pair.target]);
+      RigidTangent by_source, by_target;
+      residual.tangents(blocks.values[pair.source].data(), blocks.values[pair.target].data(),
+                        by_source, by_target);
+      Eigen::Matrix<double, 12, 1> j;
+      j << by_source, by_target;
+      block += cauchy_weight(residual.scale * c.distance, kCauchyScale) * j * j.transpose();
+    }
+    information.block<6, 6>(s, s) += block.topLeftCorner<6, 6>();
+    information.block<6, 6>(s, t) += block.topRightCorner<6, 6>();
+    information.block<6, 6>(t, s) += block.bottomLeftCorner<6, 6>();
+    information.block<6, 6>(t, t) += block.bottomRightCorner<6, 6>();
+  }
+  std::vector<RigidTangent> deviations(surfaces.size(), RigidTangent::Zero());
+  std::vector<Eigen::Index> free;
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    for (Eigen::Index k = 0; k < 6 && !fixed[i]; ++k)
+      free.push_back(static_cast<Eigen::Index>(6 * i) + k);
+  if (free.empty()) return deviations;
+  const Eigen::MatrixXd reduced = information(free, free);
+  // Scaled to a unit diagonal: radians and units differ by orders of magnitude.
+  const Eigen::VectorXd scale = reduced.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * reduced * scale.asDiagonal();
+  const Eigen::MatrixXd covariance =
+      scaled.ldlt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    deviations[static_cast<std::size_t>(free[k] / 6)][free[k] % 6] =
+        scale[i] * std::sqrt(std::max(0.0, covariance(i, i)));
+  }
+  return deviations;
+}
+
+}  // namespace relief

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/correspondences.h"
+#include "registration/view_surface.h"
+#include "scan/rigid_motion.h"
+
+namespace relief {
+
+/// Correspondences from samples of one view to the surface of another.
+struct DirectedMatches {
+  std::size_t source = 0, target = 0;
+  Correspondences found;
+};
+
+struct JointSolverOptions {
+  int max_iterations = 3;  ///< Levenberg-Marquardt steps; few, when correspondences are renewed.
+};
+
+/// One minimisation of (R3) over all poses with fixed correspondences: Levenberg-Marquardt with the
+/// Cauchy loss and a sparse Cholesky factorisation. Poses with `fixed` are not touched. Same bytes
+/// always: it runs in one thread.
+void solve_poses(const std::vector<ViewSurface>& surfaces,
+                 const std::vector<DirectedMatches>& matches, const std::vector<bool>& fixed,
+                 const JointSolverOptions& options, std::vector<RigidMotion>& world_from_view);
+
+/// Standard deviations of each pose by (R6), as tangents (rotation [rad], translation [unit]) about
+/// the view's centre, world axes; zero for fixed views. They count every residual as independent,
+/// and are finite: what nothing determines is known to a radian and a view radius.
+std::vector<RigidTangent> pose_deviations(const std::vector<ViewSurface>& surfaces,
+                                          const std::vector<DirectedMatches>& matches,
+                                          const std::vector<bool>& fixed,
+                                          const std::vector<RigidMotion>& world_from_view);
+
+}  // namespace relief

@@ -1,0 +1,36 @@
+#include "registration/view_graph.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/registration/bumpy_object.h"
+
+namespace relief {
+namespace {
+
+TEST(ViewGraph, LinksNeighboursOfARingAndNotOppositeViews) {
+  const auto views = testing::ring_of_views({.views = 8});
+  std::vector<ViewSurface> surfaces;
+  for (const auto& view : views) surfaces.emplace_back(view);
+  ViewGraphOptions options;
+  options.max_distance = 4.0 * surfaces[0].spacing();
+  const auto pairs = find_overlapping_pairs(surfaces, testing::poses_of(views), options);
+  const auto linked = [&](std::size_t a, std::size_t b) {
+    for (const auto& pair : pairs)
+      if (pair.a == a && pair.b == b) return true;
+    return false;
+  };
+  for (std::size_t i = 0; i + 1 < 8; ++i) EXPECT_TRUE(linked(i, i + 1));
+  EXPECT_TRUE(linked(0, 7));
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_FALSE(linked(i, i + 4));
+  EXPECT_EQ(connected_groups(8, pairs), std::vector<std::size_t>(8, 0));
+}
+
+TEST(ViewGraph, GroupsFollowChainsInAnyOrder) {
+  EXPECT_EQ(connected_groups(6, {{2, 5, 1}, {0, 1, 1}, {3, 5, 1}}),
+            (std::vector<std::size_t>{0, 0, 2, 2, 4, 2}));
+  EXPECT_EQ(connected_groups(4, {{2, 3, 1}, {1, 2, 1}, {0, 3, 1}}),
+            (std::vector<std::size_t>(4, 0)));
+}
+
+}  // namespace
+}  // namespace relief
