@@ -1,0 +1,209 @@
+#include "registration/align_views.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/registration/bumpy_object.h"
+
+namespace relief {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::mean_displacements;
+using testing::perturbed;
+using testing::poses_of;
+
+constexpr double kAngle = 0.05;  // [rad], just under three degrees
+
+const std::vector<RangeView>& true_ring() {
+  static const std::vector<RangeView> views = testing::ring_of_views();
+  return views;
+}
+
+double spacing() {
+  static const double value = sample_spacing(true_ring()[0]);
+  return value;
+}
+
+std::vector<RangeView> disturbed_ring() {
+  return perturbed(true_ring(), Eigen::Vector3d::Zero(), kAngle, 2.0 * spacing());
+}
+
+double largest_error(const Alignment& alignment) {
+  const auto errors =
+      mean_displacements(true_ring(), alignment.world_from_view(), poses_of(true_ring()));
+  return *std::max_element(errors.begin(), errors.end()) / spacing();
+}
+
+bool same_bytes(const RigidMotion& a, const RigidMotion& b) {
+  return std::memcmp(a.data(), b.data(), 16 * sizeof(double)) == 0;
+}
+
+double largest_difference(const std::vector<RigidMotion>& a, const std::vector<RigidMotion>& b) {
+  const auto differences = mean_displacements(true_ring(), a, b);
+  return *std::max_element(differences.begin(), differences.end()) / spacing();
+}
+
+TEST(AlignViews, ClosesARingOfNoisyViews) {
+  const auto aligned = align_views(disturbed_ring());
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_TRUE(aligned->complete());
+  EXPECT_EQ(aligned->termination, RefinementTermination::kConverged);
+  EXPECT_LT(largest_error(*aligned), 0.1);
+  EXPECT_TRUE(same_bytes(aligned->views[0].world_from_view, true_ring()[0].world_from_view));
+  for (const auto& view : aligned->views)
+    EXPECT_NEAR(view.world_from_view.linear().determinant(), 1.0, 1e-12);
+}
+
+TEST(AlignViews, DoesNotDependOnTheThreadCount) {
+  const auto views = disturbed_ring();
+  AlignOptions options;
+  options.refinement.correspondences = 300;
+  options.threads = 1;
+  const auto one = align_views(views, options);
+  for (const int threads : {2, 4}) {
+    options.threads = threads;
+    const auto more = align_views(views, options);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      EXPECT_TRUE(same_bytes(one->views[i].world_from_view, more->views[i].world_from_view));
+      EXPECT_EQ(one->views[i].pose_std, more->views[i].pose_std);
+    }
+  }
+}
+
+TEST(AlignViews, DoesNotDependOnWhichViewIsHeld) {
+  auto views = disturbed_ring();
+  const auto first = align_views(views);
+  views[3].pose = PoseKind::kKnown;
+  const auto third = align_views(views);
+  EXPECT_LT(largest_difference(first->world_from_view(), third->world_from_view()), 0.02);
+}
+
+TEST(AlignViews, KeepsKnownPosesToTheBit) {
+  auto views = disturbed_ring();
+  for (const std::size_t known : {2u, 5u}) {
+    views[known].world_from_view = true_ring()[known].world_from_view;
+    views[known].pose = PoseKind::kKnown;
+  }
+  const auto aligned = align_views(views);
+  for (const std::size_t known : {2u, 5u}) {
+    EXPECT_TRUE(same_bytes(aligned->views[known].world_from_view, views[known].world_from_view));
+    EXPECT_TRUE(aligned->views[known].pose_std.isZero());
+  }
+  EXPECT_LT(largest_error(*aligned), 0.1);
+}
+
+TEST(AlignViews, MovesWithTheWorld) {
+  auto views = disturbed_ring();
+  const auto here = align_views(views);
+  RigidTangent tangent;
+  tangent << 0.5, -1.0, 2.0, 1e6 * spacing(), -1e6 * spacing(), 3e5 * spacing();
+  const RigidMotion elsewhere = motion_from_tangent(tangent);
+  for (auto& view : views) view.world_from_view = elsewhere * view.world_from_view;
+  const auto there = align_views(views);
+  EXPECT_LT(largest_error(*there), 0.1);
+  EXPECT_LT(largest_difference(here->world_from_view(), there->world_from_view()), 1e-3);
+}
+
+TEST(AlignViews, DoesNotDependOnTheUnit) {
+  auto views = disturbed_ring();
+  const auto millimetres = align_views(views);
+  for (auto& view : views) {  // A pinhole view scales with its range.
+    for (double& range : view.range) range *= 1e-3;
+    view.world_from_view.translation() *= 1e-3;
+  }
+  const auto metres = align_views(views);
+  auto poses = metres->world_from_view();
+  for (auto& pose : poses) pose.translation() *= 1e3;
+  EXPECT_LT(largest_difference(millimetres->world_from_view(), poses), 1e-3);
+  EXPECT_NEAR(metres->rms, 1e-3 * millimetres->rms, 1e-6 * millimetres->rms);
+}
+
+TEST(AlignViews, AlignsAViewWithItsDuplicate) {
+  const RangeView view = true_ring()[0];
+  const auto views = perturbed({view, view}, Eigen::Vector3d::Zero(), kAngle, spacing());
+  const auto aligned = align_views(views);
+  ASSERT_TRUE(aligned->complete());
+  EXPECT_TRUE(aligned->views[1].world_from_view.isApprox(view.world_from_view, 1e-5));
+}
+
+TEST(AlignViews, ReportsViewsThatOverlapNothing) {
+  auto views = disturbed_ring();
+  views.resize(3);
+  views[2].world_from_view = Eigen::Translation3d(1e4, 0, 0) * views[2].world_from_view;
+  const auto aligned = align_views(views);
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_FALSE(aligned->complete());
+  EXPECT_TRUE(aligned->views[0].aligned);
+  EXPECT_TRUE(aligned->views[1].aligned);
+  EXPECT_FALSE(aligned->views[2].aligned);
+  EXPECT_THAT(aligned->views[2].reason, HasSubstr("overlaps no other view"));
+  EXPECT_TRUE(same_bytes(aligned->views[2].world_from_view, views[2].world_from_view));
+}
+
+TEST(AlignViews, AlignsNeitherOfTwoViewsThatDoNotOverlap) {
+  const auto aligned = align_views({true_ring()[0], true_ring()[4]});
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_EQ(aligned->termination, RefinementTermination::kNoOverlap);
+  for (const auto& view : aligned->views) EXPECT_FALSE(view.aligned);
+}
+
+TEST(AlignViews, KeepsTwoGroupsApart) {
+  auto views = disturbed_ring();
+  const RigidMotion apart(Eigen::Translation3d(0, 0, 1e4));
+  for (const std::size_t i : {0u, 1u, 2u})
+    views[i].world_from_view = apart * views[i].world_from_view;
+  const auto aligned = align_views(views);
+  for (std::size_t i = 0; i < views.size(); ++i) EXPECT_EQ(aligned->views[i].aligned, i > 2);
+  EXPECT_THAT(aligned->views[1].reason, HasSubstr("aligned only to view0, view2"));
+  // Each group is aligned all the same.
+  auto poses = aligned->world_from_view();
+  const std::vector<RangeView> group(views.begin(), views.begin() + 3);
+  const auto errors = mean_displacements(group, {poses[0], poses[1], poses[2]},
+                                         poses_of({true_ring().begin(), true_ring().begin() + 3}));
+  for (const double error : errors) EXPECT_LT(error, 0.2 * spacing());
+}
+
+TEST(AlignViews, LeavesViewsWithHardlyAnySamples) {
+  auto views = disturbed_ring();
+  views.resize(3);
+  std::fill(views[1].range.begin(), views[1].range.end(), kNoSample);
+  std::fill(views[2].range.begin(), views[2].range.end(), kNoSample);
+  views[2].range(80, 80) = true_ring()[2].range(80, 80);
+  const auto aligned = align_views(views);
+  ASSERT_TRUE(aligned.ok());
+  for (const std::size_t i : {1u, 2u}) {
+    EXPECT_FALSE(aligned->views[i].aligned);
+    EXPECT_THAT(aligned->views[i].reason, HasSubstr("no usable samples"));
+  }
+}
+
+TEST(AlignViews, OfOneViewIsThatView) {
+  const auto aligned = align_views({true_ring()[1]});
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_TRUE(aligned->complete());
+  EXPECT_TRUE(same_bytes(aligned->views[0].world_from_view, true_ring()[1].world_from_view));
+  EXPECT_THAT(aligned->notes, ::testing::Contains(HasSubstr("one view only")));
+}
+
+TEST(AlignViews, RejectsNoViewsAndBadOptions) {
+  EXPECT_FALSE(align_views({}).ok());
+  AlignOptions options;
+  options.refinement.min_overlap = 2.0;
+  const auto refused = align_views({true_ring()[0]}, options);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().message, HasSubstr("refinement.min_overlap must be in (0, 1]"));
+}
+
+TEST(AlignViews, StopsWhenAsked) {
+  const auto stopped =
+      align_views(disturbed_ring(), {}, [](double, std::string_view) { return false; });
+  ASSERT_FALSE(stopped.ok());
+  EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
+}
+
+}  // namespace
+}  // namespace relief
