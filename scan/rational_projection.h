@@ -15,7 +15,10 @@ namespace relief {
 /// moves along one axis (u affine, v perspective: the linear pushbroom camera of Gupta and Hartley
 /// 1997). The points of one pixel lie on the intersection of two planes: its ray.
 struct RationalProjection {
-  Eigen::Vector4d u_numerator, u_denominator, v_numerator, v_denominator;
+  Eigen::Vector4d u_numerator = Eigen::Vector4d::Zero();
+  Eigen::Vector4d u_denominator = Eigen::Vector4d::Zero();
+  Eigen::Vector4d v_numerator = Eigen::Vector4d::Zero();
+  Eigen::Vector4d v_denominator = Eigen::Vector4d::Zero();
 
   /// Pixel coordinates of a point of the view frame; nothing where a denominator vanishes or has
   /// the sign it does not have on the samples the projection was fitted to (behind the sensor).

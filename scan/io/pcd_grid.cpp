@@ -1,0 +1,147 @@
+// The one file that meets PCL's readers.
+#include <cstring>
+#include <exception>
+#include <mutex>
+
+#include <pcl/PCLPointCloud2.h>
+#include <pcl/console/print.h>
+#include <pcl/io/pcd_io.h>
+
+#include "scan/io/grid_file.h"
+#include "scan/io/io_error.h"
+#include "scan/range_view.h"
+
+namespace relief {
+
+namespace {
+
+constexpr std::size_t kMaxSide = 1u << 16;
+
+// PCL reports on the console, by a setting of the whole process: one reader at a time, in silence.
+class SilentPcl {
+ public:
+  SilentPcl() : lock_(mutex()), level_(pcl::console::getVerbosityLevel()) {
+    pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+  }
+  SilentPcl(const SilentPcl&) = delete;
+  SilentPcl& operator=(const SilentPcl&) = delete;
+  ~SilentPcl() { pcl::console::setVerbosityLevel(level_); }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex instance;
+    return instance;
+  }
+  std::scoped_lock<std::mutex> lock_;
+  pcl::console::VERBOSITY_LEVEL level_;
+};
+
+struct Header {
+  pcl::PCLPointCloud2 cloud;
+  Eigen::Vector4f origin = Eigen::Vector4f::Zero();
+  Eigen::Quaternionf orientation = Eigen::Quaternionf::Identity();
+  int version = 0;
+  int data_type = 0;  // 0 ASCII, 1 binary, 2 compressed
+  unsigned int data_start = 0;
+};
+
+// The bytes that the header promises, against those that are there: PCL itself trusts the header.
+Result<void> check_header(const Header& header, const std::filesystem::path& path) {
+  const std::size_t width = header.cloud.width, height = header.cloud.height;
+  if (height <= 1)
+    return bad_input(path, "this PCD is not organized (HEIGHT 1); a scan needs the sensor's grid");
+  if (width == 0 || width > kMaxSide || height > kMaxSide)
+    return bad_input(path, "bad size in the PCD header");
+  std::error_code code;
+  const std::size_t bytes = std::filesystem::file_size(path, code);
+  if (code || header.data_start > bytes) return bad_input(path, "truncated PCD");
+  const std::size_t left = bytes - header.data_start, points = width * height;
+  const std::size_t promised = points * header.cloud.point_step;
+  const std::size_t least = header.data_type == 0   ? points * 2 * header.cloud.fields.size() - 1
+                            : header.data_type == 1 ? promised
+                                                    : 8 + promised / 300;  // LZF shrinks less
+  if (left < least)
+    return bad_input(path, "truncated PCD: " + std::to_string(points) + " points promised, " +
+                               std::to_string(left) + " bytes left for them");
+  return {};
+}
+
+const pcl::PCLPointField* find_field(const pcl::PCLPointCloud2& cloud, const std::string& name) {
+  for (const auto& field : cloud.fields) {
+    const bool real = field.datatype == pcl::PCLPointField::FLOAT32 ||
+                      field.datatype == pcl::PCLPointField::FLOAT64;
+    if (field.name == name && real) return &field;
+  }
+  return nullptr;
+}
+
+double value_at(const pcl::PCLPointCloud2& cloud, std::size_t point,
+                const pcl::PCLPointField& field) {
+  const std::uint8_t* bytes = cloud.data.data() + point * cloud.point_step + field.offset;
+  if (field.datatype == pcl::PCLPointField::FLOAT64) {
+    double value;
+    std::memcpy(&value, bytes, sizeof value);
+    return value;
+  }
+  float value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+struct VectorField {
+  const pcl::PCLPointField *x, *y, *z;
+  bool complete() const { return x && y && z; }
+  Eigen::Vector3d at(const pcl::PCLPointCloud2& cloud, std::size_t point) const {
+    return {value_at(cloud, point, *x), value_at(cloud, point, *y), value_at(cloud, point, *z)};
+  }
+};
+
+Result<GridFile> grid_from_cloud(const pcl::PCLPointCloud2& cloud,
+                                 const std::filesystem::path& path) {
+  const VectorField position{find_field(cloud, "x"), find_field(cloud, "y"),
+                             find_field(cloud, "z")};
+  if (!position.complete()) return bad_input(path, "the PCD has no real fields x, y and z");
+  const VectorField normal{find_field(cloud, "normal_x"), find_field(cloud, "normal_y"),
+                           find_field(cloud, "normal_z")};
+  const pcl::PCLPointField* confidence = find_field(cloud, "confidence");
+  const int width = static_cast<int>(cloud.width), height = static_cast<int>(cloud.height);
+  GridFile grid;
+  grid.points = Grid<Eigen::Vector3d>(width, height, Eigen::Vector3d::Constant(kNoSample));
+  if (cloud.data.size() < grid.points.size() * cloud.point_step)
+    return bad_input(path, "truncated PCD");
+  const Eigen::Vector3f no_normal = Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
+  if (normal.complete()) grid.normals = Grid<Eigen::Vector3f>(width, height, no_normal);
+  if (confidence) grid.confidence = Grid<float>(width, height, 0.0f);
+  for (std::size_t i = 0; i < grid.points.size(); ++i) {
+    const Eigen::Vector3d point = position.at(cloud, i);
+    if (!point.allFinite()) continue;
+    grid.points[i] = point;
+    if (normal.complete()) grid.normals[i] = normal.at(cloud, i).cast<float>();
+    if (confidence) grid.confidence[i] = static_cast<float>(value_at(cloud, i, *confidence));
+  }
+  return grid;
+}
+
+}  // namespace
+
+Result<GridFile> read_pcd_grid(const std::filesystem::path& path) {
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(path, code)) return bad_input(path, "no such file");
+  const SilentPcl silence;
+  try {
+    pcl::PCDReader reader;
+    Header header;
+    if (reader.readHeader(path.string(), header.cloud, header.origin, header.orientation,
+                          header.version, header.data_type, header.data_start) < 0)
+      return bad_input(path, "damaged PCD header");
+    if (auto checked = check_header(header, path); !checked) return checked.error();
+    pcl::PCLPointCloud2 cloud;
+    if (reader.read(path.string(), cloud, header.origin, header.orientation, header.version) < 0)
+      return bad_input(path, "damaged or truncated PCD");
+    return grid_from_cloud(cloud, path);
+  } catch (const std::exception& exception) {
+    return bad_input(path, std::string("damaged PCD: ") + exception.what());
+  }
+}
+
+}  // namespace relief

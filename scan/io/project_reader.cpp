@@ -1,0 +1,53 @@
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "scan/io/project_io.h"
+#include "scan/io/view_spec.h"
+#include "scan/parallel.h"
+
+namespace relief {
+
+namespace {
+
+using LoadedViews = std::vector<std::optional<Result<LoadedView>>>;
+
+// Reads all views in parallel; those after an interruption stay empty.
+LoadedViews load_views(const std::vector<ViewSpec>& specs, int threads, const Progress& progress,
+                       std::atomic<bool>& interrupted) {
+  LoadedViews loaded(specs.size());
+  std::atomic<std::size_t> done{0};
+  const auto caller = std::this_thread::get_id();
+  parallel_for(specs.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && !interrupted; ++i) {
+      loaded[i].emplace(load_view(specs[i]));
+      const double fraction = static_cast<double>(++done) / static_cast<double>(specs.size());
+      if (std::this_thread::get_id() == caller &&
+          !report_progress(progress, fraction, "reading views"))
+        interrupted = true;
+    }
+  });
+  return loaded;
+}
+
+}  // namespace
+
+Result<ScanProject> read_project(const std::filesystem::path& path,
+                                 const ReadProjectOptions& options, const Progress& progress) {
+  auto spec = read_project_spec(path, options.fc_file);
+  if (!spec) return spec.error();
+  std::atomic<bool> interrupted{false};
+  LoadedViews loaded = load_views(spec->views, options.threads, progress, interrupted);
+  ScanProject project;
+  project.unit = spec->unit;
+  project.notes = spec->notes;
+  for (auto& view : loaded) {
+    if (!view) return Error{ErrorKind::kInterrupted, path.string() + ": reading was interrupted"};
+    if (!view->ok()) return view->error();
+    project.views.push_back(std::move((*view)->view));
+    for (auto& note : (*view)->notes) project.notes.push_back(std::move(note));
+  }
+  return project;
+}
+
+}  // namespace relief

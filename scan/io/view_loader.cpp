@@ -1,0 +1,196 @@
+#include <cmath>
+#include <utility>
+
+#include "scan/io/grid_camera.h"
+#include "scan/io/grid_file.h"
+#include "scan/io/image_io.h"
+#include "scan/io/io_error.h"
+#include "scan/io/normal_map.h"
+#include "scan/io/view_spec.h"
+
+namespace relief {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+// The file a view's size comes from.
+const fs::path& main_file(const ViewSpec& spec) {
+  return spec.depth ? spec.depth->file : *spec.grid;
+}
+
+Result<Image> read_matching(const fs::path& path, const ViewSpec& spec, const RangeView& view) {
+  auto image = read_image(path);
+  if (!image) return image;
+  if (image->width != view.width() || image->height != view.height())
+    return bad_input(path, "is " + size_text(image->width, image->height) + " pixels, but " +
+                               main_file(spec).string() + " of the same view is " +
+                               size_text(view.width(), view.height()));
+  return image;
+}
+
+Result<void> check_camera_size(const CameraSpec& camera, int width, int height,
+                               const ViewSpec& spec) {
+  if (camera.width.value_or(width) == width && camera.height.value_or(height) == height) return {};
+  return bad_input(main_file(spec),
+                   "is " + size_text(width, height) + ", but the camera of view " + spec.name +
+                       " is " +
+                       size_text(camera.width.value_or(width), camera.height.value_or(height)));
+}
+
+// `points` are those of a grid; null for a depth map, whose camera is given in full.
+Camera camera_of(const CameraSpec& spec, int width, int height,
+                 const Grid<Eigen::Vector3d>* points) {
+  switch (spec.model) {
+    case CameraSpec::Model::kPinhole:
+      return Camera::pinhole(width, height, spec.intrinsics);
+    case CameraSpec::Model::kPinholeGl:
+      return Camera::pinhole_gl(width, height, spec.intrinsics);
+    case CameraSpec::Model::kOrthographic:
+      if (spec.origin || !points)
+        return Camera::orthographic(width, height, *spec.origin, *spec.step_u, *spec.step_v,
+                                    *spec.view_direction);
+      return fit_orthographic(*points, *spec.view_direction);
+    case CameraSpec::Model::kRational:
+      break;
+  }
+  return rational_camera(*points, spec.projection, *spec.view_direction);
+}
+
+Result<void> load_depth(const ViewSpec& spec, LoadedView& loaded) {
+  const auto image = read_image(spec.depth->file);
+  if (!image) return image.error();
+  if (image->channels != 1)
+    return bad_input(spec.depth->file, "a depth map has one channel, this image has three");
+  const int width = image->width, height = image->height;
+  if (auto size = check_camera_size(*spec.camera, width, height, spec); !size) return size;
+  if (spec.camera->model == CameraSpec::Model::kRational)
+    return bad_input(spec.depth->file, "a rational camera needs a grid of points, not a depth map");
+  RangeView& view = loaded.view;
+  view.camera = camera_of(*spec.camera, width, height, nullptr);
+  view.range = Grid<double>(width, height, kNoSample);
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const double depth = (*image)(u, v) * spec.depth->scale;
+      if (!(depth > 0.0) || !std::isfinite(depth)) continue;
+      view.range(u, v) =
+          spec.depth->along_ray ? depth / view.camera.ray(u, v).direction.norm() : depth;
+    }
+  }
+  return {};
+}
+
+// The residual tells the user whether other views can be projected into this one.
+std::string projection_note(const GridCamera& fitted) {
+  if (fitted.camera.can_project()) return "";
+  return "; no projection fits its grid to half a pixel, so it gives no projective matches";
+}
+
+Result<void> load_grid(const ViewSpec& spec, LoadedView& loaded) {
+  auto grid = read_grid_file(*spec.grid);
+  if (!grid) return grid.error();
+  const int width = grid->points.width(), height = grid->points.height();
+  const bool direction_known =
+      spec.camera &&
+      (spec.camera->model != CameraSpec::Model::kOrthographic || spec.camera->view_direction);
+  Camera model;
+  std::string found;
+  if (spec.camera)
+    if (auto size = check_camera_size(*spec.camera, width, height, spec); !size) return size;
+  if (direction_known) {
+    model = camera_of(*spec.camera, width, height, &grid->points);
+  } else if (spec.camera) {
+    FittedCamera fitted = fit_orthographic(*grid);
+    model = std::move(fitted.model);
+    found = fitted.description;
+  } else {
+    FittedCamera fitted = fit_camera(*grid);
+    model = std::move(fitted.model);
+    found = fitted.description;
+  }
+  GridCamera fitted = camera_through_points(grid->points, model);
+  if (!found.empty() || !fitted.camera.can_project())
+    loaded.notes.push_back("view " + spec.name + ": camera " +
+                           (found.empty() ? "as given" : "found: " + found) +
+                           projection_note(fitted));
+  loaded.view.camera = std::move(fitted.camera);
+  loaded.view.range = std::move(fitted.range);
+  loaded.view.confidence = std::move(grid->confidence);
+  if (!grid->normals.empty() && !spec.normals) {
+    NormalMap map = clean_normals(std::move(grid->normals), loaded.view, spec.grid->string());
+    loaded.view.normals = std::move(map.normals);
+    loaded.notes.insert(loaded.notes.end(), map.notes.begin(), map.notes.end());
+  }
+  return {};
+}
+
+Result<void> apply_mask(const ViewSpec& spec, RangeView& view) {
+  const auto mask = read_matching(*spec.mask, spec, view);
+  if (!mask) return mask.error();
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      bool object = false;
+      for (int c = 0; c < mask->channels; ++c) object |= (*mask)(u, v, c) > 0.0f;
+      if (object) continue;
+      view.range(u, v) = kNoSample;
+      if (view.has_normals())
+        view.normals(u, v) = Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
+    }
+  }
+  return {};
+}
+
+Result<void> load_confidence(const ViewSpec& spec, RangeView& view) {
+  const auto image = read_matching(*spec.confidence, spec, view);
+  if (!image) return image.error();
+  if (image->channels != 1) return bad_input(*spec.confidence, "a confidence has one channel");
+  const double scale = image->max_value > 0.0 ? 1.0 / image->max_value : 1.0;
+  view.confidence = Grid<float>(view.width(), view.height());
+  for (std::size_t i = 0; i < view.confidence.size(); ++i)
+    view.confidence[i] = static_cast<float>(image->samples[i] * scale);
+  return {};
+}
+
+Result<void> load_normals(const ViewSpec& spec, LoadedView& loaded) {
+  const auto image = read_matching(spec.normals->file, spec, loaded.view);
+  if (!image) return image.error();
+  auto map = decode_normals(*image, *spec.normals, loaded.view);
+  if (!map) return map.error();
+  loaded.view.normals = std::move(map->normals);
+  loaded.notes.insert(loaded.notes.end(), map->notes.begin(), map->notes.end());
+  return {};
+}
+
+// A confidence that is no number or negative says that the sample is not to be trusted.
+void clean_confidence(Grid<float>& confidence) {
+  for (float& value : confidence)
+    if (!(value >= 0.0f) || !std::isfinite(value)) value = 0.0f;
+}
+
+}  // namespace
+
+Result<LoadedView> load_view(const ViewSpec& spec) {
+  LoadedView loaded;
+  loaded.view.name = spec.name;
+  loaded.view.world_from_view = spec.world_from_view;
+  loaded.view.pose = spec.pose;
+  Result<void> step = spec.depth ? load_depth(spec, loaded) : load_grid(spec, loaded);
+  if (step && spec.mask) step = apply_mask(spec, loaded.view);
+  if (step && spec.confidence) step = load_confidence(spec, loaded.view);
+  if (!step) return step.error();
+  if (loaded.view.sample_count() == 0)
+    return Error{ErrorKind::kUnsolvable,
+                 main_file(spec).string() + ": view " + spec.name +
+                     " has no samples: every pixel is without a measurement or masked; leave the "
+                     "view out or mend its mask"};
+  if (spec.normals) step = load_normals(spec, loaded);
+  if (!step) return step.error();
+  clean_confidence(loaded.view.confidence);
+  return loaded;
+}
+
+}  // namespace relief
