@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scan/simulation/counter_random.h"
+#include "scan/counter_random.h"
 
 namespace relief {
 

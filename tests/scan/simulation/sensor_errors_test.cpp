@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scan/simulation/counter_random.h"
+#include "scan/counter_random.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief {

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "scan/ray.h"
+#include "scan/triangle_mesh.h"
+
+namespace relief {
+
+/// The point of a triangle closest to a point.
+struct TrianglePoint {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  /// Barycentric weights of the corners; exactly 0 off the corners or edge that the point lies on.
+  Eigen::Vector3d weights = Eigen::Vector3d::Zero();
+};
+
+TrianglePoint closest_on_triangle(const Eigen::Vector3d& query, const Eigen::Vector3d& a,
+                                  const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+
+/// A hierarchy of boxes over the faces of a mesh, for exact closest points and first ray hits.
+/// Keeps a reference to the mesh, which must outlive it unchanged. Queries are const and may run in
+/// several threads.
+class TriangleTree {
+ public:
+  explicit TriangleTree(const TriangleMesh& mesh);
+
+  struct Closest {
+    std::uint32_t face = 0;
+    TrianglePoint on_face;
+    double distance = std::numeric_limits<double>::infinity();  ///< [unit]
+  };
+  /// The closest point of the mesh within `max_distance`; nothing if there is none.
+  std::optional<Closest> closest(
+      const Eigen::Vector3d& query,
+      double max_distance = std::numeric_limits<double>::infinity()) const;
+
+  struct Hit {
+    std::uint32_t face = 0;
+    double range = 0.0;  ///< t of the ray, > 0.
+    Eigen::Vector3d weights = Eigen::Vector3d::Zero();
+  };
+  /// The first crossing of a ray with the mesh, from either side. Edges belong to both faces: a ray
+  /// never slips through between them.
+  std::optional<Hit> first_hit(const Ray& ray) const;
+
+  const TriangleMesh& mesh() const { return *mesh_; }
+
+ private:
+  // Depth first: the left child follows its parent.
+  struct Node {
+    Eigen::AlignedBox3d box;
+    std::uint32_t begin = 0, count = 0;  // faces of a leaf; count 0: inner node
+    std::uint32_t right = 0;
+  };
+
+  void build(std::uint32_t begin, std::uint32_t end, const std::vector<Eigen::Vector3d>& centres);
+
+  const TriangleMesh* mesh_;
+  std::vector<std::uint32_t> faces_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace relief
