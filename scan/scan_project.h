@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scan/range_view.h"
@@ -15,5 +16,12 @@ struct ScanProject {
   /// the user's log.
   std::vector<std::string> notes;
 };
+
+/// The view called `name`; null when there is none.
+inline const RangeView* find_view(const ScanProject& project, std::string_view name) {
+  for (const RangeView& view : project.views)
+    if (view.name == name) return &view;
+  return nullptr;
+}
 
 }  // namespace relief
