@@ -118,7 +118,7 @@ void impose_evidence(SparseField& field, const std::vector<ViewSampler>& views, 
                      double limit, std::vector<NodeConstraint>& constraints, int threads) {
   constraints.assign(field.block_count() * kBlockNodes, {});
   parallel_for(field.block_count(), 4, threads, [&](std::size_t begin, std::size_t end) {
-    EvidenceCollector collector(views, truncation);
+    EvidenceCollector collector(views, truncation, field.lattice().spacing);
     for (std::size_t b = begin; b < end; ++b) {
       if (!field.active(b)) continue;
       float* values = field.values(b);

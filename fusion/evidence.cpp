@@ -21,6 +21,16 @@ double nearness(double relative_distance) {
   return inside > 0.0 ? inside * inside : 0.0;
 }
 
+// Behind the surface, a sample says nothing about where the object may already have ended again,
+// except next to the surface: or there would be no sign change there.
+constexpr double kLeastDepth = 1.5;  // [lattice spacings]
+
+bool measures(const Observation& seen, double truncation, double spacing) {
+  const double depth = std::min(truncation, seen.matter_depth + kLeastDepth * spacing);
+  return seen.distance < truncation && seen.distance > -depth &&
+         seen.range_gap < kGrazingReach * truncation;
+}
+
 }  // namespace
 
 Evidence EvidenceCollector::collect(const Eigen::Vector3d& point) {
@@ -38,7 +48,7 @@ Evidence EvidenceCollector::combine(const Eigen::Vector3d& point, const Eigen::V
   for (const ViewSampler& view : views_) {
     const auto seen = view.observe(point);
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
-    if (std::abs(seen->distance) < truncation_ && seen->range_gap < kGrazingReach * truncation_)
+    if (measures(*seen, truncation_, spacing_))
       near_.push_back({seen->distance, seen->weight * nearness(seen->distance / truncation_)});
     else if (seen->clearance > 0.5 * truncation_)
       empty_.push_back({seen->distance, seen->weight});

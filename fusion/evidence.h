@@ -24,8 +24,9 @@ struct Evidence {
 /// Keeps scratch memory: one object per thread.
 class EvidenceCollector {
  public:
-  EvidenceCollector(const std::vector<ViewSampler>& views, double truncation)
-      : views_(views), truncation_(truncation) {}
+  /// Views measure up to `truncation` from their surface, on a lattice of `spacing`.
+  EvidenceCollector(const std::vector<ViewSampler>& views, double truncation, double spacing)
+      : views_(views), truncation_(truncation), spacing_(spacing) {}
 
   Evidence collect(const Eigen::Vector3d& point);
 
@@ -43,7 +44,7 @@ class EvidenceCollector {
   };
 
   const std::vector<ViewSampler>& views_;
-  double truncation_;
+  double truncation_, spacing_;
   std::vector<Vote> near_, empty_;
 };
 

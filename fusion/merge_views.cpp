@@ -29,6 +29,9 @@ Result<std::vector<ViewSampler>> prepare(const std::vector<RangeView>& views,
                                          const MergeOptions& options,
                                          std::vector<std::string>& notes) {
   if (views.empty()) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
+  ViewSurfaceOptions surface_options;
+  surface_options.silhouette_ramp = options.silhouette_ramp;
+  surface_options.threads = options.threads;
   std::vector<ViewSampler> samplers;
   std::size_t without_pose = 0;
   for (const RangeView& view : views) {
@@ -37,7 +40,7 @@ Result<std::vector<ViewSampler>> prepare(const std::vector<RangeView>& views,
       notes.push_back("view `" + view.name + "` has no pose and is left out; align it first");
       continue;
     }
-    auto sampler = ViewSampler::create(view, {options.silhouette_ramp, options.threads});
+    auto sampler = ViewSampler::create(view, surface_options);
     if (!sampler) return sampler.error();
     if (sampler->empty())
       notes.push_back("view `" + view.name + "` has no connected samples and is left out");

@@ -1,0 +1,162 @@
+#include "fusion/view_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "scan/discontinuities.h"
+#include "scan/grid_normals.h"
+
+namespace relief {
+
+namespace {
+
+// The measured normal where there is one, else that of the measured surface.
+Grid<Eigen::Vector3f> surface_normals(const RangeView& view, const GridEdges& edges, int threads) {
+  GridNormalOptions options;
+  options.threads = threads;
+  Grid<Eigen::Vector3f> normals = estimate_normals(view, edges, options);
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      if (view.has_normal(u, v)) normals(u, v) = view.normals(u, v);
+  return normals;
+}
+
+constexpr std::array<std::pair<int, int>, 4> kNeighbours{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+
+// 1 for samples of patches of at least `smallest` connected samples.
+Grid<std::uint8_t> in_large_patch(const RangeView& view, const GridEdges& edges, int smallest) {
+  Grid<std::uint8_t> large(view.width(), view.height(), 0), visited = large;
+  std::vector<std::pair<int, int>> patch;
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      if (visited(u, v) || !view.has_sample(u, v)) continue;
+      visited(u, v) = 1;
+      patch.assign(1, {u, v});
+      for (std::size_t next = 0; next < patch.size(); ++next) {
+        const auto [pu, pv] = patch[next];
+        for (const auto& [du, dv] : kNeighbours) {
+          if (!edges.connected(pu, pv, du, dv) || visited(pu + du, pv + dv)) continue;
+          visited(pu + du, pv + dv) = 1;
+          patch.emplace_back(pu + du, pv + dv);
+        }
+      }
+      if (patch.size() < static_cast<std::size_t>(smallest)) continue;
+      for (const auto& [pu, pv] : patch) large(pu, pv) = 1;
+    }
+  }
+  return large;
+}
+
+bool connected_quad(const GridEdges& edges, int u, int v) {
+  return edges.connected(u, v, 1, 0) && edges.connected(u, v, 0, 1) &&
+         edges.connected(u + 1, v, 0, 1) && edges.connected(u, v + 1, 1, 0);
+}
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// For white noise the distance between a sample and the mean of its four neighbours has variance
+// (1 + 1/4) sigma^2. Curvature adds to it, so this errs on the large side.
+double position_noise(const RangeView& view, const GridEdges& edges,
+                      const Grid<Eigen::Vector3f>& normals) {
+  std::vector<double> deviations;
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      if (!(edges.connected(u, v, 1, 0) && edges.connected(u, v, -1, 0) &&
+            edges.connected(u, v, 0, 1) && edges.connected(u, v, 0, -1)))
+        continue;
+      const Eigen::Vector3d mean = 0.25 * (view.point(u + 1, v) + view.point(u - 1, v) +
+                                           view.point(u, v + 1) + view.point(u, v - 1));
+      const double deviation = std::abs(normals(u, v).cast<double>().dot(view.point(u, v) - mean));
+      if (std::isfinite(deviation)) deviations.push_back(deviation);
+    }
+  }
+  return 1.4826 * median(deviations) / std::sqrt(1.25);
+}
+
+// 1 at the upper left corner of each quad.
+Grid<std::uint8_t> find_quads(const RangeView& view, const GridEdges& edges,
+                              const Grid<Eigen::Vector3f>& normals, int smallest_patch) {
+  Grid<std::uint8_t> sound = in_large_patch(view, edges, smallest_patch);
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      sound(u, v) = sound(u, v) && normals(u, v).allFinite() && view.confidence_at(u, v) > 0.0f;
+  Grid<std::uint8_t> quads(view.width(), view.height(), 0);
+  for (int v = 0; v + 1 < view.height(); ++v)
+    for (int u = 0; u + 1 < view.width(); ++u)
+      quads(u, v) = connected_quad(edges, u, v) && sound(u, v) && sound(u + 1, v) &&
+                    sound(u, v + 1) && sound(u + 1, v + 1);
+  return quads;
+}
+
+// Crops the surface to its quads and marks them.
+void place_quads(const Grid<std::uint8_t>& quads, ViewSurface& surface) {
+  int u0 = quads.width(), v0 = quads.height(), u1 = -1, v1 = -1;
+  for (int v = 0; v < quads.height(); ++v) {
+    for (int u = 0; u < quads.width(); ++u) {
+      if (!quads(u, v)) continue;
+      u0 = std::min(u0, u), u1 = std::max(u1, u + 1);
+      v0 = std::min(v0, v), v1 = std::max(v1, v + 1);
+    }
+  }
+  if (u1 < 0) return;
+  surface.first_u = u0;
+  surface.first_v = v0;
+  surface.pixels = Grid<SurfacePixel>(u1 - u0 + 1, v1 - v0 + 1);
+  for (int v = v0; v < v1; ++v) {
+    for (int u = u0; u < u1; ++u) {
+      if (!quads(u, v)) continue;
+      surface.pixels(u - u0, v - v0).quad = true;
+      for (int k = 0; k < 4; ++k) surface.pixels(u - u0 + (k & 1), v - v0 + (k >> 1)).corner = true;
+    }
+  }
+}
+
+float sample_weight(const RangeView& view, int u, int v, const Eigen::Vector3f& normal, int border,
+                    int ramp) {
+  constexpr double kLeastCosine = 0.05, kLeastRamp = 0.1;
+  const double cosine = -normal.cast<double>().dot(view.camera.ray(u, v).direction.normalized());
+  return static_cast<float>(view.confidence_at(u, v) * std::max(kLeastCosine, cosine) *
+                            std::min(1.0, (border + kLeastRamp) / (ramp + kLeastRamp)));
+}
+
+}  // namespace
+
+ViewSurface surface_of(const RangeView& view, const ViewSurfaceOptions& options) {
+  const GridEdges edges = connect_samples(view);
+  const Grid<Eigen::Vector3f> normals = surface_normals(view, edges, options.threads);
+  const Grid<std::uint8_t> border = boundary_distance(view, edges);
+  ViewSurface surface;
+  surface.spacing = sample_spacing(view);
+  surface.noise = position_noise(view, edges, normals);
+  place_quads(find_quads(view, edges, normals, options.smallest_patch), surface);
+
+  std::size_t corners = 0;
+  const auto for_corners = [&](const auto& visit) {
+    for (int v = 0; v < surface.pixels.height(); ++v)
+      for (int u = 0; u < surface.pixels.width(); ++u)
+        if (surface.pixels(u, v).corner)
+          visit(u + surface.first_u, v + surface.first_v, surface.pixels(u, v));
+  };
+  for_corners([&](int u, int v, const SurfacePixel&) {
+    surface.centre += view.point(u, v);
+    ++corners;
+  });
+  if (corners > 0) surface.centre /= static_cast<double>(corners);
+  for_corners([&](int u, int v, SurfacePixel& pixel) {
+    pixel.point = (view.point(u, v) - surface.centre).cast<float>();
+    pixel.normal = normals(u, v);
+    pixel.border = border(u, v);
+    pixel.weight = sample_weight(view, u, v, normals(u, v), border(u, v), options.silhouette_ramp);
+  });
+  return surface;
+}
+
+}  // namespace relief

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "scan/grid.h"
+#include "scan/range_view.h"
+
+namespace relief {
+
+/// One sample of a view as merging needs it.
+struct SurfacePixel {
+  Eigen::Vector3f point = Eigen::Vector3f::Zero();   ///< View frame, relative to the centre.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< Unit, facing the sensor.
+  float weight = 0.0f;  ///< Confidence x cosine of the viewing angle x ramp from the silhouette.
+  float border = 0.0f;  ///< Distance to the silhouette [pixels].
+  bool quad = false;    ///< This, the right, the lower and the lower right sample are one surface.
+  bool corner = false;  ///< The sample belongs to some quad.
+};
+
+struct ViewSurfaceOptions {
+  int silhouette_ramp = 6;  ///< The weight grows from the silhouette over this many pixels.
+  /// Patches of fewer connected samples are taken for stray measurements and left out.
+  int smallest_patch = 20;
+  int threads = 0;
+};
+
+/// The surface a view measured: its samples joined into quads along connected grid edges. A crop of
+/// the view's grid to where there are quads.
+struct ViewSurface {
+  Grid<SurfacePixel> pixels;  ///< Empty when the view has no quad.
+  int first_u = 0, first_v = 0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< View frame.
+  double spacing = 0.0;  ///< Median distance between connected neighbours [unit].
+  /// Robust standard deviation of the positions along the normal [unit], from how far each sample
+  /// is off the mean of its four neighbours; curvature makes it err on the large side.
+  double noise = 0.0;
+};
+
+/// Normals are the measured ones where there are any, else those of the measured surface. Samples
+/// without confidence are left out.
+ViewSurface surface_of(const RangeView& view, const ViewSurfaceOptions& options);
+
+}  // namespace relief
