@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <compare>
+#include <vector>
 
 #include <vtkCellArray.h>
 #include <vtkFloatArray.h>
@@ -123,44 +124,42 @@ std::vector<VertexKey> triangle_corners(const SparseField& field, int threads) {
   return corners;
 }
 
-// Where the linear interpolant of the field vanishes on an edge.
-Eigen::Vector3d zero_on_edge(const SparseField& field, const LatticeEdge& edge) {
+// Where the linear interpolant of the field vanishes on the lattice edge of a vertex.
+Eigen::Vector3d zero_on_edge(const SparseField& field, const VertexKey& key) {
+  const int axis = static_cast<int>(key.axis);
+  const Node node = node_of(key.node);
   const float least = least_value(field);
-  const double a = away_from_zero(field.value(edge.node), least);
-  const double b = away_from_zero(field.value(edge.end()), least);
+  const double a = away_from_zero(field.value(node), least);
+  const double b = away_from_zero(field.value(node + Node(Node::Unit(axis))), least);
   assert((a > 0.0) != (b > 0.0));
-  Eigen::Vector3d place = edge.node.cast<double>();
-  place[edge.axis] += a / (a - b);
+  Eigen::Vector3d place = node.cast<double>();
+  place[axis] += a / (a - b);
   return field.lattice().origin + field.lattice().spacing * place;
 }
 
 }  // namespace
 
-Isosurface extract_isosurface(const SparseField& field, int threads) {
+TriangleMesh extract_isosurface(const SparseField& field, int threads) {
   const std::vector<VertexKey> corners = triangle_corners(field, threads);
   std::vector<VertexKey> keys = corners;
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 
-  Isosurface surface;
-  surface.edges.resize(keys.size());
-  surface.mesh.vertices.resize(keys.size());
+  TriangleMesh mesh;
+  mesh.vertices.resize(keys.size());
   parallel_for(keys.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      surface.edges[v] = {node_of(keys[v].node), static_cast<int>(keys[v].axis)};
-      surface.mesh.vertices[v] = zero_on_edge(field, surface.edges[v]);
-    }
+    for (std::size_t v = begin; v < end; ++v) mesh.vertices[v] = zero_on_edge(field, keys[v]);
   });
-  surface.mesh.faces.resize(corners.size() / 3);
-  parallel_for(surface.mesh.faces.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
+  mesh.faces.resize(corners.size() / 3);
+  parallel_for(mesh.faces.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       for (std::size_t k = 0; k < 3; ++k) {
         const auto place = std::lower_bound(keys.begin(), keys.end(), corners[3 * f + k]);
-        surface.mesh.faces[f][k] = static_cast<std::uint32_t>(place - keys.begin());
+        mesh.faces[f][k] = static_cast<std::uint32_t>(place - keys.begin());
       }
     }
   });
-  return surface;
+  return mesh;
 }
 
 }  // namespace relief

@@ -5,7 +5,6 @@
 
 #include "fusion/closed_field.h"
 #include "fusion/isosurface.h"
-#include "fusion/manifold_repair.h"
 #include "fusion/vertex_attributes.h"
 #include "fusion/view_sampler.h"
 #include "scan/mesh_components.h"
@@ -113,14 +112,15 @@ Result<MergeResult> merge_views(const std::vector<RangeView>& views, const Merge
   if (!field) return field.error();
 
   if (!report_progress(progress, 0.85, "extract")) return interrupted;
-  Isosurface surface = extract_isosurface(field->finest(), options.threads);
-  result.edges_split = split_shared_diagonals(surface);
-  result.mesh = std::move(surface.mesh);
+  result.mesh = extract_isosurface(field->finest(), options.threads);
   if (!options.keep_components) {
     const RemovedComponents removed = keep_largest_component(result.mesh);
     result.components_removed = removed.components;
     result.faces_removed = removed.faces;
   }
+  if (result.mesh.faces.empty())
+    return Error{ErrorKind::kUnsolvable,
+                 "no surface was found: the voxel size is too large for the object"};
   result.check = check_mesh(result.mesh);
   if (!result.check.watertight()) return failed_check(result.check);
 

@@ -38,7 +38,6 @@ struct MergeResult {
   double view_noise = 0.0;            ///< Median standard deviation of the views' positions [unit].
   std::size_t components_removed = 0;
   std::size_t faces_removed = 0;   ///< In the removed components.
-  std::size_t edges_split = 0;     ///< Where the contour touched itself along an edge.
   std::vector<std::string> notes;  ///< What the user should know, one line each.
 };
 
@@ -47,7 +46,8 @@ struct MergeResult {
 /// matter. Views without samples or without a pose are left out, with a note.
 ///
 /// Errors, all kUnsolvable: no views, no view with both a pose and connected samples, a voxel size
-/// far too small for the object, or a surface that fails its final check; kInterrupted.
+/// far too small or too large for the object, or a surface that fails its final check;
+/// kInterrupted.
 Result<MergeResult> merge_views(const std::vector<RangeView>& views,
                                 const MergeOptions& options = {}, const Progress& progress = {});
 

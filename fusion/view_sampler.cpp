@@ -10,15 +10,20 @@ namespace relief {
 
 namespace {
 
-// For a camera that is only a table of rays: a rational map fitted to the samples.
-std::optional<RationalProjection> fitted_guess(const RangeView& view) {
+// For a camera that is only a table of rays: a rational map fitted to points on its rays, at the
+// samples and well behind them, since samples of a flat surface alone do not determine the map.
+std::optional<RationalProjection> fitted_guess(const RangeView& view, double spacing) {
+  const double depth = spacing * std::hypot(view.width(), view.height());
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector2d> pixels;
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
       if (!view.has_sample(u, v)) continue;
-      points.push_back(view.point(u, v));
-      pixels.emplace_back(u, v);
+      const Ray ray = view.camera.ray(u, v);
+      for (const double behind : {0.0, depth}) {
+        points.push_back(ray.at(view.range(u, v)) + behind * ray.direction.normalized());
+        pixels.emplace_back(u, v);
+      }
     }
   }
   const auto fit = fit_rational_projection(points, pixels);
@@ -34,7 +39,7 @@ Result<ViewSampler> ViewSampler::create(const RangeView& view, const ViewSurface
   sampler.view_from_world_ = view.world_from_view.inverse();
   sampler.surface_ = surface_of(view, options);
   if (!sampler.empty() && !view.camera.can_project()) {
-    sampler.guess_ = fitted_guess(view);
+    sampler.guess_ = fitted_guess(view, sampler.spacing());
     if (!sampler.guess_)
       return Error{ErrorKind::kUnsolvable, "view `" + view.name +
                                                "`: its table of rays has no projection and too few "
@@ -75,6 +80,11 @@ std::optional<Eigen::Vector2d> ViewSampler::project(const Eigen::Vector3d& point
 }
 
 double ViewSampler::pixel_footprint(const Eigen::Vector3d& point, double u, double v) const {
+  const Camera::Model model = camera_.model();
+  if (model == Camera::Model::kPinhole || model == Camera::Model::kPinholeGl) {
+    const PinholeIntrinsics& k = camera_.intrinsics();
+    return std::abs(point.z()) / std::max(std::abs(k.fx), std::abs(k.fy));
+  }
   const Ray ray = camera_.ray_at(u, v);
   const double t = ray.range_of(point);
   const double right = (camera_.ray_at(u + 1.0, v).at(t) - ray.at(t)).norm();
@@ -118,9 +128,8 @@ std::optional<Observation> ViewSampler::observe(const Eigen::Vector3d& point_in_
   seen.range_gap = (local - place).norm();
   seen.normal = world_from_view_.linear() * normal / length;
   if (seen.distance > 0.0 && border > 1.0) {
-    const double u_full = projected->x(), v_full = projected->y();
-    seen.clearance =
-        std::min(seen.distance, (border - 1.0) * pixel_footprint(point, u_full, v_full));
+    const double footprint = pixel_footprint(point, projected->x(), projected->y());
+    seen.clearance = std::min(seen.distance, (border - 1.0) * footprint);
   }
   return seen;
 }

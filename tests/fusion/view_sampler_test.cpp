@@ -1,0 +1,116 @@
+#include "fusion/view_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/fusion/scenes.h"
+
+namespace relief {
+namespace {
+
+ViewSampler sampler_of(const RangeView& view) {
+  auto sampler = ViewSampler::create(view, {});
+  EXPECT_TRUE(sampler.ok());
+  return std::move(sampler).value();
+}
+
+const RigidMotion kPose = testing::look_at({10, 20, 200}, {1, 2, 3}, Eigen::Vector3d::UnitY());
+
+// The rays of `camera` as a table, without a projection.
+Camera as_table(const Camera& camera) {
+  Grid<Ray> rays(camera.width(), camera.height());
+  for (int v = 0; v < camera.height(); ++v)
+    for (int u = 0; u < camera.width(); ++u) rays(u, v) = camera.ray(u, v);
+  return Camera::ray_table(rays, std::nullopt);
+}
+
+std::vector<Camera> cameras() {
+  const PinholeIntrinsics k{300.0, 310.0, 30.0, 29.0};
+  return {Camera::pinhole(60, 60, k), as_table(Camera::pinhole(60, 60, k)),
+          Camera::orthographic(60, 60, {-20, -20, 0}, {0.7, 0, 0}, {0, 0.7, 0}, {0, 0, 1})};
+}
+
+TEST(ViewSampler, DistancesToAPlaneAreExactForEveryCamera) {
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.2, 1.0).normalized(), at(1, 2, 3);
+  for (const Camera& camera : cameras()) {
+    const ViewSampler sampler = sampler_of(render(testing::plane(at, normal), camera, kPose));
+    for (const double distance : {-2.0, 0.0, 1.0, 10.0}) {
+      const auto seen = sampler.observe(at + distance * normal);
+      ASSERT_TRUE(seen) << to_string(camera.model());
+      EXPECT_NEAR(seen->distance, distance, 1e-3) << to_string(camera.model());
+      EXPECT_NEAR((seen->normal - normal).norm(), 0.0, 1e-5);
+      EXPECT_GT(seen->weight, 0.5);
+      EXPECT_LE(seen->clearance, std::max(0.0, distance) + 1e-3);
+    }
+  }
+}
+
+TEST(ViewSampler, OnASphereTheErrorFallsFasterThanTheSquareOfTheSpacing) {
+  double last = 0.0;
+  for (const int size : {20, 40, 80}) {
+    const double f = 4.0 * size, c = 0.5 * (size - 1);
+    const ViewSampler sampler = sampler_of(
+        render(testing::sphere({0, 0, 0}, 40.0), Camera::pinhole(size, size, {f, f, c, c}),
+               testing::look_at({0, 0, 300}, {0, 0, 0}, Eigen::Vector3d::UnitY())));
+    double worst = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::Vector3d p =
+          40.0 * Eigen::Vector3d(0.3 * std::cos(i), 0.3 * std::sin(i * 1.7), 1.0).normalized();
+      const auto seen = sampler.observe(p);
+      ASSERT_TRUE(seen);
+      worst = std::max(worst, std::abs(seen->distance));
+    }
+    if (last > 0.0) {
+      EXPECT_LT(worst, last / 5.0);
+    }
+    last = worst;
+  }
+}
+
+TEST(ViewSampler, SaysNothingOutsideItsSamples) {
+  RangeView view = render(testing::plane({0, 0, 0}, {0, 0, 1}), cameras()[0], kPose);
+  view.range(30, 29) = kNoSample;
+  const ViewSampler sampler = sampler_of(view);
+  EXPECT_FALSE(sampler.observe({1000, 0, 0}));
+  EXPECT_FALSE(sampler.observe(kPose * Eigen::Vector3d(0, 0, -5)));
+  EXPECT_FALSE(sampler.observe(kPose * view.camera.ray(30, 29).at(190.0)));
+}
+
+TEST(ViewSampler, WeightsVanishTowardsTheSilhouette) {
+  const RangeView view = render(testing::plane({0, 0, 0}, {0, 0, 1}), cameras()[0], kPose);
+  const ViewSampler sampler = sampler_of(view);
+  double last = 0.0;
+  for (int u = 0; u < 8; ++u) {
+    const auto seen =
+        sampler.observe(kPose * view.camera.ray_at(u + 0.5, 30).at(view.range(u, 30)));
+    ASSERT_TRUE(seen);
+    if (u < 6) {
+      EXPECT_GT(seen->weight, last);
+    }
+    last = seen->weight;
+  }
+}
+
+TEST(ViewSampler, StrayPatchesAndSamplesWithoutConfidenceAreLeftOut) {
+  RangeView view = render(testing::plane({0, 0, 0}, {0, 0, 1}), cameras()[0], kPose);
+  for (int v = 0; v < 60; ++v)
+    for (int u = 0; u < 60; ++u)
+      if (u > 3 || v > 3) view.range(u, v) = kNoSample;
+  EXPECT_TRUE(sampler_of(view).empty());
+  view = render(testing::plane({0, 0, 0}, {0, 0, 1}), cameras()[0], kPose);
+  view.confidence = Grid<float>(60, 60, 0.0f);
+  EXPECT_TRUE(sampler_of(view).empty());
+}
+
+TEST(ViewSampler, MeasuresTheNoise) {
+  RangeView view = render(testing::plane({0, 0, 0}, {0, 0, 1}), cameras()[0],
+                          testing::look_at({0, 0, 200}, {0, 0, 0}, Eigen::Vector3d::UnitY()));
+  EXPECT_NEAR(sampler_of(view).noise(), 0.0, 1e-9);
+  testing::add_range_noise(view, 0.2, 5);
+  EXPECT_NEAR(sampler_of(view).noise(), 0.2, 0.02);
+}
+
+}  // namespace
+}  // namespace relief
