@@ -14,6 +14,9 @@ namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kProbes = 500;
+constexpr double kSearchRadii = 0.3;
+constexpr int kFewCorrespondences = 200;
+constexpr int kManyCorrespondences = 1000;
 
 // Where a pose of `view` relative to its neighbour may come from.
 struct Candidate {
@@ -36,12 +39,9 @@ RigidMotion turn(const ViewSurface& reference, const ViewSurface& view, double a
 }
 
 std::vector<RigidMotion> hypotheses(const ViewSurface& reference, const ViewSurface& view,
-                                    std::size_t views,
-                                    const std::optional<RigidMotion>& last_turn) {
+                                    std::size_t views) {
   std::vector<RigidMotion> list = {RigidMotion::Identity()};
-  if (last_turn) list.push_back(*last_turn);
-  std::vector<double> angles_deg = {360.0 / static_cast<double>(views), 15, 30, 45, 60, 90};
-  for (const double angle : angles_deg)
+  for (const double angle : {360.0 / static_cast<double>(views), 15.0, 30.0, 45.0, 60.0, 90.0})
     for (const double tilt : {0.0, -20.0, 20.0, -40.0, 40.0})
       for (const double sign : {1.0, -1.0})
         list.push_back(
@@ -49,36 +49,52 @@ std::vector<RigidMotion> hypotheses(const ViewSurface& reference, const ViewSurf
   return list;
 }
 
+// What two views that truly overlap deviate at most [unit]: their noise, and a part of the spacing
+// for what interpolation misses. A wrong pose settles at a spacing or more.
+double largest_rms(const ViewSurface& a, const ViewSurface& b) {
+  return 0.15 * std::max(a.spacing(), b.spacing()) + 1.5 * std::hypot(a.noise(), b.noise());
+}
+
 Candidate try_pose(const ViewSurface& reference, const ViewSurface& view, const RigidMotion& guess,
-                   const StartingPoseOptions& options) {
+                   int correspondences, const StartingPoseOptions& options) {
   IcpOptions icp;
   icp.association = options.association;
-  icp.correspondences = 400;
-  icp.max_iterations = 25;
-  icp.search_distance = 0.4 * std::min(reference.radius(), view.radius());
+  icp.correspondences = correspondences;
+  icp.tolerance = 0.02;
+  icp.max_iterations = 20;
+  icp.search_distance = kSearchRadii * std::min(reference.radius(), view.radius());
   const IcpResult fit = align_pair(view, reference, guess, icp);
   Candidate candidate{fit.target_from_source, 0.0, fit.overlap};
   if (!fit.usable() || fit.overlap < options.min_overlap) return candidate;
+  const double limit = largest_rms(reference, view);
   const double margin = finest_search_distance(std::max(view.spacing(), reference.spacing()),
                                                std::max(view.noise(), reference.noise()));
   const double against =
       std::max(contradiction(view, reference, fit.target_from_source, margin),
                contradiction(reference, view, fit.target_from_source.inverse(), margin));
-  if (against <= options.max_contradiction) candidate.score = fit.overlap - against;
+  if (fit.rms <= limit && against <= options.max_contradiction)
+    candidate.score = fit.overlap - against;
   return candidate;
 }
 
-Candidate best_candidate(const ViewSurface& reference, const ViewSurface& view,
-                         const std::vector<RigidMotion>& guesses,
+Candidate best_candidate(const ViewSurface& reference, const ViewSurface& view, std::size_t views,
+                         const std::optional<RigidMotion>& last_turn,
                          const StartingPoseOptions& options) {
+  if (last_turn) {  // A turntable mostly goes on as it did.
+    const Candidate next = try_pose(reference, view, *last_turn, kManyCorrespondences, options);
+    if (next.score > 0.0) return next;
+  }
+  const std::vector<RigidMotion> guesses = hypotheses(reference, view, views);
   std::vector<Candidate> candidates(guesses.size());
   parallel_for(guesses.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      candidates[i] = try_pose(reference, view, guesses[i], options);
+      candidates[i] = try_pose(reference, view, guesses[i], kFewCorrespondences, options);
   });
-  return *std::max_element(
-      candidates.begin(), candidates.end(),
-      [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+  const auto best =
+      std::max_element(candidates.begin(), candidates.end(),
+                       [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+  if (best->score <= 0.0) return *best;
+  return try_pose(reference, view, best->reference_from_view, kManyCorrespondences, options);
 }
 
 std::string note(const RangeView& view, const RangeView& reference, const Candidate& found) {
@@ -105,24 +121,35 @@ double contradiction(const ViewSurface& source, const ViewSurface& target,
   return static_cast<double>(in_front) / static_cast<double>(probes);
 }
 
+namespace {
+
+// Without any, the first view with samples defines the world.
+std::vector<std::optional<RigidMotion>> given_poses(const std::vector<ViewSurface>& surfaces,
+                                                    const std::vector<RangeView>& views) {
+  std::vector<std::optional<RigidMotion>> poses(views.size());
+  bool any = false;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (views[i].pose == PoseKind::kAbsent) continue;
+    poses[i] = views[i].world_from_view;
+    any = true;
+  }
+  for (std::size_t i = 0; i < views.size() && !any; ++i) {
+    if (surfaces[i].samples().empty()) continue;
+    poses[i] = RigidMotion::Identity();
+    any = true;
+  }
+  return poses;
+}
+
+}  // namespace
+
 Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfaces,
                                           const std::vector<RangeView>& views,
                                           const StartingPoseOptions& options,
                                           const Progress& progress) {
   const std::size_t count = views.size();
   StartingPoses result;
-  result.world_from_view.resize(count);
-  bool any_given = false;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (views[i].pose == PoseKind::kAbsent) continue;
-    result.world_from_view[i] = views[i].world_from_view;
-    any_given = true;
-  }
-  for (std::size_t i = 0; i < count && !any_given; ++i) {
-    if (surfaces[i].samples().empty()) continue;
-    result.world_from_view[i] = RigidMotion::Identity();
-    any_given = true;
-  }
+  result.world_from_view = given_poses(surfaces, views);
 
   // From every placed view its neighbours in the order of the scans, until no more can be placed.
   std::optional<RigidMotion> last_turn;
@@ -140,9 +167,7 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
         const bool forward = r == (i + count - 1) % count;
         auto expected = last_turn;
         if (expected && !forward) expected = expected->inverse();
-        const Candidate found =
-            best_candidate(surfaces[r], surfaces[i],
-                           hypotheses(surfaces[r], surfaces[i], count, expected), options);
+        const Candidate found = best_candidate(surfaces[r], surfaces[i], count, expected, options);
         if (found.score <= 0.0) {
           failed.emplace_back(i, r);
           continue;

@@ -205,5 +205,20 @@ TEST(AlignViews, StopsWhenAsked) {
   EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
 }
 
+TEST(AlignViews, FindsPosesOfATurntableWithoutAnyGuess) {
+  const auto truth = testing::ring_of_views({.views = 12, .tilts = {0.3, 0.3}});
+  auto views = truth;
+  for (auto& view : views) {
+    view.pose = PoseKind::kAbsent;
+    view.world_from_view = RigidMotion::Identity();
+  }
+  const auto aligned = align_views(views);
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_TRUE(aligned->complete());
+  for (const double error : mean_displacements(truth, aligned->world_from_view(), poses_of(truth)))
+    EXPECT_LT(error, 0.2 * spacing());
+  EXPECT_THAT(aligned->notes, ::testing::Contains(HasSubstr("has no pose: started from")));
+}
+
 }  // namespace
 }  // namespace relief
