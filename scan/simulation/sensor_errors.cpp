@@ -94,22 +94,18 @@ void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& str
 void add_normal_bias(RangeView& view, double rms_rad, double wavelength,
                      const RandomStream& stream) {
   const SmoothField field(wavelength, CounterRandom(stream.seed, stream.stream));
-  const auto tangential = [&](int u, int v) -> Eigen::Vector3d {
-    const Eigen::Vector3d normal = view.normals(u, v).cast<double>().normalized();
-    const Eigen::Vector3d rotation = field.at(view.point(u, v));
-    return rotation - rotation.dot(normal) * normal;
-  };
+  // To first order a rotation turns a normal by the rotation's part in the tangent plane.
   double squares = 0.0, count = 0.0;
   for_each_normal(view, [&](int u, int v) {
-    squares += tangential(u, v).squaredNorm();
+    squares += field.at(view.point(u, v)).cross(view.normals(u, v).cast<double>()).squaredNorm();
     count += 1.0;
   });
   if (squares == 0.0) return;
   const double scale = rms_rad / std::sqrt(squares / count);
   for_each_normal(view, [&](int u, int v) {
-    const Eigen::Vector3d turned =
-        rotated(view.normals(u, v).cast<double>(), scale * tangential(u, v));
-    view.normals(u, v) = facing(turned, view.camera.ray(u, v).direction);
+    const Eigen::Vector3d rotation = scale * field.at(view.point(u, v));
+    view.normals(u, v) = facing(rotated(view.normals(u, v).cast<double>(), rotation),
+                                view.camera.ray(u, v).direction);
   });
 }
 

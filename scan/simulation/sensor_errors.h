@@ -20,10 +20,10 @@ void add_range_noise(RangeView& view, double sigma, const RandomStream& random);
 /// mean 1.25 sigma and the RMS 1.41 sigma.
 void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& random);
 
-/// Turns the normals by a smooth random field of rotations about axes of the tangent plane: the
-/// low-frequency error of photometric stereo. `rms_rad` is the RMS of the angle over the view's
-/// normals. The field is a sum of plane waves in space whose lengths lie between `wavelength`
-/// [unit] and twice that, so it is smooth over the surface and changes nothing at shorter scales.
+/// Turns the normals by a smooth random field of rotations: the low-frequency error of photometric
+/// stereo. Neighbouring normals turn together, so fine relief is tilted as a whole but keeps its
+/// shape. `rms_rad` is the RMS, over the view's normals, of the angle they turn by. The field is a
+/// sum of 16 plane waves in space with lengths between `wavelength` [unit] and twice that.
 void add_normal_bias(RangeView& view, double rms_rad, double wavelength,
                      const RandomStream& random);
 

@@ -132,6 +132,20 @@ TEST(NormalBias, IsSmoothAtScalesBelowItsWavelength) {
   EXPECT_GT(rms(slopes), amplitude * 2.0 * pi / (2.0 * wavelength) / 4.0);
 }
 
+TEST(NormalBias, TurnsFineReliefAsAWhole) {
+  RangeView view = plane_view();
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      view.normals(u, v) =
+          (view.normals(u, v) + 0.3f * Eigen::Vector3f(u % 2, v % 2, 0)).normalized();
+  RangeView biased = view;
+  add_normal_bias(biased, 0.1, 20.0, {2, 0});
+  // The angle between neighbours stays what it was.
+  for (int u = 1; u < view.width(); ++u)
+    EXPECT_NEAR(angle(biased.normals(u, 50), biased.normals(u - 1, 50)),
+                angle(view.normals(u, 50), view.normals(u - 1, 50)), 0.005);
+}
+
 TEST(NormalErrors, LeaveUnitNormalsThatFaceTheSensor) {
   RangeView view = sphere_view();
   add_normal_bias(view, 0.3, 3.0, {1, 0});
