@@ -1,0 +1,89 @@
+#include <chrono>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/console.h"
+#include "apps/stages.h"
+
+namespace relief {
+
+namespace {
+
+Json view_report(const ViewReport& view) {
+  Json report = {{"name", view.name},
+                 {"world_from_view", to_json(view.world_from_view)},
+                 {"aligned", view.aligned},
+                 {"pose_std", std::vector<double>(view.pose_std.begin(), view.pose_std.end())}};
+  if (!view.aligned) report["reason"] = view.reason;
+  return report;
+}
+
+Json pair_report(const PairFit& pair, const Alignment& alignment) {
+  Json directions = Json::array();
+  for (const DegenerateDirection& direction : pair.degenerate_directions)
+    directions.push_back(direction.description);
+  return {{"a", alignment.views[pair.a].name},
+          {"b", alignment.views[pair.b].name},
+          {"overlap", pair.overlap},
+          {"rms", pair.rms},
+          {"correspondences", pair.correspondences},
+          {"degenerate_directions", std::move(directions)}};
+}
+
+Json alignment_report(const Alignment& alignment) {
+  Json report = {{"termination", to_string(alignment.termination)},
+                 {"iterations", alignment.iterations},
+                 {"rms", alignment.rms},
+                 {"views", Json::array()},
+                 {"pairs", Json::array()}};
+  for (const ViewReport& view : alignment.views) report["views"].push_back(view_report(view));
+  for (const PairFit& pair : alignment.pairs)
+    report["pairs"].push_back(pair_report(pair, alignment));
+  return report;
+}
+
+void log_pairs(const Alignment& alignment) {
+  for (const PairFit& pair : alignment.pairs) {
+    Console::detail(fmt::format("{} - {}: overlap {:.0f} %, {:.3g} RMS",
+                                alignment.views[pair.a].name, alignment.views[pair.b].name,
+                                100.0 * pair.overlap, pair.rms));
+    for (const DegenerateDirection& direction : pair.degenerate_directions)
+      Console::detail("  alone leaves free: " + direction.description);
+  }
+}
+
+}  // namespace
+
+Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto alignment = align_views(project.views, options, console_progress("align"));
+  if (!alignment) return alignment.error();
+
+  for (const std::string& note : alignment->notes) Console::info(note);
+  log_pairs(*alignment);
+  std::size_t aligned = 0;
+  for (std::size_t i = 0; i < project.views.size(); ++i) {
+    const ViewReport& view = alignment->views[i];
+    aligned += view.aligned ? 1 : 0;
+    if (!view.aligned) {
+      Console::warning("view " + view.name + " is not aligned: " + view.reason);
+      continue;
+    }
+    project.views[i].world_from_view = view.world_from_view;
+    if (project.views[i].pose == PoseKind::kAbsent) project.views[i].pose = PoseKind::kGuess;
+  }
+
+  AlignStage stage;
+  stage.complete = alignment->complete();
+  stage.report = alignment_report(*alignment);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  stage.report["seconds"] = seconds;
+  Console::info(fmt::format("aligned {} of {} views by {} pairs: {:.3g} {} RMS, {}, {:.1f} s",
+                            aligned, project.views.size(), alignment->pairs.size(), alignment->rms,
+                            project.unit, to_string(alignment->termination), seconds));
+  return stage;
+}
+
+}  // namespace relief

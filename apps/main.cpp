@@ -1,0 +1,39 @@
+#include <exception>
+#include <new>
+
+#include <CLI/CLI.hpp>
+
+#include "apps/command.h"
+#include "apps/console.h"
+#include "apps/exit_status.h"
+#include "apps/version.h"
+
+int main(int argc, char** argv) {
+  using namespace relief;
+  CLI::App app{"relief: range scans and normal maps to one watertight model", "relief"};
+  app.set_version_flag("--version", std::string("relief ") + kVersion);
+  app.require_subcommand(1);
+  app.option_defaults()->always_capture_default();
+
+  Action action;
+  constexpr AddCommand kCommands[] = {add_info, add_align,    add_refine,   add_merge,
+                                      add_run,  add_simulate, add_evaluate, add_convert};
+  for (const AddCommand add : kCommands) add(app, action);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kWrongUsage;
+  }
+
+  catch_interrupts();
+  try {
+    return action();
+  } catch (const std::bad_alloc&) {
+    return fail({ErrorKind::kUnsolvable,
+                 "out of memory: reduce the number or the resolution of the views, or give a "
+                 "larger voxel size"});
+  } catch (const std::exception& error) {
+    return fail({ErrorKind::kUnsolvable, std::string("internal error: ") + error.what()});
+  }
+}

@@ -1,0 +1,127 @@
+#include "scan/simulation/simulate.h"
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "apps/command.h"
+#include "apps/console.h"
+#include "apps/exit_status.h"
+#include "apps/output.h"
+#include "apps/report.h"
+#include "scan/io/atomic_file.h"
+#include "scan/io/mesh_io.h"
+
+namespace relief {
+
+namespace {
+
+struct SimulateCommand {
+  CommonOptions common;
+  SimulationOptions options;
+  std::filesystem::path output;
+};
+
+const std::map<std::string, PoseKind> kPoses = {
+    {"exact", PoseKind::kKnown}, {"perturbed", PoseKind::kGuess}, {"absent", PoseKind::kAbsent}};
+const std::map<std::string, ViewLayout> kLayouts = {{"turntable", ViewLayout::kTurntable},
+                                                    {"sphere", ViewLayout::kSphere}};
+
+// What the simulated sensors did, and where they truly stood.
+Json truth_record(const Simulation& simulation, const SimulationOptions& options) {
+  Json record = {{"seed", options.seed},
+                 {"unit", simulation.scans.unit},
+                 {"diameter", simulation.diameter},
+                 {"sample_spacing", simulation.spacing},
+                 {"range_sigma", simulation.range_sigma},
+                 {"normal_noise_deg", options.normal_noise_deg},
+                 {"normal_bias_deg", options.normal_bias_deg},
+                 {"pose_rotation_deg", options.pose_rotation_deg},
+                 {"pose_translation", options.pose_translation},
+                 {"views", Json::array()}};
+  for (const RangeView& view : simulation.truth.views)
+    record["views"].push_back(
+        {{"name", view.name}, {"world_from_view", to_json(view.world_from_view)}});
+  return record;
+}
+
+// The truth goes first, so that a scan.json never stands without it.
+Result<void> write_simulation(const Simulation& simulation, const SimulateCommand& command) {
+  const auto& folder = command.output;
+  if (auto done = prepare_folder(folder / "truth"); !done) return done;
+  if (!simulation.mesh.faces.empty())
+    if (auto done = write_mesh(simulation.mesh, folder / "truth/model.ply"); !done) return done;
+  if (auto done = write_project(simulation.truth, folder / "truth", console_progress("write"));
+      !done)
+    return done;
+  const Json record = truth_record(simulation, command.options);
+  if (auto done = write_file(folder / "truth.json", record.dump(1) + "\n"); !done) return done;
+  return write_project(simulation.scans, folder, console_progress("write"));
+}
+
+int simulate_scans(const SimulateCommand& command) {
+  SimulationOptions options = command.options;
+  options.threads = command.common.threads;
+  options.seed = command.common.seed;
+  if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
+  const auto simulation = simulate(options, console_progress("simulate"));
+  if (!simulation) return fail(simulation.error());
+  SimulateCommand used = command;
+  used.options = options;
+  if (const auto written = write_simulation(*simulation, used); !written)
+    return fail(written.error());
+  Console::info(fmt::format("wrote {}: {} views of {}x{}, spacing {:.3g} {}, range noise {:.3g} {}",
+                            (command.output / "scan.json").string(), options.views, options.width,
+                            options.height, simulation->spacing, simulation->scans.unit,
+                            simulation->range_sigma, simulation->scans.unit));
+  return kDone;
+}
+
+void add_simulation_options(CLI::App& command, SimulationOptions& options) {
+  command.add_option("--views", options.views, "Number of views")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_option("--width", options.width, "Pixels of a row")->capture_default_str();
+  command.add_option("--height", options.height, "Pixels of a column")->capture_default_str();
+  command.add_option("--layout", options.layout, "Where the sensor stands: turntable or sphere")
+      ->transform(CLI::CheckedTransformer(kLayouts))
+      ->default_str("turntable");
+  command
+      .add_option("--range-noise", options.range_noise,
+                  "Standard deviation of the range [sample spacings]")
+      ->capture_default_str();
+  command
+      .add_option("--normal-noise", options.normal_noise_deg, "White noise of the normals [deg]")
+      ->capture_default_str();
+  command.add_option("--normal-bias", options.normal_bias_deg, "Smooth error of the normals [deg]")
+      ->capture_default_str();
+  command.add_option("--poses", options.pose, "Starting poses: exact, perturbed or absent")
+      ->transform(CLI::CheckedTransformer(kPoses))
+      ->default_str("perturbed");
+  command
+      .add_option("--pose-rotation", options.pose_rotation_deg,
+                  "Error of perturbed poses [deg], about the object's centre")
+      ->capture_default_str();
+  command
+      .add_option("--pose-translation", options.pose_translation,
+                  "Error of perturbed poses [diameters of the object]")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, Action& action) {
+  auto command = std::make_shared<SimulateCommand>();
+  auto* sub = app.add_subcommand(
+      "simulate", "Scans with normal maps of the built-in object, with their ground truth");
+  sub->add_option("-o,--output", command->output,
+                  "Folder for scan.json, truth.json and truth/ (exact views and mesh)")
+      ->required();
+  add_simulation_options(*sub, command->options);
+  add_common_options(*sub, command->common);
+  sub->callback([command, &action] { action = [command] { return simulate_scans(*command); }; });
+}
+
+}  // namespace relief

@@ -1,0 +1,107 @@
+#include "apps/stage_options.h"
+
+#include <map>
+#include <numbers>
+#include <string>
+
+namespace relief {
+
+namespace {
+
+const std::map<std::string, Stencil> kStencils = {{"edge", Stencil::kCompactEdge},
+                                                  {"paper", Stencil::kPaperCentral}};
+const std::map<std::string, BiasModel> kBiasModels = {
+    {"latent", BiasModel::kLatent}, {"two-step", BiasModel::kTwoStep}, {"none", BiasModel::kNone}};
+const std::map<std::string, Solver> kSolvers = {{"cg", Solver::kConjugateGradients},
+                                                {"cholesky", Solver::kCholesky}};
+
+}  // namespace
+
+RefineOptions RefineFlags::resolved() const {
+  RefineOptions resolved = options;
+  if (sigma_normal_deg) resolved.sigma_normal = *sigma_normal_deg * std::numbers::pi / 180.0;
+  return resolved;
+}
+
+void add_refine_options(CLI::App& command, RefineFlags& flags) {
+  auto* group = command.add_option_group("Refinement");
+  RefineOptions& options = flags.options;
+  group->add_option("--stencil", options.stencil, "Normal constraints: edge, or the published ones")
+      ->transform(CLI::CheckedTransformer(kStencils))
+      ->default_str("edge");
+  group->add_option("--bias", options.bias, "Low-frequency error of the normals")
+      ->transform(CLI::CheckedTransformer(kBiasModels))
+      ->default_str("latent");
+  group
+      ->add_option("--sigma-position", options.sigma_position,
+                   "Noise of the range [unit]; default: estimated per view")
+      ->check(CLI::PositiveNumber);
+  group
+      ->add_option("--sigma-normal", flags.sigma_normal_deg,
+                   "Noise of the normals [deg]; default: estimated per view")
+      ->check(CLI::PositiveNumber);
+  group->add_option(
+      "--lambda", options.lambda,
+      "Weight of positions against normals as published, in (0, 1); replaces the noise "
+      "of the normals");
+  group
+      ->add_option("--smoothing-scale", options.smoothing_scale,
+                   "Scale of the two-step correction [samples]; default: where the errors cross")
+      ->check(CLI::PositiveNumber);
+  group->add_option("--robust-rounds", options.robust_rounds, "Rounds of robust reweighting")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  group->add_option("--solver", options.solver, "Linear solver: cg or cholesky")
+      ->transform(CLI::CheckedTransformer(kSolvers))
+      ->default_str("cg");
+}
+
+void add_align_options(CLI::App& command, AlignOptions& options) {
+  auto* group = command.add_option_group("Alignment");
+  JointRefinementOptions& refinement = options.refinement;
+  group
+      ->add_option("--correspondences", refinement.correspondences,
+                   "Correspondences per direction of a pair of views")
+      ->check(CLI::Range(6, 1000000))
+      ->capture_default_str();
+  group
+      ->add_option("--search-distance", refinement.search_distance,
+                   "How far off the starting poses may be [unit]; 0: a fifth of a view's radius")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  group
+      ->add_option("--min-overlap", refinement.min_overlap,
+                   "Pairs of views that share less than this fraction are not used")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  group
+      ->add_option("--max-iterations", refinement.max_iterations,
+                   "Renewals of the correspondences, per level")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+void add_merge_options(CLI::App& command, MergeOptions& options) {
+  auto* group = command.add_option_group("Merging");
+  group
+      ->add_option("--voxel", options.voxel_size,
+                   "Lattice spacing [unit]; 0: the median sample spacing")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  group
+      ->add_option("--truncation", options.truncation,
+                   "How far from a view's surface it counts [unit]; 0: from voxel and noise")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  group->add_flag_callback(
+      "--keep-components", [&options] { options.keep_components = true; },
+      "Keep surfaces apart from the largest one");
+  group
+      ->add_option_function<std::string>(
+          "--holes", [&options](const std::string& holes) { options.keep_holes = holes == "keep"; },
+          "What to do where no view measured: fill, or keep open")
+      ->check(CLI::IsMember({"fill", "keep"}))
+      ->default_str("fill");
+}
+
+}  // namespace relief

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+
+#include <CLI/CLI.hpp>
+
+#include "fusion/merge_views.h"
+#include "hybrid/refine_view.h"
+#include "registration/align_views.h"
+
+namespace relief {
+
+/// Bind the flags of each stage to the fields of its options, which hold the defaults.
+void add_align_options(CLI::App& command, AlignOptions& options);
+void add_merge_options(CLI::App& command, MergeOptions& options);
+
+/// Angles are degrees on the command line and radians in the options.
+struct RefineFlags {
+  RefineOptions options;
+  std::optional<double> sigma_normal_deg;
+
+  RefineOptions resolved() const;
+};
+void add_refine_options(CLI::App& command, RefineFlags& flags);
+
+}  // namespace relief

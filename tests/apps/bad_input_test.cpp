@@ -1,0 +1,241 @@
+// What the program says, returns and leaves behind when its input or its surroundings are bad.
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "tests/support/program.h"
+
+namespace relief {
+namespace {
+
+using nlohmann::json;
+using ::testing::AnyOf;
+using testing::files_below;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::ProgramRun;
+using testing::read_text;
+using testing::run_relief;
+using testing::TemporaryFolder;
+using testing::write_text;
+
+// A good project of three small simulated views, made once, that each test copies and spoils.
+class BadInput : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    original_ = new TemporaryFolder;
+    const ProgramRun run = run_relief({"simulate", "-q", "--views", "3", "--width", "64",
+                                       "--height", "64", "-o", original_->path().string()});
+    ASSERT_EQ(run.exit_status, 0) << run.standard_error;
+  }
+  static void TearDownTestSuite() {
+    delete original_;
+    original_ = nullptr;
+  }
+
+  void SetUp() override {
+    std::filesystem::copy(original_->path(), project_.path(),
+                          std::filesystem::copy_options::recursive);
+    scan_ = json::parse(read_text(project_ / "scan.json"));
+  }
+
+  void save() { write_text(project_ / "scan.json", scan_.dump(1)); }
+
+  std::string depth_file() const {
+    return project_ / scan_["views"][0]["depth"]["file"].get<std::string>();
+  }
+
+  // Each command that takes a project must fail with `status`, say `words`, and leave no output.
+  void expect_failure(int status, const std::string& words) {
+    const TemporaryFolder out;
+    const std::vector<std::vector<std::string>> commands = {
+        {"info", project_ / "scan.json"},
+        {"align", project_ / "scan.json", "-o", out / "aligned.json"},
+        {"refine", project_ / "scan.json", "-o", out / "refined"},
+        {"merge", project_ / "scan.json", "-o", out / "model.ply"},
+        {"run", project_ / "scan.json", "-o", out / "run"}};
+    for (const auto& command : commands) {
+      const ProgramRun run = run_relief(command);
+      EXPECT_EQ(run.exit_status, status) << command[0] << ": " << run.standard_error;
+      EXPECT_THAT(run.standard_error, HasSubstr(words)) << command[0];
+      EXPECT_THAT(files_below(out.path()), IsEmpty()) << command[0];
+    }
+  }
+
+  static TemporaryFolder* original_;
+  TemporaryFolder project_;
+  json scan_;
+};
+
+TemporaryFolder* BadInput::original_ = nullptr;
+
+TEST_F(BadInput, MissingProject) {
+  std::filesystem::remove(project_ / "scan.json");
+  expect_failure(2, "scan.json");
+}
+
+TEST_F(BadInput, MissingDepthFile) {
+  std::filesystem::remove(depth_file());
+  expect_failure(2, std::filesystem::path(depth_file()).filename());
+}
+
+TEST_F(BadInput, TruncatedDepthFile) {
+  const std::string bytes = read_text(depth_file());
+  write_text(depth_file(), bytes.substr(0, bytes.size() / 2));
+  expect_failure(2, std::filesystem::path(depth_file()).filename());
+}
+
+TEST_F(BadInput, ProjectThatIsNotJson) {
+  write_text(project_ / "scan.json", "{ \"format\": \"relief-scan\", oops }");
+  expect_failure(2, "scan.json");
+}
+
+TEST_F(BadInput, TextWhereANumberBelongs) {
+  scan_["views"][1]["camera"]["fx"] = "nine hundred";
+  save();
+  expect_failure(2, "fx");
+}
+
+TEST_F(BadInput, ZeroFocalLength) {
+  scan_["views"][1]["camera"]["fx"] = 0;
+  save();
+  expect_failure(2, "fx");
+}
+
+TEST_F(BadInput, PoseThatIsNoRotation) {
+  scan_["views"][2]["world_from_view"] = {{2, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+  save();
+  expect_failure(2, "world_from_view");
+}
+
+TEST_F(BadInput, UnknownKey) {
+  scan_["views"][0]["camera"]["focal"] = 900;
+  save();
+  expect_failure(2, "focal");
+}
+
+TEST_F(BadInput, DepthAndNormalsOfDifferentSizes) {
+  const TemporaryFolder other;
+  ASSERT_EQ(run_relief({"simulate", "-q", "--views", "3", "--width", "48", "--height", "48", "-o",
+                        other.path().string()})
+                .exit_status,
+            0);
+  const json scan = json::parse(read_text(other / "scan.json"));
+  scan_["views"][0]["normals"]["file"] =
+      other / scan["views"][0]["normals"]["file"].get<std::string>();
+  save();
+  expect_failure(2, "48");
+}
+
+TEST_F(BadInput, ViewWithoutSamples) {
+  const int width = 64, height = 64;
+  std::string pfm = "Pf\n64 64\n-1.0\n";
+  pfm.append(static_cast<std::size_t>(width) * height * 4, '\0');  // zero: no sample
+  write_text(project_ / "empty.pfm", pfm);
+  scan_["views"][0]["depth"]["file"] = "empty.pfm";
+  scan_["views"][0].erase("normals");
+  save();
+  expect_failure(1, scan_["views"][0]["name"]);
+}
+
+TEST_F(BadInput, UnwritableOutput) {
+  write_text(project_ / "file", "not a folder");
+  const std::string below_a_file = project_ / "file" + "/out";
+  const std::vector<std::vector<std::string>> commands = {
+      {"align", project_ / "scan.json", "-o", below_a_file + "/aligned.json"},
+      {"refine", project_ / "scan.json", "-o", below_a_file},
+      {"merge", project_ / "scan.json", "-o", below_a_file + "/model.ply"},
+      {"run", project_ / "scan.json", "-o", below_a_file},
+      {"simulate", "-o", below_a_file}};
+  for (const auto& command : commands) {
+    const ProgramRun run = run_relief(command);
+    EXPECT_EQ(run.exit_status, 2) << command[0] << ": " << run.standard_error;
+    EXPECT_THAT(run.standard_error, HasSubstr("file/out")) << command[0];
+  }
+}
+
+TEST_F(BadInput, UnknownMeshEnding) {
+  const ProgramRun run =
+      run_relief({"merge", project_ / "scan.json", "-o", project_ / "model.xyz"});
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_THAT(run.standard_error, HasSubstr(".xyz"));
+}
+
+// Every output file larger than the limit fails as it would on a full disk.
+TEST_F(BadInput, FullDiskLeavesNothingHalfWritten) {
+  const TemporaryFolder out;
+  const ProgramRun merged = run_relief({"merge", project_ / "scan.json", "-o", out / "model.ply"},
+                                       {.file_size_bytes = 8192});
+  EXPECT_EQ(merged.exit_status, 2) << merged.standard_error;
+  EXPECT_THAT(merged.standard_error, HasSubstr("model.ply"));
+  EXPECT_THAT(files_below(out.path()), IsEmpty());
+
+  const ProgramRun refined = run_relief({"refine", project_ / "scan.json", "-o", out / "refined"},
+                                        {.file_size_bytes = 4096});
+  EXPECT_EQ(refined.exit_status, 2) << refined.standard_error;
+  EXPECT_FALSE(std::filesystem::exists(out / "refined/scan.json"));
+}
+
+TEST_F(BadInput, OlderOutputSurvivesAFailure) {
+  write_text(project_ / "model.ply", "older");
+  const ProgramRun run = run_relief({"merge", project_ / "scan.json", "-o", project_ / "model.ply"},
+                                    {.file_size_bytes = 8192});
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_EQ(read_text(project_ / "model.ply"), "older");
+}
+
+TEST_F(BadInput, OneViewOnlyStillGivesAClosedModel) {
+  scan_["views"].erase(1);
+  scan_["views"].erase(1);
+  save();
+  const TemporaryFolder out;
+  const ProgramRun run = run_relief({"run", project_ / "scan.json", "-o", out.path().string()});
+  EXPECT_EQ(run.exit_status, 0) << run.standard_error;
+  const json report = json::parse(read_text(out / "report.json"));
+  EXPECT_TRUE(report["merge"]["watertight"]);
+}
+
+TEST_F(BadInput, TwoViewsThatDoNotOverlapAreReportedAndNotForced) {
+  scan_["views"].erase(2);
+  scan_["views"][1]["world_from_view"] = {
+      {1, 0, 0, 9000}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+  scan_["views"][1]["pose_is"] = "guess";
+  save();
+  const TemporaryFolder out;
+  const ProgramRun run = run_relief({"align", project_ / "scan.json", "-o", out / "aligned.json"});
+  EXPECT_EQ(run.exit_status, 1) << run.standard_error;
+  EXPECT_THAT(run.standard_error, HasSubstr(scan_["views"][1]["name"].get<std::string>()));
+  const json report = json::parse(read_text(out / "report.json"));
+  EXPECT_FALSE(report["align"]["views"][1]["aligned"]);
+}
+
+TEST(WrongUsage, IsExitStatusTwo) {
+  const std::vector<std::vector<std::string>> commands = {
+      {}, {"polish"}, {"align"}, {"merge", "scan.json"}, {"info", "a", "--no-such-option"}};
+  for (const auto& command : commands) {
+    const ProgramRun run = run_relief(command);
+    EXPECT_EQ(run.exit_status, 2) << run.standard_error;
+    EXPECT_FALSE(run.standard_error.empty());
+    EXPECT_TRUE(run.standard_output.empty());
+  }
+}
+
+TEST(WrongUsage, TruncatedGrid) {
+  const TemporaryFolder folder;
+  write_text(folder / "scan.ply",
+             "ply\nformat ascii 1.0\nobj_info num_cols 2\nobj_info num_rows 2\n"
+             "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+             "element range_grid 4\nproperty list uchar int vertex_indices\nend_header\n"
+             "0 0 1\n1 0 nan\n0 one 1\n");
+  const ProgramRun run = run_relief({"merge", folder / "scan.ply", "-o", folder / "model.ply"});
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_THAT(run.standard_error, HasSubstr("scan.ply"));
+  EXPECT_THAT(run.standard_error, HasSubstr("one"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "model.ply"));
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,119 @@
+// The whole way through the program on simulated scans.
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/program.h"
+
+namespace relief {
+namespace {
+
+using nlohmann::json;
+using testing::files_below;
+using ::testing::HasSubstr;
+using testing::ProgramRun;
+using testing::read_text;
+using testing::run_relief;
+using testing::TemporaryFolder;
+
+json report_of(const std::filesystem::path& folder) {
+  return json::parse(read_text(folder / "report.json"));
+}
+
+void simulate(const TemporaryFolder& folder, const std::string& views, const std::string& size,
+              const std::string& threads = "0") {
+  const ProgramRun run =
+      run_relief({"simulate", "-q", "--views", views, "--width", size, "--height", size, "--seed",
+                  "3", "--threads", threads, "-o", folder.path().string()});
+  ASSERT_EQ(run.exit_status, 0) << run.standard_error;
+}
+
+json evaluate(const std::string& result, const std::string& truth) {
+  const ProgramRun run = run_relief({"evaluate", result, "--truth", truth, "--json", "-q"});
+  EXPECT_EQ(run.exit_status, 0) << run.standard_error;
+  return json::parse(run.standard_output)["evaluate"];
+}
+
+TEST(Program, AnswersHelpAndVersion) {
+  EXPECT_EQ(run_relief({"--version"}).exit_status, 0);
+  const ProgramRun help = run_relief({"--help"});
+  EXPECT_EQ(help.exit_status, 0);
+  for (const char* command :
+       {"info", "align", "refine", "merge", "run", "simulate", "evaluate", "convert"}) {
+    EXPECT_THAT(help.standard_output, HasSubstr(command));
+    EXPECT_EQ(run_relief({command, "--help"}).exit_status, 0) << command;
+  }
+}
+
+// Simulated scans through `run`: closed, aligned, refined, and each stage nearer to the truth.
+TEST(Program, RunsTheWholeWay) {
+  const TemporaryFolder scans, out;
+  simulate(scans, "10", "160");
+  const ProgramRun run = run_relief({"run", scans / "scan.json", "-o", out.path().string()});
+  ASSERT_EQ(run.exit_status, 0) << run.standard_error;
+
+  const json report = report_of(out.path());
+  EXPECT_TRUE(report["merge"]["watertight"]);
+  EXPECT_TRUE(report["merge"]["manifold_edges"]);
+  EXPECT_TRUE(report["merge"]["manifold_vertices"]);
+  EXPECT_EQ(report["merge"]["boundary_edges"], 0);
+  EXPECT_EQ(report["merge"]["components"], 1);
+  EXPECT_GT(report["merge"]["volume"], 0.0);
+  for (const json& view : report["align"]["views"]) EXPECT_TRUE(view["aligned"]);
+  EXPECT_EQ(report["refine"]["views"].size(), 10u);
+
+  const json raw = evaluate(scans / "scan.json", scans / "truth/scan.json");
+  const json refined = evaluate(out / "scan.json", scans / "truth/scan.json");
+  EXPECT_LT(refined["depth"]["rms"].get<double>(), 0.5 * raw["depth"]["rms"].get<double>());
+  EXPECT_LT(refined["geometry_normals_deg"]["mean"].get<double>(),
+            0.2 * raw["geometry_normals_deg"]["mean"].get<double>());
+  EXPECT_LT(refined["poses"]["mean_displacement"].get<double>(),
+            0.1 * raw["poses"]["mean_displacement"].get<double>());
+  const json model = evaluate(out / "model.ply", scans / "truth/model.ply");
+  EXPECT_LT(model["accuracy"]["rms"].get<double>(), raw["depth"]["rms"].get<double>());
+}
+
+TEST(Program, SingleStepsGiveWhatRunGives) {
+  const TemporaryFolder scans, out;
+  simulate(scans, "6", "96");
+  ASSERT_EQ(run_relief({"align", scans / "scan.json", "-o", out / "aligned.json"}).exit_status, 0);
+  ASSERT_EQ(run_relief({"refine", out / "aligned.json", "-o", out / "refined"}).exit_status, 0);
+  for (const char* model : {"model.ply", "model.obj", "model.stl", "model.vtp", "model.glb"}) {
+    const ProgramRun run = run_relief({"merge", out / "refined/scan.json", "-o", out / model});
+    EXPECT_EQ(run.exit_status, 0) << model << run.standard_error;
+    EXPECT_GT(std::filesystem::file_size(out / model), 1000u);
+  }
+  EXPECT_EQ(run_relief({"info", out / "refined/scan.json"}).exit_status, 0);
+  EXPECT_EQ(run_relief({"convert", out / "model.ply", "-o", out / "copy.stl"}).exit_status, 0);
+  EXPECT_EQ(run_relief({"convert", scans / "scan.json", "-o", out / "views.ply"}).exit_status, 0);
+  EXPECT_EQ(run_relief({"convert", scans / "scan.json", "-o", out / "copied"}).exit_status, 0);
+}
+
+TEST(Program, GivesTheSameBytesOnAnyNumberOfThreads) {
+  const TemporaryFolder one_scans, two_scans, one, two;
+  simulate(one_scans, "5", "96", "1");
+  simulate(two_scans, "5", "96", "2");
+  ASSERT_EQ(files_below(one_scans.path()), files_below(two_scans.path()));
+  for (const std::string& file : files_below(one_scans.path())) {
+    if (file != "report.json") {
+      EXPECT_EQ(read_text(one_scans / file), read_text(two_scans / file)) << file;
+    }
+  }
+
+  ASSERT_EQ(
+      run_relief({"run", one_scans / "scan.json", "--threads", "1", "-o", one.path()}).exit_status,
+      0);
+  ASSERT_EQ(
+      run_relief({"run", one_scans / "scan.json", "--threads", "3", "-o", two.path()}).exit_status,
+      0);
+  for (const std::string& file : files_below(one.path())) {
+    if (file.find("report") == std::string::npos && file.find(".log") == std::string::npos) {
+      EXPECT_EQ(read_text(one / file), read_text(two / file)) << file;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,88 @@
+#include "tests/support/program.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace relief::testing {
+
+namespace {
+
+[[noreturn]] void become_program(std::vector<char*> arguments, const std::string& out,
+                                 const std::string& err, const ProgramLimits& limits) {
+  const int out_file = open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
+  const int err_file = open(err.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
+  dup2(out_file, STDOUT_FILENO);
+  dup2(err_file, STDERR_FILENO);
+  if (limits.file_size_bytes >= 0) {
+    std::signal(SIGXFSZ, SIG_IGN);  // writing then fails with EFBIG
+    const auto bytes = static_cast<rlim_t>(limits.file_size_bytes);
+    const rlimit limit{bytes, bytes};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  execv(arguments[0], arguments.data());
+  _exit(127);
+}
+
+}  // namespace
+
+ProgramRun run_relief(const std::vector<std::string>& arguments, const ProgramLimits& limits) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out", err = folder / "err";
+  std::string program = RELIEF_PROGRAM;
+  std::vector<std::string> owned = arguments;
+  std::vector<char*> argv{program.data()};
+  for (std::string& argument : owned) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+
+  const pid_t child = fork();
+  if (child == 0) become_program(argv, out, err, limits);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ProgramRun run;
+  run.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  run.standard_output = read_text(out);
+  run.standard_error = read_text(err);
+  return run;
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "relief-test-XXXXXX").string();
+  path_ = mkdtemp(pattern.data());
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::vector<std::string> files_below(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  if (!std::filesystem::exists(folder)) return names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file())
+      names.push_back(std::filesystem::relative(entry.path(), folder).string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+}  // namespace relief::testing

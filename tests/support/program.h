@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace relief::testing {
+
+/// What a finished run of the program `relief` left behind.
+struct ProgramRun {
+  int exit_status = -1;  ///< 128 + signal number when a signal ended it.
+  std::string standard_output;
+  std::string standard_error;
+};
+
+struct ProgramLimits {
+  long file_size_bytes = -1;  ///< Largest file it may write; writing more fails as on a full disk.
+};
+
+/// Runs the program under test with `arguments` and waits for it.
+ProgramRun run_relief(const std::vector<std::string>& arguments, const ProgramLimits& limits = {});
+
+/// An empty folder that is removed with everything in it at the end of the scope.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Names of all files below `folder`, relative to it, sorted.
+std::vector<std::string> files_below(const std::filesystem::path& folder);
+
+void write_text(const std::filesystem::path& path, const std::string& text);
+std::string read_text(const std::filesystem::path& path);
+
+}  // namespace relief::testing
