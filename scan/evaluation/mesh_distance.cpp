@@ -125,6 +125,7 @@ std::vector<double> chosen_thresholds(const TriangleMesh& truth,
   return {0.25 * spacing, 0.5 * spacing, spacing, 2.0 * spacing};
 }
 
+// Equation (E2).
 double harmonic_mean(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0; }
 
 }  // namespace

@@ -49,7 +49,7 @@ double mean_displacement(const PosedView& view, const RigidMotion& truth_from_re
   return (truth_from_result * view.in_result - view.in_truth).colwise().norm().mean();
 }
 
-// Every view counts alike, times its weight.
+// Equation (E4). Every view counts alike, times its weight.
 RigidMotion weighted_common_motion(const std::vector<PosedView>& views,
                                    const std::vector<double>& view_weights) {
   Eigen::Index count = 0;
@@ -86,6 +86,7 @@ RigidMotion common_motion(const std::vector<PosedView>& views, bool robust) {
   return motion;
 }
 
+// Of the motion (E5).
 PoseError pose_error(const PosedView& view, const RigidMotion& truth_from_result) {
   const Eigen::Matrix3Xd placed = truth_from_result * view.in_result;
   const Eigen::Matrix3Xd displacement = placed - view.in_truth;

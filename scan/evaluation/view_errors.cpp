@@ -97,7 +97,8 @@ Result<void> check_comparable(const RangeView& view, const RangeView& truth) {
   return {};
 }
 
-// The signed distance between two points of one ray, whose ranges may be in different scales.
+// Equation (E3): the signed distance between two points of one ray, whose ranges may be in
+// different scales.
 double depth_error(const RangeView& view, const RangeView& truth, int u, int v) {
   const Eigen::Vector3d offset = view.point(u, v) - truth.point(u, v);
   return offset.dot(truth.camera.ray(u, v).direction.normalized());

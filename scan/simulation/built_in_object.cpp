@@ -170,7 +170,7 @@ T toes(const Direction<T>& d) {
   return height;
 }
 
-// A row of pits of 1.2 mm along the brow and over the crown.
+// A circle of pits of 1.4 mm on the nape.
 template <typename T>
 T pits(const Direction<T>& d) {
   static const Eigen::Vector3d kNape = Eigen::Vector3d(0.0, 0.62, 0.78).normalized();
@@ -243,6 +243,7 @@ T owl_radius(const Direction<T>& unturned) {
          chirp(unturned) + toes(m) + pits(d) + letter(d);
 }
 
+// Equation (S1).
 template <typename T>
 T owl_value(const Direction<T>& p) {
   const T norm = sqrt(p.x * p.x + p.y * p.y + p.z * p.z);

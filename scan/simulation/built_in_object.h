@@ -7,10 +7,10 @@
 
 namespace relief {
 
-/// The built-in object: a carved owl with its head turned, 100 mm tall, in millimetres, z up, its
+/// The built-in object: a carved owl with its head turned, 97 mm tall, in millimetres, z up, its
 /// breast towards -y. It is star-shaped (one radius for every direction from the origin), hence
 /// closed and of genus 0, and smooth enough for continuous normals and almost everywhere continuous
-/// curvature. Its relief spans the wavelengths that scanning is about: plumage of 4 to 6 mm,
+/// curvature. Its relief spans the wavelengths that scanning is about: plumage of 5 to 6 mm,
 /// grooves of the wings with barbs of 1.1 mm, pits and an engraved letter with strokes of 1.4 mm,
 /// and on the back a chirp whose wavelength falls from 8 to 0.8 mm at constant slope.
 AnalyticSurface built_in_object();

@@ -30,7 +30,7 @@ Eigen::Vector3d random_direction(const CounterRandom& random, std::uint64_t inde
       .normalized();
 }
 
-// A vector field in space: a sum of plane waves of random directions, phases and amplitudes.
+// Equation (S4): a sum of plane waves of random directions, phases and amplitudes.
 class SmoothField {
  public:
   SmoothField(double wavelength, const CounterRandom& random) {
@@ -69,6 +69,7 @@ void for_each_normal(const RangeView& view, const Body& body) {
 
 }  // namespace
 
+// Equation (S2).
 void add_range_noise(RangeView& view, double sigma, const RandomStream& stream) {
   const CounterRandom random(stream.seed, stream.stream);
   for (int v = 0; v < view.height(); ++v)
@@ -78,6 +79,7 @@ void add_range_noise(RangeView& view, double sigma, const RandomStream& stream) 
             sigma * random.normal(view.range.index(u, v)) / view.camera.ray(u, v).direction.norm();
 }
 
+// Equation (S3), the white part.
 void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& stream) {
   const CounterRandom random(stream.seed, stream.stream);
   for_each_normal(view, [&](int u, int v) {
@@ -91,6 +93,7 @@ void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& str
   });
 }
 
+// Equation (S3), the smooth part.
 void add_normal_bias(RangeView& view, double rms_rad, double wavelength,
                      const RandomStream& stream) {
   const SmoothField field(wavelength, CounterRandom(stream.seed, stream.stream));
