@@ -87,10 +87,12 @@ Grid<Eigen::Vector3f> estimate_normals(const RangeView& view, const GridEdges& e
   Grid<Eigen::Vector3f> normals(view.width(), view.height(), kNoNormal);
   const auto rows = [&](std::size_t begin, std::size_t end) {
     ConnectedWindow window(points, edges, options.radius);
-    for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v)
-      for (int u = 0; u < view.width(); ++u)
+    for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
+      if (v % options.stride != 0) continue;
+      for (int u = 0; u < view.width(); u += options.stride)
         if (view.has_sample(u, v))
           normals(u, v) = plane_normal(window.collect(u, v), view.camera.ray(u, v));
+    }
   };
   parallel_for(static_cast<std::size_t>(view.height()), 16, options.threads, rows);
   return normals;

@@ -74,15 +74,17 @@ void flush_folder(const fs::path& folder) {
   if (descriptor.is_open()) (void)::fsync(descriptor.get());
 }
 
+// The writer may know the temporary name only: the user is told the real one.
+Result<void> run_writer(const fs::path& path, const fs::path& temporary,
+                        const std::function<Result<void>(const fs::path&)>& write) {
+  auto written = write(temporary);
+  if (written || written.error().message.find(path.string()) != std::string::npos) return written;
+  return cannot_write(path, written.error().message);
+}
+
 Result<void> write_and_rename(const fs::path& path, const fs::path& temporary,
                               const std::function<Result<void>(const fs::path&)>& write) {
-  if (auto written = write(temporary); !written) {
-    // The writer knows the temporary name only: name the real one.
-    Error error = written.error();
-    if (error.message.find(path.string()) == std::string::npos)
-      error = cannot_write(path, error.message);
-    return error;
-  }
+  if (auto written = run_writer(path, temporary, write); !written) return written;
   if (auto flushed = flush_to_disk(path, temporary); !flushed) return flushed;
   if (::rename(temporary.c_str(), path.c_str()) != 0)
     return write_error(path, "rename the finished file", errno);
@@ -90,10 +92,16 @@ Result<void> write_and_rename(const fs::path& path, const fs::path& temporary,
   return {};
 }
 
-Result<void> write_bytes(const fs::path& path, const fs::path& temporary,
-                         std::string_view content) {
-  Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (!file.is_open()) return write_error(path, "create a file in its folder", errno);
+// Devices and pipes (/dev/stdout) are written to as they are: there is nothing to rename.
+bool is_special(const fs::path& path) {
+  std::error_code code;
+  return fs::exists(path, code) && !fs::is_regular_file(path, code);
+}
+
+Result<void> write_bytes(const fs::path& path, const fs::path& target, std::string_view content) {
+  const int create = is_special(target) ? 0 : O_CREAT | O_EXCL;
+  Descriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC | create, 0666));
+  if (!file.is_open()) return write_error(path, "create the file", errno);
   while (!content.empty()) {
     const ssize_t count = ::write(file.get(), content.data(), content.size());
     if (count < 0 && errno == EINTR) continue;
@@ -109,18 +117,19 @@ Result<void> write_bytes(const fs::path& path, const fs::path& temporary,
 Result<void> write_atomically(const fs::path& path,
                               const std::function<Result<void>(const fs::path&)>& write) {
   if (auto target = check_target(path); !target) return target;
-  const fs::path temporary = temporary_beside(path);
-  auto result = write_and_rename(path, temporary, write);
-  if (!result) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-  }
+  if (is_special(path)) return run_writer(path, path, write);
+  std::error_code ignored;
+  // A link stays a link: what it points to is replaced.
+  const fs::path target = fs::is_symlink(path, ignored) ? fs::weakly_canonical(path) : path;
+  const fs::path temporary = temporary_beside(target);
+  auto result = write_and_rename(target, temporary, write);
+  if (!result) fs::remove(temporary, ignored);
   return result;
 }
 
 Result<void> write_file(const fs::path& path, std::string_view content) {
   return write_atomically(
-      path, [&](const fs::path& temporary) { return write_bytes(path, temporary, content); });
+      path, [&](const fs::path& target) { return write_bytes(path, target, content); });
 }
 
 Result<std::string> read_file(const fs::path& path) {

@@ -12,7 +12,8 @@ namespace relief {
 /// Writes a file whole or not at all: `write` fills a temporary file beside `path` (same folder,
 /// same ending, since some writers choose the format by it), which is flushed to the disk and
 /// renamed to `path` only if `write` succeeded. On failure the temporary is removed, an older
-/// `path` stays as it was, and the error (kCannotWrite) names `path` and the reason.
+/// `path` stays as it was, and the error (kCannotWrite) names `path` and the reason. A device or
+/// pipe is written to directly.
 Result<void> write_atomically(
     const std::filesystem::path& path,
     const std::function<Result<void>(const std::filesystem::path&)>& write);

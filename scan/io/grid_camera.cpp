@@ -264,7 +264,7 @@ void add_rational(const Samples& samples, const GridFile& grid,
       fit->projection.ray(centre.x(), centre.y(), -Eigen::Vector3d::UnitZ()).direction;
   direction *= away_from_sensor(direction, grid, samples, fit->projection, fit->rms_pixels);
   candidates.push_back({{rational_camera(grid.points, fit->projection, direction),
-                         "rational projection (general perspective or line scanner) along " +
+                         "rational projection (line scanner or perspective of any pose) along " +
                              vector_text(direction)},
                         fit->rms_pixels});
 }

@@ -92,6 +92,12 @@ double median_angle_deg(const Image& image, NormalEncoding encoding, const Eigen
   return std::acos(std::clamp(median(cosines), -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
+// Some thousand normals settle a convention.
+int stride_of(const RangeView& view) {
+  const double per_normal = static_cast<double>(view.sample_count()) / 4000.0;
+  return std::max(1, static_cast<int>(std::sqrt(per_normal)));
+}
+
 struct Scored {
   Convention convention;
   double angle_deg = 180.0;
@@ -101,7 +107,9 @@ class ConventionSearch {
  public:
   ConventionSearch(const Image& image, NormalEncoding encoding, const RangeView& view)
       : image_(image), encoding_(encoding), view_(view) {
-    reference_ = estimate_normals(view, connect_samples(view), {kReferenceRadius, 1});
+    reference_ =
+        estimate_normals(view, connect_samples(view),
+                         {.radius = kReferenceRadius, .stride = stride_of(view), .threads = 1});
   }
 
   // The best convention among those that agree with what is declared.

@@ -11,6 +11,7 @@
 
 #include "scan/io/atomic_file.h"
 #include "scan/io/io_error.h"
+#include "scan/io/text_lines.h"
 
 namespace relief {
 
@@ -49,26 +50,6 @@ std::optional<Type> type_of(std::string_view name) {
 std::size_t size_of(Type type) {
   constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
   return kSizes[static_cast<std::size_t>(type)];
-}
-
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
-
-// Takes the next word off a line.
-std::string_view next_word(std::string_view& line) {
-  while (!line.empty() && is_space(line.front())) line.remove_prefix(1);
-  std::size_t length = 0;
-  while (length < line.size() && !is_space(line[length])) ++length;
-  const std::string_view word = line.substr(0, length);
-  line.remove_prefix(length);
-  return word;
-}
-
-// Takes the next line, without its end, off the text.
-std::string_view next_line(std::string_view& text) {
-  const std::size_t end = text.find('\n');
-  const std::string_view line = text.substr(0, end);
-  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  return line;
 }
 
 std::string quoted(std::string_view text) {
@@ -242,33 +223,27 @@ class PlyParser {
   Result<void> parse_ascii_property(PlyProperty& property, std::string_view& line) {
     double value = 0.0;
     if (!property.is_list) {
-      if (!parse_number(line, value)) return not_a_number(property);
+      if (!take_number(line, value)) return not_a_number(property);
       property.values.push_back(value);
       return {};
     }
-    if (!parse_number(line, value)) return not_a_number(property);
+    if (!take_number(line, value)) return not_a_number(property);
     // Each value takes at least a space and a digit.
     if (!(value >= 0.0) || value != std::floor(value) ||
         value > static_cast<double>(line.size()) / 2.0)
       return at_line("the list " + property.name + " cannot have " + quoted(last_word_) +
                      " values on this line");
     for (auto left = static_cast<std::size_t>(value); left > 0; --left) {
-      if (!parse_number(line, value)) return not_a_number(property);
+      if (!take_number(line, value)) return not_a_number(property);
       property.values.push_back(value);
     }
     property.starts.push_back(property.values.size());
     return {};
   }
 
-  bool parse_number(std::string_view& line, double& value) {
+  bool take_number(std::string_view& line, double& value) {
     last_word_ = next_word(line);
-    std::string_view digits = last_word_;
-    if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    // Numbers below the smallest double read as 0.
-    if (error == std::errc::result_out_of_range) value = 0.0;
-    return !digits.empty() && error != std::errc::invalid_argument &&
-           end == digits.data() + digits.size();
+    return parse_number(last_word_, value);
   }
 
   Error not_a_number(const PlyProperty& property) const {

@@ -54,11 +54,10 @@ double step_back(const RangeView& view) {
   return -nearest + std::max(farthest - nearest, sample_spacing(view));
 }
 
-json pinhole_json(const Camera& camera) {
-  const auto& k = camera.intrinsics();
-  return {{"model", to_string(camera.model())},
-          {"width", camera.width()},
-          {"height", camera.height()},
+json pinhole_json(Camera::Model model, int width, int height, const PinholeIntrinsics& k) {
+  return {{"model", to_string(model)},
+          {"width", width},
+          {"height", height},
           {"fx", k.fx},
           {"fy", k.fy},
           {"cx", k.cx},
@@ -132,7 +131,9 @@ Result<void> write_depth_view(const RangeView& view, const fs::path& folder,
   const bool orthographic = view.camera.model() == Camera::Model::kOrthographic;
   const double back = orthographic ? step_back(view) : 0.0;
   entry["depth"] = {{"file", stem + "_depth.tiff"}, {"scale", 1.0}, {"kind", "z"}};
-  entry["camera"] = orthographic ? orthographic_json(view.camera, back) : pinhole_json(view.camera);
+  entry["camera"] = orthographic ? orthographic_json(view.camera, back)
+                                 : pinhole_json(view.camera.model(), view.width(), view.height(),
+                                                view.camera.intrinsics());
   if (auto depth = write_tiff(depth_image(view, back), folder / (stem + "_depth.tiff")); !depth)
     return depth;
   if (view.has_normals()) {
@@ -232,7 +233,9 @@ json document_of_grids(const ScanProject& project, const ProjectSpec& spec, cons
     if (!view) continue;
     json entry = {{"name", source.name},
                   {"grid", {{"file", relative_to(*source.grid, folder_of(file)).string()}}}};
-    if (source.camera) entry["camera"] = pinhole_json(view->camera);
+    if (source.camera)  // of an .fc file
+      entry["camera"] = pinhole_json(Camera::Model::kPinholeGl, view->width(), view->height(),
+                                     source.camera->intrinsics);
     set_pose(entry, view->world_from_view, view->pose);
     document["views"].push_back(std::move(entry));
   }

@@ -1,22 +1,17 @@
-// The one file of this folder that meets VTK.
+// The one file of this folder that meets VTK. (Its readers of OBJ and STL are not used: they crash
+// on damaged files.)
 #include <vtkCellArray.h>
-#include <vtkCellArrayIterator.h>
 #include <vtkCommand.h>
-#include <vtkDataArray.h>
-#include <vtkErrorCode.h>
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
-#include <vtkOBJReader.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
-#include <vtkSTLReader.h>
 #include <vtkSmartPointer.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnsignedShortArray.h>
 #include <vtkXMLPolyDataWriter.h>
 
-#include "scan/io/io_error.h"
 #include "scan/io/mesh_codecs.h"
 
 namespace relief {
@@ -46,50 +41,6 @@ std::string reason(const std::string& complaint) {
   while (!text.empty() && text.back() == '\n') text.pop_back();
   const auto colon = text.find("): ");
   return colon == std::string::npos ? text : text.substr(colon + 3);
-}
-
-Result<TriangleMesh> mesh_of(vtkPolyData* data, const std::filesystem::path& path) {
-  TriangleMesh mesh;
-  const vtkIdType count = data->GetNumberOfPoints();
-  mesh.vertices.reserve(static_cast<std::size_t>(count));
-  for (vtkIdType i = 0; i < count; ++i) {
-    Eigen::Vector3d vertex;
-    data->GetPoint(i, vertex.data());
-    if (!vertex.allFinite())
-      return bad_input(path, "vertex " + std::to_string(i) + " has a NaN or infinite coordinate");
-    mesh.vertices.push_back(vertex);
-  }
-  auto polygon = vtk::TakeSmartPointer(data->GetPolys()->NewIterator());
-  for (polygon->GoToFirstCell(); !polygon->IsDoneWithTraversal(); polygon->GoToNextCell()) {
-    vtkIdType corners = 0;
-    const vtkIdType* ids = nullptr;
-    polygon->GetCurrentCell(corners, ids);
-    for (vtkIdType k = 0; k < corners; ++k)
-      if (ids[k] < 0 || ids[k] >= count)
-        return bad_input(path, "face " + std::to_string(polygon->GetCurrentCellId()) +
-                                   ": vertex index " + std::to_string(ids[k]) + " is outside the " +
-                                   std::to_string(count) + " vertices");
-    for (vtkIdType k = 1; k + 1 < corners; ++k)
-      mesh.faces.push_back({static_cast<std::uint32_t>(ids[0]), static_cast<std::uint32_t>(ids[k]),
-                            static_cast<std::uint32_t>(ids[k + 1])});
-  }
-  if (mesh.faces.empty()) return bad_input(path, "no faces: the file is empty or damaged");
-  return mesh;
-}
-
-template <typename Reader>
-Result<TriangleMesh> read_with(Reader* reader, const std::filesystem::path& path) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) return bad_input(path, "no such file");
-  const auto complaints = observe(reader);
-  reader->SetFileName(path.c_str());
-  reader->Update();
-  if (!complaints->text.empty() || reader->GetErrorCode() != vtkErrorCode::NoError)
-    return bad_input(
-        path, "damaged mesh: " + (complaints->text.empty()
-                                      ? vtkErrorCode::GetStringFromErrorCode(reader->GetErrorCode())
-                                      : reason(complaints->text)));
-  return mesh_of(reader->GetOutput(), path);
 }
 
 // A point attribute of `Array` with `components` values for each of `count` points.
@@ -133,17 +84,6 @@ vtkSmartPointer<vtkPolyData> poly_data_of(const TriangleMesh& mesh) {
 }
 
 }  // namespace
-
-Result<TriangleMesh> read_obj_mesh(const std::filesystem::path& path) {
-  vtkNew<vtkOBJReader> reader;
-  return read_with(reader.Get(), path);
-}
-
-Result<TriangleMesh> read_stl_mesh(const std::filesystem::path& path) {
-  vtkNew<vtkSTLReader> reader;
-  reader->MergingOn();
-  return read_with(reader.Get(), path);
-}
 
 Result<std::string> encode_vtp_mesh(const TriangleMesh& mesh) {
   vtkNew<vtkXMLPolyDataWriter> writer;

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <charconv>
+#include <cstddef>
+#include <string_view>
+
+namespace relief {
+
+inline bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
+}
+
+/// Takes the next word off a line; empty at its end.
+inline std::string_view next_word(std::string_view& line) {
+  while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+  std::size_t length = 0;
+  while (length < line.size() && !is_blank(line[length])) ++length;
+  const std::string_view word = line.substr(0, length);
+  line.remove_prefix(length);
+  return word;
+}
+
+/// Takes the next line, without its end, off a text.
+inline std::string_view next_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  return line;
+}
+
+/// Whether the whole of `word` is a number, which `value` then holds. Numbers too small for a
+/// double are 0; `nan` and `inf` are numbers.
+inline bool parse_number(std::string_view word, double& value) {
+  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error == std::errc::result_out_of_range) value = 0.0;
+  return !word.empty() && error != std::errc::invalid_argument && end == word.data() + word.size();
+}
+
+}  // namespace relief
