@@ -93,7 +93,6 @@ Result<void> check_comparable(const RangeView& view, const RangeView& truth) {
                               std::to_string(truth.width()) + "x" + std::to_string(truth.height()));
   if (view.width() == 0 || view.height() == 0) return mismatch(view, "they have no pixels");
   if (!same_rays(view, truth)) return mismatch(view, "their cameras have different rays");
-  if (!truth.has_normals()) return mismatch(view, "the truth has no normals");
   return {};
 }
 
@@ -109,6 +108,8 @@ ErrorList compare(const RangeView& view, const RangeView& truth, int edge_pixels
   const GridEdges edges = connect_samples(truth);
   const Grid<std::uint8_t> to_boundary = boundary_distance(truth, edges);
   const Grid<Eigen::Vector3f> position_normals = finite_difference_normals(view, edges);
+  const Grid<Eigen::Vector3f> true_normals =
+      truth.has_normals() ? truth.normals : finite_difference_normals(truth, edges);
   ErrorList list;
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
@@ -117,12 +118,12 @@ ErrorList compare(const RangeView& view, const RangeView& truth, int edge_pixels
       if (!view.has_sample(u, v) || !truth.has_sample(u, v)) continue;
       const bool at_edge = to_boundary(u, v) <= edge_pixels;
       list.depth.add(depth_error(view, truth, u, v), at_edge);
-      if (!truth.has_normal(u, v)) continue;
+      const Eigen::Vector3f& true_normal = true_normals(u, v);
+      if (!true_normal.allFinite()) continue;
       if (position_normals(u, v).allFinite())
-        list.position_normals.add(angle_between_deg(position_normals(u, v), truth.normals(u, v)),
-                                  at_edge);
+        list.position_normals.add(angle_between_deg(position_normals(u, v), true_normal), at_edge);
       if (view.has_normal(u, v))
-        list.map_normals.add(angle_between_deg(view.normals(u, v), truth.normals(u, v)), at_edge);
+        list.map_normals.add(angle_between_deg(view.normals(u, v), true_normal), at_edge);
     }
   }
   return list;

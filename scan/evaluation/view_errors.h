@@ -45,8 +45,8 @@ struct ViewErrorReport {
 };
 
 /// Compares each view of `result` with the true view of its name, sample by sample; poses do not
-/// matter. kBadInput when a view has no true view, or the two differ in size or in their rays, or
-/// the true view has no normals.
+/// matter. True normals are those the truth carries, else the central differences of its positions.
+/// kBadInput when a view has no true view, or the two differ in size or in their rays.
 Result<ViewErrorReport> evaluate_views(const ScanProject& result, const ScanProject& truth,
                                        const ViewErrorOptions& options = {},
                                        const Progress& progress = {});

@@ -109,6 +109,15 @@ TEST(EvaluateViews, PoolsViewsAndListsUnmatchedOnes) {
   EXPECT_EQ(report->unmatched, std::vector<std::string>{"c"});
 }
 
+TEST(EvaluateViews, TakesTrueNormalsFromPositionsWhereNoneAreGiven) {
+  RangeView truth = sphere_view();
+  truth.normals = {};
+  const auto report = evaluate_views(project_of(sphere_view()), project_of(truth));
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->overall.position_normals_deg.all.max, 0.0);
+  EXPECT_LT(report->overall.map_normals_deg.inner.median, 0.1);
+}
+
 TEST(EvaluateViews, SaysWhyViewsCannotBeCompared) {
   const ScanProject truth = project_of(sphere_view());
   const auto message = [&](const ScanProject& result) {
