@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace relief {
 
@@ -10,12 +11,16 @@ namespace {
 // Evidence of emptiness must outweigh that of matter by this factor to overrule it.
 constexpr double kOverrule = 2.0;
 
+// Cosine between the normals of two surfaces that are the sides of one plate. Not zero: the faces
+// of a sharp edge must both count.
+constexpr double kOpposite = -0.5;
+
 // A ray that grazes the surface stays close to its tangent plane far beyond where it leaves the
 // object again: a distance is believed this many truncation distances along the ray at most.
 constexpr double kGrazingReach = 2.0;
 
-// Tukey's biweight: of two surfaces close together (the sides of a thin plate) the nearer one
-// counts, and the average stays unbiased at distance zero, where the surface is.
+// Tukey's biweight: of surfaces close together the nearer one counts most, and the average stays
+// unbiased at distance zero, where the surface is.
 double nearness(double relative_distance) {
   const double inside = 1.0 - relative_distance * relative_distance;
   return inside > 0.0 ? inside * inside : 0.0;
@@ -33,6 +38,23 @@ bool measures(const Observation& seen, double truncation, double spacing) {
 
 }  // namespace
 
+// By everything that enters a sum.
+bool EvidenceCollector::Vote::operator<(const Vote& other) const {
+  return std::tie(distance, weight, normal.x(), normal.y(), normal.z()) <
+         std::tie(other.distance, other.weight, other.normal.x(), other.normal.y(),
+                  other.normal.z());
+}
+
+// Of the two sides of a thin plate only the nearer one tells the distance to the plate.
+void EvidenceCollector::drop_far_side() {
+  const auto nearest = std::min_element(
+      near_.begin(), near_.end(),
+      [](const Vote& a, const Vote& b) { return std::abs(a.distance) < std::abs(b.distance); });
+  if (nearest == near_.end()) return;
+  const Eigen::Vector3d facing = nearest->normal;
+  std::erase_if(near_, [&](const Vote& vote) { return vote.normal.dot(facing) < kOpposite; });
+}
+
 Evidence EvidenceCollector::collect(const Eigen::Vector3d& point) {
   return combine(point, nullptr);
 }
@@ -49,14 +71,16 @@ Evidence EvidenceCollector::combine(const Eigen::Vector3d& point, const Eigen::V
     const auto seen = view.observe(point);
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
     if (measures(*seen, truncation_, spacing_))
-      near_.push_back({seen->distance, seen->weight * nearness(seen->distance / truncation_)});
+      near_.push_back(
+          {seen->distance, seen->weight * nearness(seen->distance / truncation_), seen->normal});
     else if (seen->clearance > 0.5 * truncation_)
-      empty_.push_back({seen->distance, seen->weight});
+      empty_.push_back({seen->distance, seen->weight, seen->normal});
     evidence.clearance = std::max(evidence.clearance, seen->clearance);
   }
   // Sums in the order of the values: the order of the views does not matter, not even by rounding.
   std::sort(near_.begin(), near_.end());
   std::sort(empty_.begin(), empty_.end());
+  drop_far_side();
 
   double squares = 0.0, inside = 0.0, empty = 0.0;
   for (const Vote& vote : near_) {

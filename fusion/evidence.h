@@ -38,10 +38,11 @@ class EvidenceCollector {
 
   struct Vote {
     double distance, weight;
-    bool operator<(const Vote& other) const {
-      return distance != other.distance ? distance < other.distance : weight < other.weight;
-    }
+    Eigen::Vector3d normal;
+    bool operator<(const Vote& other) const;
   };
+
+  void drop_far_side();
 
   const std::vector<ViewSampler>& views_;
   double truncation_, spacing_;

@@ -1,0 +1,27 @@
+#include <gtest/gtest.h>
+
+#include "fusion/merge_views.h"
+#include "scan/io/project_io.h"
+#include "tests/support/test_data.h"
+
+namespace relief {
+namespace {
+
+TEST(RealScans, TheBunnyIsOneClosedManifold) {
+  RELIEF_REQUIRE_TEST_DATA(path, "bunny/bun.conf");
+  const auto project = read_project(path);
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  MergeOptions options;
+  options.voxel_size = 1.5e-3;  // [m] twice the sample spacing, for speed
+  const auto merged = merge_views(project.value().views, options);
+  ASSERT_TRUE(merged.ok()) << merged.error().message;
+  const MergeResult& result = merged.value();
+  EXPECT_TRUE(result.check.watertight());
+  EXPECT_EQ(result.check.components, 1u);
+  EXPECT_EQ(result.check.genus, 0);
+  EXPECT_NEAR(result.check.volume, 7.55e-4, 0.05e-4);  // [m^3], of this merge at half the voxel
+  EXPECT_LT(result.filled_area_fraction, 0.06);
+}
+
+}  // namespace
+}  // namespace relief
