@@ -130,26 +130,39 @@ double normal_noise(const RangeSteps& steps) {
   return std::sqrt(variance);
 }
 
-// One squared second difference and the terms of its expected value, equation (11):
-//   6 sigma_position^2 + nodes sigma_normal^2 + area bias_gradient^2.
+// The discrepancy over k edges less that over the k edges before, and the terms of its expected
+// square, equation (11): 6 sigma_position^2 + nodes sigma_normal^2 + area^2 bias_gradient^2.
 struct SecondDifference {
-  double square, nodes, area;
+  double value, nodes, area;
 };
+
+SecondDifference second_difference(const RangeSteps::Direction& direction, int u, int v, int du,
+                                   int dv, int k) {
+  const WalkSums first = walk(direction, u, v, du, dv, k);
+  const WalkSums second = walk(direction, u + k * du, v + k * dv, du, dv, k);
+  // The node in the middle belongs to both walks, with opposite signs.
+  const double middle = first.last - second.first;
+  const double nodes = first.node_squares - first.last * first.last + second.node_squares -
+                       second.first * second.first + middle * middle;
+  return {second.discrepancy - first.discrepancy, nodes,
+          0.5 * k * (first.sensitivity + second.sensitivity)};
+}
+
+// Samples of a grid to step over such that a statistic has enough to be good to about a percent.
+int thinning(const RangeSteps& steps) {
+  constexpr double kEnough = 60000.0;
+  return std::max(
+      1,
+      static_cast<int>(std::sqrt(static_cast<double>(steps.along_rows.expected.size()) / kEnough)));
+}
 
 std::vector<SecondDifference> second_differences(const RangeSteps& steps) {
   std::vector<SecondDifference> differences;
+  const int stride = thinning(steps);
   for (const int k : {1, 2, 3, 4, 6, 8}) {
-    for_each_walk(steps, 2 * k, 1, [&](const auto& direction, int u, int v, int du, int dv) {
-      const WalkSums first = walk(direction, u, v, du, dv, k);
-      const WalkSums second = walk(direction, u + k * du, v + k * dv, du, dv, k);
-      const double value = second.discrepancy - first.discrepancy;
-      if (!(value == value)) return;
-      // The node in the middle belongs to both walks, with opposite signs.
-      const double middle = first.last - second.first;
-      const double nodes = first.node_squares - first.last * first.last + second.node_squares -
-                           second.first * second.first + middle * middle;
-      const double area = 0.5 * k * (first.sensitivity + second.sensitivity);
-      differences.push_back({value * value, nodes, area * area});
+    for_each_walk(steps, 2 * k, stride, [&](const auto& direction, int u, int v, int du, int dv) {
+      const SecondDifference d = second_difference(direction, u, v, du, dv, k);
+      if (d.value == d.value) differences.push_back(d);
     });
   }
   return differences;
@@ -165,7 +178,8 @@ WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
   constexpr double kCut = 9.0, kKeptMoment = 0.9733;  // E[z^2; z^2 < 9] / P[z^2 < 9], z Gaussian
   std::vector<double> whitened;                       // as if all were position noise
   for (const auto& d : differences)
-    whitened.push_back(std::sqrt(std::max(0.0, d.square - d.nodes * normal_variance) / 6.0));
+    whitened.push_back(
+        std::sqrt(std::max(0.0, d.value * d.value - d.nodes * normal_variance) / 6.0));
   const double start = robust_sigma(std::move(whitened));
   WalkFit fit{start * start, normal_variance, 0.0};
   for (int round = 0; round < 20; ++round) {
@@ -174,11 +188,11 @@ WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
     for (const auto& d : differences) {
       const double expected =
           6.0 * fit.position_variance + d.nodes * normal_variance + d.area * fit.gradient_variance;
-      if (!(d.square < kCut * expected)) continue;
+      if (!(d.value * d.value < kCut * expected)) continue;
       const double weight = 1.0 / (expected * expected);
-      const Eigen::Vector2d model(6.0, d.area);
+      const Eigen::Vector2d model(6.0, d.area * d.area);
       normal_matrix += weight * model * model.transpose();
-      rhs += weight * model * (d.square / kKeptMoment - d.nodes * normal_variance);
+      rhs += weight * model * (d.value * d.value / kKeptMoment - d.nodes * normal_variance);
     }
     Eigen::Vector2d next = normal_matrix.ldlt().solve(rhs);
     if (!(next[1] > 0.0)) next = {rhs[0] / normal_matrix(0, 0), 0.0};
@@ -189,22 +203,58 @@ WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
   return fit;
 }
 
+// Excess over the noise of robust variances, both for values in units of what is sought.
+struct Excess {
+  std::vector<double> values, noise;
+
+  double variance() const {
+    const double total = robust_sigma(values), random = median_of(noise);
+    return std::max(0.0, total * total - random * random);
+  }
+  // Of `variance`, for values of which about one in `overlap` is independent.
+  double standard_error(double overlap) const {
+    const double total = robust_sigma(values);
+    return total * total * std::sqrt(2.0 * overlap / static_cast<double>(values.size()));
+  }
+};
+
 // Equation (12): over k edges the discrepancy has variance 2 sigma_position^2 + nodes
 // sigma_normal^2 + (sum of sensitivities)^2 bias^2.
 double smooth_bias(const RangeSteps& steps, const WalkFit& noise) {
   constexpr int kLength = 16;
-  std::vector<double> slopes, noise_slopes;
+  Excess excess;
   for_each_walk(steps, kLength, 2, [&](const auto& direction, int u, int v, int du, int dv) {
     const WalkSums sums = walk(direction, u, v, du, dv, kLength);
     if (!(sums.sensitivity > 0.0)) return;
-    slopes.push_back(sums.discrepancy / sums.sensitivity);
-    noise_slopes.push_back(
+    excess.values.push_back(sums.discrepancy / sums.sensitivity);
+    excess.noise.push_back(
         std::sqrt(2.0 * noise.position_variance + sums.node_squares * noise.normal_variance) /
         sums.sensitivity);
   });
-  const double total = robust_sigma(slopes);
-  const double random = median_of(noise_slopes);
-  return std::sqrt(std::max(0.0, total * total - random * random));
+  return std::sqrt(excess.variance());
+}
+
+// The change of the bias from pixel to pixel, from what second differences over long walks have in
+// excess of the noise, equation (11). Lengths that show it best count most.
+double bias_gradient(const RangeSteps& steps, const WalkFit& noise) {
+  double sum = 0.0, weights = 0.0;
+  for (const int k : {8, 16, 32, 64}) {
+    Excess excess;
+    for_each_walk(
+        steps, 2 * k, std::max(k / 4, 2), [&](const auto& direction, int u, int v, int du, int dv) {
+          const SecondDifference d = second_difference(direction, u, v, du, dv, k);
+          if (!(d.value == d.value)) return;
+          excess.values.push_back(d.value / d.area);
+          excess.noise.push_back(
+              std::sqrt(6.0 * noise.position_variance + d.nodes * noise.normal_variance) / d.area);
+        });
+    if (excess.values.size() < 30) break;
+    const double weight = 1.0 / std::pow(excess.standard_error(16.0), 2);
+    if (!std::isfinite(weight)) continue;
+    sum += weight * excess.variance();
+    weights += weight;
+  }
+  return weights > 0.0 ? std::sqrt(sum / weights) : 0.0;
 }
 
 }  // namespace
@@ -218,7 +268,7 @@ NoiseEstimate estimate_noise(const RangeSteps& steps) {
   const WalkFit fit =
       fit_second_differences(differences, estimate.sigma_normal * estimate.sigma_normal);
   estimate.sigma_position = std::sqrt(fit.position_variance);
-  estimate.bias_gradient = std::sqrt(fit.gradient_variance);
+  estimate.bias_gradient = bias_gradient(steps, fit);
   estimate.bias = smooth_bias(steps, fit);
   return estimate;
 }

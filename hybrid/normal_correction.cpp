@@ -125,7 +125,7 @@ TwoStepResult two_step_correction(const RangeView& view, const GridEdges& edges,
     for (int axis = 0; axis < 3; ++axis) {
       Eigen::VectorXd smooth;
       const Eigen::VectorXd rhs = fields.mass.cwiseProduct(field->col(axis));
-      if (!solver.solve(matrix, rhs, smooth).converged) return result;
+      if (!solver.solve(matrix, rhs, smooth, 0.0).converged) return result;
       field->col(axis) = smooth;
     }
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hybrid/normal_correction.h"
+#include "hybrid/normal_screening.h"
 #include "hybrid/unexplained_steps.h"
 #include "hybrid/view_problem.h"
 #include "hybrid/view_system.h"
@@ -46,6 +47,29 @@ double median_length(const std::vector<SlopeConstraint>& slopes) {
   return median(std::move(lengths));
 }
 
+// The random walk whose power sigma_b^2 / frequency^2 best explains a bias of RMS change
+// `gradient`: the squared changes are shared among the frequencies at which the bias exceeds the
+// other errors,
+//   sigma_b^2 = gradient^2 / (share of those frequencies),
+// found by iteration. At least the walk that meets the noise of the normals where they and the
+// positions cross: a larger one costs little, a smaller one leaves bias in the range.
+double default_bias_step(const NoiseModel& noise, double gradient) {
+  const double position = noise.sigma_position / noise.spacing;
+  const double crossover = std::min(1.0, noise.sigma_normal / position);  // [rad per sample]
+  double sigma = noise.sigma_normal * crossover;
+  const double least = sigma;
+  for (int round = 0; round < 30; ++round) {
+    const double normal = noise.sigma_normal * noise.sigma_normal;
+    // sigma^2 / w^2 = normal + w^2 position^2, a quadratic in w^2
+    const double squared_frequency =
+        2.0 * sigma * sigma /
+        (normal + std::sqrt(normal * normal + 4.0 * position * position * sigma * sigma));
+    const double share = std::min(1.0, squared_frequency / (4.0 * std::numbers::pi));
+    sigma = std::max(least, std::numbers::sqrt2 * gradient / std::sqrt(share));
+  }
+  return sigma;
+}
+
 NoiseModel noise_model(const RefineOptions& options, const NoiseEstimate& estimate,
                        double spacing) {
   NoiseModel noise;
@@ -56,11 +80,8 @@ NoiseModel noise_model(const RefineOptions& options, const NoiseEstimate& estima
   if (options.lambda)
     noise.sigma_normal =
         noise.sigma_position / noise.spacing * std::sqrt(*options.lambda / (1.0 - *options.lambda));
-  // Positions beat normals below the spatial frequency l sigma_n / sigma_p [rad per sample]; there
-  // the random walk of the bias, sigma_b / frequency, meets sigma_n.
-  const double crossover = noise.spacing * noise.sigma_normal / noise.sigma_position;
   noise.sigma_bias_step =
-      options.sigma_bias_step.value_or(noise.sigma_normal * std::min(crossover, 1.0));
+      options.sigma_bias_step.value_or(default_bias_step(noise, estimate.bias_gradient));
   return noise;
 }
 
@@ -84,14 +105,32 @@ ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
   return weights;
 }
 
-// The weights of Geman and McClure's loss. Its width starts at what the residuals are and ends at
+// The weights of Cauchy's loss, which takes the power from wild normals but never silences the
+// normals of fine detail for good. Its width starts at what the residuals are and ends at
 // what they should be, so that a first solve misled by many outliers does not reject the truth.
 Eigen::VectorXd reweighted(const Eigen::VectorXd& slope_weights, const Eigen::VectorXd& residuals) {
   Eigen::VectorXd whitened = residuals.cwiseProduct(slope_weights.cwiseSqrt()).cwiseAbs();
   const double scale = 1.4826 * median(std::vector<double>(whitened.begin(), whitened.end()));
   const double width = kRobustWidth * std::max(1.0, scale);
   const Eigen::ArrayXd ratio = (whitened / width).array().square();
-  return slope_weights.array() / (1.0 + ratio).square();
+  return slope_weights.array() / (1.0 + ratio);
+}
+
+RangeView without(const RangeView& view, const Grid<std::uint8_t>& isolated) {
+  RangeView rest = view;
+  for (std::size_t i = 0; i < rest.normals.size(); ++i)
+    if (isolated[i]) rest.normals[i].setConstant(static_cast<float>(kNoSample));
+  return rest;
+}
+
+// Reweighting ends when the samples move by less than this part of their noise.
+constexpr double kSettled = 0.005;
+
+// Rounds whose weights are about to change need no precise solution.
+double rough_tolerance(const RefineOptions& options) { return std::max(options.tolerance, 1e-3); }
+
+double rms(const Eigen::VectorXd& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
 struct RobustSolve {
@@ -104,22 +143,31 @@ struct RobustSolve {
 RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
                            const RefineOptions& options, const Progress& progress) {
   ViewSystem system(problem, options.bias == BiasModel::kLatent);
-  SpdSolver solver({options.solver, system.blocks(), options.tolerance, options.max_iterations,
-                    options.threads});
+  SpdSolver solver({options.solver, system.blocks(), options.max_iterations, options.threads});
   const ViewWeights plain = initial_weights(problem, noise, options.lambda.has_value());
   ViewWeights weights = plain;
   RobustSolve result;
   result.y = Eigen::VectorXd::Zero(system.blocks() * system.block_size());
-  for (int round = 0; round <= options.robust_rounds; ++round) {
-    if (!report_progress(progress, double(round) / (options.robust_rounds + 1), "refine")) {
+  for (bool last = false; !last;) {
+    if (!report_progress(progress, double(result.rounds) / (options.robust_rounds + 1), "refine")) {
       result.interrupted = true;
       return result;
     }
-    if (round > 0) weights.slope = reweighted(plain.slope, system.slope_residuals(result.y));
+    if (result.rounds > 0)
+      weights.slope = reweighted(plain.slope, system.slope_residuals(result.y));
     system.assemble(weights);
-    const SpdSolve solve = solver.solve(system.lower(), system.rhs(), result.y);
-    ++result.rounds;
+    last = result.rounds == options.robust_rounds;
+    const Eigen::VectorXd before = result.y.head(system.block_size());
+    SpdSolve solve = solver.solve(system.lower(), system.rhs(), result.y,
+                                  last ? options.tolerance : rough_tolerance(options));
     result.iterations += solve.iterations;
+    ++result.rounds;
+    if (!last && solve.converged &&
+        rms(result.y.head(system.block_size()) - before) < kSettled * noise.sigma_position) {
+      solve = solver.solve(system.lower(), system.rhs(), result.y, options.tolerance);
+      result.iterations += solve.iterations;
+      last = true;
+    }
     if (!solve.converged) {
       result.status =
           solve.iterations > 0 ? RefineStatus::kNotConverged : RefineStatus::kSolverFailed;
@@ -171,7 +219,7 @@ class Refinement {
   bool prepare() {
     RangeView& view = result_.view;
     edges_ = connect_samples(view, options_.discontinuities);
-    const RangeSteps steps = range_steps(view, edges_);
+    const RangeSteps steps = screen(view);
     NoiseEstimate estimate = estimate_noise(steps);
     if (options_.sigma_position) estimate.sigma_position = *options_.sigma_position;
     if (options_.sigma_normal) estimate.sigma_normal = *options_.sigma_normal;
@@ -203,6 +251,16 @@ class Refinement {
     return false;
   }
 
+  // Replaces wild normals, and measures the steps without them.
+  RangeSteps screen(RangeView& view) {
+    if (options_.robust_rounds == 0) return range_steps(view, edges_);
+    ScreenedNormals screened = screen_normals(view, options_.threads);
+    const RangeSteps steps = range_steps(without(view, screened.isolated), edges_);
+    view.normals = std::move(screened.normals);
+    result_.replaced_normals = screened.count;
+    return steps;
+  }
+
   RefineStatus why_empty() const {
     const bool unconstrained = slope_constraints(result_.view, edges_, options_.stencil).empty();
     return unconstrained ? RefineStatus::kNoNormals : RefineStatus::kNoConfidence;
@@ -224,9 +282,9 @@ class Refinement {
     if (y.size() > count) {
       const Eigen::VectorXd bias = y.tail(2 * count);
       result_.view.normals = subtract_bias(result_.view, problem_, bias);
-      result_.bias_rms = std::sqrt(bias.squaredNorm() / static_cast<double>(bias.size()));
+      result_.bias_rms = rms(bias);
     }
-    result_.rms_change = std::sqrt(y.head(count).squaredNorm() / static_cast<double>(count));
+    result_.rms_change = rms(y.head(count));
     result_.refined = problem_.size();
     result_.kept = problem_.pinned;
     result_.sigma_position = noise_.sigma_position;

@@ -40,7 +40,8 @@ struct RefineOptions {
   /// which the errors of positions and normals cross.
   std::optional<double> smoothing_scale;
 
-  /// Rounds of reweighting that follow the plain least-squares solve; 0: no robust loss.
+  /// Rounds of reweighting that follow the plain least-squares solve; 0: no robust loss, and no
+  /// replacement of single wild normals either.
   int robust_rounds = 5;
 
   Solver solver = Solver::kConjugateGradients;
@@ -63,15 +64,16 @@ std::string_view to_string(RefineStatus status);
 struct RefinedView {
   RangeView view;  ///< Range refined; normals corrected; all else as given.
   RefineStatus status = RefineStatus::kRefined;
-  double sigma_position = 0.0;  ///< Used [unit].
-  double sigma_normal = 0.0;    ///< Used [rad].
-  double lambda = 0.0;          ///< The same ratio in the published method's terms.
-  double bias_rms = 0.0;        ///< RMS of the bias that was found [rad]; 0 unless kLatent.
-  double rms_change = 0.0;      ///< Of the refined samples along their rays [unit].
-  std::size_t refined = 0;      ///< Samples that normals constrain.
-  std::size_t kept = 0;         ///< Samples that keep their measured range.
-  int rounds = 0;               ///< Linear systems solved.
-  int iterations = 0;           ///< Steps of the linear solver, all rounds together.
+  double sigma_position = 0.0;       ///< Used [unit].
+  double sigma_normal = 0.0;         ///< Used [rad].
+  double lambda = 0.0;               ///< The same ratio in the published method's terms.
+  double bias_rms = 0.0;             ///< RMS of the bias that was found [rad]; 0 unless kLatent.
+  double rms_change = 0.0;           ///< Of the refined samples along their rays [unit].
+  std::size_t refined = 0;           ///< Samples that normals constrain.
+  std::size_t kept = 0;              ///< Samples that keep their measured range.
+  std::size_t replaced_normals = 0;  ///< Wild normals replaced by those around them.
+  int rounds = 0;                    ///< Linear systems solved.
+  int iterations = 0;                ///< Steps of the linear solver, all rounds together.
   double seconds = 0.0;
 };
 

@@ -68,15 +68,16 @@ SpdSolver::SpdSolver(const SpdSolverOptions& options)
 SpdSolver::~SpdSolver() = default;
 
 SpdSolve SpdSolver::solve(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& rhs,
-                          Eigen::VectorXd& y) {
+                          Eigen::VectorXd& y, double tolerance) {
   if (options_.kind == Solver::kCholesky) return solve_directly(lower, rhs, y);
   SpdSolve attempt;
   if (factors_->usable) {
-    attempt = iterate(lower, rhs, y, std::min(kStalePreconditioner, options_.max_iterations));
+    attempt =
+        iterate(lower, rhs, y, tolerance, std::min(kStalePreconditioner, options_.max_iterations));
     if (attempt.converged) return attempt;
   }
   if (!factors_->factorise(lower, options_.threads)) return attempt;
-  SpdSolve solve = iterate(lower, rhs, y, options_.max_iterations);
+  SpdSolve solve = iterate(lower, rhs, y, tolerance, options_.max_iterations);
   solve.iterations += attempt.iterations;
   return solve;
 }
@@ -91,10 +92,9 @@ SpdSolve SpdSolver::solve_directly(const Eigen::SparseMatrix<double>& lower,
 // Preconditioned conjugate gradients (Hestenes and Stiefel 1952). All sums run in one thread: the
 // result does not depend on the number of threads.
 SpdSolve SpdSolver::iterate(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& rhs,
-                            Eigen::VectorXd& y, int max_iterations) const {
+                            Eigen::VectorXd& y, double tolerance, int max_iterations) const {
   const auto matrix = lower.selfadjointView<Eigen::Lower>();
-  const double goal =
-      options_.tolerance * options_.tolerance * rhs.dot(factors_->apply(rhs, options_.threads));
+  const double goal = tolerance * tolerance * rhs.dot(factors_->apply(rhs, options_.threads));
   Eigen::VectorXd residual = rhs - matrix * y;
   Eigen::VectorXd preconditioned = factors_->apply(residual, options_.threads);
   Eigen::VectorXd direction = preconditioned;

@@ -16,7 +16,6 @@ enum class Solver {
 struct SpdSolverOptions {
   Solver kind = Solver::kConjugateGradients;
   int blocks = 1;            ///< The unknowns come in this many blocks of equal size.
-  double tolerance = 1e-7;   ///< Conjugate gradients: reduction of the preconditioned residual.
   int max_iterations = 500;  ///< Conjugate gradients: steps after which they give up.
   int threads = 0;           ///< 0: one per core.
 };
@@ -34,16 +33,17 @@ class SpdSolver {
   ~SpdSolver();
 
   /// `lower` is the lower triangle of the matrix. Conjugate gradients start from `y`; the solution
-  /// is left there. Factors of an earlier matrix serve as preconditioner while they do well.
+  /// is left there. They stop when the preconditioned residual is below `tolerance` times that of
+  /// y = 0. Factors of an earlier matrix serve as preconditioner while they do well.
   SpdSolve solve(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& rhs,
-                 Eigen::VectorXd& y);
+                 Eigen::VectorXd& y, double tolerance);
 
  private:
   struct Factors;
   SpdSolve solve_directly(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& rhs,
                           Eigen::VectorXd& y);
   SpdSolve iterate(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& rhs,
-                   Eigen::VectorXd& y, int max_iterations) const;
+                   Eigen::VectorXd& y, double tolerance, int max_iterations) const;
 
   SpdSolverOptions options_;
   std::unique_ptr<Factors> factors_;

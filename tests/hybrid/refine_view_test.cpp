@@ -1,6 +1,7 @@
 #include "hybrid/refine_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -172,7 +173,8 @@ TEST(RefineView, ConjugateGradientsAgreeWithCholesky) {
   for (const BiasModel bias : {BiasModel::kLatent, BiasModel::kNone}) {
     RefineOptions options;
     options.bias = bias;
-    options.tolerance = 1e-9;
+    options.tolerance = 1e-10;
+    options.robust_rounds = 0;  // rounds in between are solved roughly on purpose
     const RefinedView iterative = refined(view, options);
     options.solver = Solver::kCholesky;
     const RefinedView direct = refined(view, options);
@@ -188,6 +190,128 @@ TEST(RefineView, NothingDependsOnTheUnit) {
   EXPECT_NEAR(b.sigma_position, 1000.0 * a.sigma_position, 0.1 * a.sigma_position);
   for (std::size_t i = 0; i < view.range.size(); ++i)
     EXPECT_NEAR(b.view.range[i], 1000.0 * a.view.range[i], 1e-3);
+}
+
+TEST(RefineView, NothingDependsOnTheFrameOrTheDirectionOfTheGrid) {
+  const RangeView view = noisy_view(0.3, 1.5, 4.0, 64);
+  RefineOptions options = with_known_noise(0.3, 1.5 * kDegree);
+  options.sigma_bias_step = 0.01;  // its estimate steps over samples in the order of the grid
+  options.tolerance = 1e-10;
+  options.robust_rounds = 0;
+  const RefinedView reference = refined(view, options);
+  // The same rays as a table, in another frame and with the columns in reverse order.
+  const RigidMotion other_from_view = testing::look_at({3, 4, 5}, {1, -2, 0});
+  Grid<Ray> rays(64, 64);
+  RangeView moved = view;
+  for (int v = 0; v < 64; ++v) {
+    for (int u = 0; u < 64; ++u) {
+      const Ray ray = view.camera.ray(63 - u, v);
+      rays(u, v) = {other_from_view * ray.origin, other_from_view.linear() * ray.direction};
+      moved.range(u, v) = view.range(63 - u, v);
+      moved.normals(u, v) = other_from_view.linear().cast<float>() * view.normals(63 - u, v);
+    }
+  }
+  moved.camera = Camera::ray_table(std::move(rays), std::nullopt);
+  const RefinedView result = refined(moved, options);
+  for (int v = 0; v < 64; ++v)
+    for (int u = 0; u < 64; ++u)
+      EXPECT_NEAR(result.view.range(u, v), reference.view.range(63 - u, v), 1e-3) << u << " " << v;
+}
+
+TEST(RefineView, ConvergesWithTheSecondOrderOfTheSpacing) {
+  // True normals, and nearly no weight on positions: what is left is the error of the stencil.
+  std::array<double, 2> errors{};
+  for (const int level : {0, 1}) {
+    const int size = 48 << level;
+    const double spacing = 1.0 / (1 << level);
+    const Camera camera = Camera::orthographic(size, size, {-24, -24, 0}, {spacing, 0, 0},
+                                               {0, spacing, 0}, {0, 0, 1});
+    const RangeView truth = testing::render(bumpy_surface(), camera);
+    RefineOptions options = with_known_noise(1e4, 0.01);
+    options.bias = BiasModel::kNone;
+    options.robust_rounds = 0;
+    errors[static_cast<std::size_t>(level)] =
+        errors_of(refined(truth, options).view, truth).depth_rms;
+  }
+  EXPECT_GT(errors[0] / errors[1], 3.3);
+  EXPECT_LT(errors[0] / errors[1], 5.0);
+}
+
+TEST(RefineView, AStepInDepthStaysSharp) {
+  for (const double height : {1.5, 5.0, 50.0}) {
+    const auto with_step = [&](RangeView view) {
+      for (int v = 0; v < 48; ++v)
+        for (int u = 32; u < 64; ++u) view.range(u, v) += height;
+      return view;
+    };
+    const RangeView flat =
+        testing::render(testing::plane({0, 0, 90}, {0.2, 0.1, 1}), kOrthographic);
+    const RangeView truth = with_step(flat);
+    RangeView view = truth;
+    testing::add_range_noise(view, 0.15, 4);
+    testing::add_normal_noise(view, 1.5 * kDegree, 5);
+    const RefinedView result = refined(view);
+    double step = 0.0;
+    for (int v = 4; v < 44; ++v)
+      step += (result.view.range(32, v) - result.view.range(31, v)) / 40.0;
+    EXPECT_NEAR(step, truth.range(32, 20) - truth.range(31, 20), 0.1) << height;
+    EXPECT_LT(errors_of(result.view, truth).depth_rms, 0.06) << height;
+  }
+}
+
+TEST(RefineView, AThirdOfWildNormalsIsNoDisaster) {
+  const RangeView truth = testing::render(bumpy_surface(), bumpy_camera(96, 96));
+  RangeView view = noisy_view(0.3, 1.5, 2.0, 96);
+  testing::add_normal_outliers(view, 0.3, 3);
+  const auto raw = errors_of(view, truth), after = errors_of(refined(view).view, truth);
+  EXPECT_LT(after.depth_rms, raw.depth_rms / 2.5);
+  EXPECT_LT(after.surface_normals, raw.surface_normals / 4.0);
+  EXPECT_LT(after.normals, raw.normals / 2.5);
+  RefineOptions options;
+  options.robust_rounds = 0;
+  EXPECT_GT(errors_of(refined(view, options).view, truth).surface_normals,
+            1.5 * after.surface_normals);
+}
+
+TEST(RefineView, TheLatentBiasBeatsCorrectionBeforehandAndBothBeatNone) {
+  const RangeView truth = testing::render(bumpy_surface(), bumpy_camera(128, 128));
+  const RangeView view = noisy_view(1.0, 1.5, 4.0, 128);
+  RefineOptions options;
+  const auto latent = errors_of(refined(view, options).view, truth);
+  options.bias = BiasModel::kTwoStep;
+  const auto two_step = errors_of(refined(view, options).view, truth);
+  options.bias = BiasModel::kNone;
+  const auto none = errors_of(refined(view, options).view, truth);
+  EXPECT_LT(latent.depth_rms, 0.5 * two_step.depth_rms);
+  EXPECT_LT(latent.normals, two_step.normals);
+  EXPECT_LT(two_step.depth_rms, none.depth_rms);
+  EXPECT_LT(two_step.normals, none.normals);
+}
+
+TEST(RefineView, LambdaWeighsPositionsAgainstNormals) {
+  const RangeView view = noisy_view(0.3, 1.5, 0.0, 64);
+  RefineOptions options;
+  options.bias = BiasModel::kNone;
+  double before = 1e9;
+  for (const double lambda : {0.01, 0.1, 0.9, 0.9999}) {
+    options.lambda = lambda;
+    const RefinedView result = refined(view, options);
+    EXPECT_NEAR(result.lambda, lambda, 1e-9);
+    EXPECT_LT(result.rms_change, before);
+    before = result.rms_change;
+  }
+  EXPECT_LT(before, 1e-3);
+}
+
+TEST(RefineView, SamplesOfNoConfidenceFollowTheirNeighboursAndNormals) {
+  const RangeView truth = testing::render(bumpy_surface(), bumpy_camera(64, 64));
+  RangeView view = noisy_view(0.1, 0.5, 0.0, 64);
+  view.confidence = Grid<float>(64, 64, 1.0f);
+  for (int u = 10; u < 50; ++u) {
+    view.confidence(u, 30) = 0.0f;
+    view.range(u, 30) += 0.8;
+  }
+  EXPECT_LT(errors_of(refined(view).view, truth).depth_rms, 0.03);
 }
 
 }  // namespace
