@@ -74,32 +74,6 @@ Result<ProjectSpec> spec_of_grids(const std::vector<fs::path>& files) {
   return project;
 }
 
-Result<ProjectSpec> spec_of_folder(const fs::path& folder, const fs::path& fc_file) {
-  std::error_code code;
-  if (fs::exists(folder / "scan.json", code))
-    return read_project_spec(folder / "scan.json", fc_file);
-  std::vector<fs::path> grids, configurations;
-  std::vector<std::string> notes;
-  for (const auto& entry : fs::directory_iterator(folder, code)) {
-    const fs::path& path = entry.path();
-    if (path.extension() == ".conf") configurations.push_back(path);
-    if (!has_grid_ending(path)) continue;
-    if (is_grid_file(path))
-      grids.push_back(path);
-    else
-      notes.push_back("skipped " + path.string() + ": it holds no sensor grid");
-  }
-  if (code) return bad_input(folder, "cannot list the folder: " + code.message());
-  if (configurations.size() == 1) return read_project_spec(configurations.front(), fc_file);
-  if (grids.empty())
-    return bad_input(folder, "no scan.json and no scan grid (.ply with range_grid, .pcd) in it");
-  std::sort(grids.begin(), grids.end());
-  std::sort(notes.begin(), notes.end());
-  auto project = spec_of_grids(grids);
-  if (project) project->notes = notes;
-  return project;
-}
-
 Result<ProjectSpec> spec_of_file(const fs::path& path) {
   if (has_grid_ending(path)) return spec_of_grids({path});
   if (path.extension() != ".json" && path.extension() != ".conf")
@@ -113,13 +87,37 @@ Result<ProjectSpec> spec_of_file(const fs::path& path) {
   return project;
 }
 
+Result<ProjectSpec> spec_of_folder(const fs::path& folder) {
+  std::error_code code;
+  if (fs::exists(folder / "scan.json", code)) return spec_of_file(folder / "scan.json");
+  std::vector<fs::path> grids, configurations;
+  std::vector<std::string> notes;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    const fs::path& path = entry.path();
+    if (path.extension() == ".conf") configurations.push_back(path);
+    if (!has_grid_ending(path)) continue;
+    if (is_grid_file(path))
+      grids.push_back(path);
+    else
+      notes.push_back("skipped " + path.string() + ": it holds no sensor grid");
+  }
+  if (code) return bad_input(folder, "cannot list the folder: " + code.message());
+  if (configurations.size() == 1) return spec_of_file(configurations.front());
+  if (grids.empty())
+    return bad_input(folder, "no scan.json and no scan grid (.ply with range_grid, .pcd) in it");
+  std::sort(grids.begin(), grids.end());
+  std::sort(notes.begin(), notes.end());
+  auto project = spec_of_grids(grids);
+  if (project) project->notes = notes;
+  return project;
+}
+
 }  // namespace
 
 Result<ProjectSpec> read_project_spec(const fs::path& path, const fs::path& fc_file) {
   std::error_code code;
   if (!fs::exists(path, code)) return bad_input(path, "no such file or folder");
-  if (fs::is_directory(path, code)) return spec_of_folder(path, fc_file);
-  auto project = spec_of_file(path);
+  auto project = fs::is_directory(path, code) ? spec_of_folder(path) : spec_of_file(path);
   if (!project || fc_file.empty()) return project;
   const auto camera = read_fc(fc_file);
   if (!camera) return camera.error();

@@ -55,6 +55,22 @@ TEST(GridNormals, DoNotDependOnTheThreadCount) {
     EXPECT_TRUE(one[i] == four[i] || !one[i].allFinite());
 }
 
+TEST(GridNormals, AStrideGivesTheSameNormalsAtFewerPixels) {
+  const RangeView view = testing::render(testing::sphere({0, 0, 10}, 4.0), kCamera);
+  const GridEdges edges = connect_samples(view);
+  const auto all = estimate_normals(view, edges),
+             some = estimate_normals(view, edges, {.stride = 3});
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      const bool chosen = u % 3 == 0 && v % 3 == 0 && all(u, v).allFinite();
+      EXPECT_EQ(some(u, v).allFinite(), chosen);
+      if (chosen) {
+        EXPECT_EQ(some(u, v), all(u, v));
+      }
+    }
+  }
+}
+
 TEST(GridNormals, AnIsolatedSampleHasNone) {
   RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
   std::fill(view.range.begin(), view.range.end(), kNoSample);

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <limits>
+#include <random>
 
 #include <ImfArray.h>
 #include <ImfChannelList.h>
@@ -169,6 +170,21 @@ TEST(ImageIo, ExrReadsDepthAndNormals) {
   const auto unclear = read_image(path);
   ASSERT_FALSE(unclear.ok());
   EXPECT_THAT(unclear.error().message, HasSubstr("no channel to read"));
+}
+
+TEST(ImageIo, DamagedExrFilesAreErrorsNotCrashes) {
+  const TemporaryFolder folder;
+  write_exr(folder / "a.exr", {"R", "G", "B"}, ramp(20, 11, 3, 0.0, 0.01f));
+  const std::string content = *read_file(folder / "a.exr");
+  for (std::size_t size = 0; size < content.size(); size += size < 500 ? 1 : 13)
+    EXPECT_FALSE(decode_exr(content.substr(0, size), "a.exr").ok()) << size;
+  std::mt19937 random(5);
+  for (int k = 0; k < 3000; ++k) {
+    std::string changed = content;
+    const std::size_t range = k % 2 ? changed.size() : std::min<std::size_t>(400, changed.size());
+    changed[random() % range] = static_cast<char>(random() % 256);
+    (void)decode_exr(changed, "a.exr");
+  }
 }
 
 TEST(ImageIo, ALyingHeaderIsRefusedBeforeMemoryIsTaken) {

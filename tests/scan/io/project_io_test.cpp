@@ -151,6 +151,9 @@ TEST(ProjectIo, AnFcFileGivesTheIntrinsics) {
   EXPECT_EQ(project->views[0].camera.model(), Camera::Model::kPinholeGl);
   EXPECT_EQ(project->views[0].camera.intrinsics().fy, 62);
   EXPECT_THAT(project->notes, IsEmpty());
+  const auto of_folder = read_project(folder.path(), {.fc_file = folder / "a.fc"});
+  ASSERT_TRUE(of_folder.ok()) << of_folder.error().message;
+  EXPECT_EQ(of_folder->views[0].camera.intrinsics().fy, 62);
   EXPECT_FALSE(read("60 62 23.5\n").ok());
   EXPECT_FALSE(read("0 62 23.5 17\n").ok());
   EXPECT_FALSE(read("60 62 23.5 x\n").ok());
