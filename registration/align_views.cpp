@@ -1,11 +1,19 @@
 #include "registration/align_views.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
+
+#include "registration/robust.h"
+#include "registration/search_schedule.h"
 
 namespace relief {
 
 namespace {
+
+// A pair that deviates by this many times the median of all pairs is uncommon.
+constexpr double kCommonRms = 2.0;
 
 std::string invalid_option(const AlignOptions& options) {
   const auto& refinement = options.refinement;
@@ -78,20 +86,64 @@ std::string names_of_group(const std::vector<RangeView>& views,
 
 std::string reason_not_aligned(const std::vector<RangeView>& views,
                                const std::vector<std::size_t>& group, const ViewSurface& surface,
-                               bool placed, std::size_t i) {
+                               bool placed, ViewRole role, std::size_t i) {
   if (surface.samples().empty())
     return "it has no usable samples: none lies off all boundaries with a surface normal";
   if (!placed)
     return "it has no starting pose and none was found from its neighbours in scan order; give a "
            "guess in world_from_view";
+  if (role == ViewRole::kExcluded)
+    return "it fits none of the views that it seems to overlap; give a better guess or remove it";
   const std::string partners = names_of_group(views, group, i);
   if (partners.empty())
     return "it overlaps no other view at its starting pose; add a view between or a better guess";
   return "its group overlaps no view of the main group; it is aligned only to " + partners;
 }
 
+// Views that were refined but fit none of those they seem to overlap: even the best of their pairs
+// deviates by more than the data explains and by far more than is common.
+std::vector<bool> find_misfits(const std::vector<ViewSurface>& surfaces,
+                               const std::vector<ViewRole>& roles, const JointRefinement& refined) {
+  std::vector<double> all, best(surfaces.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> plausible(surfaces.size(), 0.0);
+  for (const auto& pair : refined.pairs) {
+    const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
+    const double limit =
+        largest_plausible_rms(std::max(a.spacing(), b.spacing()), std::hypot(a.noise(), b.noise()));
+    all.push_back(pair.rms);
+    for (const std::size_t i : {pair.a, pair.b}) {
+      best[i] = std::min(best[i], pair.rms);
+      plausible[i] = std::max(plausible[i], limit);
+    }
+  }
+  const double common = kCommonRms * quantile(all, 0.5);
+  std::vector<bool> misfits(surfaces.size(), false);
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    misfits[i] = std::isfinite(best[i]) && roles[i] == ViewRole::kFree &&
+                 best[i] > std::max(plausible[i], common);
+  return misfits;
+}
+
+// Joint refinement; views that turn out to fit nowhere are taken out and the rest refined again
+// from where it started, free of their pull.
+Result<JointRefinement> refine_without_misfits(const std::vector<ViewSurface>& surfaces,
+                                               const std::vector<RigidMotion>& poses,
+                                               std::vector<ViewRole>& roles,
+                                               const JointRefinementOptions& options,
+                                               const Progress& progress) {
+  for (;;) {
+    auto refined = refine_jointly(surfaces, poses, roles, options, progress);
+    if (!refined) return refined;
+    const auto misfits = find_misfits(surfaces, roles, *refined);
+    if (std::find(misfits.begin(), misfits.end(), true) == misfits.end()) return refined;
+    for (std::size_t i = 0; i < roles.size(); ++i)
+      if (misfits[i]) roles[i] = ViewRole::kExcluded;
+  }
+}
+
 void report_views(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
-                  const StartingPoses& starts, const JointRefinement& refined, Alignment& result) {
+                  const StartingPoses& starts, const std::vector<ViewRole>& roles,
+                  const JointRefinement& refined, Alignment& result) {
   const auto main = in_main_frame(views, refined.group);
   for (std::size_t i = 0; i < views.size(); ++i) {
     ViewReport report;
@@ -99,9 +151,9 @@ void report_views(const std::vector<RangeView>& views, const std::vector<ViewSur
     report.world_from_view = refined.world_from_view[i];
     report.pose_std = refined.pose_std[i];
     const bool placed = starts.world_from_view[i].has_value();
-    report.aligned = placed && main[i];
+    report.aligned = main[i] && roles[i] != ViewRole::kExcluded;
     if (!report.aligned)
-      report.reason = reason_not_aligned(views, refined.group, surfaces[i], placed, i);
+      report.reason = reason_not_aligned(views, refined.group, surfaces[i], placed, roles[i], i);
     result.views.push_back(std::move(report));
   }
   if (views.size() == 1) result.notes.push_back("one view only: nothing to align");
@@ -146,12 +198,12 @@ Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOp
   }
   JointRefinementOptions refinement = options.refinement;
   refinement.threads = options.threads;
-  auto refined = refine_jointly(*surfaces, poses, roles, refinement, progress);
+  auto refined = refine_without_misfits(*surfaces, poses, roles, refinement, progress);
   if (!refined) return refined.error();
 
   Alignment result;
   result.notes = starts->notes;
-  report_views(views, *surfaces, *starts, *refined, result);
+  report_views(views, *surfaces, *starts, roles, *refined, result);
   result.pairs = std::move(refined->pairs);
   result.termination = refined->termination;
   result.iterations = refined->iterations;

@@ -47,8 +47,8 @@ struct Alignment {
 
 /// Brings range views into one frame: starting poses where none are given, then joint refinement.
 /// Known poses are kept to the bit; else the first view of the largest group of overlapping views
-/// stays where it is. Views that overlap no others are reported, never forced, and keep their pose.
-/// Errors: kBadInput for no views or impossible options, kInterrupted.
+/// stays where it is. Views that overlap no others, or fit none, are reported, never forced, and
+/// keep their pose. Errors: kBadInput for no views or impossible options, kInterrupted.
 Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOptions& options = {},
                               const Progress& progress = {});
 

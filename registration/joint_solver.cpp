@@ -64,12 +64,13 @@ void solve_poses(const std::vector<ViewSurface>& surfaces,
                  const std::vector<DirectedMatches>& matches, const std::vector<bool>& fixed,
                  const JointSolverOptions& options, std::vector<RigidMotion>& world_from_view) {
   PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
-  ceres::Problem::Options ownership;
-  ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem::Options problem_options;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  problem_options.disable_all_safety_checks = true;  // They cost as much as a step.
   ceres::CauchyLoss loss(kCauchyScale);
   ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> rigid;
-  ceres::Problem problem(ownership);
+  ceres::Problem problem(problem_options);
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     problem.AddParameterBlock(blocks.values[i].data(), 7, &rigid);
     if (fixed[i]) problem.SetParameterBlockConstant(blocks.values[i].data());

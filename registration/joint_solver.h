@@ -18,7 +18,7 @@ struct DirectedMatches {
 };
 
 struct JointSolverOptions {
-  int max_iterations = 3;  ///< Levenberg-Marquardt steps; few, when correspondences are renewed.
+  int max_iterations = 2;  ///< Levenberg-Marquardt steps; few, when correspondences are renewed.
 };
 
 /// One minimisation of (R3) over all poses with fixed correspondences: Levenberg-Marquardt with the

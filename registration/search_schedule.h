@@ -25,6 +25,13 @@ inline double finest_search_distance(double spacing, double noise) {
   return 4.0 * spacing + 6.0 * noise;
 }
 
+/// The RMS of point-to-plane distances [unit] that two views which truly fit stay below: the noise
+/// of both (`noise`, combined) and a part of the spacing for what interpolation misses. Wrong poses
+/// settle at a spacing or more.
+inline double largest_plausible_rms(double spacing, double noise) {
+  return 0.15 * spacing + 1.5 * noise;
+}
+
 /// Levels from coarse to fine, with distances in geometric progression. A single level where the
 /// first distance is not larger than the last.
 std::vector<SearchLevel> search_schedule(const SearchScheduleOptions& options);

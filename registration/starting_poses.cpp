@@ -49,12 +49,6 @@ std::vector<RigidMotion> hypotheses(const ViewSurface& reference, const ViewSurf
   return list;
 }
 
-// What two views that truly overlap deviate at most [unit]: their noise, and a part of the spacing
-// for what interpolation misses. A wrong pose settles at a spacing or more.
-double largest_rms(const ViewSurface& a, const ViewSurface& b) {
-  return 0.15 * std::max(a.spacing(), b.spacing()) + 1.5 * std::hypot(a.noise(), b.noise());
-}
-
 Candidate try_pose(const ViewSurface& reference, const ViewSurface& view, const RigidMotion& guess,
                    int correspondences, const StartingPoseOptions& options) {
   IcpOptions icp;
@@ -66,13 +60,13 @@ Candidate try_pose(const ViewSurface& reference, const ViewSurface& view, const 
   const IcpResult fit = align_pair(view, reference, guess, icp);
   Candidate candidate{fit.target_from_source, 0.0, fit.overlap};
   if (!fit.usable() || fit.overlap < options.min_overlap) return candidate;
-  const double limit = largest_rms(reference, view);
-  const double margin = finest_search_distance(std::max(view.spacing(), reference.spacing()),
-                                               std::max(view.noise(), reference.noise()));
+  const double spacing = std::max(view.spacing(), reference.spacing());
+  const double noise = std::hypot(view.noise(), reference.noise());
+  const double margin = finest_search_distance(spacing, noise);
   const double against =
       std::max(contradiction(view, reference, fit.target_from_source, margin),
                contradiction(reference, view, fit.target_from_source.inverse(), margin));
-  if (fit.rms <= limit && against <= options.max_contradiction)
+  if (fit.rms <= largest_plausible_rms(spacing, noise) && against <= options.max_contradiction)
     candidate.score = fit.overlap - against;
   return candidate;
 }

@@ -167,6 +167,32 @@ TEST(AlignViews, KeepsTwoGroupsApart) {
   for (const double error : errors) EXPECT_LT(error, 0.2 * spacing());
 }
 
+TEST(AlignViews, TakesOutAViewWhosePoseIsFarOff) {
+  auto views = disturbed_ring();
+  const RigidMotion off(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()));
+  views[3].world_from_view = off * views[3].world_from_view;
+  const auto aligned = align_views(views);
+  ASSERT_TRUE(aligned.ok());
+  for (std::size_t i = 0; i < views.size(); ++i) EXPECT_EQ(aligned->views[i].aligned, i != 3);
+  EXPECT_THAT(aligned->views[3].reason, HasSubstr("fits none"));
+  // The others are none the worse for it.
+  auto truth = poses_of(true_ring()), found = aligned->world_from_view();
+  views.erase(views.begin() + 3);
+  truth.erase(truth.begin() + 3);
+  found.erase(found.begin() + 3);
+  for (const double error : mean_displacements(views, found, truth))
+    EXPECT_LT(error, 0.15 * spacing());
+}
+
+TEST(AlignViews, BringsBackAHeldViewThatIsFarOff) {
+  auto views = disturbed_ring();
+  const RigidMotion off(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
+  views[0].world_from_view = off * views[0].world_from_view;
+  const auto aligned = align_views(views);
+  EXPECT_TRUE(aligned->complete());
+  EXPECT_LT(largest_error(*aligned), 0.1);
+}
+
 TEST(AlignViews, LeavesViewsWithHardlyAnySamples) {
   auto views = disturbed_ring();
   views.resize(3);
