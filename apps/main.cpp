@@ -1,5 +1,6 @@
 #include <exception>
 #include <new>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
@@ -19,6 +20,10 @@ int main(int argc, char** argv) {
   constexpr AddCommand kCommands[] = {add_info, add_align,    add_refine,   add_merge,
                                       add_run,  add_simulate, add_evaluate, add_convert};
   for (const AddCommand add : kCommands) add(app, action);
+
+  if (argc > 1 && argv[1][0] != '-' && !app.get_subcommand_no_throw(argv[1]))
+    return fail({ErrorKind::kBadInput,
+                 std::string("no command `") + argv[1] + "`: relief --help lists the commands"});
 
   try {
     app.parse(argc, argv);

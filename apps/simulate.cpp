@@ -13,6 +13,7 @@
 #include "apps/report.h"
 #include "scan/io/atomic_file.h"
 #include "scan/io/mesh_io.h"
+#include "scan/simulation/mesh_object.h"
 
 namespace relief {
 
@@ -21,6 +22,8 @@ namespace {
 struct SimulateCommand {
   CommonOptions common;
   SimulationOptions options;
+  std::filesystem::path mesh;  ///< Empty: the built-in object.
+  std::string unit = "mm";
   std::filesystem::path output;
 };
 
@@ -61,12 +64,25 @@ Result<void> write_simulation(const Simulation& simulation, const SimulateComman
   return write_project(simulation.scans, folder, console_progress("write"));
 }
 
+Result<SimulationObject> object_to_scan(const SimulateCommand& command) {
+  if (command.mesh.empty())
+    return built_in_simulation_object(command.options.mesh_divisions, command.common.threads);
+  auto mesh = read_mesh(command.mesh);
+  if (!mesh) return mesh.error();
+  auto object = mesh_object(std::move(*mesh), command.unit);
+  if (!object)
+    return Error{object.error().kind, command.mesh.string() + ": " + object.error().message};
+  return object;
+}
+
 int simulate_scans(const SimulateCommand& command) {
   SimulationOptions options = command.options;
   options.threads = command.common.threads;
   options.seed = command.common.seed;
   if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
-  const auto simulation = simulate(options, console_progress("simulate"));
+  const auto object = object_to_scan(command);
+  if (!object) return fail(object.error());
+  const auto simulation = simulate(*object, options, console_progress("simulate"));
   if (!simulation) return fail(simulation.error());
   SimulateCommand used = command;
   used.options = options;
@@ -115,7 +131,10 @@ void add_simulation_options(CLI::App& command, SimulationOptions& options) {
 void add_simulate(CLI::App& app, Action& action) {
   auto command = std::make_shared<SimulateCommand>();
   auto* sub = app.add_subcommand(
-      "simulate", "Scans with normal maps of the built-in object, with their ground truth");
+      "simulate", "Scans with normal maps of a mesh or the built-in object, with their truth");
+  sub->add_option("mesh", command->mesh,
+                  "Mesh to scan (.ply .obj .stl), faces outwards; default: the built-in object");
+  sub->add_option("--unit", command->unit, "Unit of the mesh")->capture_default_str();
   sub->add_option("-o,--output", command->output,
                   "Folder for scan.json, truth.json and truth/ (exact views and mesh)")
       ->required();

@@ -10,7 +10,7 @@ install(EXPORT relief_targets NAMESPACE relief:: FILE reliefTargets.cmake
 foreach(folder scan registration hybrid fusion)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relief
-          FILES_MATCHING PATTERN "*.h")
+          FILES_MATCHING PATTERN "*.h" PATTERN "*_private.h" EXCLUDE)
 endforeach()
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/reliefConfig.cmake.in
   ${PROJECT_BINARY_DIR}/reliefConfig.cmake

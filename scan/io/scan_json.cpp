@@ -2,7 +2,7 @@
 #include <set>
 
 #include "scan/io/io_error.h"
-#include "scan/io/json_object.h"
+#include "scan/io/json_object_private.h"
 #include "scan/io/view_spec.h"
 
 namespace relief {

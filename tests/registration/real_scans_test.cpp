@@ -1,10 +1,9 @@
 #include <algorithm>
-#include <fstream>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "registration/align_views.h"
+#include "scan/io/poses_io.h"
 #include "scan/io/project_io.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/support/test_data.h"
@@ -13,15 +12,8 @@ namespace relief {
 namespace {
 
 std::vector<RigidMotion> poses_in(const std::filesystem::path& path) {
-  const auto truth = nlohmann::json::parse(std::ifstream(path));
   std::vector<RigidMotion> poses;
-  for (const auto& view : truth["views"]) {
-    Eigen::Matrix4d matrix;
-    for (int row = 0; row < 4; ++row)
-      for (int column = 0; column < 4; ++column)
-        matrix(row, column) = view["world_from_view"][row][column].get<double>();
-    poses.push_back(rigid_motion_from_matrix(matrix, "truth").value());
-  }
+  for (const NamedPose& pose : read_poses(path).value()) poses.push_back(pose.world_from_view);
   return poses;
 }
 
