@@ -21,7 +21,8 @@ int main(int argc, char** argv) {
                                       add_run,  add_simulate, add_evaluate, add_convert};
   for (const AddCommand add : kCommands) add(app, action);
 
-  if (argc > 1 && argv[1][0] != '-' && !app.get_subcommand_no_throw(argv[1]))
+  const auto is_chosen = [&](const CLI::App* command) { return command->check_name(argv[1]); };
+  if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_chosen).empty())
     return fail({ErrorKind::kBadInput,
                  std::string("no command `") + argv[1] + "`: relief --help lists the commands"});
 

@@ -223,18 +223,29 @@ TEST(WrongUsage, IsExitStatusTwo) {
   }
 }
 
-TEST(WrongUsage, TruncatedGrid) {
+// What `merge` says of a 2x2 range grid with these vertex lines.
+void expect_bad_grid(const std::string& vertices, const std::string& words) {
   const TemporaryFolder folder;
   write_text(folder / "scan.ply",
              "ply\nformat ascii 1.0\nobj_info num_cols 2\nobj_info num_rows 2\n"
              "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-             "element range_grid 4\nproperty list uchar int vertex_indices\nend_header\n"
-             "0 0 1\n1 0 nan\n0 one 1\n");
+             "element range_grid 4\nproperty list uchar int vertex_indices\nend_header\n" +
+                 vertices);
   const ProgramRun run = run_relief({"merge", folder / "scan.ply", "-o", folder / "model.ply"});
   EXPECT_EQ(run.exit_status, 2);
   EXPECT_THAT(run.standard_error, HasSubstr("scan.ply"));
-  EXPECT_THAT(run.standard_error, HasSubstr("one"));
+  EXPECT_THAT(run.standard_error, HasSubstr(words));
   EXPECT_FALSE(std::filesystem::exists(folder / "model.ply"));
+}
+
+TEST(BadGrid, Truncated) { expect_bad_grid("0 0 1\n1 0 1\n", "truncated"); }
+
+TEST(BadGrid, TextWhereANumberBelongs) {
+  expect_bad_grid("0 0 1\n1 0 nan\n0 one 1\n1 1 1\n1 0\n1 1\n1 2\n1 3\n", "one");
+}
+
+TEST(BadGrid, IndexOutOfRange) {
+  expect_bad_grid("0 0 1\n1 0 1\n0 1 1\n1 1 1\n1 0\n1 1\n1 2\n1 7\n", "7");
 }
 
 }  // namespace
