@@ -28,7 +28,7 @@ Result<std::vector<ViewSampler>> prepare(const std::vector<RangeView>& views,
                                          const MergeOptions& options,
                                          std::vector<std::string>& notes) {
   if (views.empty()) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
-  ViewSurfaceOptions surface_options;
+  QuadSurfaceOptions surface_options;
   surface_options.silhouette_ramp = options.silhouette_ramp;
   surface_options.threads = options.threads;
   std::vector<ViewSampler> samplers;

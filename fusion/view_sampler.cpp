@@ -32,7 +32,7 @@ std::optional<RationalProjection> fitted_guess(const RangeView& view, double spa
 
 }  // namespace
 
-Result<ViewSampler> ViewSampler::create(const RangeView& view, const ViewSurfaceOptions& options) {
+Result<ViewSampler> ViewSampler::create(const RangeView& view, const QuadSurfaceOptions& options) {
   ViewSampler sampler;
   sampler.camera_ = view.camera;
   sampler.world_from_view_ = view.world_from_view;

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "fusion/view_surface.h"
+#include "fusion/quad_surface.h"
 #include "scan/range_view.h"
 #include "scan/result.h"
 
@@ -34,7 +34,7 @@ struct Observation {
 class ViewSampler {
  public:
   /// kUnsolvable where points cannot be projected into the view at all.
-  static Result<ViewSampler> create(const RangeView& view, const ViewSurfaceOptions& options);
+  static Result<ViewSampler> create(const RangeView& view, const QuadSurfaceOptions& options);
 
   /// Nothing where the point's ray meets no quad.
   std::optional<Observation> observe(const Eigen::Vector3d& point_in_world) const;
@@ -43,8 +43,8 @@ class ViewSampler {
   std::vector<Eigen::Vector3d> surface_points() const;
   bool empty() const { return surface_.pixels.empty(); }
 
-  double spacing() const { return surface_.spacing; }  ///< See ViewSurface.
-  double noise() const { return surface_.noise; }      ///< See ViewSurface.
+  double spacing() const { return surface_.spacing; }  ///< See QuadSurface.
+  double noise() const { return surface_.noise; }      ///< See QuadSurface.
 
  private:
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_in_view) const;
@@ -54,7 +54,7 @@ class ViewSampler {
   std::optional<RationalProjection> guess_;  // for cameras without a projection of their own
   RigidMotion view_from_world_ = RigidMotion::Identity();
   RigidMotion world_from_view_ = RigidMotion::Identity();
-  ViewSurface surface_;
+  QuadSurface surface_;
 };
 
 }  // namespace relief

@@ -8,18 +8,12 @@
 #include <gtest/gtest.h>
 
 #include "scan/mesh_check.h"
+#include "tests/fusion/scenes.h"
 
 namespace relief {
 namespace {
 
-std::vector<NodeKey> cube_of_blocks(int side) {
-  std::vector<NodeKey> blocks;
-  for (int z = 0; z < side; ++z)
-    for (int y = 0; y < side; ++y)
-      for (int x = 0; x < side; ++x) blocks.push_back(key_of({x, y, z}));
-  make_sorted_set(blocks);
-  return blocks;
-}
+using testing::cube_of_blocks;
 
 // `function` inside the cube of blocks, 1 on its border and outside.
 template <typename Function>

@@ -68,4 +68,13 @@ std::vector<RangeView> views_around(const Surface& surface, int count, int size,
   return views;
 }
 
+std::vector<NodeKey> cube_of_blocks(int side) {
+  std::vector<NodeKey> blocks;
+  for (int z = 0; z < side; ++z)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) blocks.push_back(key_of({x, y, z}));
+  make_sorted_set(blocks);
+  return blocks;
+}
+
 }  // namespace relief::testing

@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "fusion/sparse_field.h"
 #include "scan/range_view.h"
 #include "tests/support/synthetic_views.h"
 
@@ -25,5 +26,8 @@ std::vector<Eigen::Vector3d> even_directions(int count);
 /// Pinhole views from `count` even directions, `size` pixels square, of a sphere of `radius` round
 /// the origin that fills the image.
 std::vector<RangeView> views_around(const Surface& surface, int count, int size, double radius);
+
+/// The keys of `side`^3 blocks from (0, 0, 0) on, sorted.
+std::vector<NodeKey> cube_of_blocks(int side);
 
 }  // namespace relief::testing

@@ -5,18 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "fusion/obstacle_solver.h"
+#include "tests/fusion/scenes.h"
 
 namespace relief {
 namespace {
 
-std::vector<NodeKey> cube_of_blocks(int side) {
-  std::vector<NodeKey> blocks;
-  for (int z = 0; z < side; ++z)
-    for (int y = 0; y < side; ++y)
-      for (int x = 0; x < side; ++x) blocks.push_back(key_of({x, y, z}));
-  make_sorted_set(blocks);
-  return blocks;
-}
+using testing::cube_of_blocks;
 
 template <typename Function>
 void fill(SparseField& field, const Function& function, bool active_only = false) {

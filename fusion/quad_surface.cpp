@@ -1,4 +1,4 @@
-#include "fusion/view_surface.h"
+#include "fusion/quad_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -97,7 +97,7 @@ Grid<std::uint8_t> find_quads(const RangeView& view, const GridEdges& edges,
 }
 
 // Crops the surface to its quads and marks them.
-void place_quads(const Grid<std::uint8_t>& quads, ViewSurface& surface) {
+void place_quads(const Grid<std::uint8_t>& quads, QuadSurface& surface) {
   int u0 = quads.width(), v0 = quads.height(), u1 = -1, v1 = -1;
   for (int v = 0; v < quads.height(); ++v) {
     for (int u = 0; u < quads.width(); ++u) {
@@ -129,11 +129,11 @@ float sample_weight(const RangeView& view, int u, int v, const Eigen::Vector3f& 
 
 }  // namespace
 
-ViewSurface surface_of(const RangeView& view, const ViewSurfaceOptions& options) {
+QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options) {
   const GridEdges edges = connect_samples(view);
   const Grid<Eigen::Vector3f> normals = surface_normals(view, edges, options.threads);
   const Grid<std::uint8_t> border = boundary_distance(view, edges);
-  ViewSurface surface;
+  QuadSurface surface;
   surface.spacing = sample_spacing(view);
   surface.noise = position_noise(view, edges, normals);
   place_quads(find_quads(view, edges, normals, options.smallest_patch), surface);

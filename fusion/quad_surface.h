@@ -17,7 +17,7 @@ struct SurfacePixel {
   bool corner = false;  ///< The sample belongs to some quad.
 };
 
-struct ViewSurfaceOptions {
+struct QuadSurfaceOptions {
   int silhouette_ramp = 6;  ///< The weight grows from the silhouette over this many pixels.
   /// Patches of fewer connected samples are taken for stray measurements and left out.
   int smallest_patch = 20;
@@ -26,7 +26,7 @@ struct ViewSurfaceOptions {
 
 /// The surface a view measured: its samples joined into quads along connected grid edges. A crop of
 /// the view's grid to where there are quads.
-struct ViewSurface {
+struct QuadSurface {
   Grid<SurfacePixel> pixels;  ///< Empty when the view has no quad.
   int first_u = 0, first_v = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< View frame.
@@ -38,6 +38,6 @@ struct ViewSurface {
 
 /// Normals are the measured ones where there are any, else those of the measured surface. Samples
 /// without confidence are left out.
-ViewSurface surface_of(const RangeView& view, const ViewSurfaceOptions& options);
+QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options);
 
 }  // namespace relief
