@@ -13,6 +13,7 @@
 #include "apps/report.h"
 #include "scan/io/atomic_file.h"
 #include "scan/io/mesh_io.h"
+#include "scan/mesh_check.h"
 #include "scan/simulation/mesh_object.h"
 
 namespace relief {
@@ -69,6 +70,9 @@ Result<SimulationObject> object_to_scan(const SimulateCommand& command) {
     return built_in_simulation_object(command.options.mesh_divisions, command.common.threads);
   auto mesh = read_mesh(command.mesh);
   if (!mesh) return mesh.error();
+  if (!check_mesh(*mesh).closed())
+    Console::warning(command.mesh.string() +
+                     ": the mesh is not closed; scans see through where it is open");
   auto object = mesh_object(std::move(*mesh), command.unit);
   if (!object)
     return Error{object.error().kind, command.mesh.string() + ": " + object.error().message};
