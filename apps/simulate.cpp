@@ -117,6 +117,11 @@ void add_simulation_options(CLI::App& command, SimulationOptions& options) {
       ->capture_default_str();
   command.add_option("--normal-bias", options.normal_bias_deg, "Smooth error of the normals [deg]")
       ->capture_default_str();
+  command
+      .add_option("--mesh-divisions", options.mesh_divisions,
+                  "Fineness of the built-in object's true mesh; 0: none")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
   command.add_option("--poses", options.pose, "Starting poses: exact, perturbed or absent")
       ->transform(CLI::CheckedTransformer(kPoses))
       ->default_str("perturbed");

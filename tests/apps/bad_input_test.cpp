@@ -27,8 +27,9 @@ class BadInput : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     original_ = new TemporaryFolder;
-    const ProgramRun run = run_relief({"simulate", "-q", "--views", "3", "--width", "64",
-                                       "--height", "64", "-o", original_->path().string()});
+    const ProgramRun run =
+        run_relief({"simulate", "-q", "--views", "3", "--width", "64", "--height", "64",
+                    "--mesh-divisions", "0", "-o", original_->path().string()});
     ASSERT_EQ(run.exit_status, 0) << run.standard_error;
   }
   static void TearDownTestSuite() {
@@ -119,8 +120,8 @@ TEST_F(BadInput, UnknownKey) {
 
 TEST_F(BadInput, DepthAndNormalsOfDifferentSizes) {
   const TemporaryFolder other;
-  ASSERT_EQ(run_relief({"simulate", "-q", "--views", "3", "--width", "48", "--height", "48", "-o",
-                        other.path().string()})
+  ASSERT_EQ(run_relief({"simulate", "-q", "--views", "3", "--width", "48", "--height", "48",
+                        "--mesh-divisions", "0", "-o", other.path().string()})
                 .exit_status,
             0);
   const json scan = json::parse(read_text(other / "scan.json"));

@@ -24,9 +24,9 @@ json report_of(const std::filesystem::path& folder) {
 
 void simulate(const TemporaryFolder& folder, const std::string& views, const std::string& size,
               const std::string& threads = "0") {
-  const ProgramRun run =
-      run_relief({"simulate", "-q", "--views", views, "--width", size, "--height", size, "--seed",
-                  "3", "--threads", threads, "-o", folder.path().string()});
+  const ProgramRun run = run_relief({"simulate", "-q", "--views", views, "--width", size,
+                                     "--height", size, "--seed", "3", "--mesh-divisions", "100",
+                                     "--threads", threads, "-o", folder.path().string()});
   ASSERT_EQ(run.exit_status, 0) << run.standard_error;
 }
 
