@@ -126,7 +126,7 @@ TEST_F(BadInput, DepthAndNormalsOfDifferentSizes) {
             0);
   const json scan = json::parse(read_text(other / "scan.json"));
   scan_["views"][0]["normals"]["file"] =
-      other / scan["views"][0]["normals"]["file"].get<std::string>();
+      (other / scan["views"][0]["normals"]["file"].get<std::string>()).string();
   save();
   expect_failure(2, "48");
 }
@@ -144,7 +144,7 @@ TEST_F(BadInput, ViewWithoutSamples) {
 
 TEST_F(BadInput, UnwritableOutput) {
   write_text(project_ / "file", "not a folder");
-  const std::string below_a_file = project_ / "file" + "/out";
+  const std::string below_a_file = (project_ / "file/out").string();
   const std::vector<std::vector<std::string>> commands = {
       {"align", project_ / "scan.json", "-o", below_a_file + "/aligned.json"},
       {"refine", project_ / "scan.json", "-o", below_a_file},

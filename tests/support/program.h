@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/temporary_folder.h"
+
 namespace relief::testing {
 
 /// What a finished run of the program `relief` left behind.
@@ -19,21 +21,6 @@ struct ProgramLimits {
 
 /// Runs the program under test with `arguments` and waits for it.
 ProgramRun run_relief(const std::vector<std::string>& arguments, const ProgramLimits& limits = {});
-
-/// An empty folder that is removed with everything in it at the end of the scope.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Names of all files below `folder`, relative to it, sorted.
 std::vector<std::string> files_below(const std::filesystem::path& folder);
