@@ -7,6 +7,8 @@
 
 #include <Eigen/Dense>
 
+#include "scan/median.h"
+
 namespace relief {
 
 namespace {
@@ -44,13 +46,6 @@ double robust_sigma(std::vector<double> values) {
     sigma = std::sqrt(sum / count / kKeptMoment);
   }
   return sigma;
-}
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Sums over a straight walk of edges. Node n of the walk enters with the mean of the sensitivities
@@ -208,7 +203,7 @@ struct Excess {
   std::vector<double> values, noise;
 
   double variance() const {
-    const double total = robust_sigma(values), random = median_of(noise);
+    const double total = robust_sigma(values), random = median(std::vector<double>(noise));
     return std::max(0.0, total * total - random * random);
   }
   // Of `variance`, for values of which about one in `overlap` is independent.

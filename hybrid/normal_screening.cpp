@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "scan/median.h"
 #include "scan/parallel.h"
 
 namespace relief {
@@ -14,12 +15,6 @@ namespace {
 constexpr int kRadius = 2;
 constexpr std::size_t kFewest = 5;       // normals that a neighbourhood must have
 constexpr float kTypicalToLimit = 6.0f;  // four sigma; the median of |x| is 0.67 sigma
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Deviation {
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  // median normal of the neighbourhood

@@ -13,6 +13,7 @@
 #include "hybrid/unexplained_steps.h"
 #include "hybrid/view_problem.h"
 #include "hybrid/view_system.h"
+#include "scan/median.h"
 
 namespace relief {
 
@@ -32,13 +33,6 @@ struct NoiseModel {
   double sigma_bias_step = 0.0;
   double spacing = 0.0;
 };
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double median_length(const std::vector<SlopeConstraint>& slopes) {
   std::vector<double> lengths;

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <vector>
 
+#include "scan/median.h"
+
 namespace relief {
 
 namespace {
@@ -40,10 +42,7 @@ double step_noise(const Grid<float>& steps, int du, int dv) {
       if (difference == difference) differences.push_back(difference);
     }
   }
-  if (differences.empty()) return 0.0;
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return 1.4826 * *middle / std::numbers::sqrt3;
+  return 1.4826 * median(differences) / std::numbers::sqrt3;
 }
 
 Grid<std::uint8_t> connect_direction(const RangeView& view, int du, int dv,

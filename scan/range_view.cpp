@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "scan/discontinuities.h"
+#include "scan/median.h"
 
 namespace relief {
 
@@ -30,10 +31,7 @@ double sample_spacing(const RangeView& view) {
       if (edges.down(u, v)) lengths.push_back((points(u, v + 1) - points(u, v)).norm());
     }
   }
-  if (lengths.empty()) return 0.0;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
+  return median(lengths);
 }
 
 }  // namespace relief

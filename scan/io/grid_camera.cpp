@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "scan/median.h"
 #include "scan/range_view.h"
 
 namespace relief {
@@ -42,10 +43,7 @@ double median_spacing(const Grid<Eigen::Vector3d>& points) {
     for (int u = 0; u + 1 < points.width(); ++u)
       if (const double length = (points(u + 1, v) - points(u, v)).norm(); length == length)
         lengths.push_back(length);
-  if (lengths.empty()) return 0.0;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
+  return median(lengths);
 }
 
 // A camera with a formula, as a ratio of affine functions.

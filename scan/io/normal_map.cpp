@@ -9,6 +9,7 @@
 
 #include "scan/grid_normals.h"
 #include "scan/io/io_error.h"
+#include "scan/median.h"
 
 namespace relief {
 
@@ -50,13 +51,6 @@ Eigen::Vector3d decode(const Image& image, NormalEncoding encoding, int u, int v
 bool is_direction(const Eigen::Vector3d& vector) {
   const double length = vector.norm();
   return length >= 0.5 && length <= 1.5;
-}
-
-template <typename T>
-T median(std::vector<T>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Integer images can hold components only as rgb; of a real image the encoding whose vectors are
