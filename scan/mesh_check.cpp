@@ -130,7 +130,7 @@ bool MeshCheck::watertight() const {
          unused_vertices == 0 && non_finite_vertices == 0 && volume > 0.0;
 }
 
-MeshCheck check_mesh(const TriangleMesh& mesh) {
+MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options) {
   TriangleMesh valid;
   const TriangleMesh* checked = &mesh;
   MeshCheck check;
@@ -157,6 +157,8 @@ MeshCheck check_mesh(const TriangleMesh& mesh) {
     const long euler = used - static_cast<long>(check.edges) + static_cast<long>(check.faces);
     check.genus = static_cast<long>(check.components) - euler / 2;
   }
+  if (options.self_intersections)
+    check.self_intersections = find_self_intersections(mesh, {.threads = options.threads});
   return check;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
+#include "scan/self_intersections.h"
 #include "scan/triangle_mesh.h"
 
 namespace relief {
@@ -24,17 +26,26 @@ struct MeshCheck {
   std::size_t components = 0;           ///< Sets of faces connected through common vertices.
   long genus = -1;      ///< Handles of all components together; -1 unless a closed manifold.
   double volume = 0.0;  ///< Signed [unit^3]; positive when faces face outwards.
+  /// Faces that cross, touch or cover others; nothing unless looked for. Vertices at one place
+  /// count as one here.
+  std::optional<SelfIntersections> self_intersections;
 
   /// Every edge has exactly two faces, which run it in opposite directions.
   bool closed() const;
   /// No edge has more than two faces and the faces at each vertex form one fan.
   bool manifold() const;
   /// A valid solid: closed, manifold, without degenerate faces, duplicate, unused or non-finite
-  /// vertices, not empty, of positive volume.
+  /// vertices, not empty, of positive volume. Self-intersections have no part in it.
   bool watertight() const;
 };
 
+struct MeshCheckOptions {
+  /// Also look for self-intersections. This takes about twice as long as all the rest together.
+  bool self_intersections = false;
+  int threads = 0;  ///< 0: one per core; no effect on the result.
+};
+
 /// Counts in memory linear and time log-linear in the size of the mesh.
-MeshCheck check_mesh(const TriangleMesh& mesh);
+MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options = {});
 
 }  // namespace relief

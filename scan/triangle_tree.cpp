@@ -124,16 +124,23 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(&mesh), faces_(mesh
   if (!faces_.empty()) build(0, static_cast<std::uint32_t>(faces_.size()), centres);
 }
 
+Eigen::AlignedBox3d TriangleTree::face_box(std::uint32_t face) const {
+  Eigen::AlignedBox3d box;
+  for (int k = 0; k < 3; ++k) box.extend(mesh_->corner(face, k));
+  return box;
+}
+
 void TriangleTree::build(std::uint32_t begin, std::uint32_t end,
                          const std::vector<Eigen::Vector3d>& centres) {
   const std::size_t index = nodes_.size();
   nodes_.emplace_back();
   Eigen::AlignedBox3d box, centre_box;
   for (std::uint32_t i = begin; i < end; ++i) {
-    for (int k = 0; k < 3; ++k) box.extend(mesh_->corner(faces_[i], k));
+    box.extend(face_box(faces_[i]));
     centre_box.extend(centres[faces_[i]]);
   }
   nodes_[index].box = box;
+  nodes_[index].end = end;
   if (end - begin <= kLeafSize) {
     nodes_[index].begin = begin;
     nodes_[index].count = end - begin;
@@ -214,6 +221,31 @@ std::optional<TriangleTree::Hit> TriangleTree::first_hit(const Ray& ray) const {
     stack[depth++] = near;
   }
   return best;
+}
+
+void TriangleTree::visit_box_overlaps(
+    std::size_t begin, std::size_t end,
+    const std::function<bool(std::uint32_t f, std::uint32_t g)>& visit) const {
+  std::array<std::uint32_t, kStackSize> stack;
+  for (std::size_t place = begin; place < end; ++place) {
+    const std::uint32_t f = faces_[place];
+    const Eigen::AlignedBox3d box = face_box(f);
+    std::size_t depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+      const std::uint32_t index = stack[--depth];
+      const Node& node = nodes_[index];
+      if (node.end <= place + 1 || !node.box.intersects(box)) continue;
+      if (node.count == 0) {
+        stack[depth++] = node.right;
+        stack[depth++] = index + 1;
+      }
+      for (std::uint32_t i = node.begin; i < node.begin + node.count; ++i) {
+        const std::uint32_t g = faces_[i];
+        if (i > place && face_box(g).intersects(box) && !visit(f, g)) return;
+      }
+    }
+  }
 }
 
 }  // namespace relief

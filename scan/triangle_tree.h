@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -49,6 +51,12 @@ class TriangleTree {
   /// never slips through between them.
   std::optional<Hit> first_hit(const Ray& ray) const;
 
+  /// Calls `visit(f, g)` for pairs of faces whose boxes meet, until it returns false. The faces
+  /// have an order of the tree's own; f is one of [begin, end) in it and g comes after f, so that
+  /// ranges which cover all faces together give every pair once.
+  void visit_box_overlaps(std::size_t begin, std::size_t end,
+                          const std::function<bool(std::uint32_t f, std::uint32_t g)>& visit) const;
+
   const TriangleMesh& mesh() const { return *mesh_; }
 
  private:
@@ -56,9 +64,11 @@ class TriangleTree {
   struct Node {
     Eigen::AlignedBox3d box;
     std::uint32_t begin = 0, count = 0;  // faces of a leaf; count 0: inner node
+    std::uint32_t end = 0;               // of the faces below
     std::uint32_t right = 0;
   };
 
+  Eigen::AlignedBox3d face_box(std::uint32_t face) const;
   void build(std::uint32_t begin, std::uint32_t end, const std::vector<Eigen::Vector3d>& centres);
 
   const TriangleMesh* mesh_;

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "scan/mesh_components.h"
+#include "scan/simulation/geodesic_sphere.h"
 
 namespace relief {
 namespace {
@@ -120,6 +123,86 @@ TEST(MeshCheck, CountsDegenerateFacesAndDuplicateVertices) {
   EXPECT_EQ(check_mesh(mesh).duplicate_vertices, 1u);
   mesh.faces.push_back({0, 0, 1});
   EXPECT_EQ(check_mesh(mesh).degenerate_faces, 3u);
+}
+
+// Every count of a check by its name, so that a test can say which ones changed.
+std::map<std::string, long> counts_of(const TriangleMesh& mesh) {
+  const MeshCheck check = check_mesh(mesh, {.self_intersections = true});
+  const auto count = [](std::size_t n) { return static_cast<long>(n); };
+  return {{"boundary edges", count(check.boundary_edges)},
+          {"non-manifold edges", count(check.non_manifold_edges)},
+          {"inconsistent edges", count(check.inconsistent_edges)},
+          {"non-manifold vertices", count(check.non_manifold_vertices)},
+          {"unused vertices", count(check.unused_vertices)},
+          {"degenerate faces", count(check.degenerate_faces)},
+          {"duplicate vertices", count(check.duplicate_vertices)},
+          {"invalid faces", count(check.invalid_faces)},
+          {"non-finite vertices", count(check.non_finite_vertices)},
+          {"components", count(check.components)},
+          {"self-intersections", count(check.self_intersections->pairs.size())}};
+}
+
+// The counts that a fault added to those of a sound sphere.
+std::map<std::string, long> added_counts(const TriangleMesh& faulty) {
+  std::map<std::string, long> added;
+  const auto sound = counts_of(geodesic_sphere(6));
+  for (const auto& [name, count] : counts_of(faulty))
+    if (count != sound.at(name)) added[name] = count - sound.at(name);
+  return added;
+}
+
+using Counts = std::map<std::string, long>;
+
+TEST(MeshCheck, FindsEachFaultAndNothingElse) {
+  const TriangleMesh sphere = geodesic_sphere(6);
+  EXPECT_EQ(added_counts(sphere), Counts{});
+
+  TriangleMesh hole = sphere;
+  hole.faces.erase(hole.faces.begin() + 100);
+  EXPECT_EQ(added_counts(hole), (Counts{{"boundary edges", 3}}));
+
+  TriangleMesh flipped = sphere;
+  std::swap(flipped.faces[100][0], flipped.faces[100][1]);
+  EXPECT_EQ(added_counts(flipped), (Counts{{"inconsistent edges", 3}}));
+
+  TriangleMesh doubled = sphere;
+  doubled.vertices.push_back(doubled.vertices[50]);
+  EXPECT_EQ(added_counts(doubled), (Counts{{"duplicate vertices", 1}, {"unused vertices", 1}}));
+
+  // A face that has a corner of its own where its neighbours meet: the two edges there open.
+  TriangleMesh split = sphere;
+  split.vertices.push_back(split.corner(100, 0));
+  split.faces[100][0] = static_cast<std::uint32_t>(sphere.vertices.size());
+  EXPECT_EQ(added_counts(split), (Counts{{"duplicate vertices", 1}, {"boundary edges", 4}}));
+
+  // Two closed surfaces that touch in a point where each has a vertex.
+  TriangleMesh touching = sphere;
+  for (auto& vertex : touching.vertices) vertex = 2.0 * sphere.vertices[0] - vertex;
+  for (auto& face : touching.faces) std::swap(face[0], face[1]);
+  EXPECT_EQ(added_counts(joined(sphere, touching)),
+            (Counts{{"duplicate vertices", 1}, {"components", 1}}));
+}
+
+TEST(MeshCheck, FindsASelfIntersectionAndNothingElse) {
+  const TriangleMesh sphere = geodesic_sphere(6);
+  // A slender spike from inside through the middle of face 100.
+  TriangleMesh spike = tetrahedron();
+  const Eigen::Vector3d middle =
+      (sphere.corner(100, 0) + sphere.corner(100, 1) + sphere.corner(100, 2)) / 3.0;
+  for (auto& vertex : spike.vertices) vertex = 0.5 * middle + 1e-3 * vertex;
+  spike.vertices[3] = 1.5 * middle;
+  const MeshCheck check = check_mesh(joined(sphere, spike), {.self_intersections = true});
+  EXPECT_EQ(check.self_intersections->pairs.size(), 3u);  // face 100 with each side of the spike
+  for (const auto& [f, g] : check.self_intersections->pairs) {
+    EXPECT_EQ(f, 100u);
+    EXPECT_GE(g, sphere.faces.size());
+  }
+  EXPECT_EQ(added_counts(joined(sphere, spike)),
+            (Counts{{"self-intersections", 3}, {"components", 1}}));
+}
+
+TEST(MeshCheck, LooksForSelfIntersectionsOnlyWhenAsked) {
+  EXPECT_FALSE(check_mesh(tetrahedron()).self_intersections);
 }
 
 TEST(MeshCheck, SurvivesNonsense) {
