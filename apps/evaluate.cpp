@@ -58,7 +58,8 @@ Result<void> evaluate_mesh(const EvaluateCommand& command) {
   const auto comparison = compare_meshes(*result, *truth, options, console_progress("evaluate"));
   if (!comparison) return comparison.error();
 
-  const MeshCheck check = check_mesh(*result);
+  const MeshCheck check =
+      check_mesh(*result, {.self_intersections = true, .threads = command.common.threads});
   if (!command.common.json) print_table(*comparison, check, "");
   if (!command.output.empty())
     if (auto written = write_errors(command, *result, *truth); !written) return written;

@@ -122,9 +122,10 @@ void print_table(const MeshComparison& comparison, const MeshCheck& check,
   }
   fmt::print(
       "{}: {} vertices, {} faces, {} boundary edges, {} components, genus {}, volume {:.6g}, "
-      "{:.2f} % filled\n",
+      "{} self-intersections, {:.2f} % filled\n",
       check.watertight() ? "watertight" : "NOT watertight", check.vertices, check.faces,
       check.boundary_edges, check.components, check.genus, check.volume,
+      check.self_intersections ? check.self_intersections->pairs.size() : 0,
       100.0 * comparison.filled_fraction);
 }
 
