@@ -1,8 +1,8 @@
 #include "scan/simulation/simulate.h"
 
-#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,8 +11,11 @@
 #include "apps/exit_status.h"
 #include "apps/output.h"
 #include "apps/report.h"
+#include "apps/simulation_options.h"
+#include "apps/simulation_record.h"
 #include "scan/io/atomic_file.h"
 #include "scan/io/mesh_io.h"
+#include "scan/io/poses_io.h"
 #include "scan/mesh_check.h"
 #include "scan/simulation/mesh_object.h"
 
@@ -23,28 +26,17 @@ namespace {
 struct SimulateCommand {
   CommonOptions common;
   SimulationOptions options;
-  std::filesystem::path mesh;  ///< Empty: the built-in object.
+  SensorChoice sensors;
+  std::filesystem::path poses;  ///< Empty: a layout.
+  std::filesystem::path mesh;   ///< Empty: the built-in object.
   std::string unit = "mm";
   std::filesystem::path output;
 };
 
-const std::map<std::string, PoseKind> kPoses = {
-    {"exact", PoseKind::kKnown}, {"perturbed", PoseKind::kGuess}, {"absent", PoseKind::kAbsent}};
-const std::map<std::string, ViewLayout> kLayouts = {{"turntable", ViewLayout::kTurntable},
-                                                    {"sphere", ViewLayout::kSphere}};
-
 // What the simulated sensors did, and where they truly stood.
 Json truth_record(const Simulation& simulation, const SimulationOptions& options) {
-  Json record = {{"seed", options.seed},
-                 {"unit", simulation.scans.unit},
-                 {"diameter", simulation.diameter},
-                 {"sample_spacing", simulation.spacing},
-                 {"range_sigma", simulation.range_sigma},
-                 {"normal_noise_deg", options.normal_noise_deg},
-                 {"normal_bias_deg", options.normal_bias_deg},
-                 {"pose_rotation_deg", options.pose_rotation_deg},
-                 {"pose_translation", options.pose_translation},
-                 {"views", Json::array()}};
+  Json record = simulation_record(simulation, options);
+  record["views"] = Json::array();
   for (const RangeView& view : simulation.truth.views)
     record["views"].push_back(
         {{"name", view.name}, {"world_from_view", to_json(view.world_from_view)}});
@@ -79,10 +71,22 @@ Result<SimulationObject> object_to_scan(const SimulateCommand& command) {
   return object;
 }
 
-int simulate_scans(const SimulateCommand& command) {
+Result<SimulationOptions> chosen_options(const SimulateCommand& command) {
   SimulationOptions options = command.options;
   options.threads = command.common.threads;
   options.seed = command.common.seed;
+  if (auto applied = command.sensors.apply(options); !applied) return applied.error();
+  if (command.poses.empty()) return options;
+  auto poses = read_poses(command.poses);
+  if (!poses) return poses.error();
+  options.poses = std::move(*poses);
+  return options;
+}
+
+int simulate_scans(const SimulateCommand& command) {
+  const auto chosen = chosen_options(command);
+  if (!chosen) return fail(chosen.error());
+  const SimulationOptions& options = *chosen;
   if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
   const auto object = object_to_scan(command);
   if (!object) return fail(object.error());
@@ -93,46 +97,11 @@ int simulate_scans(const SimulateCommand& command) {
   if (const auto written = write_simulation(*simulation, used); !written)
     return fail(written.error());
   Console::info(fmt::format("wrote {}: {} views of {}x{}, spacing {:.3g} {}, range noise {:.3g} {}",
-                            (command.output / "scan.json").string(), options.views, options.width,
-                            options.height, simulation->spacing, simulation->scans.unit,
-                            simulation->range_sigma, simulation->scans.unit));
+                            (command.output / "scan.json").string(), simulation->scans.views.size(),
+                            options.width, options.height, simulation->spacing,
+                            simulation->scans.unit, simulation->range_sigma,
+                            simulation->scans.unit));
   return kDone;
-}
-
-void add_simulation_options(CLI::App& command, SimulationOptions& options) {
-  command.add_option("--views", options.views, "Number of views")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command.add_option("--width", options.width, "Pixels of a row")->capture_default_str();
-  command.add_option("--height", options.height, "Pixels of a column")->capture_default_str();
-  command.add_option("--layout", options.layout, "Where the sensor stands: turntable or sphere")
-      ->transform(CLI::CheckedTransformer(kLayouts))
-      ->default_str("turntable");
-  command
-      .add_option("--range-noise", options.range_noise,
-                  "Standard deviation of the range [sample spacings]")
-      ->capture_default_str();
-  command
-      .add_option("--normal-noise", options.normal_noise_deg, "White noise of the normals [deg]")
-      ->capture_default_str();
-  command.add_option("--normal-bias", options.normal_bias_deg, "Smooth error of the normals [deg]")
-      ->capture_default_str();
-  command
-      .add_option("--mesh-divisions", options.mesh_divisions,
-                  "Fineness of the built-in object's true mesh; 0: none")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  command.add_option("--poses", options.pose, "Starting poses: exact, perturbed or absent")
-      ->transform(CLI::CheckedTransformer(kPoses))
-      ->default_str("perturbed");
-  command
-      .add_option("--pose-rotation", options.pose_rotation_deg,
-                  "Error of perturbed poses [deg], about the object's centre")
-      ->capture_default_str();
-  command
-      .add_option("--pose-translation", options.pose_translation,
-                  "Error of perturbed poses [diameters of the object]")
-      ->capture_default_str();
 }
 
 }  // namespace
@@ -148,6 +117,10 @@ void add_simulate(CLI::App& app, Action& action) {
                   "Folder for scan.json, truth.json and truth/ (exact views and mesh)")
       ->required();
   add_simulation_options(*sub, command->options);
+  sub->add_option("--poses-from", command->poses,
+                  "File with the poses of the views, in place of --views, --layout and --distance")
+      ->check(CLI::ExistingFile);
+  add_sensor_options(*sub, command->sensors);
   add_common_options(*sub, command->common);
   sub->callback([command, &action] { action = [command] { return simulate_scans(*command); }; });
 }

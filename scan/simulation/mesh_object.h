@@ -3,7 +3,7 @@
 #include <string>
 
 #include "scan/result.h"
-#include "scan/simulation/simulate.h"
+#include "scan/simulation/simulation_object.h"
 #include "scan/triangle_mesh.h"
 
 namespace relief {

@@ -1,63 +1,19 @@
 #include "scan/simulation/sensor_errors.h"
 
-#include <array>
 #include <cmath>
-#include <numbers>
 
 #include "scan/counter_random.h"
+#include "scan/simulation/plane_waves.h"
 
 namespace relief {
 
 namespace {
-
-// A measured normal faces the sensor: one that an error turned beyond grazing is put back to it.
-Eigen::Vector3f facing(Eigen::Vector3d normal, const Eigen::Vector3d& ray_direction) {
-  const Eigen::Vector3d viewing = ray_direction.normalized();
-  constexpr double kLeastCosine = 1e-3;
-  const double beyond = normal.dot(viewing) + kLeastCosine;
-  if (beyond > 0.0) normal -= beyond * viewing;
-  return normal.normalized().cast<float>();
-}
 
 Eigen::Vector3d rotated(const Eigen::Vector3d& normal, const Eigen::Vector3d& rotation) {
   const double angle = rotation.norm();
   if (angle == 0.0) return normal;
   return Eigen::AngleAxisd(angle, rotation / angle) * normal;
 }
-
-Eigen::Vector3d random_direction(const CounterRandom& random, std::uint64_t index) {
-  return Eigen::Vector3d(random.normal(index), random.normal(index + 1), random.normal(index + 2))
-      .normalized();
-}
-
-// Equation (S4): a sum of plane waves of random directions, phases and amplitudes.
-class SmoothField {
- public:
-  SmoothField(double wavelength, const CounterRandom& random) {
-    std::uint64_t draw = 0;
-    for (Wave& wave : waves_) {
-      const double length = wavelength * (1.0 + random.uniform(draw++));
-      wave.phase = 2.0 * std::numbers::pi * random.uniform(draw++);
-      wave.vector = 2.0 * std::numbers::pi / length * random_direction(random, draw);
-      for (double& a : wave.amplitude) a = random.normal(draw + 3 + (&a - wave.amplitude.data()));
-      draw += 6;
-    }
-  }
-
-  Eigen::Vector3d at(const Eigen::Vector3d& point) const {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const Wave& wave : waves_)
-      sum += std::cos(wave.vector.dot(point) + wave.phase) * wave.amplitude;
-    return sum;
-  }
-
- private:
-  struct Wave {
-    Eigen::Vector3d vector = Eigen::Vector3d::Zero(), amplitude = Eigen::Vector3d::Zero();
-    double phase = 0.0;
-  };
-  std::array<Wave, 16> waves_;
-};
 
 // Calls `body(u, v)` for every pixel with a sample and a normal, row by row.
 template <typename Body>
@@ -68,6 +24,14 @@ void for_each_normal(const RangeView& view, const Body& body) {
 }
 
 }  // namespace
+
+Eigen::Vector3f facing_sensor(Eigen::Vector3d normal, const Eigen::Vector3d& ray_direction) {
+  const Eigen::Vector3d viewing = ray_direction.normalized();
+  constexpr double kLeastCosine = 1e-3;
+  const double beyond = normal.dot(viewing) + kLeastCosine;
+  if (beyond > 0.0) normal -= beyond * viewing;
+  return normal.normalized().cast<float>();
+}
 
 // Equation (S2).
 void add_range_noise(RangeView& view, double sigma, const RandomStream& stream) {
@@ -89,14 +53,14 @@ void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& str
     const Eigen::Vector3d rotation =
         sigma_rad *
         (random.normal(2 * pixel) * across + random.normal(2 * pixel + 1) * normal.cross(across));
-    view.normals[pixel] = facing(rotated(normal, rotation), view.camera.ray(u, v).direction);
+    view.normals[pixel] = facing_sensor(rotated(normal, rotation), view.camera.ray(u, v).direction);
   });
 }
 
 // Equation (S3), the smooth part.
 void add_normal_bias(RangeView& view, double rms_rad, double wavelength,
                      const RandomStream& stream) {
-  const SmoothField field(wavelength, CounterRandom(stream.seed, stream.stream));
+  const PlaneWaves field(wavelength, CounterRandom(stream.seed, stream.stream));
   // To first order a rotation turns a normal by the rotation's part in the tangent plane.
   double squares = 0.0, count = 0.0;
   for_each_normal(view, [&](int u, int v) {
@@ -107,8 +71,8 @@ void add_normal_bias(RangeView& view, double rms_rad, double wavelength,
   const double scale = rms_rad / std::sqrt(squares / count);
   for_each_normal(view, [&](int u, int v) {
     const Eigen::Vector3d rotation = scale * field.at(view.point(u, v));
-    view.normals(u, v) = facing(rotated(view.normals(u, v).cast<double>(), rotation),
-                                view.camera.ray(u, v).direction);
+    view.normals(u, v) = facing_sensor(rotated(view.normals(u, v).cast<double>(), rotation),
+                                       view.camera.ray(u, v).direction);
   });
 }
 

@@ -1,16 +1,13 @@
 #pragma once
 
-#include <cstdint>
-
 #include "scan/range_view.h"
+#include "scan/simulation/random_stream.h"
 
 namespace relief {
 
-/// Which random numbers an error draws: equal streams of equal seeds give equal errors.
-struct RandomStream {
-  std::uint64_t seed = 1;
-  std::uint64_t stream = 0;
-};
+/// A measured normal as a unit vector that faces the sensor: one that an error turned away from it
+/// is put back to just facing it. `ray_direction` is that of the pixel, `normal` not zero.
+Eigen::Vector3f facing_sensor(Eigen::Vector3d normal, const Eigen::Vector3d& ray_direction);
 
 /// Adds white Gaussian noise to the range: `sigma` [unit] is its standard deviation along the ray.
 void add_range_noise(RangeView& view, double sigma, const RandomStream& random);

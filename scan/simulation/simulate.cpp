@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
+#include <string>
 #include <utility>
 
+#include "scan/median.h"
 #include "scan/parallel.h"
 #include "scan/simulation/built_in_object.h"
+#include "scan/simulation/option_check.h"
 #include "scan/simulation/sensor_errors.h"
+#include "scan/simulation/sensor_scene.h"
 
 namespace relief {
 
@@ -16,46 +19,22 @@ namespace {
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
-Result<void> require(bool holds, const char* field, double value, const char* constraint) {
-  if (holds) return {};
-  std::ostringstream message;
-  message << "simulation option " << field << " is " << value << "; it must be " << constraint;
-  return Error{ErrorKind::kBadInput, message.str()};
-}
-
 Result<void> validate(const SimulationOptions& o) {
-  const auto least_zero = [](double value) { return std::isfinite(value) && value >= 0.0; };
-  for (const Result<void>& check :
-       {require(o.views >= 1 && o.views <= 9999, "views", o.views, "in [1, 9999]"),
-        require(o.width >= 2, "width", o.width, "at least 2"),
-        require(o.height >= 2, "height", o.height, "at least 2"),
-        require(o.distance > 0.5 && std::isfinite(o.distance), "distance", o.distance,
-                "more than 0.5 diameters, outside the object"),
-        require(o.fill > 0.0 && std::isfinite(o.fill), "fill", o.fill, "positive"),
-        require(o.max_incidence_deg > 0.0 && o.max_incidence_deg <= 90.0, "max_incidence_deg",
-                o.max_incidence_deg, "in (0, 90]"),
-        require(least_zero(o.range_noise), "range_noise", o.range_noise, "0 or more"),
-        require(least_zero(o.normal_noise_deg), "normal_noise_deg", o.normal_noise_deg,
-                "0 or more"),
-        require(least_zero(o.normal_bias_deg), "normal_bias_deg", o.normal_bias_deg, "0 or more"),
-        require(o.normal_bias_wavelength > 0.0, "normal_bias_wavelength", o.normal_bias_wavelength,
-                "positive"),
-        require(least_zero(o.pose_rotation_deg), "pose_rotation_deg", o.pose_rotation_deg,
-                "0 or more"),
-        require(least_zero(o.pose_translation), "pose_translation", o.pose_translation,
-                "0 or more"),
-        require(o.mesh_divisions >= 0, "mesh_divisions", o.mesh_divisions, "0 or more")})
-    if (!check) return check;
-  return {};
-}
-
-// A camera whose image of the object's sphere fills the smaller side of the image.
-Camera framing_camera(const SimulationOptions& options) {
-  const double half_angle = std::asin(0.5 / options.distance);
-  const double focal =
-      options.fill * 0.5 * std::min(options.width, options.height) / std::tan(half_angle);
-  return Camera::pinhole(options.width, options.height,
-                         {focal, focal, 0.5 * (options.width - 1), 0.5 * (options.height - 1)});
+  if (auto checked = validate(o.range_sensor); !checked) return checked;
+  if (auto checked = validate(o.normal_sensor); !checked) return checked;
+  if (auto checked = validate(o.reflectance); !checked) return checked;
+  return first_failure(
+      {require(o.views >= 1 && o.views <= 9999, "views", o.views, "in [1, 9999]"),
+       require(o.width >= 2, "width", o.width, "at least 2"),
+       require(o.height >= 2, "height", o.height, "at least 2"),
+       require(o.distance > 0.5 && std::isfinite(o.distance), "distance", o.distance,
+               "more than 0.5 diameters, outside the object"),
+       require_positive("fill", o.fill),
+       require(o.max_incidence_deg > 0.0 && o.max_incidence_deg <= 90.0, "max_incidence_deg",
+               o.max_incidence_deg, "in (0, 90]"),
+       require_not_negative("pose_rotation_deg", o.pose_rotation_deg),
+       require_not_negative("pose_translation", o.pose_translation),
+       require(o.mesh_divisions >= 0, "mesh_divisions", o.mesh_divisions, "0 or more")});
 }
 
 std::string view_name(int index) {
@@ -63,22 +42,46 @@ std::string view_name(int index) {
   return "v" + std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
 }
 
-// The random streams of one view.
-enum Stream : std::uint64_t { kRangeNoise, kNormalNoise, kNormalBias, kPose, kStreams };
+// Where all sensors stand; of given poses the median distance is the working distance.
+struct Placement {
+  std::vector<NamedPose> poses;
+  double distance = 0.0;  // [unit]
+};
 
-RandomStream stream_of(const SimulationOptions& options, int view, Stream stream) {
-  return {options.seed, static_cast<std::uint64_t>(view) * kStreams + stream};
+Result<Placement> place_sensors(const SimulationObject& object, const SimulationOptions& options) {
+  Placement placement;
+  if (options.poses.empty()) {
+    placement.distance = options.distance * 2.0 * object.radius;
+    const auto poses =
+        layout_poses(options.layout, options.views, object.centre, placement.distance);
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      placement.poses.push_back({view_name(static_cast<int>(i)), poses[i]});
+    return placement;
+  }
+  std::vector<double> distances;
+  for (const NamedPose& pose : options.poses) {
+    distances.push_back((pose.world_from_view.translation() - object.centre).norm());
+    if (!(distances.back() > object.radius))
+      return Error{ErrorKind::kBadInput,
+                   "the given pose of view " + pose.name +
+                       " lies within the object's sphere; sensors stand outside of it"};
+  }
+  placement.poses = options.poses;
+  placement.distance = median(std::move(distances));
+  return placement;
 }
 
-// The bias belongs to the surface, the noise to the single sample: bias first.
-RangeView scanned(RangeView view, int index, const Simulation& simulation,
-                  const SimulationOptions& options) {
-  add_normal_bias(view, radians(options.normal_bias_deg),
-                  options.normal_bias_wavelength * simulation.diameter,
-                  stream_of(options, index, kNormalBias));
-  add_normal_noise(view, radians(options.normal_noise_deg),
-                   stream_of(options, index, kNormalNoise));
-  add_range_noise(view, simulation.range_sigma, stream_of(options, index, kRangeNoise));
+// The focal length [pixels] at which the object's sphere fills the smaller side of the image.
+double framing_focal(const SimulationOptions& options, double relative_distance) {
+  const double half_angle = std::asin(0.5 / relative_distance);
+  return options.fill * 0.5 * std::min(options.width, options.height) / std::tan(half_angle);
+}
+
+RangeView scanned(const RangeView& exact, const SimulationOptions& options,
+                  const SensorScene& scene) {
+  RangeView view = exact;
+  measure_normals(view, options.normal_sensor, scene);
+  measure_range(view, options.range_sensor, scene);
   return view;
 }
 
@@ -93,7 +96,7 @@ void set_pose(RangeView& view, int index, const Eigen::Vector3d& centre, double 
   }
   view.world_from_view =
       random_motion(radians(options.pose_rotation_deg), options.pose_translation * diameter, centre,
-                    stream_of(options, index, kPose)) *
+                    {options.seed, static_cast<std::uint64_t>(index) * 4 + 3}) *
       view.world_from_view;
 }
 
@@ -142,24 +145,35 @@ RangeView exact_view(const SimulationObject& object, const Camera& camera,
 Result<Simulation> simulate(const SimulationObject& object, const SimulationOptions& options,
                             const Progress& progress) {
   if (const auto valid = validate(options); !valid) return valid.error();
-  const Camera camera = framing_camera(options);
+  const auto placement = place_sensors(object, options);
+  if (!placement) return placement.error();
   Simulation simulation;
   simulation.diameter = 2.0 * object.radius;
-  const double distance = options.distance * simulation.diameter;
-  simulation.spacing = distance / camera.intrinsics().fx;
-  simulation.range_sigma = options.range_noise * simulation.spacing;
+  simulation.distance = placement->distance;
+  const double focal = framing_focal(options, simulation.distance / simulation.diameter);
+  simulation.spacing = simulation.distance / focal;
+  simulation.range_sigma =
+      range_deviation(options.range_sensor, simulation.distance, simulation.spacing);
   simulation.scans.unit = simulation.truth.unit = object.unit;
 
-  const auto poses = layout_poses(options.layout, options.views, object.centre, distance);
-  for (int index = 0; index < options.views; ++index) {
-    if (!report_progress(progress, static_cast<double>(index) / options.views, "simulate views"))
+  const Camera camera =
+      sensor_camera(options.rays, options.width, options.height, focal, simulation.spacing);
+  const auto paint_random = [&](SensorErrorKind kind) { return sensor_stream(options.seed, kind); };
+  const PaintedSurface paint(options.reflectance, simulation.diameter, paint_random(kDarkPatches),
+                             paint_random(kGlossyPatches));
+  const int views = static_cast<int>(placement->poses.size());
+  for (int index = 0; index < views; ++index) {
+    if (!report_progress(progress, static_cast<double>(index) / views, "simulate views"))
       return Error{ErrorKind::kInterrupted, "simulation stopped"};
-    RangeView exact = exact_view(object, camera, poses[static_cast<std::size_t>(index)],
-                                 options.max_incidence_deg, options.threads);
-    exact.name = view_name(index);
-    if (exact.sample_count() == 0)
+    const NamedPose& pose = placement->poses[static_cast<std::size_t>(index)];
+    RangeView exact = exact_view(object, camera, pose.world_from_view, options.max_incidence_deg,
+                                 options.threads);
+    exact.name = pose.name;
+    RangeView scan = scanned(exact, options,
+                             {object, paint, exact, index, simulation.distance, simulation.spacing,
+                              simulation.diameter, options.seed, options.threads});
+    if (scan.sample_count() == 0)
       return Error{ErrorKind::kUnsolvable, "simulated view " + exact.name + " sees nothing"};
-    RangeView scan = scanned(exact, index, simulation, options);
     set_pose(scan, index, object.centre, simulation.diameter, options);
     simulation.scans.views.push_back(std::move(scan));
     simulation.truth.views.push_back(std::move(exact));

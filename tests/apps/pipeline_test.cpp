@@ -76,6 +76,43 @@ TEST(Program, RunsTheWholeWay) {
   EXPECT_LT(model["completeness"]["rms"].get<double>(), refined["depth"]["rms"].get<double>());
 }
 
+TEST(Program, SimulatesTheSensorsItIsTold) {
+  const TemporaryFolder scans, again;
+  const auto simulated = [&](const TemporaryFolder& folder, std::vector<std::string> options) {
+    options.insert(options.begin(), {"simulate", "-q", "--width", "64", "--height", "64",
+                                     "--mesh-divisions", "0", "-o", folder.path().string()});
+    return run_relief(options);
+  };
+  const ProgramRun run =
+      simulated(scans, {"--views", "3", "--range-sensor", "laser-line", "--rays", "line",
+                        "--normal-sensor", "photometric-stereo", "--warp", "0.7", "--lights", "6"});
+  ASSERT_EQ(run.exit_status, 0) << run.standard_error;
+  const json truth = json::parse(read_text(scans / "truth.json"));
+  EXPECT_EQ(truth["range_sensor"]["model"], "triangulation");
+  EXPECT_EQ(truth["range_sensor"]["warp"], 0.7);
+  EXPECT_EQ(truth["range_sensor"]["baseline"], 0.5);
+  EXPECT_EQ(truth["normal_sensor"]["lights"], 6);
+  EXPECT_GT(truth["reflectance"]["dark_fraction"], 0.0);
+  const json errors = evaluate(scans / "scan.json", scans / "truth/scan.json");
+  EXPECT_LT(errors["depth"]["median"].get<double>(), truth["sample_spacing"].get<double>());
+
+  // The same places once more, with other sensors.
+  ASSERT_EQ(simulated(again, {"--poses-from", scans / "truth.json", "--range-sensor", "exact",
+                              "--normal-sensor", "none"})
+                .exit_status,
+            0);
+  const json there = json::parse(read_text(again / "truth.json"));
+  ASSERT_EQ(there["views"].size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t row = 0; row < 3; ++row)
+      EXPECT_NEAR(there["views"][i]["world_from_view"][row][3].get<double>(),
+                  truth["views"][i]["world_from_view"][row][3].get<double>(), 1e-9);
+
+  const ProgramRun wrong = simulated(again, {"--range-sensor", "white", "--warp", "1"});
+  EXPECT_EQ(wrong.exit_status, 2);
+  EXPECT_THAT(wrong.standard_error, HasSubstr("--warp"));
+}
+
 TEST(Program, SingleStepsGiveWhatRunGives) {
   const TemporaryFolder scans, out;
   simulate(scans, "6", "96");

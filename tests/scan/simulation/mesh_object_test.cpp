@@ -7,6 +7,7 @@
 
 #include "scan/simulation/built_in_object.h"
 #include "scan/simulation/geodesic_sphere.h"
+#include "scan/simulation/simulate.h"
 
 namespace relief {
 namespace {

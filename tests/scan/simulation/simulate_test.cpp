@@ -156,13 +156,127 @@ TEST(Simulate, ViewsTogetherSeeNearlyTheWholeObject) {
   }
 }
 
+SimulationOptions realistic_options() {
+  SimulationOptions options = small_options();
+  options.views = 3;
+  options.range_sensor = structured_light_scanner();
+  options.normal_sensor = PhotometricStereo{};
+  options.reflectance = patchy_surface();
+  return options;
+}
+
+TEST(Simulate, RealisticSensorsLoseSamplesButInventNone) {
+  const auto simulation = simulate(realistic_options());
+  ASSERT_TRUE(simulation);
+  for (std::size_t i = 0; i < simulation->scans.views.size(); ++i) {
+    const RangeView &scan = simulation->scans.views[i], &truth = simulation->truth.views[i];
+    EXPECT_LT(scan.sample_count(), truth.sample_count());
+    EXPECT_GT(scan.sample_count(), truth.sample_count() / 2);
+    for (int v = 0; v < scan.height(); ++v) {
+      for (int u = 0; u < scan.width(); ++u) {
+        if (scan.has_sample(u, v)) {
+          EXPECT_TRUE(truth.has_sample(u, v));
+        }
+        if (scan.has_normal(u, v)) {
+          EXPECT_TRUE(scan.has_sample(u, v));
+          EXPECT_LT(scan.normals(u, v).cast<double>().dot(scan.camera.ray(u, v).direction), 0.0);
+        }
+      }
+    }
+  }
+}
+
+TEST(Simulate, RealisticSensorsDoNotDependOnThreads) {
+  SimulationOptions options = realistic_options();
+  options.threads = 1;
+  const auto one = simulate(options);
+  ASSERT_TRUE(one);
+  for (const int threads : {2, 4}) {
+    options.threads = threads;
+    const auto other = simulate(options);
+    ASSERT_TRUE(other);
+    for (std::size_t i = 0; i < one->scans.views.size(); ++i)
+      EXPECT_TRUE(same_bytes(one->scans.views[i], other->scans.views[i]));
+  }
+}
+
+TEST(Simulate, SensorsMayBeExactOrLeaveOutNormals) {
+  SimulationOptions options = small_options();
+  options.range_sensor = WhiteRangeSensor{0.0};
+  options.normal_sensor = WhiteNormalSensor{0.0, 0.0};
+  const auto exact = simulate(options);
+  options.normal_sensor = NoNormalSensor{};
+  const auto bare = simulate(options);
+  ASSERT_TRUE(exact && bare);
+  RangeView scan = exact->scans.views[2];
+  scan.world_from_view = exact->truth.views[2].world_from_view;
+  EXPECT_TRUE(same_bytes(scan, exact->truth.views[2]));
+  EXPECT_FALSE(bare->scans.views[2].has_normals());
+  EXPECT_TRUE(bare->truth.views[2].has_normals());
+}
+
+// The same object a thousand times smaller gives the same scans a thousand times smaller.
+TEST(Simulate, DoesNotDependOnTheUnit) {
+  const auto ball = [](double scale) {
+    const AnalyticSurface sphere = sphere_surface(scale);
+    SimulationObject object;
+    object.radius = 1.5 * scale;
+    object.cast = [sphere](const Ray& ray) -> std::optional<SurfaceHit> {
+      const auto t = intersect(sphere, ray);
+      if (!t) return std::nullopt;
+      return SurfaceHit{*t, unit_normal(sphere, ray.at(*t))};
+    };
+    return object;
+  };
+  for (const SensorRays rays :
+       {SensorRays::kPinhole, SensorRays::kOrthographic, SensorRays::kLine}) {
+    SimulationOptions options = realistic_options();
+    options.rays = rays;
+    const auto large = simulate(ball(50.0), options), small = simulate(ball(0.05), options);
+    ASSERT_TRUE(large && small);
+    double differing = 0.0, samples = 0.0;
+    for (std::size_t i = 0; i < large->scans.views.size(); ++i) {
+      const RangeView &a = large->scans.views[i], &b = small->scans.views[i];
+      for (std::size_t pixel = 0; pixel < a.range.size(); ++pixel) {
+        const bool sampled = a.range[pixel] == a.range[pixel];
+        samples += sampled;
+        if (sampled != (b.range[pixel] == b.range[pixel])) differing += 1.0;
+        // Rounding may move a disparity to the next step.
+        if (sampled &&
+            !(std::abs(a.range[pixel] - 1000.0 * b.range[pixel]) < 1e-9 * a.range[pixel]))
+          differing += 1.0;
+      }
+    }
+    EXPECT_GT(samples, 1000.0);
+    EXPECT_LT(differing, 0.001 * samples);
+  }
+}
+
+TEST(Simulate, StandsWhereItIsTold) {
+  SimulationOptions options = small_options();
+  options.pose = PoseKind::kKnown;
+  options.poses = {{"left", camera_looking_at({-300, 0, 50}, {0, 0, 0})},
+                   {"right", camera_looking_at({310, 0, 0}, {0, 0, 0})}};
+  const auto simulation = simulate(options);
+  ASSERT_TRUE(simulation);
+  ASSERT_EQ(simulation->scans.views.size(), 2u);
+  EXPECT_EQ(simulation->scans.views[1].name, "right");
+  EXPECT_NEAR(simulation->distance, 310.0, 1e-9);
+  EXPECT_TRUE(
+      simulation->scans.views[0].world_from_view.isApprox(options.poses[0].world_from_view));
+  options.poses[1].world_from_view.translation() = Eigen::Vector3d(1, 2, 3);
+  const auto inside = simulate(options);
+  ASSERT_FALSE(inside);
+  EXPECT_NE(inside.error().message.find("right"), std::string::npos);
+}
+
 TEST(Simulate, NamesAnOptionOutOfItsRange) {
   SimulationOptions options = small_options();
-  options.range_noise = -0.1;
+  options.range_sensor = WhiteRangeSensor{-0.1};
   const auto failed = simulate(options);
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().kind, ErrorKind::kBadInput);
-  EXPECT_NE(failed.error().message.find("range_noise"), std::string::npos);
+  EXPECT_NE(failed.error().message.find("range noise"), std::string::npos);
   EXPECT_NE(failed.error().message.find("-0.1"), std::string::npos);
 }
 

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <array>
+
+#include "scan/simulation/random_stream.h"
+
+namespace relief {
+
+/// The smooth error that a calibration leaves: a random cubic polynomial of the image coordinates,
+/// equation (S9). Its mean over the image is 0 and its RMS 1.
+class CalibrationWarp {
+ public:
+  explicit CalibrationWarp(const RandomStream& random);
+
+  /// `x` and `y` run from -1 to 1 over the image.
+  double at(double x, double y) const;
+
+ private:
+  static constexpr int kDegree = 3;
+  std::array<double, (kDegree + 1) * (kDegree + 1)> coefficients_{};
+};
+
+}  // namespace relief

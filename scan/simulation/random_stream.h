@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstdint>
+
+namespace relief {
+
+/// Which random numbers an error draws: equal streams of equal seeds give equal errors.
+struct RandomStream {
+  std::uint64_t seed = 1;
+  std::uint64_t stream = 0;
+};
+
+}  // namespace relief

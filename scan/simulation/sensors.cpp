@@ -1,0 +1,80 @@
+#include "scan/simulation/sensors.h"
+
+#include <numbers>
+
+#include "scan/simulation/option_check.h"
+#include "scan/simulation/sensor_errors.h"
+
+namespace relief {
+
+namespace {
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+// The random streams of the white sensors.
+enum Stream : std::uint64_t { kRangeNoise, kNormalNoise, kNormalBias };
+
+RandomStream stream_of(const SensorScene& scene, Stream stream) {
+  return {scene.seed, static_cast<std::uint64_t>(scene.view) * 4 + stream};
+}
+
+Result<void> validate(const WhiteRangeSensor& sensor) {
+  return require_not_negative("range noise", sensor.noise);
+}
+
+Result<void> validate(const WhiteNormalSensor& sensor) {
+  return first_failure({require_not_negative("normal noise_deg", sensor.noise_deg),
+                        require_not_negative("normal bias_deg", sensor.bias_deg),
+                        require_positive("normal bias_wavelength", sensor.bias_wavelength)});
+}
+
+Result<void> validate(const NoNormalSensor&) { return {}; }
+
+void measure(RangeView& view, const WhiteRangeSensor& sensor, const SensorScene& scene) {
+  if (sensor.noise > 0.0)
+    add_range_noise(view, sensor.noise * scene.spacing, stream_of(scene, kRangeNoise));
+}
+
+void measure(RangeView& view, const TriangulationScanner& sensor, const SensorScene& scene) {
+  scan_by_triangulation(view, sensor, scene);
+}
+
+// The bias belongs to the surface, the noise to the single sample: bias first.
+void measure(RangeView& view, const WhiteNormalSensor& sensor, const SensorScene& scene) {
+  if (sensor.bias_deg > 0.0)
+    add_normal_bias(view, radians(sensor.bias_deg), sensor.bias_wavelength * scene.diameter,
+                    stream_of(scene, kNormalBias));
+  if (sensor.noise_deg > 0.0)
+    add_normal_noise(view, radians(sensor.noise_deg), stream_of(scene, kNormalNoise));
+}
+
+void measure(RangeView& view, const PhotometricStereo& sensor, const SensorScene& scene) {
+  scan_by_shading(view, sensor, scene);
+}
+
+void measure(RangeView& view, const NoNormalSensor&, const SensorScene&) { view.normals = {}; }
+
+}  // namespace
+
+Result<void> validate(const RangeSensor& sensor) {
+  return std::visit([](const auto& s) { return validate(s); }, sensor);
+}
+
+Result<void> validate(const NormalSensor& sensor) {
+  return std::visit([](const auto& s) { return validate(s); }, sensor);
+}
+
+double range_deviation(const RangeSensor& sensor, double distance, double spacing) {
+  if (const auto* white = std::get_if<WhiteRangeSensor>(&sensor)) return white->noise * spacing;
+  return depth_deviation(std::get<TriangulationScanner>(sensor), distance, distance, spacing);
+}
+
+void measure_normals(RangeView& view, const NormalSensor& sensor, const SensorScene& scene) {
+  std::visit([&](const auto& s) { measure(view, s, scene); }, sensor);
+}
+
+void measure_range(RangeView& view, const RangeSensor& sensor, const SensorScene& scene) {
+  std::visit([&](const auto& s) { measure(view, s, scene); }, sensor);
+}
+
+}  // namespace relief

@@ -1,0 +1,164 @@
+#include "scan/simulation/triangulation_scanner.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "scan/counter_random.h"
+#include "scan/discontinuities.h"
+#include "scan/parallel.h"
+#include "scan/simulation/calibration_warp.h"
+#include "scan/simulation/option_check.h"
+#include "scan/simulation/pixel_noise.h"
+
+namespace relief {
+
+namespace {
+
+// Calls `body(u, v)` for every pixel of the view that has a sample, in several threads.
+template <typename Body>
+void for_each_sample(const RangeView& view, int threads, const Body& body) {
+  parallel_for(static_cast<std::size_t>(view.height()), 8, threads,
+               [&](std::size_t begin, std::size_t end) {
+                 for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v)
+                   for (int u = 0; u < view.width(); ++u)
+                     if (view.has_sample(u, v)) body(u, v);
+               });
+}
+
+void lose(RangeView& view, int u, int v) {
+  view.range(u, v) = kNoSample;
+  if (view.has_normals()) view.normals(u, v).setConstant(static_cast<float>(kNoSample));
+}
+
+// f b of equation (S5) [pixels x unit].
+double disparity_scale(const TriangulationScanner& scanner, const SensorScene& scene) {
+  return scene.distance / scene.spacing * scanner.baseline * scene.distance;
+}
+
+// Whether the second ray reaches the point and enough, but not too much, of its light comes back:
+// equation (S7).
+class Illumination {
+ public:
+  Illumination(const TriangulationScanner& scanner, const SensorScene& scene)
+      : scanner_(scanner),
+        scene_(scene),
+        noise_(pixel_noise(scene.truth.width(), scene.truth.height(), scanner.noise_correlation,
+                           scene.of_view(kSignalNoise), scene.threads)) {}
+
+  bool gives_sample(int u, int v) const {
+    const Ray ray = scene_.truth.camera.ray(u, v);
+    const Eigen::Vector3d point = ray.at(scene_.truth.range(u, v));
+    const Eigen::Vector3d normal = scene_.truth.normals(u, v).cast<double>();
+    const Eigen::Vector3d projector =
+        ray.origin + scanner_.baseline * scene_.distance * Eigen::Vector3d::UnitX();
+    const Eigen::Vector3d to_camera = -ray.direction.normalized();
+    const Eigen::Vector3d to_projector = (projector - point).normalized();
+    const double lit = normal.dot(to_projector);
+    if (lit <= 0.0) return false;
+    const Eigen::Vector3d world_point = scene_.truth.world_from_view * point;
+    const SurfacePaint paint = scene_.paint.at(world_point);
+    const double noise = scanner_.signal_noise * noise_(u, v);
+    if (paint.albedo * lit * normal.dot(to_camera) + noise < scanner_.least_signal) return false;
+    if (scene_.paint.reflected(paint, normal, to_projector, to_camera) + noise >
+        scanner_.saturation)
+      return false;
+    return in_sight(scene_.object, scene_.truth.world_from_view * projector, world_point);
+  }
+
+ private:
+  const TriangulationScanner& scanner_;
+  const SensorScene& scene_;
+  Grid<double> noise_;
+};
+
+// Depths of the exact view, mixed across occlusion edges at random: equation (S8).
+class EdgeMixer {
+ public:
+  EdgeMixer(const TriangulationScanner& scanner, const SensorScene& scene)
+      : fraction_(scanner.flying_fraction),
+        truth_(scene.truth),
+        edges_(connect_samples(scene.truth)),
+        random_(scene.of_view(kFlyingSamples).seed, scene.of_view(kFlyingSamples).stream) {}
+
+  double depth(int u, int v) const {
+    const double z = truth_.range(u, v);
+    const std::size_t pixel = truth_.range.index(u, v);
+    for (const auto& [du, dv] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+      if (!truth_.has_sample(u + du, v + dv) || edges_.connected(u, v, du, dv)) continue;
+      if (random_.uniform(2 * pixel) >= fraction_) return z;
+      // A pixel lies mostly on its own side.
+      const double share = 0.5 * random_.uniform(2 * pixel + 1);
+      return 1.0 / ((1.0 - share) / z + share / truth_.range(u + du, v + dv));
+    }
+    return z;
+  }
+
+ private:
+  double fraction_;
+  const RangeView& truth_;
+  GridEdges edges_;
+  CounterRandom random_;
+};
+
+double rounded_to(double value, double step) {
+  return step > 0.0 ? step * std::round(value / step) : value;
+}
+
+// From -1 at the first to 1 at the last of `count` pixels.
+double image_coordinate(int index, int count) { return 2.0 * (index + 0.5) / count - 1.0; }
+
+}  // namespace
+
+TriangulationScanner structured_light_scanner() { return {}; }
+
+TriangulationScanner laser_line_scanner() {
+  TriangulationScanner scanner;
+  scanner.baseline = 0.5;
+  scanner.disparity_noise = 0.15;
+  scanner.noise_correlation = 3.0;
+  scanner.disparity_step = 1.0 / 16.0;
+  scanner.flying_fraction = 0.6;
+  return scanner;
+}
+
+Result<void> validate(const TriangulationScanner& s) {
+  return first_failure({require_positive("baseline", s.baseline),
+                        require_not_negative("disparity_noise", s.disparity_noise),
+                        require(s.noise_correlation >= 0.0 && s.noise_correlation <= 100.0,
+                                "noise_correlation", s.noise_correlation, "in [0, 100] pixels"),
+                        require_not_negative("disparity_step", s.disparity_step),
+                        require_not_negative("least_signal", s.least_signal),
+                        require_positive("saturation", s.saturation),
+                        require_not_negative("signal_noise", s.signal_noise),
+                        require(s.flying_fraction >= 0.0 && s.flying_fraction <= 1.0,
+                                "flying_fraction", s.flying_fraction, "in [0, 1]"),
+                        require_not_negative("warp", s.warp)});
+}
+
+void scan_by_triangulation(RangeView& view, const TriangulationScanner& scanner,
+                           const SensorScene& scene) {
+  const Illumination illumination(scanner, scene);
+  const EdgeMixer edges(scanner, scene);
+  const Grid<double> noise = pixel_noise(view.width(), view.height(), scanner.noise_correlation,
+                                         scene.of_view(kDisparityNoise), scene.threads);
+  const CalibrationWarp warp(scene.of_sensor(kCalibrationWarp));
+  const double scale = disparity_scale(scanner, scene);
+  for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
+    if (!illumination.gives_sample(u, v)) return lose(view, u, v);
+    // Equations (S5) and (S6).
+    const double measured = rounded_to(
+        scale / edges.depth(u, v) + scanner.disparity_noise * noise(u, v), scanner.disparity_step);
+    if (!(measured > 0.0)) return lose(view, u, v);
+    view.range(u, v) = scale / measured + scanner.warp * scene.spacing *
+                                              warp.at(image_coordinate(u, view.width()),
+                                                      image_coordinate(v, view.height()));
+  });
+}
+
+double depth_deviation(const TriangulationScanner& scanner, double z, double distance,
+                       double spacing) {
+  return z * z * spacing / (distance * distance * scanner.baseline) * scanner.disparity_noise;
+}
+
+}  // namespace relief
