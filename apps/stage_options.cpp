@@ -12,7 +12,7 @@ const std::map<std::string, Stencil> kStencils = {{"edge", Stencil::kCompactEdge
                                                   {"paper", Stencil::kPaperCentral}};
 const std::map<std::string, BiasModel> kBiasModels = {
     {"latent", BiasModel::kLatent}, {"two-step", BiasModel::kTwoStep}, {"none", BiasModel::kNone}};
-const std::map<std::string, Solver> kSolvers = {{"cg", Solver::kConjugateGradients},
+const std::map<std::string, Solver> kSolvers = {{"multigrid", Solver::kMultigrid},
                                                 {"cholesky", Solver::kCholesky}};
 
 }  // namespace
@@ -51,9 +51,9 @@ void add_refine_options(CLI::App& command, RefineFlags& flags) {
   group->add_option("--robust-rounds", options.robust_rounds, "Rounds of robust reweighting")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
-  group->add_option("--solver", options.solver, "Linear solver: cg or cholesky")
+  group->add_option("--solver", options.solver, "Linear solver: multigrid or cholesky")
       ->transform(CLI::CheckedTransformer(kSolvers))
-      ->default_str("cg");
+      ->default_str("multigrid");
 }
 
 void add_align_options(CLI::App& command, AlignOptions& options) {

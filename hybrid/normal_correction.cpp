@@ -119,14 +119,12 @@ TwoStepResult two_step_correction(const RangeView& view, const GridEdges& edges,
   TwoStepResult result{view.normals, false};
   const SlopeFields fields = slope_fields(view, edges, problem);
   const Eigen::SparseMatrix<double> matrix = smoothing_matrix(problem, fields.mass, scale);
-  SpdSolver solver({.kind = Solver::kCholesky});
+  SpdSolver solver;
+  if (!solver.factorise(matrix)) return result;
   Columns measured = fields.measured, surface = fields.surface;
   for (Columns* field : {&measured, &surface}) {
     for (int axis = 0; axis < 3; ++axis) {
-      Eigen::VectorXd smooth;
-      const Eigen::VectorXd rhs = fields.mass.cwiseProduct(field->col(axis));
-      if (!solver.solve(matrix, rhs, smooth, 0.0).converged) return result;
-      field->col(axis) = smooth;
+      field->col(axis) = solver.solve(fields.mass.cwiseProduct(field->col(axis)));
     }
   }
   for (Eigen::Index k = 0; k < matrix.rows(); ++k) {

@@ -12,7 +12,7 @@
 #include "hybrid/normal_screening.h"
 #include "hybrid/unexplained_steps.h"
 #include "hybrid/view_problem.h"
-#include "hybrid/view_system.h"
+#include "hybrid/view_solver.h"
 #include "scan/median.h"
 
 namespace relief {
@@ -87,27 +87,29 @@ double equivalent_lambda(const NoiseModel& noise) {
 ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
                             bool equal_slopes) {
   ViewWeights weights;
-  weights.position = problem.confidence / (noise.sigma_position * noise.sigma_position);
+  weights.position =
+      (problem.confidence / (noise.sigma_position * noise.sigma_position)).cast<float>();
   weights.slope.resize(static_cast<Eigen::Index>(problem.slopes.size()));
   for (std::size_t k = 0; k < problem.slopes.size(); ++k) {
     const double length = equal_slopes ? noise.spacing : problem.slopes[k].length;
     const double sigma = length * noise.sigma_normal;
-    weights.slope[static_cast<Eigen::Index>(k)] = 1.0 / (sigma * sigma);
+    weights.slope[static_cast<Eigen::Index>(k)] = static_cast<float>(1.0 / (sigma * sigma));
   }
-  weights.bias_step = 1.0 / (noise.sigma_bias_step * noise.sigma_bias_step);
-  weights.bias_size = 1.0 / (kBiasSize * kBiasSize);
+  weights.bias_step = static_cast<float>(1.0 / (noise.sigma_bias_step * noise.sigma_bias_step));
+  weights.bias_size = static_cast<float>(1.0 / (kBiasSize * kBiasSize));
   return weights;
 }
 
 // The weights of Cauchy's loss, which takes the power from wild normals but never silences the
 // normals of fine detail for good. Its width starts at what the residuals are and ends at
 // what they should be, so that a first solve misled by many outliers does not reject the truth.
-Eigen::VectorXd reweighted(const Eigen::VectorXd& slope_weights, const Eigen::VectorXd& residuals) {
-  Eigen::VectorXd whitened = residuals.cwiseProduct(slope_weights.cwiseSqrt()).cwiseAbs();
+Eigen::VectorXf reweighted(const Eigen::VectorXf& slope_weights, const Eigen::VectorXd& residuals) {
+  const Eigen::VectorXd plain = slope_weights.cast<double>();
+  const Eigen::VectorXd whitened = residuals.cwiseProduct(plain.cwiseSqrt()).cwiseAbs();
   const double scale = 1.4826 * median(std::vector<double>(whitened.begin(), whitened.end()));
   const double width = kRobustWidth * std::max(1.0, scale);
   const Eigen::ArrayXd ratio = (whitened / width).array().square();
-  return slope_weights.array() / (1.0 + ratio);
+  return (plain.array() / (1.0 + ratio)).cast<float>();
 }
 
 RangeView without(const RangeView& view, const Grid<std::uint8_t>& isolated) {
@@ -136,36 +138,37 @@ struct RobustSolve {
 
 RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
                            const RefineOptions& options, const Progress& progress) {
-  ViewSystem system(problem, options.bias == BiasModel::kLatent);
-  SpdSolver solver({options.solver, system.blocks(), options.max_iterations, options.threads});
+  const bool with_bias = options.bias == BiasModel::kLatent;
+  const auto solver = make_view_solver(problem, with_bias, options.solver, options.threads);
   const ViewWeights plain = initial_weights(problem, noise, options.lambda.has_value());
   ViewWeights weights = plain;
   RobustSolve result;
-  result.y = Eigen::VectorXd::Zero(system.blocks() * system.block_size());
-  for (bool last = false; !last;) {
+  const auto count = static_cast<Eigen::Index>(problem.size());
+  result.y = Eigen::VectorXd::Zero((with_bias ? 3 : 1) * count);
+  const auto solve_to = [&](double tolerance) {
+    const LinearSolve solve =
+        solver->solve(solver->rhs(), result.y, tolerance, options.max_iterations);
+    result.iterations += solve.iterations;
+    if (!solve.converged) result.status = RefineStatus::kNotConverged;
+    return solve.converged;
+  };
+  for (bool last = false; !last; ++result.rounds) {
     if (!report_progress(progress, double(result.rounds) / (options.robust_rounds + 1), "refine")) {
       result.interrupted = true;
       return result;
     }
     if (result.rounds > 0)
-      weights.slope = reweighted(plain.slope, system.slope_residuals(result.y));
-    system.assemble(weights);
-    last = result.rounds == options.robust_rounds;
-    const Eigen::VectorXd before = result.y.head(system.block_size());
-    SpdSolve solve = solver.solve(system.lower(), system.rhs(), result.y,
-                                  last ? options.tolerance : rough_tolerance(options));
-    result.iterations += solve.iterations;
-    ++result.rounds;
-    if (!last && solve.converged &&
-        rms(result.y.head(system.block_size()) - before) < kSettled * noise.sigma_position) {
-      solve = solver.solve(system.lower(), system.rhs(), result.y, options.tolerance);
-      result.iterations += solve.iterations;
-      last = true;
-    }
-    if (!solve.converged) {
-      result.status =
-          solve.iterations > 0 ? RefineStatus::kNotConverged : RefineStatus::kSolverFailed;
+      weights.slope = reweighted(plain.slope, slope_residuals(problem, result.y));
+    if (!solver->set_weights(weights)) {
+      result.status = RefineStatus::kSolverFailed;
       return result;
+    }
+    last = result.rounds == options.robust_rounds;
+    const Eigen::VectorXd before = result.y.head(count);
+    if (!solve_to(last ? options.tolerance : rough_tolerance(options))) return result;
+    if (!last && rms(result.y.head(count) - before) < kSettled * noise.sigma_position) {
+      last = true;
+      if (!solve_to(options.tolerance)) return result;
     }
   }
   return result;

@@ -5,7 +5,7 @@
 
 #include "hybrid/noise.h"
 #include "hybrid/slope_constraints.h"
-#include "hybrid/spd_solver.h"
+#include "hybrid/view_solver.h"
 #include "scan/discontinuities.h"
 #include "scan/progress.h"
 #include "scan/range_view.h"
@@ -44,7 +44,7 @@ struct RefineOptions {
   /// replacement of single wild normals either.
   int robust_rounds = 5;
 
-  Solver solver = Solver::kConjugateGradients;
+  Solver solver = Solver::kMultigrid;
   double tolerance = 1e-6;   ///< Of conjugate gradients, relative.
   int max_iterations = 500;  ///< Of conjugate gradients, per solve.
   DiscontinuityOptions discontinuities;

@@ -30,13 +30,15 @@ std::optional<SlopeConstraint> constraint_between(const RangeView& view, Pixel t
   constraint.tail = grid_index(view, tail.u, tail.v);
   constraint.head = grid_index(view, head.u, head.v);
   constraint.at = {grid_index(view, at0.u, at0.v), grid_index(view, at1.u, at1.v)};
-  constraint.step = normal.dot(head_ray.at(t_head) - tail_ray.at(t_tail));
-  constraint.tail_slope = normal.dot(tail_ray.direction.normalized());
-  constraint.head_slope = normal.dot(head_ray.direction.normalized());
+  const auto along = [&](const Eigen::Vector3d& v) { return static_cast<float>(normal.dot(v)); };
+  constraint.step = along(head_ray.at(t_head) - tail_ray.at(t_tail));
+  constraint.tail_slope = along(tail_ray.direction.normalized());
+  constraint.head_slope = along(head_ray.direction.normalized());
   if (constraint.tail_slope > -kEdgeOnCosine || constraint.head_slope > -kEdgeOnCosine)
     return std::nullopt;
-  constraint.length = surface_step(tail_ray, head_ray, 0.5 * (t_tail + t_head), normal).norm();
-  return constraint.length > 0.0 ? std::optional(constraint) : std::nullopt;
+  constraint.length =
+      static_cast<float>(surface_step(tail_ray, head_ray, 0.5 * (t_tail + t_head), normal).norm());
+  return constraint.length > 0.0f ? std::optional(constraint) : std::nullopt;
 }
 
 std::optional<SlopeConstraint> compact_constraint(const RangeView& view, const GridEdges& edges,
@@ -57,9 +59,9 @@ std::optional<SlopeConstraint> central_constraint(const RangeView& view, const G
   const Pixel head = after ? Pixel{p.u + du, p.v + dv} : p;
   auto constraint = constraint_between(view, tail, head, p, p);
   if (!constraint || !before || !after) return constraint;
-  for (double* term :
+  for (float* term :
        {&constraint->step, &constraint->tail_slope, &constraint->head_slope, &constraint->length})
-    *term *= 0.5;
+    *term *= 0.5f;
   return constraint;
 }
 

@@ -24,12 +24,12 @@ enum class Stencil {
 ///   step + head_slope x_head - tail_slope x_tail - length (b_at0 + b_at1) / 2
 /// to vanish. Indices are those of the grid, row by row.
 struct SlopeConstraint {
-  std::uint32_t tail = 0, head = 0;           ///< The two samples that it moves.
-  std::array<std::uint32_t, 2> at{};          ///< Whose normals it averages; equal for one normal.
-  int axis = 0;                               ///< 0: along rows (u), 1: along columns (v).
-  double step = 0.0;                          ///< N . (P_head - P_tail) as measured [unit].
-  double tail_slope = 0.0, head_slope = 0.0;  ///< N . d / |d| at either end, both negative.
-  double length = 0.0;                        ///< Of the step on the surface [unit].
+  std::uint32_t tail = 0, head = 0;            ///< The two samples that it moves.
+  std::array<std::uint32_t, 2> at{};           ///< Whose normals it averages; equal for one normal.
+  int axis = 0;                                ///< 0: along rows (u), 1: along columns (v).
+  float step = 0.0f;                           ///< N . (P_head - P_tail) as measured [unit].
+  float tail_slope = 0.0f, head_slope = 0.0f;  ///< N . d / |d| at either end, both negative.
+  float length = 0.0f;                         ///< Of the step on the surface [unit].
 };
 
 /// The tangent of the surface from one ray to a neighbouring one, at range `t` on both: the step

@@ -74,6 +74,8 @@ void number_samples(const RangeView& view, const std::vector<std::uint8_t>& mova
         usable_confidence(view.confidence[problem.pixels[k]], largest);
 }
 
+// With the compact stencil the neighbours are those that share a constraint; the central one's
+// constraints skip a sample.
 void add_neighbours(const RangeView& view, const GridEdges& edges,
                     const std::vector<std::uint32_t>& number, ViewProblem& problem) {
   for (int v = 0; v < view.height(); ++v) {
@@ -93,6 +95,9 @@ void add_neighbours(const RangeView& view, const GridEdges& edges,
 
 ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Stencil stencil) {
   ViewProblem problem;
+  problem.stencil = stencil;
+  problem.width = view.width();
+  problem.height = view.height();
   std::vector<SlopeConstraint> slopes = slope_constraints(view, edges, stencil);
   const std::vector<std::uint8_t> movable = movable_pixels(view, slopes);
   std::vector<std::uint32_t> number(view.range.size(), kPinned);
@@ -104,9 +109,27 @@ ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Ste
     c.at = {number[c.at[0]], number[c.at[1]]};
     problem.slopes.push_back(c);
   }
-  add_neighbours(view, edges, number, problem);
+  if (stencil == Stencil::kCompactEdge)
+    for (const SlopeConstraint& c : problem.slopes) problem.neighbours.push_back(c.at);
+  else
+    add_neighbours(view, edges, number, problem);
   problem.pinned = view.sample_count() - problem.size();
   return problem;
+}
+
+Eigen::VectorXd slope_residuals(const ViewProblem& problem, const Eigen::VectorXd& y) {
+  const auto count = static_cast<Eigen::Index>(problem.size());
+  const bool with_bias = y.size() > count;
+  Eigen::VectorXd residuals(static_cast<Eigen::Index>(problem.slopes.size()));
+  for (std::size_t k = 0; k < problem.slopes.size(); ++k) {
+    const SlopeConstraint& c = problem.slopes[k];
+    double residual =
+        double{c.step} + double{c.head_slope} * y[c.head] - double{c.tail_slope} * y[c.tail];
+    const Eigen::Index bias = (1 + c.axis) * count;
+    if (with_bias) residual -= 0.5 * double{c.length} * (y[bias + c.at[0]] + y[bias + c.at[1]]);
+    residuals[static_cast<Eigen::Index>(k)] = residual;
+  }
+  return residuals;
 }
 
 }  // namespace relief

@@ -16,7 +16,7 @@ ViewSystem::ViewSystem(const ViewProblem& problem, bool with_bias)
 ViewSystem::Row ViewSystem::row_of(const SlopeConstraint& c) const {
   const Eigen::Index bias = (1 + c.axis) * samples_;
   return {{c.tail, c.head, bias + c.at[0], bias + c.at[1]},
-          {-c.tail_slope, c.head_slope, -0.5 * c.length, -0.5 * c.length}};
+          {-double{c.tail_slope}, c.head_slope, -0.5 * c.length, -0.5 * c.length}};
 }
 
 void ViewSystem::find_pattern() {
@@ -69,7 +69,7 @@ void ViewSystem::assemble(const ViewWeights& weights) {
   if (with_bias_) add_bias_prior(weights);
 }
 
-void ViewSystem::add_slopes(const Eigen::VectorXd& weights) {
+void ViewSystem::add_slopes(const Eigen::VectorXf& weights) {
   double* values = lower_.valuePtr();
   const std::uint32_t* next = slope_slots_.data();
   for (std::size_t k = 0; k < problem_.slopes.size(); ++k) {
@@ -101,17 +101,6 @@ void ViewSystem::add_bias_prior(const ViewWeights& weights) {
       values[*next++] -= weights.bias_step;
     }
   }
-}
-
-Eigen::VectorXd ViewSystem::slope_residuals(const Eigen::VectorXd& y) const {
-  Eigen::VectorXd residuals(static_cast<Eigen::Index>(problem_.slopes.size()));
-  for (std::size_t k = 0; k < problem_.slopes.size(); ++k) {
-    const Row row = row_of(problem_.slopes[k]);
-    double residual = problem_.slopes[k].step;
-    for (int a = 0; a < terms(); ++a) residual += row.coefficient[a] * y[row.unknown[a]];
-    residuals[static_cast<Eigen::Index>(k)] = residual;
-  }
-  return residuals;
 }
 
 }  // namespace relief

@@ -10,14 +10,6 @@
 
 namespace relief {
 
-/// The weights of the terms of equation (7a), each the inverse of a variance.
-struct ViewWeights {
-  Eigen::VectorXd position;  ///< Per movable sample [1/unit^2].
-  Eigen::VectorXd slope;     ///< Per slope constraint [1/unit^2].
-  double bias_step = 0.0;    ///< Of the change of the bias between neighbours [1/rad^2].
-  double bias_size = 0.0;    ///< Of the bias itself [1/rad^2]; keeps islands determined.
-};
-
 /// The normal equations of a view: A y = b with y = [x; b_u; b_v], or y = x without a bias. The
 /// sparsity pattern is found once, weights are put in as often as needed.
 class ViewSystem {
@@ -34,9 +26,6 @@ class ViewSystem {
   Eigen::Index block_size() const { return samples_; }
   int blocks() const { return with_bias_ ? 3 : 1; }
 
-  /// Residual of every slope constraint [unit] at `y`.
-  Eigen::VectorXd slope_residuals(const Eigen::VectorXd& y) const;
-
  private:
   static constexpr int kTerms = 4;  // unknowns of one slope constraint
   struct Row {
@@ -47,7 +36,7 @@ class ViewSystem {
   int terms() const { return with_bias_ ? 4 : 2; }
   void find_pattern();
   std::uint32_t slot(Eigen::Index i, Eigen::Index j) const;
-  void add_slopes(const Eigen::VectorXd& weights);
+  void add_slopes(const Eigen::VectorXf& weights);
   void add_bias_prior(const ViewWeights& weights);
 
   const ViewProblem& problem_;

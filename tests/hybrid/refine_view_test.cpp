@@ -168,7 +168,7 @@ TEST(RefineView, TheNumberOfThreadsChangesNoByte) {
             0);
 }
 
-TEST(RefineView, ConjugateGradientsAgreeWithCholesky) {
+TEST(RefineView, MultigridAgreesWithCholesky) {
   const RangeView view = noisy_view(0.3, 1.5, 4.0, 96);
   for (const BiasModel bias : {BiasModel::kLatent, BiasModel::kNone}) {
     RefineOptions options;

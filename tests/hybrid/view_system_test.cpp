@@ -29,6 +29,12 @@ Eigen::VectorXd random_vector(Eigen::Index size, std::uint32_t seed) {
   return values;
 }
 
+ViewWeights random_weights(const ViewProblem& problem, std::uint32_t seed) {
+  return {random_vector(static_cast<Eigen::Index>(problem.size()), seed).cast<float>(),
+          random_vector(static_cast<Eigen::Index>(problem.slopes.size()), seed + 1).cast<float>(),
+          0.7f + static_cast<float>(seed), 0.2f};
+}
+
 // The objective (7a) written down from the definition of its residuals.
 double objective(const ViewProblem& problem, const ViewWeights& weights, const Eigen::VectorXd& y,
                  bool with_bias) {
@@ -37,15 +43,16 @@ double objective(const ViewProblem& problem, const ViewWeights& weights, const E
   for (Eigen::Index i = 0; i < n; ++i) sum += weights.position[i] * y[i] * y[i];
   for (std::size_t k = 0; k < problem.slopes.size(); ++k) {
     const SlopeConstraint& c = problem.slopes[k];
-    double residual = c.step + c.head_slope * y[c.head] - c.tail_slope * y[c.tail];
+    double residual =
+        double{c.step} + double{c.head_slope} * y[c.head] - double{c.tail_slope} * y[c.tail];
     const Eigen::Index bias = (1 + c.axis) * n;
-    if (with_bias) residual -= c.length * 0.5 * (y[bias + c.at[0]] + y[bias + c.at[1]]);
+    if (with_bias) residual -= double{c.length} * 0.5 * (y[bias + c.at[0]] + y[bias + c.at[1]]);
     sum += weights.slope[static_cast<Eigen::Index>(k)] * residual * residual;
   }
   if (!with_bias) return sum;
   for (const auto& [a, b] : problem.neighbours)
     for (const Eigen::Index block : {n, 2 * n})
-      sum += weights.bias_step * std::pow(y[block + a] - y[block + b], 2);
+      sum += double{weights.bias_step} * std::pow(y[block + a] - y[block + b], 2);
   return sum + weights.bias_size * y.tail(2 * n).squaredNorm();
 }
 
@@ -55,9 +62,7 @@ TEST(ViewSystem, IsTheQuadraticFormOfTheObjective) {
     for (const bool with_bias : {true, false}) {
       const ViewProblem problem = make_view_problem(view, connect_samples(view), stencil);
       ViewSystem system(problem, with_bias);
-      ViewWeights weights{random_vector(static_cast<Eigen::Index>(problem.size()), 3),
-                          random_vector(static_cast<Eigen::Index>(problem.slopes.size()), 4), 0.7,
-                          0.2};
+      const ViewWeights weights = random_weights(problem, 3);
       system.assemble(weights);
       const Eigen::MatrixXd matrix =
           Eigen::MatrixXd(system.lower()).selfadjointView<Eigen::Lower>();
@@ -78,10 +83,7 @@ TEST(ViewSystem, IsTheQuadraticFormOfTheObjective) {
 TEST(ViewSystem, AssemblingAgainForgetsTheWeightsBefore) {
   const RangeView view = ragged_view();
   const ViewProblem problem = make_view_problem(view, connect_samples(view), Stencil::kCompactEdge);
-  const auto n = static_cast<Eigen::Index>(problem.size());
-  const auto m = static_cast<Eigen::Index>(problem.slopes.size());
-  const ViewWeights first{random_vector(n, 1), random_vector(m, 2), 1.0, 1.0};
-  const ViewWeights second{random_vector(n, 3), random_vector(m, 4), 2.0, 3.0};
+  const ViewWeights first = random_weights(problem, 1), second = random_weights(problem, 3);
   ViewSystem once(problem, true), twice(problem, true);
   once.assemble(second);
   twice.assemble(first);

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hybrid/aggregation.h"
+#include "hybrid/edge_stencil.h"
+
+namespace relief {
+
+/// A sparse matrix of 3 x 3 blocks, row by row.
+struct BlockMatrix {
+  std::vector<std::uint32_t> begin{0};  ///< Row i is [begin[i], begin[i + 1]).
+  std::vector<std::uint32_t> column;
+  std::vector<Eigen::Matrix3d> block;
+
+  std::size_t rows() const { return begin.size() - 1; }
+};
+
+/// A coarse matrix and the inverses of its diagonal blocks.
+struct CoarseMatrix {
+  BlockMatrix matrix;
+  std::vector<Eigen::Matrix3d> inverse;
+};
+
+/// The interpolation of smoothed aggregation is P = (1 - damping D^-1 A) P0 with P0 the rigid
+/// motion of the groups; the coarse matrix is P^T A P (Vanek, Mandel and Brezina 1996).
+CoarseMatrix coarsen(const EdgeStencil& fine, const Aggregates& groups, double damping,
+                     int threads);
+CoarseMatrix coarsen(const CoarseMatrix& fine, const Aggregates& below, const Aggregates& groups,
+                     double damping, int threads);
+
+/// The displacement of a member at (u, v) of a group per unit of its slopes.
+inline Eigen::Vector2d arm(const Aggregates::Node& group, double u, double v) {
+  return {(u - group.u) * group.metric_u, (v - group.v) * group.metric_v};
+}
+
+}  // namespace relief

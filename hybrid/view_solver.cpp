@@ -1,0 +1,39 @@
+#include "hybrid/view_solver.h"
+
+#include "hybrid/spd_solver.h"
+#include "hybrid/view_multigrid.h"
+#include "hybrid/view_system.h"
+
+namespace relief {
+
+namespace {
+
+class DirectSolver : public ViewSolver {
+ public:
+  DirectSolver(const ViewProblem& problem, bool with_bias) : system_(problem, with_bias) {}
+
+  bool set_weights(const ViewWeights& weights) override {
+    system_.assemble(weights);
+    return solver_.factorise(system_.lower());
+  }
+  const Eigen::VectorXd& rhs() const override { return system_.rhs(); }
+  LinearSolve solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double, int) override {
+    y = solver_.solve(rhs);
+    return {y.allFinite(), 1};
+  }
+
+ private:
+  ViewSystem system_;
+  SpdSolver solver_;
+};
+
+}  // namespace
+
+std::unique_ptr<ViewSolver> make_view_solver(const ViewProblem& problem, bool with_bias,
+                                             Solver solver, int threads) {
+  if (solver == Solver::kMultigrid && problem.stencil == Stencil::kCompactEdge)
+    return std::make_unique<ViewMultigrid>(problem, with_bias, threads);
+  return std::make_unique<DirectSolver>(problem, with_bias);
+}
+
+}  // namespace relief

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "hybrid/view_problem.h"
+
+namespace relief {
+
+/// How the normal equations of a view are solved.
+enum class Solver {
+  /// Conjugate gradients preconditioned by multigrid, for the compact stencil; the central one is
+  /// solved by kCholesky.
+  kMultigrid,
+  kCholesky,  ///< One sparse factorisation: the reference.
+};
+
+struct LinearSolve {
+  bool converged = false;
+  int iterations = 0;  ///< Conjugate gradient steps; 1 for a factorisation.
+};
+
+/// Solves A y = b, the normal equations of (7a): y = [x; b_u; b_v] of the movable samples, or y = x
+/// without a bias. Once weights are set, any number of right sides can be solved for.
+class ViewSolver {
+ public:
+  virtual ~ViewSolver() = default;
+
+  /// Puts in weights. False: the matrix is not positive definite.
+  virtual bool set_weights(const ViewWeights& weights) = 0;
+  /// The right side whose solution minimises the objective under the last weights.
+  virtual const Eigen::VectorXd& rhs() const = 0;
+  /// Iteration starts from `y`; the solution is left there. It ends when the preconditioned
+  /// residual is below `tolerance` times that of y = 0.
+  virtual LinearSolve solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double tolerance,
+                            int max_iterations) = 0;
+};
+
+/// `problem` must outlive the solver. `threads`: 0 is one per core; no result depends on it.
+std::unique_ptr<ViewSolver> make_view_solver(const ViewProblem& problem, bool with_bias,
+                                             Solver solver, int threads);
+
+}  // namespace relief
