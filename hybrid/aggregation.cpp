@@ -217,8 +217,8 @@ Aggregates aggregate_nodes(const Aggregates& below) {
   for (const auto& bond : below.bonds) {
     if (block_of(bond.a) != block_of(bond.b)) continue;
     if (!is_strong(bond.strength, largest[bond.a], largest[bond.b])) continue;
-    const auto [low, high] = std::minmax(root(bond.a), root(bond.b));
-    parent[high] = low;
+    const std::uint32_t a = root(bond.a), b = root(bond.b);
+    parent[std::max(a, b)] = std::min(a, b);
   }
   std::vector<std::uint32_t> roots;
   for (std::uint32_t i = 0; i < count; ++i)
