@@ -1,15 +1,22 @@
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
+
+#include <fmt/format.h>
 
 #include "apps/command.h"
 #include "apps/console.h"
+#include "apps/evaluation_plots.h"
 #include "apps/evaluation_report.h"
 #include "apps/exit_status.h"
 #include "apps/input_kind.h"
 #include "apps/output.h"
+#include "scan/evaluation/error_colours.h"
 #include "scan/io/atomic_file.h"
+#include "scan/io/coloured_mesh.h"
 #include "scan/io/mesh_io.h"
 #include "scan/io/poses_io.h"
 
@@ -22,7 +29,8 @@ struct EvaluateCommand {
   ProjectInput result;
   std::filesystem::path truth;
   MeshDistanceOptions mesh;
-  std::filesystem::path output;
+  double colour_scale = 0.0;  ///< Error of full colour [unit]; 0: that of 95 % of the surface.
+  std::filesystem::path output, plots;
 };
 
 // The figures as JSON to standard output, to --report, and to report.json in the output folder.
@@ -36,15 +44,28 @@ Result<void> deliver(const EvaluateCommand& command, const Json& figures) {
                       silent);
 }
 
-// The result with its signed distance to the truth as quality.
-Result<void> write_errors(const EvaluateCommand& command, TriangleMesh result,
-                          const TriangleMesh& truth) {
-  const auto distances = signed_distances(result, truth, command.common.threads);
-  result.quality.assign(distances.begin(), distances.end());
-  const auto file = command.output / "errors.ply";
-  if (auto written = write_mesh(result, file); !written) return written;
-  Console::info("wrote " + file.string() + ": signed distances as quality");
-  return {};
+// A mesh with the distances of its vertices to `other` as quality and as colours.
+Result<void> write_errors(TriangleMesh mesh, const TriangleMesh& other, bool with_sign,
+                          double scale, int threads, const std::filesystem::path& file) {
+  auto distances = signed_distances(mesh, other, threads);
+  if (!with_sign)
+    for (double& distance : distances) distance = std::abs(distance);
+  mesh.quality.assign(distances.begin(), distances.end());
+  const std::string comment = fmt::format(
+      "quality: distance to the other surface{}; colours: blue {:.6g}, grey 0, red {:.6g}",
+      with_sign ? ", negative inside" : "", -scale, scale);
+  auto written = write_coloured_mesh(mesh, colours_of_errors(distances, scale), comment, file);
+  if (written) Console::info("wrote " + file.string() + ": " + comment);
+  return written;
+}
+
+Result<void> write_both_errors(const EvaluateCommand& command, const TriangleMesh& result,
+                               const TriangleMesh& truth, double scale) {
+  const int threads = command.common.threads;
+  if (auto done = write_errors(result, truth, true, scale, threads, command.output / "errors.ply");
+      !done)
+    return done;
+  return write_errors(truth, result, false, scale, threads, command.output / "completeness.ply");
 }
 
 Result<void> evaluate_mesh(const EvaluateCommand& command) {
@@ -61,9 +82,14 @@ Result<void> evaluate_mesh(const EvaluateCommand& command) {
   const MeshCheck check =
       check_mesh(*result, {.self_intersections = true, .threads = command.common.threads});
   if (!command.common.json) print_table(*comparison, check, "");
+  const double p95 = comparison->accuracy.all.distance.p95;
+  const double scale = command.colour_scale > 0.0 ? command.colour_scale : p95 > 0.0 ? p95 : 1.0;
+  Json figures = to_json(*comparison, check);
+  figures["colour_scale"] = scale;
+  if (auto delivered = deliver(command, figures); !delivered) return delivered;
   if (!command.output.empty())
-    if (auto written = write_errors(command, *result, *truth); !written) return written;
-  return deliver(command, to_json(*comparison, check));
+    if (auto written = write_both_errors(command, *result, *truth, scale); !written) return written;
+  return command.plots.empty() ? Result<void>() : plot_distances(*comparison, "", command.plots);
 }
 
 // The samples of `result` under the true poses of a file that holds poses only.
@@ -95,6 +121,16 @@ bool have_poses(const ScanProject& project) {
                      [](const RangeView& view) { return view.pose != PoseKind::kAbsent; });
 }
 
+Result<void> plot_views(const ViewSpectra& spectra, const ScanProject& result,
+                        const ScanProject& truth, const std::filesystem::path& folder) {
+  if (auto done = plot_spectra(spectra, result.unit, folder); !done) return done;
+  const auto pairs = pair_views(result, truth);
+  if (!pairs) return pairs.error();
+  for (const ViewPair& pair : *pairs)
+    if (auto done = plot_error_maps(error_maps(pair), result.unit, folder); !done) return done;
+  return {};
+}
+
 Result<void> evaluate_project(const EvaluateCommand& command) {
   const auto result = read_with_notes(command.result, command.common);
   if (!result) return result.error();
@@ -105,11 +141,20 @@ Result<void> evaluate_project(const EvaluateCommand& command) {
   if (!truth) return truth.error();
 
   Json figures = Json::object();
+  std::optional<ViewSpectra> spectra;
   if (with_views) {
-    const auto views = evaluate_views(*result, *truth, {.threads = command.common.threads});
+    const ViewErrorOptions options{.threads = command.common.threads};
+    const auto views = evaluate_views(*result, *truth, options);
     if (!views) return views.error();
+    auto by_frequency = evaluate_spectra(*result, *truth, options, console_progress("evaluate"));
+    if (!by_frequency) return by_frequency.error();
+    spectra = *std::move(by_frequency);
     figures = to_json(*views);
-    if (!command.common.json) print_table(*views, result->unit);
+    figures["spectra"] = to_json(*spectra);
+    if (!command.common.json) {
+      print_table(*views, result->unit);
+      print_table(*spectra, result->unit);
+    }
   }
   if (result->views.size() > 1 && have_poses(*result)) {
     const auto poses = evaluate_poses(*result, *truth);
@@ -117,12 +162,15 @@ Result<void> evaluate_project(const EvaluateCommand& command) {
     figures["poses"] = to_json(*poses);
     if (!command.common.json) print_table(*poses, result->unit);
   }
-  return deliver(command, figures);
+  if (auto delivered = deliver(command, figures); !delivered) return delivered;
+  if (command.plots.empty() || !spectra) return {};
+  return plot_views(*spectra, *result, *truth, command.plots);
 }
 
 int evaluate(const EvaluateCommand& command) {
-  if (!command.output.empty())
-    if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
+  for (const auto& folder : {command.output, command.plots})
+    if (!folder.empty())
+      if (const auto ready = prepare_folder(folder); !ready) return fail(ready.error());
   const auto done = is_triangle_mesh_file(command.result.path) ? evaluate_mesh(command)
                                                                : evaluate_project(command);
   return done ? kDone : fail(done.error());
@@ -139,11 +187,18 @@ void add_evaluate(CLI::App& app, Action& action) {
   sub->add_option("--truth", command->truth,
                   "A mesh for a mesh; for a project, the true project or a file of true poses")
       ->required();
-  sub->add_option("--threshold", command->mesh.thresholds,
+  sub->add_option("--thresholds,--threshold", command->mesh.thresholds,
                   "Distances of the F-score; default: multiples of the spacing");
   sub->add_option("--samples", command->mesh.samples, "Points on each mesh")->capture_default_str();
-  sub->add_option("-o,--output", command->output,
-                  "Folder for report.json and errors.ply, the mesh with its signed errors");
+  sub->add_option(
+      "-o,--output", command->output,
+      "Folder for report.json and, of meshes, errors.ply and completeness.ply, coloured");
+  sub->add_option("--colour-scale", command->colour_scale,
+                  "Error that has full colour; default: that of 95 % of the surface")
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--plots", command->plots,
+                  "Folder for plots by gnuplot, and their data: distances and histogram of meshes, "
+                  "spectra and error images of views");
   add_common_options(*sub, command->common);
   sub->callback([command, &action] { action = [command] { return evaluate(*command); }; });
 }

@@ -1,10 +1,13 @@
 #include "apps/evaluation_report.h"
 
+#include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "apps/mesh_report.h"
+#include "scan/evaluation/angles.h"
 
 namespace relief {
 
@@ -47,6 +50,43 @@ Json to_json(const ViewErrors& view) {
           {"extra", view.extra}};
 }
 
+// Columns, so that a plotting tool can take them as they are.
+Json to_json(const ErrorSpectrum& spectrum) {
+  Json json = {{"variance", spectrum.variance()},
+               {"coverage", {spectrum.finest_coverage, spectrum.coarsest_coverage}}};
+  for (const char* column : {"frequency", "density", "area", "tile", "tiles"})
+    json[column] = Json::array();
+  for (const SpectrumBand& band : spectrum.bands) {
+    json["frequency"].push_back(band.frequency);
+    json["density"].push_back(band.density);
+    json["area"].push_back(band.area);
+    json["tile"].push_back(band.tile);
+    json["tiles"].push_back(band.tiles);
+  }
+  return json;
+}
+
+// The error at wavelengths of [shorter, longer) samples, RMS; nothing when none were seen.
+std::optional<double> deviation_between(const ErrorSpectrum& spectrum, double shorter,
+                                        double longer) {
+  std::optional<double> power;
+  for (const SpectrumBand& band : spectrum.bands)
+    if (shorter <= 1.0 / band.frequency && 1.0 / band.frequency < longer)
+      power = power.value_or(0.0) + band.density * band.area;
+  return power ? std::optional(std::sqrt(*power)) : std::nullopt;
+}
+
+void print_spectrum(const std::string& what, const ErrorSpectrum& spectrum, double factor) {
+  if (spectrum.bands.empty()) return;
+  fmt::print("{:<34}", what);
+  for (const auto& [shorter, longer] :
+       {std::pair{0.0, 4.0}, {4.0, 16.0}, {16.0, 64.0}, {64.0, 1e9}}) {
+    const auto deviation = deviation_between(spectrum, shorter, longer);
+    fmt::print(" {:>10}", deviation ? fmt::format("{:.4g}", factor * *deviation) : "-");
+  }
+  fmt::print("\n");
+}
+
 void print_head(const std::string& title) {
   fmt::print("{:<34} {:>10} {:>10} {:>10} {:>10} {:>10}\n", title, "mean", "median", "RMS", "95 %",
              "max");
@@ -81,6 +121,18 @@ Json to_json(const ViewErrorReport& report) {
   json["unmatched"] = report.unmatched;
   json["views"] = Json::array();
   for (const ViewErrors& view : report.views) json["views"].push_back(to_json(view));
+  return json;
+}
+
+Json to_json(const ViewSpectra& spectra) {
+  Json json = {{"spacing", spectra.spacing},
+               {"depth", to_json(spectra.depth)},
+               {"geometry_normals", to_json(spectra.position_normals)},
+               {"map_normals", to_json(spectra.map_normals)}};
+  if (spectra.crossing_wavelength) {
+    json["crossing_wavelength_samples"] = *spectra.crossing_wavelength;
+    json["crossing_wavelength"] = *spectra.crossing_wavelength * spectra.spacing;
+  }
   return json;
 }
 
@@ -139,6 +191,19 @@ void print_table(const ViewErrorReport& report, const std::string& unit) {
   print_row("  away from edges", all.position_normals_deg.inner);
   print_row("  at edges", all.position_normals_deg.edge);
   print_row("normal maps [deg]", all.map_normals_deg.all);
+}
+
+void print_table(const ViewSpectra& spectra, const std::string& unit) {
+  if (spectra.depth.bands.empty()) return;
+  fmt::print("{:<34} {:>10} {:>10} {:>10} {:>10}\n", "RMS by wavelength [samples]", "< 4", "4-16",
+             "16-64", "> 64");
+  print_spectrum("depth [" + unit + "]", spectra.depth, 1.0);
+  print_spectrum("normals of the geometry [deg]", spectra.position_normals, degrees(1.0));
+  print_spectrum("normal maps [deg]", spectra.map_normals, degrees(1.0));
+  if (spectra.crossing_wavelength)
+    fmt::print(
+        "normal maps are better than positions at wavelengths below {:.3g} samples = {:.4g} {}\n",
+        *spectra.crossing_wavelength, *spectra.crossing_wavelength * spectra.spacing, unit);
 }
 
 void print_table(const PoseErrorReport& report, const std::string& unit) {

@@ -7,17 +7,20 @@
 #include "scan/evaluation/mesh_distance.h"
 #include "scan/evaluation/pose_errors.h"
 #include "scan/evaluation/view_errors.h"
+#include "scan/evaluation/view_spectra.h"
 #include "scan/mesh_check.h"
 
 namespace relief {
 
 Json to_json(const MeshComparison& comparison, const MeshCheck& check);
 Json to_json(const ViewErrorReport& report);
+Json to_json(const ViewSpectra& spectra);
 Json to_json(const PoseErrorReport& report);
 
 /// The same figures for people, on standard output. `unit` is that of the lengths.
 void print_table(const MeshComparison& comparison, const MeshCheck& check, const std::string& unit);
 void print_table(const ViewErrorReport& report, const std::string& unit);
+void print_table(const ViewSpectra& spectra, const std::string& unit);
 void print_table(const PoseErrorReport& report, const std::string& unit);
 
 }  // namespace relief

@@ -62,18 +62,28 @@ struct Surface {
 struct PointError {
   double distance = 0.0, angle_deg = 0.0;
   bool filled = false;  // the result, here
+  bool inside = false;  // of the other surface
 };
+
+bool is_inside(const Eigen::Vector3d& point, const TriangleTree::Closest& closest,
+               const PseudoNormals& outward) {
+  const Eigen::Vector3d offset = point - closest.on_face.point;
+  return offset.dot(outward.at(closest.face, closest.on_face.weights)) < 0.0;
+}
 
 // `result` is the one of the two surfaces that knows what was filled.
 std::vector<PointError> measure(const Surface& from, const Surface& to, const Surface& result,
                                 const MeshDistanceOptions& options) {
   const auto samples = sample_surface(from.mesh, options.samples, options.seed);
+  const PseudoNormals outward(to.mesh);
   std::vector<PointError> errors(samples.size());
   parallel_for(samples.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto& [face, weights] = samples[i];
-      const auto closest = *to.tree.closest(point_at(from.mesh, samples[i]));
+      const Eigen::Vector3d point = point_at(from.mesh, samples[i]);
+      const auto closest = *to.tree.closest(point);
       errors[i].distance = closest.distance;
+      errors[i].inside = is_inside(point, closest, outward);
       errors[i].angle_deg = angle_between_deg(from.normal(face, weights),
                                               to.normal(closest.face, closest.on_face.weights));
       if (!result.mesh.filled.empty())
@@ -155,6 +165,10 @@ Result<MeshComparison> compare_meshes(const TriangleMesh& result_mesh,
   if (split)
     comparison.filled_fraction = static_cast<double>(comparison.accuracy.filled->distance.count) /
                                  static_cast<double>(to_truth.size());
+  for (const PointError& error : to_truth)
+    comparison.signed_accuracy.push_back(error.inside ? -error.distance : error.distance);
+  for (const PointError& error : to_result)
+    comparison.completeness_distances.push_back(error.distance);
   report_progress(progress, 1.0, "compare meshes");
   return comparison;
 }
@@ -167,8 +181,7 @@ std::vector<double> signed_distances(const TriangleMesh& mesh, const TriangleMes
   parallel_for(distances.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto closest = *tree.closest(mesh.vertices[i]);
-      const Eigen::Vector3d offset = mesh.vertices[i] - closest.on_face.point;
-      const bool inside = offset.dot(normals.at(closest.face, closest.on_face.weights)) < 0.0;
+      const bool inside = is_inside(mesh.vertices[i], closest, normals);
       distances[i] = inside ? -closest.distance : closest.distance;
     }
   });

@@ -45,6 +45,9 @@ struct MeshComparison {
   std::vector<double> thresholds;  ///< [unit]
   std::vector<double> f_score;     ///< For each threshold: harmonic mean of the two `within`.
   double filled_fraction = 0.0;    ///< Of the result's area.
+  /// The distances behind the statistics, point by point [unit]: from the result to the truth, with
+  /// the sign of signed_distances, and from the truth to the result.
+  std::vector<double> signed_accuracy, completeness_distances;
 };
 
 /// Compares a mesh with the true one, in the same frame. Normals are those of the result's faces,

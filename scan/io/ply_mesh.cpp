@@ -1,7 +1,12 @@
+#include <array>
+#include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
+#include "scan/io/atomic_file.h"
 #include "scan/io/binary_writer.h"
+#include "scan/io/coloured_mesh.h"
 #include "scan/io/io_error.h"
 #include "scan/io/mesh_codecs.h"
 #include "scan/io/ply_file.h"
@@ -79,17 +84,51 @@ Result<void> read_faces(const PlyElement& element, TriangleMesh& mesh,
   return {};
 }
 
-std::string ply_header(const TriangleMesh& mesh, bool doubles) {
+struct Colours {
+  std::vector<std::array<std::uint8_t, 3>> of_vertices;  // empty: none
+  std::string comment;
+};
+
+std::string ply_header(const TriangleMesh& mesh, const Colours& colours, bool doubles) {
   const std::string real = doubles ? "double" : "float";
-  std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex " +
-                     std::to_string(mesh.vertices.size()) + "\n";
+  std::string text = "ply\nformat binary_little_endian 1.0\n";
+  if (!colours.comment.empty()) text += "comment " + colours.comment + "\n";
+  text += "element vertex " + std::to_string(mesh.vertices.size()) + "\n";
   for (const char* axis : {"x", "y", "z"}) text += "property " + real + " " + axis + "\n";
   if (!mesh.normals.empty()) text += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!mesh.quality.empty()) text += "property float quality\n";
   if (!mesh.views.empty()) text += "property ushort views\n";
   if (!mesh.filled.empty()) text += "property uchar filled\n";
+  if (!colours.of_vertices.empty())
+    text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   return text + "element face " + std::to_string(mesh.faces.size()) +
          "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+std::string encode(const TriangleMesh& mesh, const Colours& colours) {
+  const bool doubles = needs_doubles(mesh);
+  std::string bytes = ply_header(mesh, colours, doubles);
+  bytes.reserve(bytes.size() + mesh.vertices.size() * 43 + mesh.faces.size() * 13);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    for (const double value : mesh.vertices[i]) {
+      if (doubles)
+        append_little_endian(bytes, value);
+      else
+        append_little_endian(bytes, static_cast<float>(value));
+    }
+    if (!mesh.normals.empty())
+      for (const float value : mesh.normals[i]) append_little_endian(bytes, value);
+    if (!mesh.quality.empty()) append_little_endian(bytes, mesh.quality[i]);
+    if (!mesh.views.empty()) append_little_endian(bytes, mesh.views[i]);
+    if (!mesh.filled.empty()) append_little_endian(bytes, mesh.filled[i]);
+    if (!colours.of_vertices.empty())
+      for (const std::uint8_t value : colours.of_vertices[i]) append_little_endian(bytes, value);
+  }
+  for (const auto& face : mesh.faces) {
+    append_little_endian(bytes, std::uint8_t{3});
+    for (const std::uint32_t vertex : face) append_little_endian(bytes, vertex);
+  }
+  return bytes;
 }
 
 }  // namespace
@@ -110,28 +149,13 @@ Result<TriangleMesh> read_ply_mesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-Result<std::string> encode_ply_mesh(const TriangleMesh& mesh) {
-  const bool doubles = needs_doubles(mesh);
-  std::string bytes = ply_header(mesh, doubles);
-  bytes.reserve(bytes.size() + mesh.vertices.size() * 43 + mesh.faces.size() * 13);
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    for (const double value : mesh.vertices[i]) {
-      if (doubles)
-        append_little_endian(bytes, value);
-      else
-        append_little_endian(bytes, static_cast<float>(value));
-    }
-    if (!mesh.normals.empty())
-      for (const float value : mesh.normals[i]) append_little_endian(bytes, value);
-    if (!mesh.quality.empty()) append_little_endian(bytes, mesh.quality[i]);
-    if (!mesh.views.empty()) append_little_endian(bytes, mesh.views[i]);
-    if (!mesh.filled.empty()) append_little_endian(bytes, mesh.filled[i]);
-  }
-  for (const auto& face : mesh.faces) {
-    append_little_endian(bytes, std::uint8_t{3});
-    for (const std::uint32_t vertex : face) append_little_endian(bytes, vertex);
-  }
-  return bytes;
+Result<std::string> encode_ply_mesh(const TriangleMesh& mesh) { return encode(mesh, {}); }
+
+Result<void> write_coloured_mesh(const TriangleMesh& mesh,
+                                 const std::vector<std::array<std::uint8_t, 3>>& colours,
+                                 const std::string& comment, const std::filesystem::path& path) {
+  assert(colours.size() == mesh.vertices.size());
+  return write_file(path, encode(mesh, {colours, comment}));
 }
 
 }  // namespace relief

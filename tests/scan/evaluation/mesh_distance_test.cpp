@@ -55,6 +55,17 @@ TEST(CompareMeshes, AThickerSphereIsOffByTheThicknessInEveryStatistic) {
   EXPECT_FALSE(comparison->accuracy.measured);
 }
 
+TEST(CompareMeshes, KeepsEveryDistanceWithItsSign) {
+  const auto outer = compare_meshes(sphere(1.02, 30), sphere(1.0, 30), {.samples = 2000});
+  const auto inner = compare_meshes(sphere(0.98, 30), sphere(1.0, 30), {.samples = 2000});
+  ASSERT_TRUE(outer && inner);
+  ASSERT_EQ(outer->signed_accuracy.size(), 2000u);
+  ASSERT_EQ(outer->completeness_distances.size(), 2000u);
+  for (const double error : outer->signed_accuracy) EXPECT_NEAR(error, 0.02, 0.001);
+  for (const double error : inner->signed_accuracy) EXPECT_NEAR(error, -0.02, 0.001);
+  for (const double distance : inner->completeness_distances) EXPECT_NEAR(distance, 0.02, 0.001);
+}
+
 TEST(CompareMeshes, TheSameMeshIsAtDistanceZero) {
   const TriangleMesh mesh = sphere(50.0, 30);
   const auto comparison = compare_meshes(mesh, mesh, {.samples = 5000});

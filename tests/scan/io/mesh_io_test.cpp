@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scan/io/atomic_file.h"
+#include "scan/io/coloured_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
@@ -145,6 +146,23 @@ TEST(MeshIo, WritingNeedsAKnownEndingAndAFolder) {
   EXPECT_EQ(result.error().kind, ErrorKind::kCannotWrite);
   EXPECT_TRUE(is_mesh_path("A.PLY"));
   EXPECT_FALSE(is_mesh_path("scan.json"));
+}
+
+TEST(ColouredMesh, KeepsTheMeshAndSaysWhatColoursMean) {
+  const TemporaryFolder folder;
+  const TriangleMesh mesh = with_attributes(tetrahedron());
+  const auto file = folder.path() / "mesh.ply";
+  ASSERT_TRUE(write_coloured_mesh(mesh, {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {1, 2, 3}},
+                                  "red is far", file));
+  const auto text = read_file(file);
+  ASSERT_TRUE(text);
+  EXPECT_THAT(*text, HasSubstr("\ncomment red is far\n"));
+  EXPECT_THAT(*text, HasSubstr("property uchar red\nproperty uchar green\nproperty uchar blue\n"));
+  const auto back = read_mesh(file);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->faces, mesh.faces);
+  EXPECT_EQ(back->quality, mesh.quality);
+  EXPECT_LT(largest_distance(*back, mesh), 1e-6);
 }
 
 }  // namespace
