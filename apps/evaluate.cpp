@@ -14,7 +14,9 @@
 #include "apps/exit_status.h"
 #include "apps/input_kind.h"
 #include "apps/output.h"
+#include "scan/evaluation/angles.h"
 #include "scan/evaluation/error_colours.h"
+#include "scan/evaluation/mesh_alignment.h"
 #include "scan/io/atomic_file.h"
 #include "scan/io/coloured_mesh.h"
 #include "scan/io/mesh_io.h"
@@ -29,6 +31,7 @@ struct EvaluateCommand {
   ProjectInput result;
   std::filesystem::path truth;
   MeshDistanceOptions mesh;
+  bool align = false;
   double colour_scale = 0.0;  ///< Error of full colour [unit]; 0: that of 95 % of the surface.
   std::filesystem::path output, plots;
 };
@@ -68,11 +71,34 @@ Result<void> write_both_errors(const EvaluateCommand& command, const TriangleMes
   return write_errors(truth, result, false, scale, threads, command.output / "completeness.ply");
 }
 
+// Brings the result into the frame of the truth and notes how.
+Result<void> move_to_truth(const EvaluateCommand& command, const TriangleMesh& truth,
+                           TriangleMesh& result, Json& figures) {
+  const auto fit =
+      align_mesh(result, truth, {.seed = command.common.seed, .threads = command.common.threads});
+  if (!fit) return fit.error();
+  for (auto& vertex : result.vertices) vertex = fit->truth_from_result * vertex;
+  const Eigen::Matrix3f rotation = fit->truth_from_result.linear().cast<float>();
+  for (auto& normal : result.normals) normal = rotation * normal;
+  figures["alignment"] = {{"truth_from_result", to_json(fit->truth_from_result)},
+                          {"median_distance", fit->median_distance},
+                          {"iterations", fit->iterations},
+                          {"converged", fit->converged}};
+  if (!fit->converged) Console::warning("the alignment with the truth did not settle");
+  if (!command.common.json)
+    fmt::print("aligned: the result was turned by {:.4g} deg and moved\n",
+               degrees(rotation_angle(fit->truth_from_result)));
+  return {};
+}
+
 Result<void> evaluate_mesh(const EvaluateCommand& command) {
-  const auto result = read_mesh(command.result.path);
+  auto result = read_mesh(command.result.path);
   if (!result) return result.error();
   const auto truth = read_mesh(command.truth);
   if (!truth) return truth.error();
+  Json alignment = Json::object();
+  if (command.align)
+    if (auto moved = move_to_truth(command, *truth, *result, alignment); !moved) return moved;
   MeshDistanceOptions options = command.mesh;
   options.threads = command.common.threads;
   options.seed = command.common.seed;
@@ -86,6 +112,7 @@ Result<void> evaluate_mesh(const EvaluateCommand& command) {
   const double scale = command.colour_scale > 0.0 ? command.colour_scale : p95 > 0.0 ? p95 : 1.0;
   Json figures = to_json(*comparison, check);
   figures["colour_scale"] = scale;
+  figures.update(alignment);
   if (auto delivered = deliver(command, figures); !delivered) return delivered;
   if (!command.output.empty())
     if (auto written = write_both_errors(command, *result, *truth, scale); !written) return written;
@@ -189,6 +216,8 @@ void add_evaluate(CLI::App& app, Action& action) {
       ->required();
   sub->add_option("--thresholds,--threshold", command->mesh.thresholds,
                   "Distances of the F-score; default: multiples of the spacing");
+  sub->add_flag("--align", command->align,
+                "Meshes: fit the result to the truth by a rigid motion first, from any pose");
   sub->add_option("--samples", command->mesh.samples, "Points on each mesh")->capture_default_str();
   sub->add_option(
       "-o,--output", command->output,

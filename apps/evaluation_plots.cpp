@@ -102,7 +102,8 @@ Result<void> plot_histogram(const MeshComparison& comparison, const std::string&
     return done;
   std::string script = std::string(kSvg) + "set output 'histogram.svg'\nunset key\n";
   script += "set xlabel " + in_unit("error of the result, negative inside", unit) + "\n";
-  script += "set ylabel " + in_unit("density of the surface", unit.empty() ? "" : "1/" + unit) + "\n";
+  script +=
+      "set ylabel " + in_unit("density of the surface", unit.empty() ? "" : "1/" + unit) + "\n";
   script += fmt::format("set xrange [{}:{}]\nset yrange [0:*]\n", -range, range);
   script += "plot 'histogram.tsv' skip 1 with fillsteps fs solid 0.6\n";
   return run_gnuplot(folder, "histogram", script);

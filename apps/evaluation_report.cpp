@@ -98,6 +98,24 @@ void print_row(const std::string& what, const ErrorStatistics& s) {
              s.rms, s.p95, s.max);
 }
 
+void print_faults(const MeshCheck& check) {
+  const auto print = [](std::size_t count, const char* what) {
+    if (count > 0) fmt::print("  {} {}\n", count, what);
+  };
+  print(check.boundary_edges, "boundary edges");
+  print(check.non_manifold_edges, "edges of more than two faces");
+  print(check.non_manifold_vertices, "vertices of more than one fan");
+  print(check.inconsistent_edges, "edges between faces of opposite orientation");
+  print(check.degenerate_faces, "faces without area");
+  print(check.duplicate_vertices, "vertices at the place of another");
+  print(check.unused_vertices, "vertices without a face");
+  if (!check.self_intersections) return;
+  const auto& found = *check.self_intersections;
+  if (found.pairs.empty()) fmt::print("  no self-intersections\n");
+  print(found.pairs.size(),
+        found.complete ? "pairs of faces intersect" : "pairs of faces intersect, and more");
+}
+
 void print_direction(const std::string& what, const std::optional<DirectedDistance>& direction) {
   if (!direction) return;
   print_row(what, direction->distance);
@@ -172,13 +190,10 @@ void print_table(const MeshComparison& comparison, const MeshCheck& check,
     fmt::print(", truth {:6.2f} %, F-score {:.4f}\n", 100.0 * comparison.completeness.all.within[i],
                comparison.f_score[i]);
   }
-  fmt::print(
-      "{}: {} vertices, {} faces, {} boundary edges, {} components, genus {}, volume {:.6g}, "
-      "{} self-intersections, {:.2f} % filled\n",
-      check.watertight() ? "watertight" : "NOT watertight", check.vertices, check.faces,
-      check.boundary_edges, check.components, check.genus, check.volume,
-      check.self_intersections ? check.self_intersections->pairs.size() : 0,
-      100.0 * comparison.filled_fraction);
+  fmt::print("{}: {} vertices, {} faces, {} components, genus {}, volume {:.6g}, {:.2f} % filled\n",
+             check.watertight() ? "watertight" : "NOT watertight", check.vertices, check.faces,
+             check.components, check.genus, check.volume, 100.0 * comparison.filled_fraction);
+  print_faults(check);
 }
 
 void print_table(const ViewErrorReport& report, const std::string& unit) {
@@ -209,9 +224,10 @@ void print_table(const ViewSpectra& spectra, const std::string& unit) {
 void print_table(const PoseErrorReport& report, const std::string& unit) {
   fmt::print(
       "poses: displacement of the samples mean {:.4g}, RMS {:.4g}, worst view {:.4g} {}; "
-      "rotation mean {:.4g}, max {:.4g} deg\n",
+      "rotation mean {:.4g}, max {:.4g} deg; translation mean {:.4g}, max {:.4g} {}\n",
       report.mean_displacement, report.rms_displacement, report.max_displacement, unit,
-      report.mean_rotation_deg, report.max_rotation_deg);
+      report.mean_rotation_deg, report.max_rotation_deg, report.mean_translation,
+      report.max_translation, unit);
 }
 
 }  // namespace relief

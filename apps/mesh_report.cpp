@@ -32,6 +32,7 @@ Json to_json(const MeshCheck& check) {
   if (check.self_intersections) {
     const auto faces = check.self_intersections->faces();
     json["self_intersections"] = check.self_intersections->pairs.size();
+    json["self_intersections_complete"] = check.self_intersections->complete;
     json["self_intersecting_faces"] = std::vector(
         faces.begin(), faces.begin() + static_cast<long>(std::min(faces.size(), kListedFaces)));
   }

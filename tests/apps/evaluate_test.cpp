@@ -86,6 +86,15 @@ TEST_F(Evaluate, PlotsAndColoursMeshes) {
   EXPECT_GT(report["colour_scale"].get<double>(), 0.0);
 }
 
+TEST_F(Evaluate, FitsTheResultToTheTruthWhenAsked) {
+  const ProgramRun run =
+      run_relief({"evaluate", model(), "--truth", model(), "--align", "--json", "-q"});
+  ASSERT_EQ(run.exit_status, 0) << run.standard_error;
+  const json report = json::parse(run.standard_output)["evaluate"];
+  EXPECT_TRUE(report["alignment"]["converged"]);
+  EXPECT_LT(report["accuracy"]["max"].get<double>(), 1e-6);
+}
+
 TEST_F(Evaluate, SaysWhatIsMissingWithoutGnuplot) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", out_.path().c_str(), 1);
