@@ -1,6 +1,5 @@
 #include "scan/simulation/photometric_stereo.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -8,13 +7,17 @@
 #include <Eigen/Dense>
 
 #include "scan/counter_random.h"
-#include "scan/parallel.h"
+#include "scan/simulation/for_each_sample.h"
 #include "scan/simulation/option_check.h"
 #include "scan/simulation/sensor_errors.h"
 
 namespace relief {
 
 namespace {
+
+constexpr int kMostLights = 64;
+// One number per light, without allocation.
+using PerLight = Eigen::Array<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostLights, 1>;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
@@ -36,7 +39,7 @@ class Readings {
         deviation_(reading_deviation(camera)),
         random_(scene.of_view(kReadingNoise).seed, scene.of_view(kReadingNoise).stream) {}
 
-  void read(int u, int v, std::vector<double>& brightness) const {
+  PerLight at(int u, int v) const {
     const Ray ray = scene_.truth.camera.ray(u, v);
     const Eigen::Vector3d normal = scene_.truth.normals(u, v).cast<double>();
     const Eigen::Vector3d to_camera = -ray.direction.normalized();
@@ -44,14 +47,15 @@ class Readings {
     const Eigen::Vector3d point = world_from_view * ray.at(scene_.truth.range(u, v));
     const SurfacePaint paint = scene_.paint.at(point);
     const std::size_t first = scene_.truth.range.index(u, v) * lights_.size();
-    brightness.resize(lights_.size());
+    PerLight brightness(lights_.size());
     for (std::size_t k = 0; k < lights_.size(); ++k) {
       const bool lit = normal.dot(lights_[k]) > 0.0 &&
                        in_sight(scene_.object, light_place(point, lights_[k]), point);
       const double light = lit ? scene_.paint.reflected(paint, normal, lights_[k], to_camera)
                                : camera_.interreflection * paint.albedo;
-      brightness[k] = light + deviation_ * random_.normal(first + k);
+      brightness[static_cast<Eigen::Index>(k)] = light + deviation_ * random_.normal(first + k);
     }
+    return brightness;
   }
 
  private:
@@ -69,16 +73,16 @@ class Readings {
 
 // Least squares over the lights not in shadow: equation (S12).
 std::optional<Eigen::Vector3d> solve_normal(const std::vector<Eigen::Vector3d>& lights,
-                                            const std::vector<double>& brightness,
-                                            double threshold) {
-  const double least = threshold * *std::max_element(brightness.begin(), brightness.end());
+                                            const PerLight& brightness, double threshold) {
+  const double least = threshold * brightness.maxCoeff();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
   int used = 0;
   for (std::size_t k = 0; k < lights.size(); ++k) {
-    if (brightness[k] < least) continue;
+    const double reading = brightness[static_cast<Eigen::Index>(k)];
+    if (reading < least) continue;
     squares += lights[k] * lights[k].transpose();
-    right_side += brightness[k] * lights[k];
+    right_side += reading * lights[k];
     ++used;
   }
   if (used < 3) return std::nullopt;
@@ -92,7 +96,7 @@ std::optional<Eigen::Vector3d> solve_normal(const std::vector<Eigen::Vector3d>& 
 Result<void> validate(const PhotometricStereo& c) {
   const auto share = [](double x) { return x >= 0.0 && x <= 1.0; };
   return first_failure(
-      {require(c.lights >= 3 && c.lights <= 64, "lights", c.lights, "in [3, 64]"),
+      {require(c.lights >= 3 && c.lights <= kMostLights, "lights", c.lights, "in [3, 64]"),
        require(c.light_angle_deg > 0.0 && c.light_angle_deg < 90.0, "light_angle_deg",
                c.light_angle_deg, "in (0, 90)"),
        require_not_negative("noise_deg", c.noise_deg),
@@ -137,22 +141,13 @@ void scan_by_shading(RangeView& view, const PhotometricStereo& camera, const Sen
       normal_distortion(camera, scene.of_sensor(kNormalDistortion)).inverse().transpose();
   std::vector<Eigen::Vector3d> believed = light_directions(camera);
   for (Eigen::Vector3d& light : believed) light = unbelieved * light;
-  parallel_for(
-      static_cast<std::size_t>(view.height()), 8, scene.threads,
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<double> brightness;
-        for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
-          for (int u = 0; u < view.width(); ++u) {
-            if (!scene.truth.has_sample(u, v)) continue;
-            readings.read(u, v, brightness);
-            const auto normal = solve_normal(believed, brightness, camera.shadow_threshold);
-            view.normals(u, v) = normal ? facing_sensor(*normal, view.camera.ray(u, v).direction)
-                                        : Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
-          }
-        }
-      });
+  for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
+    const auto normal = solve_normal(believed, readings.at(u, v), camera.shadow_threshold);
+    view.normals(u, v) = normal ? facing_sensor(*normal, view.camera.ray(u, v).direction)
+                                : Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
+  });
   add_normal_bias(view, radians(camera.bias_deg), camera.bias_wavelength * scene.diameter,
-                  scene.of_view(kPhotometricBias));
+                  scene.of_view(kPhotometricBias), scene.threads);
 }
 
 }  // namespace relief

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "scan/counter_random.h"
+#include "scan/simulation/for_each_sample.h"
 #include "scan/simulation/plane_waves.h"
 
 namespace relief {
@@ -15,12 +16,15 @@ Eigen::Vector3d rotated(const Eigen::Vector3d& normal, const Eigen::Vector3d& ro
   return Eigen::AngleAxisd(angle, rotation / angle) * normal;
 }
 
-// Calls `body(u, v)` for every pixel with a sample and a normal, row by row.
-template <typename Body>
-void for_each_normal(const RangeView& view, const Body& body) {
-  for (int v = 0; v < view.height(); ++v)
-    for (int u = 0; u < view.width(); ++u)
-      if (view.has_sample(u, v) && view.has_normal(u, v)) body(u, v);
+// The RMS angle by which rotations turn a view's normals; 0 without normals. To first order a
+// rotation turns a normal by its part in the tangent plane. Row by row, in a fixed order.
+double turn_rms(const RangeView& view, const Grid<Eigen::Vector3d>& rotations) {
+  double squares = 0.0, count = 0.0;
+  for_each_normal(view, 1, [&](int u, int v) {
+    squares += rotations(u, v).cross(view.normals(u, v).cast<double>()).squaredNorm();
+    count += 1.0;
+  });
+  return count == 0.0 ? 0.0 : std::sqrt(squares / count);
 }
 
 }  // namespace
@@ -34,19 +38,18 @@ Eigen::Vector3f facing_sensor(Eigen::Vector3d normal, const Eigen::Vector3d& ray
 }
 
 // Equation (S2).
-void add_range_noise(RangeView& view, double sigma, const RandomStream& stream) {
+void add_range_noise(RangeView& view, double sigma, const RandomStream& stream, int threads) {
   const CounterRandom random(stream.seed, stream.stream);
-  for (int v = 0; v < view.height(); ++v)
-    for (int u = 0; u < view.width(); ++u)
-      if (view.has_sample(u, v))
-        view.range(u, v) +=
-            sigma * random.normal(view.range.index(u, v)) / view.camera.ray(u, v).direction.norm();
+  for_each_sample(view, threads, [&](int u, int v) {
+    view.range(u, v) +=
+        sigma * random.normal(view.range.index(u, v)) / view.camera.ray(u, v).direction.norm();
+  });
 }
 
 // Equation (S3), the white part.
-void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& stream) {
+void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& stream, int threads) {
   const CounterRandom random(stream.seed, stream.stream);
-  for_each_normal(view, [&](int u, int v) {
+  for_each_normal(view, threads, [&](int u, int v) {
     const std::size_t pixel = view.normals.index(u, v);
     const Eigen::Vector3d normal = view.normals[pixel].cast<double>();
     const Eigen::Vector3d across = normal.unitOrthogonal();
@@ -58,19 +61,16 @@ void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& str
 }
 
 // Equation (S3), the smooth part.
-void add_normal_bias(RangeView& view, double rms_rad, double wavelength,
-                     const RandomStream& stream) {
+void add_normal_bias(RangeView& view, double rms_rad, double wavelength, const RandomStream& stream,
+                     int threads) {
   const PlaneWaves field(wavelength, CounterRandom(stream.seed, stream.stream));
-  // To first order a rotation turns a normal by the rotation's part in the tangent plane.
-  double squares = 0.0, count = 0.0;
-  for_each_normal(view, [&](int u, int v) {
-    squares += field.at(view.point(u, v)).cross(view.normals(u, v).cast<double>()).squaredNorm();
-    count += 1.0;
-  });
-  if (squares == 0.0) return;
-  const double scale = rms_rad / std::sqrt(squares / count);
-  for_each_normal(view, [&](int u, int v) {
-    const Eigen::Vector3d rotation = scale * field.at(view.point(u, v));
+  Grid<Eigen::Vector3d> rotations(view.width(), view.height(), Eigen::Vector3d::Zero());
+  for_each_normal(view, threads,
+                  [&](int u, int v) { rotations(u, v) = field.at(view.point(u, v)); });
+  const double size = turn_rms(view, rotations);
+  if (size == 0.0) return;
+  for_each_normal(view, threads, [&](int u, int v) {
+    const Eigen::Vector3d rotation = rms_rad / size * rotations(u, v);
     view.normals(u, v) = facing_sensor(rotated(view.normals(u, v).cast<double>(), rotation),
                                        view.camera.ray(u, v).direction);
   });

@@ -32,7 +32,8 @@ Result<void> validate(const NoNormalSensor&) { return {}; }
 
 void measure(RangeView& view, const WhiteRangeSensor& sensor, const SensorScene& scene) {
   if (sensor.noise > 0.0)
-    add_range_noise(view, sensor.noise * scene.spacing, stream_of(scene, kRangeNoise));
+    add_range_noise(view, sensor.noise * scene.spacing, stream_of(scene, kRangeNoise),
+                    scene.threads);
 }
 
 void measure(RangeView& view, const TriangulationScanner& sensor, const SensorScene& scene) {
@@ -43,9 +44,10 @@ void measure(RangeView& view, const TriangulationScanner& sensor, const SensorSc
 void measure(RangeView& view, const WhiteNormalSensor& sensor, const SensorScene& scene) {
   if (sensor.bias_deg > 0.0)
     add_normal_bias(view, radians(sensor.bias_deg), sensor.bias_wavelength * scene.diameter,
-                    stream_of(scene, kNormalBias));
+                    stream_of(scene, kNormalBias), scene.threads);
   if (sensor.noise_deg > 0.0)
-    add_normal_noise(view, radians(sensor.noise_deg), stream_of(scene, kNormalNoise));
+    add_normal_noise(view, radians(sensor.noise_deg), stream_of(scene, kNormalNoise),
+                     scene.threads);
 }
 
 void measure(RangeView& view, const PhotometricStereo& sensor, const SensorScene& scene) {
