@@ -117,6 +117,8 @@ void add_range_parameters(CLI::App& command, SensorChoice& choice) {
   using T = TriangulationScanner;
   add("--baseline", "From the camera to the projector or laser [working distances]", &T::baseline);
   add("--disparity-noise", "Standard deviation of the disparity [pixels]", &T::disparity_noise);
+  add("--noise-growth", "Exponent p: with less signal the noise grows as signal^-p",
+      &T::noise_growth);
   add("--noise-correlation", "Distance at which its correlation is 1/e [pixels]",
       &T::noise_correlation);
   add("--disparity-step", "Step of the disparity [pixels]; 0: none", &T::disparity_step);
@@ -198,6 +200,10 @@ void add_simulation_options(CLI::App& command, SimulationOptions& options) {
   command
       .add_option("--distance", options.distance,
                   "From the sensor to the object's centre [diameters of the object]")
+      ->capture_default_str();
+  command
+      .add_option("--fill", options.fill,
+                  "Part of the smaller image side that the object fills, measured by its sphere")
       ->capture_default_str();
   command
       .add_option("--max-incidence", options.max_incidence_deg,

@@ -26,6 +26,7 @@ Json to_json(const TriangulationScanner& sensor) {
   return {{"model", "triangulation"},
           {"baseline", sensor.baseline},
           {"disparity_noise", sensor.disparity_noise},
+          {"noise_growth", sensor.noise_growth},
           {"noise_correlation", sensor.noise_correlation},
           {"disparity_step", sensor.disparity_step},
           {"least_signal", sensor.least_signal},

@@ -44,7 +44,7 @@ PlaneWaves patch_field(const Reflectance& reflectance, double diameter,
 Reflectance patchy_surface() {
   Reflectance reflectance;
   reflectance.dark_fraction = 0.1;
-  reflectance.glossy_fraction = 0.2;
+  reflectance.glossy_fraction = 0.1;
   return reflectance;
 }
 

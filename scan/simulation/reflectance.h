@@ -18,11 +18,11 @@ struct Reflectance {
   double patch_size = 0.15;
   /// Angle between the normal and the half vector at which a highlight has fallen to 1/e [degrees],
   /// in (0, 90).
-  double highlight_width_deg = 8.0;
+  double highlight_width_deg = 5.0;
   double highlight_strength = 2.0;  ///< Its light, that of a white diffuse surface being 1, >= 0.
 };
 
-/// A surface of which a tenth is dark and a fifth glossy.
+/// A surface of which a tenth is dark and a tenth glossy.
 Reflectance patchy_surface();
 
 /// kBadInput names a field out of its range.

@@ -2,29 +2,19 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "scan/counter_random.h"
 #include "scan/discontinuities.h"
-#include "scan/parallel.h"
 #include "scan/simulation/calibration_warp.h"
+#include "scan/simulation/for_each_sample.h"
 #include "scan/simulation/option_check.h"
 #include "scan/simulation/pixel_noise.h"
 
 namespace relief {
 
 namespace {
-
-// Calls `body(u, v)` for every pixel of the view that has a sample, in several threads.
-template <typename Body>
-void for_each_sample(const RangeView& view, int threads, const Body& body) {
-  parallel_for(static_cast<std::size_t>(view.height()), 8, threads,
-               [&](std::size_t begin, std::size_t end) {
-                 for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v)
-                   for (int u = 0; u < view.width(); ++u)
-                     if (view.has_sample(u, v)) body(u, v);
-               });
-}
 
 void lose(RangeView& view, int u, int v) {
   view.range(u, v) = kNoSample;
@@ -36,8 +26,7 @@ double disparity_scale(const TriangulationScanner& scanner, const SensorScene& s
   return scene.distance / scene.spacing * scanner.baseline * scene.distance;
 }
 
-// Whether the second ray reaches the point and enough, but not too much, of its light comes back:
-// equation (S7).
+// What comes back of the second ray's light.
 class Illumination {
  public:
   Illumination(const TriangulationScanner& scanner, const SensorScene& scene)
@@ -46,7 +35,9 @@ class Illumination {
         noise_(pixel_noise(scene.truth.width(), scene.truth.height(), scanner.noise_correlation,
                            scene.of_view(kSignalNoise), scene.threads)) {}
 
-  bool gives_sample(int u, int v) const {
+  // The signal of a pixel; nothing where the second ray does not reach the point or too little or
+  // too much of its light comes back: equation (S7).
+  std::optional<double> signal(int u, int v) const {
     const Ray ray = scene_.truth.camera.ray(u, v);
     const Eigen::Vector3d point = ray.at(scene_.truth.range(u, v));
     const Eigen::Vector3d normal = scene_.truth.normals(u, v).cast<double>();
@@ -55,15 +46,17 @@ class Illumination {
     const Eigen::Vector3d to_camera = -ray.direction.normalized();
     const Eigen::Vector3d to_projector = (projector - point).normalized();
     const double lit = normal.dot(to_projector);
-    if (lit <= 0.0) return false;
+    if (lit <= 0.0) return std::nullopt;
     const Eigen::Vector3d world_point = scene_.truth.world_from_view * point;
     const SurfacePaint paint = scene_.paint.at(world_point);
     const double noise = scanner_.signal_noise * noise_(u, v);
-    if (paint.albedo * lit * normal.dot(to_camera) + noise < scanner_.least_signal) return false;
-    if (scene_.paint.reflected(paint, normal, to_projector, to_camera) + noise >
-        scanner_.saturation)
-      return false;
-    return in_sight(scene_.object, scene_.truth.world_from_view * projector, world_point);
+    const double signal = paint.albedo * lit * normal.dot(to_camera) + noise;
+    if (signal < scanner_.least_signal || signal <= 0.0) return std::nullopt;
+    const double light = scene_.paint.reflected(paint, normal, to_projector, to_camera);
+    if (light + noise > scanner_.saturation) return std::nullopt;
+    if (!in_sight(scene_.object, scene_.truth.world_from_view * projector, world_point))
+      return std::nullopt;
+    return signal;
   }
 
  private:
@@ -125,6 +118,8 @@ TriangulationScanner laser_line_scanner() {
 Result<void> validate(const TriangulationScanner& s) {
   return first_failure({require_positive("baseline", s.baseline),
                         require_not_negative("disparity_noise", s.disparity_noise),
+                        require(s.noise_growth >= 0.0 && s.noise_growth <= 2.0, "noise_growth",
+                                s.noise_growth, "in [0, 2]"),
                         require(s.noise_correlation >= 0.0 && s.noise_correlation <= 100.0,
                                 "noise_correlation", s.noise_correlation, "in [0, 100] pixels"),
                         require_not_negative("disparity_step", s.disparity_step),
@@ -145,10 +140,12 @@ void scan_by_triangulation(RangeView& view, const TriangulationScanner& scanner,
   const CalibrationWarp warp(scene.of_sensor(kCalibrationWarp));
   const double scale = disparity_scale(scanner, scene);
   for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
-    if (!illumination.gives_sample(u, v)) return lose(view, u, v);
+    const auto signal = illumination.signal(u, v);
+    if (!signal) return lose(view, u, v);
     // Equations (S5) and (S6).
-    const double measured = rounded_to(
-        scale / edges.depth(u, v) + scanner.disparity_noise * noise(u, v), scanner.disparity_step);
+    const double deviation = scanner.disparity_noise * std::pow(*signal, -scanner.noise_growth);
+    const double measured =
+        rounded_to(scale / edges.depth(u, v) + deviation * noise(u, v), scanner.disparity_step);
     if (!(measured > 0.0)) return lose(view, u, v);
     view.range(u, v) = scale / measured + scanner.warp * scene.spacing *
                                               warp.at(image_coordinate(u, view.width()),

@@ -13,7 +13,11 @@ namespace relief {
 struct TriangulationScanner {
   double baseline = 0.35;  ///< b [working distances], > 0.
 
-  double disparity_noise = 0.1;        ///< Standard deviation [pixels], >= 0.
+  /// Standard deviation on a white surface that faces camera and projector [pixels], >= 0.
+  double disparity_noise = 0.1;
+  /// p, in [0, 2]: with less signal the noise grows as signal^-p. 0: it does not; 0.5: light is
+  /// counted by photons; 1: the camera itself is noisy.
+  double noise_growth = 0.5;
   double noise_correlation = 2.0;      ///< Distance at which its correlation is 1/e [pixels], >= 0.
   double disparity_step = 1.0 / 64.0;  ///< Disparities are multiples of this [pixels]; 0: any.
 
@@ -48,7 +52,8 @@ Result<void> validate(const TriangulationScanner& scanner);
 void scan_by_triangulation(RangeView& view, const TriangulationScanner& scanner,
                            const SensorScene& scene);
 
-/// Standard deviation of the depth at depth z [unit], equation (S5): z^2 / (f b) disparity_noise.
+/// Standard deviation of the depth at depth z [unit] of a white surface that faces camera and
+/// projector, equation (S5): z^2 / (f b) disparity_noise.
 double depth_deviation(const TriangulationScanner& scanner, double z, double distance,
                        double spacing);
 

@@ -41,6 +41,7 @@ inline TriangulationScanner perfect_scanner() {
   TriangulationScanner scanner;
   scanner.disparity_noise = scanner.disparity_step = scanner.signal_noise = 0.0;
   scanner.flying_fraction = scanner.warp = scanner.least_signal = 0.0;
+  scanner.noise_growth = 0.0;
   scanner.saturation = 1e9;
   return scanner;
 }

@@ -52,6 +52,31 @@ TEST(TriangulationScanner, NoiseGrowsWithTheSquareOfTheDepth) {
   }
 }
 
+TEST(TriangulationScanner, NoiseGrowsAsTheSignalFalls) {
+  TriangulationScanner scanner = perfect_scanner();
+  scanner.disparity_noise = 0.1;
+  scanner.noise_growth = 0.5;
+  const SensorBench bench(testing::plane({0, 0, 10}, {1.2, -0.5, -1}));
+  const RangeView scan = scanned(bench, scanner);
+  const double scale = 500.0 * scanner.baseline * 10.0;
+  const Eigen::Vector3d projector(scanner.baseline * 10.0, 0.0, 0.0);
+  double squares = 0.0, count = 0.0;
+  for (int v = 0; v < scan.height(); ++v) {
+    for (int u = 0; u < scan.width(); ++u) {
+      if (!scan.has_sample(u, v)) continue;
+      const Eigen::Vector3d point = bench.truth.point(u, v);
+      const Eigen::Vector3d normal = bench.truth.normals(u, v).cast<double>();
+      const double signal =
+          -normal.dot(point.normalized()) * normal.dot((projector - point).normalized());
+      const double error = scale / scan.range(u, v) - scale / bench.truth.range(u, v);
+      squares += error * error * signal / (0.1 * 0.1);
+      count += 1.0;
+    }
+  }
+  EXPECT_GT(count, 10000.0);
+  EXPECT_NEAR(squares / count, 1.0, 0.05);
+}
+
 TEST(TriangulationScanner, NoiseIsCorrelatedOverTheStatedLength) {
   TriangulationScanner scanner = perfect_scanner();
   scanner.disparity_noise = 0.1;
