@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 
 #include "scan/counter_random.h"
+#include "scan/simulation/degrees.h"
 #include "scan/simulation/for_each_sample.h"
 #include "scan/simulation/option_check.h"
 #include "scan/simulation/sensor_errors.h"
@@ -18,8 +19,6 @@ namespace {
 constexpr int kMostLights = 64;
 // One number per light, without allocation.
 using PerLight = Eigen::Array<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostLights, 1>;
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 // The reading noise that gives `noise_deg` on a frontal white surface: there the least-squares
 // solution has the covariance sigma^2 (L^T L)^-1 with the tangential entries of L^T L being

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "scan/simulation/degrees.h"
 #include "scan/simulation/option_check.h"
 
 namespace relief {
@@ -64,7 +65,7 @@ Result<void> validate(const Reflectance& r) {
 PaintedSurface::PaintedSurface(const Reflectance& reflectance, double diameter,
                                const RandomStream& dark_random, const RandomStream& gloss_random)
     : reflectance_(reflectance),
-      highlight_width_(reflectance.highlight_width_deg * std::numbers::pi / 180.0),
+      highlight_width_(radians(reflectance.highlight_width_deg)),
       dark_level_(upper_quantile(reflectance.dark_fraction)),
       gloss_level_(upper_quantile(reflectance.glossy_fraction)),
       dark_field_(patch_field(reflectance, diameter, dark_random)),

@@ -1,15 +1,12 @@
 #include "scan/simulation/sensors.h"
 
-#include <numbers>
-
+#include "scan/simulation/degrees.h"
 #include "scan/simulation/option_check.h"
 #include "scan/simulation/sensor_errors.h"
 
 namespace relief {
 
 namespace {
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 // The random streams of the white sensors.
 enum Stream : std::uint64_t { kRangeNoise, kNormalNoise, kNormalBias };

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 
 #include "scan/median.h"
 #include "scan/parallel.h"
 #include "scan/simulation/built_in_object.h"
+#include "scan/simulation/degrees.h"
 #include "scan/simulation/option_check.h"
 #include "scan/simulation/sensor_errors.h"
 #include "scan/simulation/sensor_scene.h"
@@ -16,8 +16,6 @@
 namespace relief {
 
 namespace {
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 Result<void> validate(const SimulationOptions& o) {
   if (auto checked = validate(o.range_sensor); !checked) return checked;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "scan/simulation/degrees.h"
+
 namespace relief {
 
 namespace {
@@ -15,8 +17,6 @@ Eigen::Vector3d from_angles(double azimuth, double elevation) {
   return {std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation),
           std::sin(elevation)};
 }
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 std::vector<Eigen::Vector3d> turntable_directions(int count) {
   const int cap = count / 6, ring = count - 2 * cap;

@@ -1,0 +1,9 @@
+#pragma once
+
+#include <numbers>
+
+namespace relief {
+
+inline double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+}  // namespace relief
