@@ -16,6 +16,7 @@ struct ConvertCommand {
   CommonOptions common;
   ProjectInput input;
   std::filesystem::path output;
+  WriteProjectOptions project;
 };
 
 TriangleMesh concatenate(const ScanProject& project) {
@@ -48,9 +49,10 @@ int convert_mesh(const ConvertCommand& command) {
 int convert_project(const ConvertCommand& command) {
   const auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
-  const auto written = is_mesh_path(command.output)
-                           ? write_mesh(concatenate(*project), command.output)
-                           : write_project(*project, command.output, console_progress("write"));
+  const auto written =
+      is_mesh_path(command.output)
+          ? write_mesh(concatenate(*project), command.output)
+          : write_project(*project, command.output, console_progress("write"), command.project);
   if (!written) return fail(written.error());
   Console::info("wrote " + command.output.string());
   return kDone;
@@ -70,6 +72,8 @@ void add_convert(CLI::App& app, Action& action) {
                   "A mesh file (.ply .obj .stl .vtp .glb; the views of a project become one mesh), "
                   "or a folder for a project")
       ->required();
+  sub->add_flag("--grids", command->project.grids,
+                "Views of a project as range-grid PLY files, points that other programs read");
   add_common_options(*sub, command->common);
   sub->callback([command, &action] {
     action = [command] {

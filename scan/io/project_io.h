@@ -22,11 +22,16 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
                                  const ReadProjectOptions& options = {},
                                  const Progress& progress = {});
 
+struct WriteProjectOptions {
+  /// Every view becomes a range-grid PLY: points that other programs read, not images.
+  bool grids = false;
+};
+
 /// Writes `project` as FOLDER/scan.json with one float TIFF of range, one of normals (if any) and
 /// one of confidence (if any) per view; views whose rays are a table are written as range-grid PLY
 /// with doubles. Creates the folder. Reading it back gives the same samples to float precision.
 Result<void> write_project(const ScanProject& project, const std::filesystem::path& folder,
-                           const Progress& progress = {});
+                           const Progress& progress = {}, const WriteProjectOptions& options = {});
 
 /// Writes only FILE (a scan.json), for a project whose views' data files exist already: a copy of
 /// the project file `source` with the poses of `project` in place of its own, and file names made

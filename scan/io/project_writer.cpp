@@ -150,6 +150,18 @@ Result<void> write_depth_view(const RangeView& view, const fs::path& folder,
   return write_tiff(confidence, folder / (stem + "_confidence.tiff"));
 }
 
+json camera_of_grid(const RangeView& view) {
+  switch (view.camera.model()) {
+    case Camera::Model::kRayTable:
+      return table_json(view.camera);
+    case Camera::Model::kOrthographic:
+      return orthographic_json(view.camera, step_back(view));
+    default:
+      return pinhole_json(view.camera.model(), view.width(), view.height(),
+                          view.camera.intrinsics());
+  }
+}
+
 // The frame of a sensor that is not a pinhole need not be x right, y down, z forward: its points
 // and normals go into a grid file, in the frame they are in.
 bool needs_grid_file(const RangeView& view) {
@@ -160,9 +172,7 @@ bool needs_grid_file(const RangeView& view) {
 Result<void> write_grid_view(const RangeView& view, const fs::path& folder, const std::string& stem,
                              json& entry) {
   entry["grid"] = {{"file", stem + ".ply"}};
-  const json camera = view.camera.model() == Camera::Model::kRayTable
-                          ? table_json(view.camera)
-                          : orthographic_json(view.camera, step_back(view));
+  const json camera = camera_of_grid(view);
   if (!camera.is_null()) entry["camera"] = camera;
   return write_file(folder / (stem + ".ply"), encode_ply_grid(view));
 }
@@ -254,7 +264,7 @@ std::optional<fs::path> scan_json_of(const fs::path& source) {
 }  // namespace
 
 Result<void> write_project(const ScanProject& project, const fs::path& folder,
-                           const Progress& progress) {
+                           const Progress& progress, const WriteProjectOptions& options) {
   std::error_code code;
   fs::create_directories(folder, code);
   if (code) return cannot_write(folder, "cannot create the folder: " + code.message());
@@ -267,8 +277,9 @@ Result<void> write_project(const ScanProject& project, const fs::path& folder,
       return Error{ErrorKind::kInterrupted, folder.string() + ": writing was interrupted"};
     json entry = {{"name", view.name}};
     const std::string stem = file_stem(view.name, stems);
-    auto written = needs_grid_file(view) ? write_grid_view(view, folder, stem, entry)
-                                         : write_depth_view(view, folder, stem, entry);
+    const bool grid = options.grids || needs_grid_file(view);
+    auto written = grid ? write_grid_view(view, folder, stem, entry)
+                        : write_depth_view(view, folder, stem, entry);
     if (!written) return written;
     set_pose(entry, view.world_from_view, view.pose);
     document["views"].push_back(std::move(entry));

@@ -91,6 +91,18 @@ TEST(ProjectIo, WhatIsWrittenIsReadBackForEveryCamera) {
   EXPECT_TRUE(read->views[3].camera.can_project());
 }
 
+TEST(ProjectIo, AllCamerasMayBeWrittenAsGrids) {
+  const TemporaryFolder folder;
+  const ScanProject project = all_cameras();
+  ASSERT_TRUE(write_project(project, folder.path(), {}, {.grids = true}).ok());
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    EXPECT_TRUE(entry.path().extension() == ".ply" || entry.path().filename() == "scan.json");
+  const auto read = read_project(folder.path());
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  for (std::size_t i = 0; i < project.views.size(); ++i)
+    expect_same_view(read->views[i], project.views[i]);
+}
+
 TEST(ProjectIo, WritingTwiceGivesTheSameBytes) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_project(all_cameras(), folder / "a").ok());
