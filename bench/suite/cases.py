@@ -1,0 +1,107 @@
+"""The named cases: what is scanned, and what is known of the truth."""
+
+import json
+import os
+import pathlib
+from dataclasses import dataclass, field
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def test_data():
+    """Folder of the real scans and meshes; it may be absent."""
+    return pathlib.Path(os.environ.get("RELIEF_TEST_DATA", ROOT.parent / "shared" / "data"))
+
+
+@dataclass
+class Case:
+    name: str
+    title: str
+    """What a table's reader needs to know."""
+    stages: tuple
+    """Which tables it is in."""
+    source: str = ""
+    """Real scans: the project below the data folder. Simulated ones: the mesh below it; empty: the built-in object."""
+    options: tuple = ()
+    """Simulated: options of `relief simulate`. Real: of every command that reads the project."""
+    simulated: bool = False
+    truth_views: str = ""
+    truth_poses: str = ""
+    truth_mesh: str = ""
+    """Below the data folder; set by `prepare` for simulated scans."""
+    slow_peers: bool = False
+    """Whether peers that take minutes are run on it."""
+    folder: pathlib.Path = None
+    project: pathlib.Path = None
+    spacing: float = 0.0
+    unit: str = "mm"
+    cached: dict = field(default_factory=dict)
+
+    def available(self):
+        return not self.source or (test_data() / self.source).exists()
+
+    def prepare(self, relief, output):
+        """Simulates the scans, or finds the real ones."""
+        self.folder = output / self.name
+        self.folder.mkdir(parents=True, exist_ok=True)
+        if self.simulated:
+            scans = self.folder / "scans"
+            relief.simulate(scans, *([test_data() / self.source] if self.source else []), *self.options)
+            self.project = scans / "scan.json"
+            self.truth_views, self.truth_poses = scans / "truth/scan.json", scans / "truth.json"
+            self.truth_mesh = scans / "truth/model.ply" if not self.source else test_data() / self.source
+            self.options = ()
+        else:
+            self.project = test_data() / self.source
+            for name in ("truth_poses", "truth_mesh"):
+                if getattr(self, name):
+                    setattr(self, name, test_data() / getattr(self, name))
+            self.options = tuple(test_data() / word if word.endswith(".fc") else word for word in self.options)
+        self.spacing = relief.spacing(self.input(), self.folder / "info.log")
+
+    def input(self):
+        return [self.project, *self.options]
+
+
+def with_poses(project, poses, output):
+    """Writes a copy of a project file with other poses (name -> 4x4), beside the original: its file names stay valid."""
+    document = json.loads(pathlib.Path(project).read_text())
+    for view in document["views"]:
+        view["world_from_view"] = poses[view["name"]]
+        view["pose_is"] = "known"
+    output = pathlib.Path(project).with_name(output)
+    output.write_text(json.dumps(document))
+    return output
+
+
+def poses_of(path):
+    """name -> 4x4 of a project or of a list of poses."""
+    return {view["name"]: view["world_from_view"] for view in json.loads(pathlib.Path(path).read_text())["views"]}
+
+
+SIMULATED = ("refine", "align", "merge", "chain")
+
+
+def all_cases(quick):
+    if quick:
+        size = ("--width", "192", "--height", "192", "--mesh-divisions", "128")
+        return [Case("owl", "built-in object, 12 views of 192x192", SIMULATED, simulated=True, slow_peers=True,
+                     options=size)]
+    return [
+        Case("owl", "built-in object, 12 views of 512x512, white noise of positions, normals of 1.5° noise and 4° smooth bias",
+             SIMULATED, simulated=True, slow_peers=True),
+        Case("scanner", "built-in object, 12 views of 512x512, a structured-light scanner with photometric stereo: correlated and "
+             "quantised range, dark patches, flying samples, calibration warp, shadows and highlights", SIMULATED, simulated=True,
+             options=("--range-sensor", "structured-light", "--normal-sensor", "photometric-stereo")),
+        Case("lion", "lion statue, 12 simulated views of 512x512", SIMULATED, "meshes/lionstatue.obj",
+             simulated=True),
+        Case("falcon", "falcon statue, 12 simulated views of 512x512", SIMULATED, "meshes/falconstatue.obj",
+             simulated=True),
+        Case("bear", "bear, 20 views of 612x512, normals from photographs (DiLiGenT-MV), range simulated on a "
+             "reconstructed mesh", ("align", "merge", "chain", "fit"), "bear/scan.json",
+             truth_poses="bear/truth.json", truth_mesh="bear/reference.ply"),
+        Case("bunny", "Stanford bunny, 10 raw Cyberware scans without normals, published poses", ("merge", "chain"),
+             "bunny/bun.conf", truth_mesh="bunny/reference.ply", unit="m"),
+        Case("panel", "panel of Nehab et al. 2005, one view of 512x384 with measured normals", ("fit",),
+             "panel/panel-small-conf.ply", options=("--fc", "panel/panel-small.fc")),
+    ]
