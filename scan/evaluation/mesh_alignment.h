@@ -22,7 +22,7 @@ struct MeshAlignment {
   RigidMotion truth_from_result = RigidMotion::Identity();
   double median_distance = 0.0;  ///< Of the result's points to the truth after the motion [unit].
   int iterations = 0;            ///< Of the final fit.
-  bool converged = false;        ///< The last step was rounding.
+  bool converged = false;        ///< The last step was negligible.
 };
 
 /// The rigid motion that brings a mesh onto the true one: point-to-plane ICP (Chen and Medioni
