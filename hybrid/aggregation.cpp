@@ -4,6 +4,7 @@
 #include <array>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "scan/parallel.h"
 
@@ -11,7 +12,12 @@ namespace relief {
 
 namespace {
 
+using Bond = Aggregates::Bond;
+using Node = Aggregates::Node;
+
 constexpr int kBlock = 3;  // places of a block along each direction
+constexpr int kPlaces = kBlock * kBlock;
+constexpr std::size_t kRowsAtOnce = 8;  // of blocks
 
 // A bond far weaker than others at both its ends joins nothing: what it connects moves apart.
 constexpr float kWeak = 0.02f;
@@ -20,247 +26,299 @@ bool is_strong(float strength, float largest_at_a, float largest_at_b) {
   return strength > 0.0f && strength >= kWeak * std::min(largest_at_a, largest_at_b);
 }
 
-float conductance(const EdgeStencil::Axis& axis, std::size_t i) {
+// The bond of the constraint at pixel i along an axis.
+float strength_of(const StencilView::Axis& axis, std::size_t i) {
   return axis.weight[i] * axis.tail[i] * axis.head[i];
 }
 
-// The mean displacement per pixel and slope along one axis.
-struct Metric {
-  float sum = 0.0f;
-  int count = 0;
-  void add(float value) {
-    if (value == 0.0f) return;
-    sum += value;
-    ++count;
-  }
-  float mean() const { return count > 0 ? sum / static_cast<float>(count) : 0.0f; }
-};
+// From the tail of a constraint to its head.
+Transport across(const StencilView::Axis& axis, int direction, std::size_t i) {
+  const float head = axis.head[i], slide = 2.0f * axis.half_length[i] / head;
+  return {axis.tail[i] / head, direction == 0 ? slide : 0.0f, direction == 1 ? slide : 0.0f};
+}
 
-void order_bonds(std::vector<Aggregates::Bond>& bonds) {
-  std::sort(bonds.begin(), bonds.end(), [](const auto& x, const auto& y) {
-    return std::tie(x.a, x.b, x.strength) < std::tie(y.a, y.b, y.strength);
+// The bond between groups that a bond between members a and b makes; members move from their roots
+// as given. Needs different groups.
+Bond lifted(const Bond& bond, std::uint32_t group_a, std::uint32_t group_b,
+            const Transport& a_from_root, const Transport& b_from_root) {
+  const Transport b_from_a = a_from_root.then(bond.b_from_a).then(b_from_root.inverse());
+  if (group_a < group_b) return {group_a, group_b, bond.strength, b_from_a};
+  return {group_b, group_a, bond.strength, b_from_a.inverse()};
+}
+
+void merge_into(Bond& sum, const Bond& other) {
+  const float total = sum.strength + other.strength, share = other.strength / total;
+  const auto blend = [&](float& value, float next) { value += share * (next - value); };
+  blend(sum.b_from_a.scale, other.b_from_a.scale);
+  blend(sum.b_from_a.along_u, other.b_from_a.along_u);
+  blend(sum.b_from_a.along_v, other.b_from_a.along_v);
+  sum.strength = total;
+}
+
+// Orders bonds and merges those between the same nodes.
+void unify(std::vector<Bond>& bonds) {
+  std::stable_sort(bonds.begin(), bonds.end(), [](const Bond& x, const Bond& y) {
+    return std::tie(x.a, x.b) < std::tie(y.a, y.b);
   });
   std::size_t last = 0;
   for (std::size_t k = 1; k < bonds.size(); ++k) {
     if (bonds[k].a == bonds[last].a && bonds[k].b == bonds[last].b)
-      bonds[last].strength += bonds[k].strength;
+      merge_into(bonds[last], bonds[k]);
     else
       bonds[++last] = bonds[k];
   }
   if (!bonds.empty()) bonds.resize(last + 1);
 }
 
-// Groups the pixels of one row of blocks; labels count from zero in each row of blocks.
-class PixelBlockRow {
+// Groups the pixels of rows of blocks; labels count from zero in each row of blocks.
+class PixelGrouping {
  public:
-  PixelBlockRow(const EdgeStencil& stencil, int row)
-      : stencil_(stencil), stride_(static_cast<std::size_t>(stencil.grid.stride())), row_(row) {}
+  PixelGrouping(const EdgeStencil& stencil, Aggregates& aggregates)
+      : grid_(stencil.grid()), view_(stencil.view()), out_(aggregates) {}
 
-  std::vector<Aggregates::Node> group(std::vector<std::uint32_t>& label) {
-    std::vector<Aggregates::Node> nodes;
-    const PaddedGrid& grid = stencil_.grid;
-    for (int column = 0; column * kBlock < grid.width; ++column) group_block(column, label, nodes);
+  std::vector<Node> group_row(int row) {
+    std::vector<Node> nodes;
+    for (int column = 0; column * kBlock < grid_.width; ++column) {
+      find_members(column, row);
+      find_bonds();
+      for (const int place : {4, 1, 3, 5, 7, 0, 2, 6, 8}) {  // roots near the middle
+        if (!is_member_[place] || out_.label[index_[place]] != kNoAggregate) continue;
+        spread_from(place, static_cast<std::uint32_t>(nodes.size()));
+        nodes.push_back({column, row});
+      }
+    }
     return nodes;
   }
 
+  // Bonds between groups of one row of blocks and to the next.
+  std::vector<Bond> bonds_of_row(int row) const {
+    std::vector<Bond> bonds;
+    for (int v = row * kBlock; v < std::min(grid_.height, (row + 1) * kBlock); ++v) {
+      for (const int axis : {1, 0}) {
+        for (std::size_t i = grid_.index(0, v); i < grid_.index(grid_.width, v); ++i) {
+          const auto j = i + static_cast<std::size_t>(grid_.step(axis));
+          const float strength = strength_of(along(axis), i);
+          if (strength <= 0.0f || out_.label[i] == out_.label[j]) continue;
+          const Bond between{0, 0, strength, across(along(axis), axis, i)};
+          const Bond bond =
+              lifted(between, out_.label[i], out_.label[j], out_.from_root[i], out_.from_root[j]);
+          if (!bonds.empty() && bonds.back().a == bond.a && bonds.back().b == bond.b)
+            merge_into(bonds.back(), bond);
+          else
+            bonds.push_back(bond);
+        }
+      }
+    }
+    unify(bonds);
+    return bonds;
+  }
+
  private:
-  bool moves(std::size_t i) const {
-    const auto stencil_weight = [&](const EdgeStencil::Axis& axis, std::size_t k) {
-      return axis.weight[k] > 0.0f;
-    };
-    return stencil_weight(stencil_.along_u, i) || stencil_weight(stencil_.along_u, i - 1) ||
-           stencil_weight(stencil_.along_v, i) || stencil_weight(stencil_.along_v, i - stride_);
+  const StencilView::Axis& along(int axis) const {
+    return axis == 0 ? view_.along_u : view_.along_v;
   }
 
-  float largest_at(std::size_t i) const {
-    return std::max(
-        std::max(conductance(stencil_.along_u, i), conductance(stencil_.along_u, i - 1)),
-        std::max(conductance(stencil_.along_v, i), conductance(stencil_.along_v, i - stride_)));
+  void find_members(int column, int row) {
+    const auto stride = static_cast<std::size_t>(grid_.stride());
+    columns_ = std::min(kBlock, grid_.width - column * kBlock);
+    rows_ = std::min(kBlock, grid_.height - row * kBlock);
+    is_member_.fill(false);
+    for (int place = 0; place < kPlaces; ++place) {
+      if (place % kBlock >= columns_ || place / kBlock >= rows_) continue;
+      const std::size_t i = index_[place] =
+          grid_.index(column * kBlock + place % kBlock, row * kBlock + place / kBlock);
+      largest_[place] =
+          std::max(std::max(strength_of(view_.along_u, i - 1),  //
+                            strength_of(view_.along_u, i)),
+                   std::max(strength_of(view_.along_v, i - stride), strength_of(view_.along_v, i)));
+      is_member_[place] = largest_[place] > 0.0f;
+    }
   }
 
-  // Places of a block are 0 to 8, row by row; a group is known by its smallest place.
-  void group_block(int column, std::vector<std::uint32_t>& label,
-                   std::vector<Aggregates::Node>& nodes) {
-    const PaddedGrid& grid = stencil_.grid;
-    const int u0 = column * kBlock, v0 = row_ * kBlock;
-    const int columns = std::min(kBlock, grid.width - u0),
-              rows = std::min(kBlock, grid.height - v0);
-    std::array<int, kBlock * kBlock> group{};
-    std::array<float, kBlock * kBlock> largest{};
-    std::array<std::uint32_t, kBlock * kBlock> index{};
-    for (int v = 0; v < rows; ++v) {
-      for (int u = 0; u < columns; ++u) {
-        const int place = v * kBlock + u;
-        const std::uint32_t i = index[place] = grid.index(u0 + u, v0 + v);
-        group[place] = moves(i) ? place : -1;
-        if (group[place] >= 0) largest[place] = largest_at(i);
+  void find_bonds() {
+    for (int place = 0; place < kPlaces; ++place) {
+      for (const int axis : {0, 1}) {
+        const int next = place + (axis == 0 ? 1 : kBlock);
+        const bool inside = axis == 0 ? place % kBlock + 1 < columns_ : place / kBlock + 1 < rows_;
+        strong_[axis][place] =
+            inside && is_member_[place] && is_member_[next] &&
+            is_strong(strength_of(along(axis), index_[place]), largest_[place], largest_[next]);
       }
     }
-    const auto join = [&](int a, int b, float strength) {
-      if (group[a] < 0 || group[b] < 0 || group[a] == group[b]) return;
-      if (!is_strong(strength, largest[a], largest[b])) return;
-      const int from = std::max(group[a], group[b]), to = std::min(group[a], group[b]);
-      std::replace(group.begin(), group.end(), from, to);
+  }
+
+  // Gives a group all that hangs on one of its pixels, nearest first.
+  void spread_from(int root, std::uint32_t group) {
+    std::array<int, kPlaces> queue{root};
+    int end = 1;
+    out_.label[index_[root]] = group;
+    out_.from_root[index_[root]] = {};
+    const auto visit = [&](int from, int to, const Transport& step) {
+      if (out_.label[index_[to]] != kNoAggregate) return;
+      out_.label[index_[to]] = group;
+      out_.from_root[index_[to]] = out_.from_root[index_[from]].then(step);
+      queue[end++] = to;
     };
-    for (int v = 0; v < rows; ++v) {
-      for (int u = 0; u < columns; ++u) {
-        const int place = v * kBlock + u;
-        if (group[place] < 0) continue;
-        if (u + 1 < columns) join(place, place + 1, conductance(stencil_.along_u, index[place]));
-        if (v + 1 < rows) join(place, place + kBlock, conductance(stencil_.along_v, index[place]));
+    for (int begin = 0; begin < end; ++begin) {
+      const int p = queue[begin];
+      for (const int axis : {0, 1}) {
+        const int step = axis == 0 ? 1 : kBlock;
+        if (strong_[axis][p]) visit(p, p + step, across(along(axis), axis, index_[p]));
+        if (p >= step && strong_[axis][p - step])
+          visit(p, p - step, across(along(axis), axis, index_[p - step]).inverse());
       }
     }
-    for (int place = 0; place < kBlock * kBlock; ++place)
-      if (group[place] == place && index[place] != 0)
-        add_node(column, place, group, index, label, nodes);
   }
 
-  void add_node(int column, int which, const std::array<int, kBlock * kBlock>& group,
-                const std::array<std::uint32_t, kBlock * kBlock>& index,
-                std::vector<std::uint32_t>& label, std::vector<Aggregates::Node>& nodes) {
-    Aggregates::Node node{.column = column, .row = row_};
-    Metric metric_u, metric_v;
-    float members = 0.0f;
-    for (int place = which; place < kBlock * kBlock; ++place) {
-      if (group[place] != which || index[place] == 0) continue;
-      const std::size_t i = index[place];
-      label[i] = static_cast<std::uint32_t>(nodes.size());
-      node.u += static_cast<float>(column * kBlock + place % kBlock);
-      node.v += static_cast<float>(row_ * kBlock + place / kBlock);
-      members += 1.0f;
-      for (const std::size_t k : {i, i - 1}) metric_u.add(metric(stencil_.along_u, k));
-      for (const std::size_t k : {i, i - stride_}) metric_v.add(metric(stencil_.along_v, k));
-    }
-    node.u /= members;
-    node.v /= members;
-    node.metric_u = metric_u.mean();
-    node.metric_v = metric_v.mean();
-    nodes.push_back(node);
-  }
-
-  // x_head - x_tail that satisfies a constraint along a slope of one.
-  static float metric(const EdgeStencil::Axis& axis, std::size_t i) {
-    const float slope = axis.tail[i] + axis.head[i];
-    return axis.half_length[i] > 0.0f ? 4.0f * axis.half_length[i] / slope : 0.0f;
-  }
-
-  const EdgeStencil& stencil_;
-  std::size_t stride_;
-  int row_;
+  const PaddedGrid& grid_;
+  StencilView view_;
+  Aggregates& out_;
+  // The block at work: places are 0 to 8, row by row.
+  int columns_ = 0, rows_ = 0;
+  std::array<std::size_t, kPlaces> index_{};
+  std::array<float, kPlaces> largest_{};
+  std::array<bool, kPlaces> is_member_{};
+  std::array<std::array<bool, kPlaces>, 2> strong_{};
 };
 
-std::vector<Aggregates::Bond> bonds_between(const EdgeStencil& stencil,
-                                            const std::vector<std::uint32_t>& label) {
-  std::vector<Aggregates::Bond> bonds;
-  const auto stride = static_cast<std::size_t>(stencil.grid.stride());
-  const auto add = [&](std::size_t i, std::size_t j, float strength) {
-    if (strength <= 0.0f || label[i] == label[j]) return;
-    const auto [a, b] = std::minmax(label[i], label[j]);
-    if (!bonds.empty() && bonds.back().a == a && bonds.back().b == b)
-      bonds.back().strength += strength;
-    else
-      bonds.push_back({a, b, strength});
-  };
-  // Along columns first in one sweep of each row: equal bonds follow one another.
-  for (const EdgeStencil::Span& span : stencil.spans) {
-    for (std::size_t i = span.begin; i < span.end; ++i)
-      add(i, i + stride, conductance(stencil.along_v, i));
-    for (std::size_t i = span.begin; i < span.end; ++i)
-      add(i, i + 1, conductance(stencil.along_u, i));
+// Labels that count from zero in each row of blocks become labels of the whole.
+void count_on(const EdgeStencil& stencil, const std::vector<std::vector<Node>>& of_row,
+              Aggregates& aggregates, int threads) {
+  aggregates.rows = {0};
+  for (const auto& nodes : of_row) {
+    aggregates.nodes.insert(aggregates.nodes.end(), nodes.begin(), nodes.end());
+    aggregates.rows.push_back(static_cast<std::uint32_t>(aggregates.nodes.size()));
   }
-  order_bonds(bonds);
-  return bonds;
+  parallel_for(stencil.spans().size(), kBlock * kRowsAtOnce, threads,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t v = begin; v < end; ++v) {
+                   const RowSpan span = stencil.spans()[v];
+                   for (std::size_t i = span.begin; i < span.end; ++i)
+                     if (aggregates.label[i] != kNoAggregate)
+                       aggregates.label[i] += aggregates.rows[v / kBlock];
+                 }
+               });
+}
+
+// Sets of nodes; the representative of a set is its smallest member.
+class NodeSets {
+ public:
+  explicit NodeSets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0u);
+  }
+  std::uint32_t find(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t i, std::uint32_t j) {
+    const std::uint32_t a = find(i), b = find(j);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+std::pair<int, int> block_of(const Node& node) { return {node.row / kBlock, node.column / kBlock}; }
+
+// The bonds that make groups.
+std::vector<Bond> strong_bonds_in_blocks(const Aggregates& below,
+                                         const std::vector<float>& largest) {
+  std::vector<Bond> inside;
+  for (const Bond& bond : below.bonds)
+    if (block_of(below.nodes[bond.a]) == block_of(below.nodes[bond.b]) &&
+        is_strong(bond.strength, largest[bond.a], largest[bond.b]))
+      inside.push_back(bond);
+  return inside;
+}
+
+// From the roots outwards, nearest first.
+std::vector<Transport> transports(const std::vector<std::uint32_t>& root, std::vector<Bond> bonds) {
+  std::vector<Transport> from_root(root.size());
+  std::vector<int> distance(root.size(), -1);
+  for (std::uint32_t i = 0; i < root.size(); ++i)
+    if (root[i] == i) distance[i] = 0;
+  const auto reach = [&](std::uint32_t from, std::uint32_t to, const Transport& step, int ring) {
+    if (distance[from] != ring || distance[to] >= 0) return;
+    from_root[to] = from_root[from].then(step);
+    distance[to] = ring + 1;
+  };
+  for (int ring = 0; !bonds.empty(); ++ring) {
+    for (const Bond& bond : bonds) {
+      reach(bond.a, bond.b, bond.b_from_a, ring);
+      reach(bond.b, bond.a, bond.b_from_a.inverse(), ring);
+    }
+    std::erase_if(bonds, [&](const Bond& b) { return distance[b.a] >= 0 && distance[b.b] >= 0; });
+  }
+  return from_root;
+}
+
+// Numbers the groups by the blocks of their roots.
+void number_groups(const Aggregates& below, const std::vector<std::uint32_t>& root,
+                   const std::vector<float>& largest, Aggregates& aggregates) {
+  std::vector<std::uint32_t> roots;
+  for (std::uint32_t i = 0; i < root.size(); ++i)
+    if (root[i] == i && largest[i] > 0.0f) roots.push_back(i);
+  std::sort(roots.begin(), roots.end(), [&](std::uint32_t x, std::uint32_t y) {
+    return std::tuple(block_of(below.nodes[x]), x) < std::tuple(block_of(below.nodes[y]), y);
+  });
+  aggregates.label.assign(root.size(), kNoAggregate);
+  aggregates.rows.assign((below.rows.size() - 1 + kBlock - 1) / kBlock + 1, 0);
+  for (const std::uint32_t i : roots) {
+    aggregates.label[i] = static_cast<std::uint32_t>(aggregates.nodes.size());
+    const auto [row, column] = block_of(below.nodes[i]);
+    aggregates.nodes.push_back({column, row});
+    ++aggregates.rows[static_cast<std::size_t>(row) + 1];
+  }
+  std::partial_sum(aggregates.rows.begin(), aggregates.rows.end(), aggregates.rows.begin());
+  for (std::uint32_t i = 0; i < root.size(); ++i) aggregates.label[i] = aggregates.label[root[i]];
 }
 
 }  // namespace
 
 Aggregates aggregate_pixels(const EdgeStencil& stencil, int threads) {
   Aggregates aggregates;
-  aggregates.label.assign(stencil.grid.size(), kNoAggregate);
-  const auto rows = static_cast<std::size_t>((stencil.grid.height + kBlock - 1) / kBlock);
-  std::vector<std::vector<Aggregates::Node>> of_row(rows);
-  parallel_for(rows, 8, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row)
-      of_row[row] = PixelBlockRow(stencil, static_cast<int>(row)).group(aggregates.label);
-  });
-  aggregates.rows = {0};
-  for (std::size_t row = 0; row < rows; ++row) {
-    const std::uint32_t first = aggregates.rows.back();
-    aggregates.nodes.insert(aggregates.nodes.end(), of_row[row].begin(), of_row[row].end());
-    aggregates.rows.push_back(static_cast<std::uint32_t>(aggregates.nodes.size()));
-    const int last_v = std::min(stencil.grid.height, static_cast<int>(row + 1) * kBlock);
-    for (int v = static_cast<int>(row) * kBlock; v < last_v; ++v) {
-      const EdgeStencil::Span span = stencil.spans[static_cast<std::size_t>(v)];
-      for (std::size_t i = span.begin; i < span.end; ++i)
-        if (aggregates.label[i] != kNoAggregate) aggregates.label[i] += first;
-    }
+  aggregates.label.assign(stencil.grid().size(), kNoAggregate);
+  aggregates.from_root.resize(stencil.grid().size());
+  const auto rows = static_cast<std::size_t>((stencil.grid().height + kBlock - 1) / kBlock);
+  std::vector<std::vector<Node>> nodes(rows);
+  std::vector<std::vector<Bond>> bonds(rows);
+  const auto each_row = [&](const auto& body) {
+    parallel_for(rows, kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+      PixelGrouping grouping(stencil, aggregates);
+      for (std::size_t row = begin; row < end; ++row) body(grouping, row);
+    });
+  };
+  each_row([&](auto& grouping, auto row) { nodes[row] = grouping.group_row(int(row)); });
+  count_on(stencil, nodes, aggregates, threads);
+  each_row([&](auto& grouping, auto row) { bonds[row] = grouping.bonds_of_row(int(row)); });
+  for (std::vector<Bond>& of_row : bonds) {
+    aggregates.bonds.insert(aggregates.bonds.end(), of_row.begin(), of_row.end());
+    of_row = {};
   }
-  aggregates.bonds = bonds_between(stencil, aggregates.label);
   return aggregates;
 }
 
 Aggregates aggregate_nodes(const Aggregates& below) {
-  const std::size_t count = below.nodes.size();
-  std::vector<float> largest(count, 0.0f);
-  for (const auto& bond : below.bonds)
+  std::vector<float> largest(below.nodes.size(), 0.0f);
+  for (const Bond& bond : below.bonds)
     for (const std::uint32_t i : {bond.a, bond.b}) largest[i] = std::max(largest[i], bond.strength);
-  // Groups within blocks: every node points to a smaller one of its group, or to itself.
-  std::vector<std::uint32_t> parent(count);
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  const auto block_of = [&](std::uint32_t i) {
-    return std::pair{below.nodes[i].row / kBlock, below.nodes[i].column / kBlock};
-  };
-  for (const auto& bond : below.bonds) {
-    if (block_of(bond.a) != block_of(bond.b)) continue;
-    if (!is_strong(bond.strength, largest[bond.a], largest[bond.b])) continue;
-    const std::uint32_t a = root(bond.a), b = root(bond.b);
-    parent[std::max(a, b)] = std::min(a, b);
-  }
-  std::vector<std::uint32_t> roots;
-  for (std::uint32_t i = 0; i < count; ++i)
-    if (root(i) == i && largest[i] > 0.0f) roots.push_back(i);
-  std::sort(roots.begin(), roots.end(), [&](std::uint32_t x, std::uint32_t y) {
-    return std::tuple(block_of(x), x) < std::tuple(block_of(y), y);
-  });
+  std::vector<Bond> inside = strong_bonds_in_blocks(below, largest);
+  NodeSets sets(below.nodes.size());
+  for (const Bond& bond : inside) sets.join(bond.a, bond.b);
+  std::vector<std::uint32_t> root(below.nodes.size());
+  for (std::uint32_t i = 0; i < root.size(); ++i) root[i] = sets.find(i);
 
   Aggregates aggregates;
-  aggregates.label.assign(count, kNoAggregate);
-  const auto rows = (below.rows.size() - 1 + kBlock - 1) / kBlock;
-  aggregates.rows.assign(rows + 1, 0);
-  for (const std::uint32_t i : roots) {
-    aggregates.label[i] = static_cast<std::uint32_t>(aggregates.nodes.size());
-    const auto [row, column] = block_of(i);
-    aggregates.nodes.push_back({.column = column, .row = row});
-    ++aggregates.rows[static_cast<std::size_t>(row) + 1];
+  number_groups(below, root, largest, aggregates);
+  aggregates.from_root = transports(root, std::move(inside));
+  for (const Bond& bond : below.bonds) {
+    const std::uint32_t a = aggregates.label[bond.a], b = aggregates.label[bond.b];
+    if (a != b)
+      aggregates.bonds.push_back(
+          lifted(bond, a, b, aggregates.from_root[bond.a], aggregates.from_root[bond.b]));
   }
-  std::partial_sum(aggregates.rows.begin(), aggregates.rows.end(), aggregates.rows.begin());
-  std::vector<Metric> metric_u(aggregates.nodes.size()), metric_v(aggregates.nodes.size());
-  std::vector<float> members(aggregates.nodes.size(), 0.0f);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t k = aggregates.label[i] = aggregates.label[root(i)];
-    if (k == kNoAggregate) continue;
-    members[k] += 1.0f;
-    aggregates.nodes[k].u += below.nodes[i].u;
-    aggregates.nodes[k].v += below.nodes[i].v;
-    metric_u[k].add(below.nodes[i].metric_u);
-    metric_v[k].add(below.nodes[i].metric_v);
-  }
-  for (std::size_t k = 0; k < aggregates.nodes.size(); ++k) {
-    Aggregates::Node& node = aggregates.nodes[k];
-    node.u /= members[k];
-    node.v /= members[k];
-    node.metric_u = metric_u[k].mean();
-    node.metric_v = metric_v[k].mean();
-  }
-  for (const auto& bond : below.bonds) {
-    const auto [a, b] = std::minmax(aggregates.label[bond.a], aggregates.label[bond.b]);
-    if (a != b) aggregates.bonds.push_back({a, b, bond.strength});
-  }
-  order_bonds(aggregates.bonds);
+  unify(aggregates.bonds);
   return aggregates;
 }
 

@@ -1,5 +1,8 @@
 #include "hybrid/edge_stencil.h"
 
+#include <cassert>
+#include <utility>
+
 #include <Eigen/Dense>
 
 #include "scan/parallel.h"
@@ -11,11 +14,11 @@ namespace {
 constexpr std::size_t kRowsAtOnce = 32;
 
 // The diagonal block of pixel i, in double precision.
-Eigen::Matrix3d diagonal_block(const EdgeStencil& s, std::size_t i) {
+Eigen::Matrix3d diagonal_block(const StencilView& s, std::ptrdiff_t i) {
   Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
   block(0, 0) = s.mass[i];
   block(1, 1) = block(2, 2) = s.bias_size;
-  const auto add = [&](const EdgeStencil::Axis& axis, int bias, std::size_t edge, double slope) {
+  const auto add = [&](const StencilView::Axis& axis, int bias, std::ptrdiff_t edge, double slope) {
     const double weight = axis.weight[edge], half = axis.half_length[edge];
     block(0, 0) += weight * slope * slope;
     block(0, bias) -= weight * slope * half;
@@ -25,43 +28,35 @@ Eigen::Matrix3d diagonal_block(const EdgeStencil& s, std::size_t i) {
     block(1, 1) += s.bias_step;
     block(2, 2) += s.bias_step;
   };
-  const auto stride = static_cast<std::size_t>(s.grid.stride());
-  add(s.along_u, 1, i, -static_cast<double>(s.along_u.tail[i]));
+  add(s.along_u, 1, i, -double{s.along_u.tail[i]});
   add(s.along_u, 1, i - 1, s.along_u.head[i - 1]);
-  add(s.along_v, 2, i, -static_cast<double>(s.along_v.tail[i]));
-  add(s.along_v, 2, i - stride, s.along_v.head[i - stride]);
+  add(s.along_v, 2, i, -double{s.along_v.tail[i]});
+  add(s.along_v, 2, i - s.stride, s.along_v.head[i - s.stride]);
   return block;
 }
 
 }  // namespace
 
-EdgeStencil::EdgeStencil(PaddedGrid padded) : grid(padded), mass(padded.size(), 0.0f) {
-  for (Axis* axis : {&along_u, &along_v})
-    for (auto* plane : {&axis->tail, &axis->head, &axis->half_length, &axis->weight})
-      plane->assign(padded.size(), 0.0f);
-  for (auto& plane : inverse_) plane.assign(padded.size(), 0.0f);
+EdgeStencil::EdgeStencil(const ViewProblem& problem, bool with_bias) : problem_(problem) {
+  assert(problem.slopes.stencil == Stencil::kCompactEdge);
+  std::vector<std::uint8_t> movable(problem.grid.size(), 0);
+  for (const std::uint32_t i : problem.pixels) movable[i] = 1;
+  spans_ = row_spans(problem.grid, movable);
+  if (!with_bias) no_length_.assign(problem.grid.size(), 0.0f);
+  for (auto& plane : inverse_) plane.assign(problem.grid.size(), 0.0f);
 }
 
-void EdgeStencil::find_spans(const std::vector<std::uint8_t>& movable) {
-  spans.assign(static_cast<std::size_t>(grid.height), {});
-  for (int v = 0; v < grid.height; ++v) {
-    Span& span = spans[static_cast<std::size_t>(v)];
-    const std::uint32_t first = grid.index(0, v);
-    span = {first, first};
-    for (int u = 0; u < grid.width; ++u) {
-      const std::uint32_t i = grid.index(u, v);
-      if (!movable[i]) continue;
-      if (span.begin == span.end) span.begin = i;
-      span.end = i + 1;
-    }
+void EdgeStencil::set_weights(ViewWeights weights, int threads) {
+  weights_ = std::move(weights);
+  if (!no_length_.empty()) {
+    weights_.bias_step = 0.0f;
+    weights_.bias_size = 1.0f;
   }
-}
-
-void EdgeStencil::invert_blocks(int threads) {
-  parallel_for(spans.size(), kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+  const StencilView stencil = view();
+  parallel_for(spans_.size(), kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
-      for (std::size_t i = spans[v].begin; i < spans[v].end; ++i) {
-        const Eigen::Matrix3d block = diagonal_block(*this, i);
+      for (std::size_t i = spans_[v].begin; i < spans_[v].end; ++i) {
+        const Eigen::Matrix3d block = diagonal_block(stencil, static_cast<std::ptrdiff_t>(i));
         if (!(block(0, 0) > 0.0)) continue;
         const Eigen::Matrix3d inverse = block.inverse();
         const double values[6] = {inverse(0, 0), inverse(0, 1), inverse(0, 2),
@@ -73,15 +68,17 @@ void EdgeStencil::invert_blocks(int threads) {
 }
 
 StencilView EdgeStencil::view() const {
-  const auto of = [](const Axis& axis) {
-    return StencilView::Axis{axis.tail.data(), axis.head.data(), axis.half_length.data(),
-                             axis.weight.data()};
+  const auto along = [&](std::size_t axis) {
+    const SlopeConstraints::Axis& a = problem_.slopes.axes[axis];
+    const std::vector<float>& half_length = no_length_.empty() ? a.half_length : no_length_;
+    return StencilView::Axis{a.tail_slope.data(), a.head_slope.data(), half_length.data(),
+                             weights_.slope[axis].data()};
   };
-  StencilView view{.mass = mass.data(), .along_u = of(along_u), .along_v = of(along_v)};
+  StencilView view{.mass = weights_.position.data(), .along_u = along(0), .along_v = along(1)};
   for (int k = 0; k < 6; ++k) view.inverse[k] = inverse_[k].data();
-  view.stride = grid.stride();
-  view.bias_step = bias_step;
-  view.bias_size = bias_size;
+  view.stride = grid().stride();
+  view.bias_step = weights_.bias_step;
+  view.bias_size = weights_.bias_size;
   return view;
 }
 

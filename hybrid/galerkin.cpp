@@ -41,20 +41,15 @@ class RowSum {
 class PixelRows {
  public:
   PixelRows(const EdgeStencil& stencil, const Aggregates& groups)
-      : s_(stencil), view_(stencil.view()), groups_(groups) {}
+      : grid_(stencil.grid()), s_(stencil.view()), groups_(groups) {}
 
   // First pixel of a grid row, padded; rows beyond the grid are empty.
   std::size_t first_of_row(std::ptrdiff_t row) const {
-    return s_.grid.index(0, static_cast<int>(std::clamp<std::ptrdiff_t>(row, 0, s_.grid.height)));
+    return grid_.index(0, static_cast<int>(std::clamp<std::ptrdiff_t>(row, 0, grid_.height)));
   }
   bool exists(std::size_t i) const { return groups_.label[i] != kNoAggregate; }
-  Eigen::Vector2d arm_of(std::size_t i) const {
-    const auto stride = static_cast<std::size_t>(s_.grid.stride());
-    return arm(groups_.nodes[groups_.label[i]], static_cast<double>(i % stride) - 1.0,
-               static_cast<double>(i / stride) - 1.0);
-  }
   Eigen::Matrix3d inverse(std::size_t i) const {
-    const auto value = [&](int k) { return static_cast<double>(view_.inverse[k][i]); };
+    const auto value = [&](int k) { return static_cast<double>(s_.inverse[k][i]); };
     Eigen::Matrix3d inverse;
     inverse << value(0), value(1), value(2), value(1), value(3), value(4), value(2), value(4),
         value(5);
@@ -66,7 +61,7 @@ class PixelRows {
     Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
     own(0, 0) = s_.mass[i];
     own(1, 1) = own(2, 2) = s_.bias_size;
-    const auto stride = static_cast<std::size_t>(s_.grid.stride());
+    const auto stride = static_cast<std::size_t>(s_.stride);
     edge(s_.along_u, 1, i, true, i + 1, own, visit);
     edge(s_.along_u, 1, i - 1, false, i - 1, own, visit);
     edge(s_.along_v, 2, i, true, i + stride, own, visit);
@@ -76,12 +71,12 @@ class PixelRows {
 
  private:
   template <typename Visit>
-  void edge(const EdgeStencil::Axis& axis, int bias, std::size_t k, bool is_tail, std::size_t other,
+  void edge(const StencilView::Axis& axis, int bias, std::size_t k, bool is_tail, std::size_t other,
             Eigen::Matrix3d& own, const Visit& visit) const {
     const double weight = axis.weight[k];
     if (weight <= 0.0) return;
-    const double half = -static_cast<double>(axis.half_length[k]);
-    const double tail = -static_cast<double>(axis.tail[k]), head = axis.head[k];
+    const double half = -double{axis.half_length[k]};
+    const double tail = -double{axis.tail[k]}, head = axis.head[k];
     const double here = is_tail ? tail : head, there = is_tail ? head : tail;
     const double step = half < 0.0 ? s_.bias_step : 0.0;
     own(0, 0) += weight * here * here;
@@ -100,25 +95,23 @@ class PixelRows {
     visit(other, block);
   }
 
-  const EdgeStencil& s_;
-  StencilView view_;
+  const PaddedGrid& grid_;
+  StencilView s_;
   const Aggregates& groups_;
 };
 
+// A coarser matrix, row by row.
 class NodeRows {
  public:
-  NodeRows(const CoarseMatrix& matrix, const Aggregates& below, const Aggregates& groups)
-      : m_(matrix), below_(below), groups_(groups) {}
+  NodeRows(const CoarseMatrix& matrix, const std::vector<std::uint32_t>& rows)
+      : m_(matrix), rows_(rows) {}
 
   std::size_t first_of_row(std::ptrdiff_t row) const {
-    const auto last = static_cast<std::ptrdiff_t>(below_.rows.size()) - 1;
-    return below_.rows[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(row, 0, last))];
+    const auto last = static_cast<std::ptrdiff_t>(rows_.size()) - 1;
+    return rows_[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(row, 0, last))];
   }
   bool exists(std::size_t) const { return true; }
-  Eigen::Vector2d arm_of(std::size_t i) const {
-    return arm(groups_.nodes[groups_.label[i]], below_.nodes[i].u, below_.nodes[i].v);
-  }
-  Eigen::Matrix3d inverse(std::size_t i) const { return m_.inverse[i]; }
+  const Eigen::Matrix3d& inverse(std::size_t i) const { return m_.inverse[i]; }
 
   template <typename Visit>
   void for_each_block(std::size_t i, const Visit& visit) const {
@@ -128,8 +121,7 @@ class NodeRows {
 
  private:
   const CoarseMatrix& m_;
-  const Aggregates& below_;
-  const Aggregates& groups_;
+  const std::vector<std::uint32_t>& rows_;
 };
 
 // The coarse rows of groups in some rows of blocks. Interpolation reaches one row of nodes beyond a
@@ -165,22 +157,23 @@ class Piece {
     rows_.for_each_block(i, [&](std::size_t j, const Eigen::Matrix3d& a) {
       const std::uint32_t group = groups_.label[j];
       if (group == kNoAggregate) return;
-      const Eigen::Vector2d offset = rows_.arm_of(j);
+      // A times the rigid motion [scale along_u along_v; 0 1 0; 0 0 1] of the group's member.
+      const Transport& motion = groups_.from_root[j];
       Eigen::Matrix3d& target = sum.at(group);
-      target += a;
-      target.col(1) += a.col(0) * offset[0];
-      target.col(2) += a.col(0) * offset[1];
+      target.col(0) += a.col(0) * motion.scale;
+      target.col(1) += a.col(0) * motion.along_u + a.col(1);
+      target.col(2) += a.col(0) * motion.along_v + a.col(2);
     });
     const Eigen::Matrix3d scaled = -damping_ * rows_.inverse(i);
     smoothed_.clear();
     for (std::size_t k = 0; k < sum.size(); ++k)
       smoothed_.at(sum.column(k)).noalias() = scaled * sum.block(k);
     if (const std::uint32_t own = groups_.label[i]; own != kNoAggregate) {
-      const Eigen::Vector2d offset = rows_.arm_of(i);
+      const Transport& motion = groups_.from_root[i];
       Eigen::Matrix3d& target = smoothed_.at(own);
-      target += Eigen::Matrix3d::Identity();
-      target(0, 1) += offset[0];
-      target(0, 2) += offset[1];
+      target.row(0) += Eigen::RowVector3d(motion.scale, motion.along_u, motion.along_v);
+      target(1, 1) += 1.0;
+      target(2, 2) += 1.0;
     }
     std::swap(sum, smoothed_);
   }
@@ -281,9 +274,9 @@ CoarseMatrix coarsen(const EdgeStencil& fine, const Aggregates& groups, double d
   return coarsen_rows(PixelRows(fine, groups), groups, damping, threads);
 }
 
-CoarseMatrix coarsen(const CoarseMatrix& fine, const Aggregates& below, const Aggregates& groups,
-                     double damping, int threads) {
-  return coarsen_rows(NodeRows(fine, below, groups), groups, damping, threads);
+CoarseMatrix coarsen(const CoarseMatrix& fine, const std::vector<std::uint32_t>& fine_rows,
+                     const Aggregates& groups, double damping, int threads) {
+  return coarsen_rows(NodeRows(fine, fine_rows), groups, damping, threads);
 }
 
 }  // namespace relief

@@ -29,12 +29,8 @@ struct CoarseMatrix {
 /// motion of the groups; the coarse matrix is P^T A P (Vanek, Mandel and Brezina 1996).
 CoarseMatrix coarsen(const EdgeStencil& fine, const Aggregates& groups, double damping,
                      int threads);
-CoarseMatrix coarsen(const CoarseMatrix& fine, const Aggregates& below, const Aggregates& groups,
-                     double damping, int threads);
-
-/// The displacement of a member at (u, v) of a group per unit of its slopes.
-inline Eigen::Vector2d arm(const Aggregates::Node& group, double u, double v) {
-  return {(u - group.u) * group.metric_u, (v - group.v) * group.metric_v};
-}
+/// `fine_rows`: the nodes of row k of the finer level are [fine_rows[k], fine_rows[k + 1]).
+CoarseMatrix coarsen(const CoarseMatrix& fine, const std::vector<std::uint32_t>& fine_rows,
+                     const Aggregates& groups, double damping, int threads);
 
 }  // namespace relief

@@ -47,7 +47,8 @@ class PixelLevel {
   PixelLevel(const EdgeStencil& stencil, int threads)
       : stencil_(stencil), view_(stencil.view()), threads_(threads) {}
 
-  Vector zero() const { return Vector(stencil_.grid.size()); }
+  void refresh() { view_ = stencil_.view(); }
+  Vector zero() const { return Vector(stencil_.grid().size()); }
 
   void scale(double b, const Vector& r, Vector& out) const {
     each_row([&](const auto& span) {
@@ -74,17 +75,19 @@ class PixelLevel {
         [&](std::uint32_t first, std::uint32_t last) {
           std::fill(coarse.begin() + first, coarse.begin() + last, Eigen::Vector3d::Zero());
         },
-        [&](std::size_t i, std::uint32_t k, const Eigen::Vector2d& offset) {
+        [&](std::size_t i, std::uint32_t k, const Transport& motion) {
           const double x = fine.x[i];
-          coarse[k] += Eigen::Vector3d(x, fine.bu[i] + offset[0] * x, fine.bv[i] + offset[1] * x);
+          coarse[k] += Eigen::Vector3d(motion.scale * x, fine.bu[i] + motion.along_u * x,
+                                       fine.bv[i] + motion.along_v * x);
         });
   }
   void spread(const Aggregates& groups, const Nodes& coarse, Vector& fine) const {
     each_row_of_groups(
         groups, [](std::uint32_t, std::uint32_t) {},
-        [&](std::size_t i, std::uint32_t k, const Eigen::Vector2d& offset) {
+        [&](std::size_t i, std::uint32_t k, const Transport& motion) {
           const Eigen::Vector3d& c = coarse[k];
-          fine.x[i] = static_cast<float>(c[0] + offset.dot(c.tail<2>()));
+          fine.x[i] = static_cast<float>(motion.scale * c[0] + motion.along_u * c[1] +
+                                         motion.along_v * c[2]);
           fine.bu[i] = static_cast<float>(c[1]);
           fine.bv[i] = static_cast<float>(c[2]);
         });
@@ -93,29 +96,26 @@ class PixelLevel {
  private:
   template <typename Body>
   void each_row(const Body& body) const {
-    parallel_for(stencil_.spans.size(), kRowsAtOnce, threads_,
+    parallel_for(stencil_.spans().size(), kRowsAtOnce, threads_,
                  [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t v = begin; v < end; ++v) body(stencil_.spans[v]);
+                   for (std::size_t v = begin; v < end; ++v) body(stencil_.spans()[v]);
                  });
   }
   // A row of groups is three rows of pixels: no two threads meet in one group.
   template <typename Start, typename Body>
   void each_row_of_groups(const Aggregates& groups, const Start& start, const Body& body) const {
-    parallel_for(
-        groups.rows.size() - 1, kRowsAtOnce / 3, threads_, [&](std::size_t begin, std::size_t end) {
-          start(groups.rows[begin], groups.rows[end]);
-          const std::size_t last = std::min(3 * end, stencil_.spans.size());
-          for (std::size_t v = 3 * begin; v < last; ++v) {
-            const auto span = stencil_.spans[v];
-            const std::uint32_t origin = stencil_.grid.index(0, static_cast<int>(v));
-            for (std::size_t i = span.begin; i < span.end; ++i) {
-              const std::uint32_t k = groups.label[i];
-              if (k == kNoAggregate) continue;
-              body(i, k,
-                   arm(groups.nodes[k], static_cast<double>(i - origin), static_cast<double>(v)));
-            }
-          }
-        });
+    parallel_for(groups.rows.size() - 1, kRowsAtOnce / 3, threads_,
+                 [&](std::size_t begin, std::size_t end) {
+                   start(groups.rows[begin], groups.rows[end]);
+                   const std::size_t last = std::min(3 * end, stencil_.spans().size());
+                   for (std::size_t v = 3 * begin; v < last; ++v) {
+                     const RowSpan span = stencil_.spans()[v];
+                     for (std::size_t i = span.begin; i < span.end; ++i) {
+                       const std::uint32_t k = groups.label[i];
+                       if (k != kNoAggregate) body(i, k, groups.from_root[i]);
+                     }
+                   }
+                 });
   }
 
   const EdgeStencil& stencil_;
@@ -169,27 +169,40 @@ class NodeLevel {
   }
 
   void gather(const Aggregates& groups, const Vector& fine, Nodes& coarse) const {
-    std::fill(coarse.begin(), coarse.end(), Eigen::Vector3d::Zero());
-    for (std::size_t i = 0; i < size(); ++i) {
-      const std::uint32_t k = groups.label[i];
-      if (k == kNoAggregate) continue;
-      const Eigen::Vector2d offset = arm(groups.nodes[k], nodes_.nodes[i].u, nodes_.nodes[i].v);
-      coarse[k] += fine[i];
-      coarse[k].tail<2>() += offset * fine[i][0];
-    }
+    each_row_of_groups(groups, [&](std::size_t begin, std::size_t end) {
+      std::fill(coarse.begin() + groups.rows[begin], coarse.begin() + groups.rows[end],
+                Eigen::Vector3d::Zero());
+      for (std::size_t i = first_of_row(3 * begin); i < first_of_row(3 * end); ++i) {
+        const std::uint32_t k = groups.label[i];
+        if (k == kNoAggregate) continue;
+        const Transport& motion = groups.from_root[i];
+        const double x = fine[i][0];
+        coarse[k] += Eigen::Vector3d(motion.scale * x, fine[i][1] + motion.along_u * x,
+                                     fine[i][2] + motion.along_v * x);
+      }
+    });
   }
   void spread(const Aggregates& groups, const Nodes& coarse, Vector& fine) const {
-    for (std::size_t i = 0; i < size(); ++i) {
-      const std::uint32_t k = groups.label[i];
-      fine[i].setZero();
-      if (k == kNoAggregate) continue;
-      const Eigen::Vector2d offset = arm(groups.nodes[k], nodes_.nodes[i].u, nodes_.nodes[i].v);
-      fine[i] = coarse[k];
-      fine[i][0] += offset.dot(coarse[k].tail<2>());
-    }
+    each_row_of_groups(groups, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = first_of_row(3 * begin); i < first_of_row(3 * end); ++i) {
+        const std::uint32_t k = groups.label[i];
+        fine[i].setZero();
+        if (k == kNoAggregate) continue;
+        const Transport& motion = groups.from_root[i];
+        const Eigen::Vector3d& c = coarse[k];
+        fine[i] << motion.scale * c[0] + motion.along_u * c[1] + motion.along_v * c[2], c[1], c[2];
+      }
+    });
   }
 
  private:
+  std::size_t first_of_row(std::size_t row) const {
+    return nodes_.rows[std::min(row, nodes_.rows.size() - 1)];
+  }
+  template <typename Body>
+  void each_row_of_groups(const Aggregates& groups, const Body& body) const {
+    parallel_for(groups.rows.size() - 1, 16, threads_, body);
+  }
   Eigen::Vector3d product(std::size_t i, const Vector& in) const {
     const BlockMatrix& m = matrix_.matrix;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -263,8 +276,8 @@ struct Multigrid::Hierarchy {
       const NodeLevel& below = coarse.back().level;
       Aggregates next = aggregate_nodes(below.nodes());
       if (next.nodes.empty() || 10 * next.nodes.size() > 9 * below.size()) break;
-      CoarseMatrix product =
-          coarsen(below.matrix(), below.nodes(), next, coarse.back().relaxation.damping, threads);
+      CoarseMatrix product = coarsen(below.matrix(), below.nodes().rows, next,
+                                     coarse.back().relaxation.damping, threads);
       coarse.emplace_back(NodeLevel(std::move(product), std::move(next), threads));
     }
     usable = factorise(coarse.back().level.matrix().matrix, factor);
@@ -316,6 +329,8 @@ Multigrid::Multigrid(Multigrid&&) noexcept = default;
 
 bool Multigrid::usable() const { return hierarchy_->usable; }
 int Multigrid::levels() const { return static_cast<int>(hierarchy_->coarse.size()) + 1; }
+
+void Multigrid::refresh() { hierarchy_->finest.refresh(); }
 
 void Multigrid::apply(const Planes<float>& r, Planes<float>& x) {
   Hierarchy& h = *hierarchy_;

@@ -14,7 +14,7 @@ namespace relief {
 /// stored as a matrix, coarser ones are in double.
 class Multigrid {
  public:
-  /// `stencil` must outlive the object, and have its blocks inverted.
+  /// `stencil` must outlive the object and have weights.
   Multigrid(const EdgeStencil& stencil, int threads);
   ~Multigrid();
   Multigrid(Multigrid&&) noexcept;
@@ -22,6 +22,9 @@ class Multigrid {
   /// False when the coarsest matrix could not be factorised.
   bool usable() const;
   int levels() const;
+  /// To be called when the stencil's weights have changed. The finest level follows them; coarser
+  /// ones stay as they were made.
+  void refresh();
   /// x = approximately A^-1 r.
   void apply(const Planes<float>& r, Planes<float>& x);
 

@@ -18,9 +18,10 @@ struct Pixel {
   int u, v;
 };
 
-Pixel pixel_of(const RangeView& view, std::uint32_t index) {
-  const int width = view.width();
-  return {static_cast<int>(index) % width, static_cast<int>(index) / width};
+// Of a movable sample.
+Pixel pixel_of(const ViewProblem& problem, Eigen::Index k) {
+  const std::uint32_t i = problem.pixels[static_cast<std::size_t>(k)];
+  return {problem.grid.u(i), problem.grid.v(i)};
 }
 
 // The step from one ray to the next along an axis at one range: central, or one-sided at a border.
@@ -62,7 +63,7 @@ SlopeFields slope_fields(const RangeView& view, const GridEdges& edges,
                      Eigen::VectorXd::Zero(count)};
   const Grid<Eigen::Vector3f> surface = finite_difference_normals(view, edges);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const Pixel p = pixel_of(view, problem.pixels[static_cast<std::size_t>(k)]);
+    const Pixel p = pixel_of(problem, k);
     const Eigen::Vector3d viewing = view.camera.ray(p.u, p.v).direction.normalized();
     const Eigen::Vector3d from_range = surface(p.u, p.v).cast<double>();
     if (!view.has_normal(p.u, p.v) || !from_range.allFinite()) continue;
@@ -71,7 +72,7 @@ SlopeFields slope_fields(const RangeView& view, const GridEdges& edges,
     if (cosine < 0.05 || from_range.dot(viewing) > -0.05) continue;
     fields.measured.row(k) = slope_form(measured, viewing);
     fields.surface.row(k) = slope_form(from_range, viewing);
-    fields.mass[k] = problem.confidence[k] * cosine * cosine;
+    fields.mass[k] = double{problem.confidence[k]} * cosine * cosine;
   }
   return fields;
 }
@@ -83,7 +84,7 @@ Eigen::SparseMatrix<double> smoothing_matrix(const ViewProblem& problem,
   const double stiffness = scale * scale;
   std::vector<Eigen::Triplet<double>> entries;
   for (Eigen::Index i = 0; i < count; ++i) entries.emplace_back(i, i, mass[i] + 1e-9);
-  for (const auto& [a, b] : problem.neighbours) {
+  for (const auto& [a, b] : bias_neighbours(problem)) {
     entries.emplace_back(a, a, stiffness);
     entries.emplace_back(b, b, stiffness);
     entries.emplace_back(std::max(a, b), std::min(a, b), -stiffness);
@@ -100,7 +101,7 @@ Grid<Eigen::Vector3f> subtract_bias(const RangeView& view, const ViewProblem& pr
   Grid<Eigen::Vector3f> normals = view.normals;
   const auto count = static_cast<Eigen::Index>(problem.size());
   for (Eigen::Index k = 0; k < count; ++k) {
-    const Pixel p = pixel_of(view, problem.pixels[static_cast<std::size_t>(k)]);
+    const Pixel p = pixel_of(problem, k);
     if (!view.has_normal(p.u, p.v)) continue;
     const Eigen::Vector3d viewing = view.camera.ray(p.u, p.v).direction.normalized();
     const Eigen::Vector3d normal = view.normals(p.u, p.v).cast<double>();
@@ -128,7 +129,7 @@ TwoStepResult two_step_correction(const RangeView& view, const GridEdges& edges,
     }
   }
   for (Eigen::Index k = 0; k < matrix.rows(); ++k) {
-    const Pixel p = pixel_of(view, problem.pixels[static_cast<std::size_t>(k)]);
+    const Pixel p = pixel_of(problem, k);
     const Eigen::Vector3d from = measured.row(k), to = surface.row(k);
     if (!view.has_normal(p.u, p.v) || !(from.norm() > 0.0) || !(to.norm() > 0.0)) continue;
     // R takes S(N) to N; the corrected normal is R S(Npos), equation (2).

@@ -1,6 +1,7 @@
 #include "hybrid/refine_view.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -14,6 +15,7 @@
 #include "hybrid/view_problem.h"
 #include "hybrid/view_solver.h"
 #include "scan/median.h"
+#include "scan/parallel.h"
 
 namespace relief {
 
@@ -34,10 +36,17 @@ struct NoiseModel {
   double spacing = 0.0;
 };
 
-double median_length(const std::vector<SlopeConstraint>& slopes) {
-  std::vector<double> lengths;
-  lengths.reserve(slopes.size());
-  for (const auto& c : slopes) lengths.push_back(c.length);
+// Every so many-th of `count` values such that a median of them is good to about a percent.
+std::size_t thinning(std::size_t count) { return std::max<std::size_t>(1, count / 100000); }
+
+double median_length(const ViewProblem& problem) {
+  std::vector<float> lengths;
+  const std::size_t stride = thinning(problem.constraints);
+  std::size_t k = 0;
+  problem.slopes.for_each([&](int axis, std::size_t i) {
+    if (k++ % stride == 0)
+      lengths.push_back(2.0f * problem.slopes.axes[static_cast<std::size_t>(axis)].half_length[i]);
+  });
   return median(std::move(lengths));
 }
 
@@ -87,14 +96,19 @@ double equivalent_lambda(const NoiseModel& noise) {
 ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
                             bool equal_slopes) {
   ViewWeights weights;
-  weights.position =
-      (problem.confidence / (noise.sigma_position * noise.sigma_position)).cast<float>();
-  weights.slope.resize(static_cast<Eigen::Index>(problem.slopes.size()));
-  for (std::size_t k = 0; k < problem.slopes.size(); ++k) {
-    const double length = equal_slopes ? noise.spacing : problem.slopes[k].length;
+  weights.position.assign(problem.grid.size(), 0.0f);
+  const double position = 1.0 / (noise.sigma_position * noise.sigma_position);
+  for (std::size_t k = 0; k < problem.size(); ++k)
+    weights.position[problem.pixels[k]] =
+        static_cast<float>(position * problem.confidence[static_cast<Eigen::Index>(k)]);
+  for (auto& plane : weights.slope) plane.assign(problem.grid.size(), 0.0f);
+  problem.slopes.for_each([&](int axis, std::size_t i) {
+    const auto a = static_cast<std::size_t>(axis);
+    const double length =
+        equal_slopes ? noise.spacing : 2.0 * problem.slopes.axes[a].half_length[i];
     const double sigma = length * noise.sigma_normal;
-    weights.slope[static_cast<Eigen::Index>(k)] = static_cast<float>(1.0 / (sigma * sigma));
-  }
+    weights.slope[a][i] = static_cast<float>(1.0 / (sigma * sigma));
+  });
   weights.bias_step = static_cast<float>(1.0 / (noise.sigma_bias_step * noise.sigma_bias_step));
   weights.bias_size = static_cast<float>(1.0 / (kBiasSize * kBiasSize));
   return weights;
@@ -103,13 +117,32 @@ ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
 // The weights of Cauchy's loss, which takes the power from wild normals but never silences the
 // normals of fine detail for good. Its width starts at what the residuals are and ends at
 // what they should be, so that a first solve misled by many outliers does not reject the truth.
-Eigen::VectorXf reweighted(const Eigen::VectorXf& slope_weights, const Eigen::VectorXd& residuals) {
-  const Eigen::VectorXd plain = slope_weights.cast<double>();
-  const Eigen::VectorXd whitened = residuals.cwiseProduct(plain.cwiseSqrt()).cwiseAbs();
-  const double scale = 1.4826 * median(std::vector<double>(whitened.begin(), whitened.end()));
-  const double width = kRobustWidth * std::max(1.0, scale);
-  const Eigen::ArrayXd ratio = (whitened / width).array().square();
-  return (plain.array() / (1.0 + ratio)).cast<float>();
+ViewWeights reweighted(const ViewProblem& problem, const ViewWeights& plain,
+                       std::array<std::vector<float>, 2> residuals, int threads) {
+  constexpr std::size_t kAtOnce = 1 << 16;
+  const auto each = [&](const auto& body) {
+    for (const std::size_t axis : {0, 1})
+      parallel_for(problem.grid.size(), kAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) body(axis, i);
+      });
+  };
+  each([&](std::size_t axis, std::size_t i) {
+    residuals[axis][i] = std::abs(residuals[axis][i]) * std::sqrt(plain.slope[axis][i]);
+  });
+  std::vector<float> whitened;
+  const std::size_t stride = thinning(problem.constraints);
+  std::size_t k = 0;
+  problem.slopes.for_each([&](int axis, std::size_t i) {
+    if (k++ % stride == 0) whitened.push_back(residuals[static_cast<std::size_t>(axis)][i]);
+  });
+  const float scale = 1.4826f * static_cast<float>(median(std::move(whitened)));
+  const float width = static_cast<float>(kRobustWidth) * std::max(1.0f, scale);
+  ViewWeights weights = plain;
+  each([&](std::size_t axis, std::size_t i) {
+    const float ratio = residuals[axis][i] / width;
+    weights.slope[axis][i] /= 1.0f + ratio * ratio;
+  });
+  return weights;
 }
 
 RangeView without(const RangeView& view, const Grid<std::uint8_t>& isolated) {
@@ -141,13 +174,11 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
   const bool with_bias = options.bias == BiasModel::kLatent;
   const auto solver = make_view_solver(problem, with_bias, options.solver, options.threads);
   const ViewWeights plain = initial_weights(problem, noise, options.lambda.has_value());
-  ViewWeights weights = plain;
   RobustSolve result;
   const auto count = static_cast<Eigen::Index>(problem.size());
   result.y = Eigen::VectorXd::Zero((with_bias ? 3 : 1) * count);
   const auto solve_to = [&](double tolerance) {
-    const LinearSolve solve =
-        solver->solve(solver->rhs(), result.y, tolerance, options.max_iterations);
+    const LinearSolve solve = solver->minimise(result.y, tolerance, options.max_iterations);
     result.iterations += solve.iterations;
     if (!solve.converged) result.status = RefineStatus::kNotConverged;
     return solve.converged;
@@ -157,9 +188,12 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
       result.interrupted = true;
       return result;
     }
-    if (result.rounds > 0)
-      weights.slope = reweighted(plain.slope, slope_residuals(problem, result.y));
-    if (!solver->set_weights(weights)) {
+    const bool ready = solver->set_weights(
+        result.rounds == 0
+            ? plain
+            : reweighted(problem, plain, slope_residuals(problem, result.y, options.threads),
+                         options.threads));
+    if (!ready) {
       result.status = RefineStatus::kSolverFailed;
       return result;
     }
@@ -176,10 +210,8 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
 
 void move_samples(const ViewProblem& problem, const Eigen::VectorXd& y, RangeView& view) {
   for (std::size_t k = 0; k < problem.size(); ++k) {
-    const std::size_t pixel = problem.pixels[k];
-    const int u = static_cast<int>(pixel) % view.width(),
-              v = static_cast<int>(pixel) / view.width();
-    view.range[pixel] += y[static_cast<Eigen::Index>(k)] / view.camera.ray(u, v).direction.norm();
+    const int u = problem.grid.u(problem.pixels[k]), v = problem.grid.v(problem.pixels[k]);
+    view.range(u, v) += y[static_cast<Eigen::Index>(k)] / view.camera.ray(u, v).direction.norm();
   }
 }
 
@@ -221,9 +253,9 @@ class Refinement {
     if (options_.sigma_position) estimate.sigma_position = *options_.sigma_position;
     if (options_.sigma_normal) estimate.sigma_normal = *options_.sigma_normal;
     if (estimate.sigma_position > 0.0) edges_ = cut_unexplained_steps(edges_, steps, estimate);
-    problem_ = make_view_problem(view, edges_, options_.stencil);
+    problem_ = make_view_problem(view, edges_, options_.stencil, options_.threads);
     if (problem_.empty()) return stop(why_empty());
-    noise_ = noise_model(options_, estimate, median_length(problem_.slopes));
+    noise_ = noise_model(options_, estimate, median_length(problem_));
     if (!(noise_.sigma_position > 0.0) || !(noise_.sigma_normal > 0.0))
       return stop(RefineStatus::kNoNoise);
     return options_.bias != BiasModel::kTwoStep || correct_first();
@@ -269,7 +301,7 @@ class Refinement {
     TwoStepResult corrected = two_step_correction(result_.view, edges_, problem_, scale);
     if (!corrected.solved) return stop(RefineStatus::kSolverFailed);
     result_.view.normals = std::move(corrected.normals);
-    problem_ = make_view_problem(result_.view, edges_, options_.stencil);
+    problem_ = make_view_problem(result_.view, edges_, options_.stencil, options_.threads);
     return true;
   }
 

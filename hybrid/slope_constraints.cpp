@@ -1,6 +1,9 @@
 #include "hybrid/slope_constraints.h"
 
+#include <algorithm>
 #include <optional>
+
+#include "scan/parallel.h"
 
 namespace relief {
 
@@ -10,39 +13,36 @@ namespace {
 // the sign of the constraint's coefficients.
 constexpr double kEdgeOnCosine = 0.02;
 
-std::uint32_t grid_index(const RangeView& view, int u, int v) {
-  return static_cast<std::uint32_t>(view.range.index(u, v));
-}
+constexpr std::size_t kRowsAtOnce = 16;
 
 struct Pixel {
   int u, v;
 };
 
-std::optional<SlopeConstraint> constraint_between(const RangeView& view, Pixel tail, Pixel head,
-                                                  Pixel at0, Pixel at1) {
+struct Constraint {
+  float step, tail_slope, head_slope, length;
+};
+
+std::optional<Constraint> constraint_between(const RangeView& view, Pixel tail, Pixel head,
+                                             Pixel at0, Pixel at1) {
   if (!view.has_normal(at0.u, at0.v) || !view.has_normal(at1.u, at1.v)) return std::nullopt;
   const Eigen::Vector3d normal =
       0.5 * (view.normals(at0.u, at0.v) + view.normals(at1.u, at1.v)).cast<double>();
   const Ray tail_ray = view.camera.ray(tail.u, tail.v), head_ray = view.camera.ray(head.u, head.v);
   const double t_tail = view.range(tail.u, tail.v), t_head = view.range(head.u, head.v);
 
-  SlopeConstraint constraint;
-  constraint.tail = grid_index(view, tail.u, tail.v);
-  constraint.head = grid_index(view, head.u, head.v);
-  constraint.at = {grid_index(view, at0.u, at0.v), grid_index(view, at1.u, at1.v)};
-  const auto along = [&](const Eigen::Vector3d& v) { return static_cast<float>(normal.dot(v)); };
-  constraint.step = along(head_ray.at(t_head) - tail_ray.at(t_tail));
-  constraint.tail_slope = along(tail_ray.direction.normalized());
-  constraint.head_slope = along(head_ray.direction.normalized());
-  if (constraint.tail_slope > -kEdgeOnCosine || constraint.head_slope > -kEdgeOnCosine)
-    return std::nullopt;
-  constraint.length =
-      static_cast<float>(surface_step(tail_ray, head_ray, 0.5 * (t_tail + t_head), normal).norm());
-  return constraint.length > 0.0f ? std::optional(constraint) : std::nullopt;
+  const double tail_slope = normal.dot(tail_ray.direction.normalized());
+  const double head_slope = normal.dot(head_ray.direction.normalized());
+  if (tail_slope > -kEdgeOnCosine || head_slope > -kEdgeOnCosine) return std::nullopt;
+  const double step = normal.dot(head_ray.at(t_head) - tail_ray.at(t_tail));
+  const double length = surface_step(tail_ray, head_ray, 0.5 * (t_tail + t_head), normal).norm();
+  if (!(length > 0.0)) return std::nullopt;
+  return Constraint{static_cast<float>(step), static_cast<float>(tail_slope),
+                    static_cast<float>(head_slope), static_cast<float>(length)};
 }
 
-std::optional<SlopeConstraint> compact_constraint(const RangeView& view, const GridEdges& edges,
-                                                  Pixel p, int du, int dv) {
+std::optional<Constraint> compact_constraint(const RangeView& view, const GridEdges& edges, Pixel p,
+                                             int du, int dv) {
   if (!edges.connected(p.u, p.v, du, dv)) return std::nullopt;
   const Pixel q{p.u + du, p.v + dv};
   return constraint_between(view, p, q, p, q);
@@ -50,10 +50,11 @@ std::optional<SlopeConstraint> compact_constraint(const RangeView& view, const G
 
 // Two-sided where both neighbours are on the surface, one-sided at boundaries; halved when
 // two-sided, so that a residual belongs to one sample spacing.
-std::optional<SlopeConstraint> central_constraint(const RangeView& view, const GridEdges& edges,
-                                                  Pixel p, int du, int dv) {
+std::optional<Constraint> central_constraint(const RangeView& view, const GridEdges& edges, Pixel p,
+                                             int du, int dv, std::uint8_t& sides) {
   const bool before = edges.connected(p.u, p.v, -du, -dv);
   const bool after = edges.connected(p.u, p.v, du, dv);
+  sides = static_cast<std::uint8_t>(before + 2 * after);
   if (!before && !after) return std::nullopt;
   const Pixel tail = before ? Pixel{p.u - du, p.v - dv} : p;
   const Pixel head = after ? Pixel{p.u + du, p.v + dv} : p;
@@ -65,7 +66,47 @@ std::optional<SlopeConstraint> central_constraint(const RangeView& view, const G
   return constraint;
 }
 
+void constrain_row(const RangeView& view, const GridEdges& edges, int v,
+                   SlopeConstraints& constraints) {
+  for (int u = 0; u < view.width(); ++u) {
+    if (!view.has_normal(u, v)) continue;
+    const std::size_t i = constraints.grid.index(u, v);
+    for (const int direction : {0, 1}) {
+      SlopeConstraints::Axis& axis = constraints.axes[static_cast<std::size_t>(direction)];
+      const int du = direction == 0, dv = direction == 1;
+      const auto found = constraints.stencil == Stencil::kCompactEdge
+                             ? compact_constraint(view, edges, {u, v}, du, dv)
+                             : central_constraint(view, edges, {u, v}, du, dv, axis.sides[i]);
+      if (!found) continue;
+      axis.step[i] = found->step;
+      axis.tail_slope[i] = found->tail_slope;
+      axis.head_slope[i] = found->head_slope;
+      axis.half_length[i] = 0.5f * found->length;
+    }
+  }
+}
+
 }  // namespace
+
+SlopeConstraints::Ends SlopeConstraints::ends(int axis, std::size_t i) const {
+  const auto step = static_cast<std::size_t>(grid.step(axis));
+  if (stencil == Stencil::kCompactEdge) return {i, i + step, i, i + step};
+  const std::uint8_t sides = axes[static_cast<std::size_t>(axis)].sides[i];
+  return {sides & 1 ? i - step : i, sides & 2 ? i + step : i, i, i};
+}
+
+void SlopeConstraints::erase(int axis, std::size_t i) {
+  Axis& a = axes[static_cast<std::size_t>(axis)];
+  a.step[i] = a.tail_slope[i] = a.head_slope[i] = a.half_length[i] = 0.0f;
+}
+
+bool SlopeConstraints::empty() const {
+  const auto none = [](const Axis& axis) {
+    return std::all_of(axis.half_length.begin(), axis.half_length.end(),
+                       [](float half) { return half == 0.0f; });
+  };
+  return none(axes[0]) && none(axes[1]);
+}
 
 Eigen::Vector3d surface_step(const Ray& tail, const Ray& head, double t,
                              const Eigen::Vector3d& normal) {
@@ -74,21 +115,23 @@ Eigen::Vector3d surface_step(const Ray& tail, const Ray& head, double t,
   return across - viewing * (normal.dot(across) / normal.dot(viewing));
 }
 
-std::vector<SlopeConstraint> slope_constraints(const RangeView& view, const GridEdges& edges,
-                                               Stencil stencil) {
-  const auto make = stencil == Stencil::kCompactEdge ? compact_constraint : central_constraint;
-  std::vector<SlopeConstraint> constraints;
-  if (!view.has_normals()) return constraints;
-  for (int v = 0; v < view.height(); ++v) {
-    for (int u = 0; u < view.width(); ++u) {
-      for (const int axis : {0, 1}) {
-        auto constraint = make(view, edges, {u, v}, axis == 0, axis == 1);
-        if (!constraint) continue;
-        constraint->axis = axis;
-        constraints.push_back(*constraint);
-      }
-    }
+SlopeConstraints slope_constraints(const RangeView& view, const GridEdges& edges, Stencil stencil,
+                                   int threads) {
+  SlopeConstraints constraints;
+  constraints.stencil = stencil;
+  constraints.grid = {view.width(), view.height()};
+  const std::size_t size = constraints.grid.size();
+  for (SlopeConstraints::Axis& axis : constraints.axes) {
+    for (auto* plane : {&axis.step, &axis.tail_slope, &axis.head_slope, &axis.half_length})
+      plane->assign(size, 0.0f);
+    if (stencil == Stencil::kPaperCentral) axis.sides.assign(size, 0);
   }
+  if (!view.has_normals()) return constraints;
+  parallel_for(static_cast<std::size_t>(view.height()), kRowsAtOnce, threads,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t v = begin; v < end; ++v)
+                   constrain_row(view, edges, static_cast<int>(v), constraints);
+               });
   return constraints;
 }
 

@@ -1,13 +1,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "hybrid/padded_grid.h"
 #include "scan/discontinuities.h"
-#include "scan/grid.h"
 #include "scan/range_view.h"
 
 namespace relief {
@@ -18,18 +19,42 @@ enum class Stencil {
   kPaperCentral,  ///< Equation (4): central differences at each sample (Nehab et al. 2005).
 };
 
-/// One linear constraint of the measured normals on two samples, equations (4) to (6). Samples move
-/// along their rays by x = |d| (t - t^m) [unit]; with b the slope error of the normals along the
-/// constraint's tangent [rad], the constraint asks of
-///   step + head_slope x_head - tail_slope x_tail - length (b_at0 + b_at1) / 2
-/// to vanish. Indices are those of the grid, row by row.
-struct SlopeConstraint {
-  std::uint32_t tail = 0, head = 0;            ///< The two samples that it moves.
-  std::array<std::uint32_t, 2> at{};           ///< Whose normals it averages; equal for one normal.
-  int axis = 0;                                ///< 0: along rows (u), 1: along columns (v).
-  float step = 0.0f;                           ///< N . (P_head - P_tail) as measured [unit].
-  float tail_slope = 0.0f, head_slope = 0.0f;  ///< N . d / |d| at either end, both negative.
-  float length = 0.0f;                         ///< Of the step on the surface [unit].
+/// Linear constraints of the measured normals on two samples each, equations (4) to (6), at most
+/// one per pixel and axis. Samples move along their rays by x = |d| (t - t^m) [unit]; with b the
+/// slope error of the normals along the constraint's axis [rad], a constraint asks of
+///   step + head_slope x_head - tail_slope x_tail - half_length (b_at0 + b_at1)
+/// to vanish. All planes are padded; values are zero where there is no constraint.
+struct SlopeConstraints {
+  struct Axis {
+    std::vector<float> step;                    ///< N . (P_head - P_tail) as measured [unit].
+    std::vector<float> tail_slope, head_slope;  ///< N . d / |d| at either end, both negative.
+    std::vector<float> half_length;             ///< Of the step on the surface, halved [unit].
+    std::vector<std::uint8_t> sides;            ///< Central: bit 0 reaches back, bit 1 ahead.
+  };
+  /// Padded indices of the two samples that a constraint moves, and of those whose normals it
+  /// averages (equal for one normal).
+  struct Ends {
+    std::size_t tail = 0, head = 0, at0 = 0, at1 = 0;
+  };
+
+  Stencil stencil = Stencil::kCompactEdge;
+  PaddedGrid grid;
+  std::array<Axis, 2> axes;  ///< Along u, along v.
+
+  bool exists(int axis, std::size_t i) const {
+    return axes[static_cast<std::size_t>(axis)].half_length[i] > 0.0f;
+  }
+  Ends ends(int axis, std::size_t i) const;
+  void erase(int axis, std::size_t i);
+  bool empty() const;
+
+  /// Calls visit(axis, i) for every constraint, axis by axis, row by row.
+  template <typename Visit>
+  void for_each(const Visit& visit) const {
+    for (int axis = 0; axis < 2; ++axis)
+      for (std::size_t i = 0; i < grid.size(); ++i)
+        if (exists(axis, i)) visit(axis, i);
+  }
 };
 
 /// The tangent of the surface from one ray to a neighbouring one, at range `t` on both: the step
@@ -38,9 +63,9 @@ struct SlopeConstraint {
 Eigen::Vector3d surface_step(const Ray& tail, const Ray& head, double t,
                              const Eigen::Vector3d& normal);
 
-/// The constraints of `view` on `edges`, ordered by pixel and axis. Only samples with normals that
-/// face the sensor take part; no constraint spans an edge that is not connected.
-std::vector<SlopeConstraint> slope_constraints(const RangeView& view, const GridEdges& edges,
-                                               Stencil stencil);
+/// The constraints of `view` on `edges`. Only samples with normals that face the sensor take part;
+/// no constraint spans an edge that is not connected.
+SlopeConstraints slope_constraints(const RangeView& view, const GridEdges& edges, Stencil stencil,
+                                   int threads = 0);
 
 }  // namespace relief

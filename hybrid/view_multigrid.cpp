@@ -1,8 +1,8 @@
 #include "hybrid/view_multigrid.h"
 
-#include <cassert>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "hybrid/multigrid.h"
@@ -13,6 +13,11 @@ namespace relief {
 namespace {
 
 constexpr std::size_t kRowsAtOnce = 24;
+constexpr std::size_t kSamplesAtOnce = 1 << 14;
+
+// Conjugate gradients that reduce the residual by less than this part per step call for a new
+// hierarchy once the weights have changed; one made for the weights does better.
+constexpr double kSlow = 0.35;
 
 }  // namespace
 
@@ -21,41 +26,49 @@ struct ViewMultigrid::State {
   bool with_bias;
   int threads;
   EdgeStencil stencil;
-  std::vector<std::uint32_t> place;  // padded index of every movable sample
   std::optional<Multigrid> multigrid;
+  bool slow = false;
 
-  State(const ViewProblem& of, int width, int height, bool bias, int thread_count)
-      : problem(of), with_bias(bias), threads(thread_count), stencil(PaddedGrid{width, height}) {
-    std::vector<std::uint8_t> movable(stencil.grid.size(), 0);
-    for (const std::uint32_t pixel : problem.pixels) {
-      const int u = static_cast<int>(pixel) % width, v = static_cast<int>(pixel) / width;
-      place.push_back(stencil.grid.index(u, v));
-      movable[place.back()] = 1;
-    }
-    stencil.find_spans(movable);
-    for (const SlopeConstraint& c : problem.slopes) {
-      EdgeStencil::Axis& axis = c.axis == 0 ? stencil.along_u : stencil.along_v;
-      const std::uint32_t i = place[c.tail];
-      axis.tail[i] = c.tail_slope;
-      axis.head[i] = c.head_slope;
-      axis.half_length[i] = with_bias ? 0.5f * c.length : 0.0f;
-    }
+  // Of conjugate gradients; `single` and `z` are the preconditioner's input and output.
+  Planes<double> residual, direction, image;
+  Planes<float> single, z;
+
+  State(const ViewProblem& of, bool bias, int thread_count)
+      : problem(of), with_bias(bias), threads(thread_count), stencil(of, bias) {}
+
+  void allocate() {
+    if (!residual.x.empty()) return;
+    const std::size_t size = problem.grid.size();
+    residual = direction = image = Planes<double>(size);
+    single = z = Planes<float>(size);
   }
 
   template <typename Body>
-  void each_rows(const Body& body) const {
-    parallel_for(stencil.spans.size(), kRowsAtOnce, threads,
-                 [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t v = begin; v < end; ++v)
-                     body(begin / kRowsAtOnce, stencil.spans[v]);
-                 });
+  void each_row(const Body& body) const {
+    const auto& spans = stencil.spans();
+    parallel_for(spans.size(), kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) body(begin / kRowsAtOnce, spans[v]);
+    });
   }
-
+  template <typename Body>
+  void each_pixel(const Body& body) const {
+    each_row([&](std::size_t, const RowSpan& span) {
+      for (std::size_t i = span.begin; i < span.end; ++i) body(i);
+    });
+  }
+  // Calls body(k, i) for every movable sample and its place.
+  template <typename Body>
+  void each_sample(const Body& body) const {
+    parallel_for(problem.size(), kSamplesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k)
+        body(static_cast<Eigen::Index>(k), problem.pixels[k]);
+    });
+  }
   // Sums by pieces of rows in fixed order: the same for any number of threads.
   template <typename Term>
   double sum(const Term& term) const {
-    std::vector<double> parts((stencil.spans.size() + kRowsAtOnce - 1) / kRowsAtOnce, 0.0);
-    each_rows([&](std::size_t part, const EdgeStencil::Span& span) {
+    std::vector<double> parts(stencil.spans().size() / kRowsAtOnce + 1, 0.0);
+    each_row([&](std::size_t part, const RowSpan& span) {
       double local = 0.0;
       for (std::size_t i = span.begin; i < span.end; ++i) local += term(i);
       parts[part] += local;
@@ -65,130 +78,150 @@ struct ViewMultigrid::State {
     return total;
   }
 
-  Planes<double> padded(const Eigen::VectorXd& values) const {
-    Planes<double> planes(stencil.grid.size());
-    const auto count = static_cast<Eigen::Index>(place.size());
-    for (Eigen::Index k = 0; k < count; ++k) {
-      planes.x[place[static_cast<std::size_t>(k)]] = values[k];
-      if (!with_bias) continue;
-      planes.bu[place[static_cast<std::size_t>(k)]] = values[count + k];
-      planes.bv[place[static_cast<std::size_t>(k)]] = values[2 * count + k];
-    }
-    return planes;
-  }
-  void unpad(const Planes<double>& planes, Eigen::VectorXd& values) const {
-    const auto count = static_cast<Eigen::Index>(place.size());
-    for (Eigen::Index k = 0; k < count; ++k) {
-      values[k] = planes.x[place[static_cast<std::size_t>(k)]];
-      if (!with_bias) continue;
-      values[count + k] = planes.bu[place[static_cast<std::size_t>(k)]];
-      values[2 * count + k] = planes.bv[place[static_cast<std::size_t>(k)]];
-    }
-  }
+  Eigen::Index block() const { return static_cast<Eigen::Index>(problem.size()); }
 
-  void multiply(const Planes<double>& in, Planes<double>& out) const {
-    const StencilView view = stencil.view();
-    each_rows([&](std::size_t, const EdgeStencil::Span& span) {
-      apply_row(view, in.view(), span.begin, span.end, out.view());
+  void spread(const Eigen::VectorXd& values, Planes<double>& planes) const {
+    each_sample([&](Eigen::Index k, std::size_t i) {
+      planes.x[i] = values[k];
+      if (!with_bias) return;
+      planes.bu[i] = values[block() + k];
+      planes.bv[i] = values[2 * block() + k];
     });
   }
 
-  // z = M^-1 r; returns r . z
-  double precondition(const Planes<double>& r, Planes<float>& single, Planes<float>& z) {
-    each_rows([&](std::size_t, const EdgeStencil::Span& span) {
-      for (std::size_t i = span.begin; i < span.end; ++i) {
-        single.x[i] = static_cast<float>(r.x[i]);
-        single.bu[i] = static_cast<float>(r.bu[i]);
-        single.bv[i] = static_cast<float>(r.bv[i]);
-      }
+  // y += step direction
+  void advance(double step, Eigen::VectorXd& y) const {
+    each_sample([&](Eigen::Index k, std::size_t i) {
+      y[k] += step * direction.x[i];
+      if (!with_bias) return;
+      y[block() + k] += step * direction.bu[i];
+      y[2 * block() + k] += step * direction.bv[i];
+    });
+  }
+
+  // residual += factor image
+  void add_image(double factor) {
+    each_pixel([&](std::size_t i) {
+      residual.x[i] += factor * image.x[i];
+      residual.bu[i] += factor * image.bu[i];
+      residual.bv[i] += factor * image.bv[i];
+    });
+  }
+
+  // image = A direction; returns direction . image
+  double multiply() {
+    const StencilView view = stencil.view();
+    const auto in = std::as_const(direction).view();
+    each_row([&](std::size_t, const RowSpan& span) {
+      apply_row(view, in, span.begin, span.end, image.view());
+    });
+    return sum([&](std::size_t i) {
+      return direction.x[i] * image.x[i] + direction.bu[i] * image.bu[i] +
+             direction.bv[i] * image.bv[i];
+    });
+  }
+
+  // z = M^-1 residual; returns residual . z
+  double precondition() {
+    each_pixel([&](std::size_t i) {
+      single.x[i] = static_cast<float>(residual.x[i]);
+      single.bu[i] = static_cast<float>(residual.bu[i]);
+      single.bv[i] = static_cast<float>(residual.bv[i]);
     });
     multigrid->apply(single, z);
-    return sum(
-        [&](std::size_t i) { return r.x[i] * z.x[i] + r.bu[i] * z.bu[i] + r.bv[i] * z.bv[i]; });
-  }
-};
-
-ViewMultigrid::ViewMultigrid(const ViewProblem& problem, bool with_bias, int threads)
-    : state_(std::make_unique<State>(problem, problem.width, problem.height, with_bias, threads)) {
-  assert(problem.stencil == Stencil::kCompactEdge);
-}
-ViewMultigrid::~ViewMultigrid() = default;
-
-bool ViewMultigrid::set_weights(const ViewWeights& weights) {
-  State& s = *state_;
-  const auto count = static_cast<Eigen::Index>(s.problem.size());
-  for (Eigen::Index k = 0; k < count; ++k)
-    s.stencil.mass[s.place[static_cast<std::size_t>(k)]] = weights.position[k];
-  rhs_ = Eigen::VectorXd::Zero((s.with_bias ? 3 : 1) * count);
-  for (std::size_t k = 0; k < s.problem.slopes.size(); ++k) {
-    const SlopeConstraint& c = s.problem.slopes[k];
-    const double weight = weights.slope[static_cast<Eigen::Index>(k)];
-    EdgeStencil::Axis& axis = c.axis == 0 ? s.stencil.along_u : s.stencil.along_v;
-    axis.weight[s.place[c.tail]] = weights.slope[static_cast<Eigen::Index>(k)];
-    rhs_[c.tail] += weight * c.step * c.tail_slope;
-    rhs_[c.head] -= weight * c.step * c.head_slope;
-    if (!s.with_bias) continue;
-    for (const std::uint32_t at : c.at)
-      rhs_[(1 + c.axis) * count + at] += weight * c.step * 0.5 * c.length;
-  }
-  s.stencil.bias_step = s.with_bias ? weights.bias_step : 0.0f;
-  s.stencil.bias_size = s.with_bias ? weights.bias_size : 1.0f;
-  s.stencil.invert_blocks(s.threads);
-  s.multigrid.reset();
-  s.multigrid.emplace(s.stencil, s.threads);
-  return s.multigrid->usable();
-}
-
-// Preconditioned conjugate gradients (Hestenes and Stiefel 1952).
-LinearSolve ViewMultigrid::solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double tolerance,
-                                 int max_iterations) {
-  State& s = *state_;
-  const std::size_t size = s.stencil.grid.size();
-  Planes<float> single(size), z(size);
-  Planes<double> residual = s.padded(rhs), solution = s.padded(y), direction(size), image(size);
-  const double goal = tolerance * tolerance * s.precondition(residual, single, z);
-  s.multiply(solution, image);
-  const auto each_pixel = [&](const auto& body) {
-    s.each_rows([&](std::size_t, const EdgeStencil::Span& span) {
-      for (std::size_t i = span.begin; i < span.end; ++i) body(i);
+    return sum([&](std::size_t i) {
+      return residual.x[i] * z.x[i] + residual.bu[i] * z.bu[i] + residual.bv[i] * z.bv[i];
     });
-  };
-  each_pixel([&](std::size_t i) {
-    residual.x[i] -= image.x[i];
-    residual.bu[i] -= image.bu[i];
-    residual.bv[i] -= image.bv[i];
-  });
-  LinearSolve result;
-  double energy = s.precondition(residual, single, z), factor = 0.0;
-  while (energy > goal && result.iterations < max_iterations) {
+  }
+
+  // direction = z + factor direction
+  void turn(double factor) {
     each_pixel([&](std::size_t i) {
       direction.x[i] = z.x[i] + factor * direction.x[i];
       direction.bu[i] = z.bu[i] + factor * direction.bu[i];
       direction.bv[i] = z.bv[i] + factor * direction.bv[i];
     });
-    s.multiply(direction, image);
-    const double curvature = s.sum([&](std::size_t i) {
-      return direction.x[i] * image.x[i] + direction.bu[i] * image.bu[i] +
-             direction.bv[i] * image.bv[i];
-    });
-    const double step = energy / curvature;
-    if (!std::isfinite(step)) break;
-    each_pixel([&](std::size_t i) {
-      solution.x[i] += step * direction.x[i];
-      solution.bu[i] += step * direction.bu[i];
-      solution.bv[i] += step * direction.bv[i];
-      residual.x[i] -= step * image.x[i];
-      residual.bu[i] -= step * image.bu[i];
-      residual.bv[i] -= step * image.bv[i];
-    });
-    const double next = s.precondition(residual, single, z);
-    factor = next / energy;
-    energy = next;
-    ++result.iterations;
   }
-  result.converged = energy <= goal;
-  s.unpad(solution, y);
-  return result;
+
+  // residual = the right side of the normal equations: minus the constraints' steps, weighted.
+  void set_residual_to_objective() {
+    const StencilView s = stencil.view();
+    const float* step_u = problem.slopes.axes[0].step.data();
+    const float* step_v = problem.slopes.axes[1].step.data();
+    each_pixel([&](std::size_t place) {
+      const auto i = static_cast<std::ptrdiff_t>(place), left = i - 1, up = i - s.stride;
+      const auto pull = [](const StencilView::Axis& axis, const float* step, std::ptrdiff_t k) {
+        return double{axis.weight[k]} * double{step[k]};
+      };
+      const double to_right = pull(s.along_u, step_u, i), to_left = pull(s.along_u, step_u, left);
+      const double to_down = pull(s.along_v, step_v, i), to_up = pull(s.along_v, step_v, up);
+      residual.x[place] = to_right * s.along_u.tail[i] - to_left * s.along_u.head[left] +
+                          to_down * s.along_v.tail[i] - to_up * s.along_v.head[up];
+      residual.bu[place] =
+          to_right * s.along_u.half_length[i] + to_left * s.along_u.half_length[left];
+      residual.bv[place] = to_down * s.along_v.half_length[i] + to_up * s.along_v.half_length[up];
+    });
+  }
+
+  // Preconditioned conjugate gradients (Hestenes and Stiefel 1952) for the right side that is in
+  // `residual`.
+  LinearSolve iterate(Eigen::VectorXd& y, double tolerance, int max_iterations) {
+    double energy = precondition();
+    const double goal = tolerance * tolerance * energy;
+    if (!y.isZero(0.0)) {
+      spread(y, direction);
+      multiply();
+      add_image(-1.0);
+      energy = precondition();
+    }
+    const double first = energy;
+    double factor = 0.0;
+    LinearSolve result;
+    while (energy > goal && result.iterations < max_iterations) {
+      turn(factor);
+      const double step = energy / multiply();
+      if (!std::isfinite(step)) break;
+      advance(step, y);
+      add_image(-step);
+      const double next = precondition();
+      factor = next / energy;
+      energy = next;
+      ++result.iterations;
+    }
+    result.converged = energy <= goal;
+    slow = result.iterations > 0 && std::pow(energy / first, 0.5 / result.iterations) > kSlow;
+    return result;
+  }
+};
+
+ViewMultigrid::ViewMultigrid(const ViewProblem& problem, bool with_bias, int threads)
+    : state_(std::make_unique<State>(problem, with_bias, threads)) {}
+ViewMultigrid::~ViewMultigrid() = default;
+
+bool ViewMultigrid::set_weights(ViewWeights weights) {
+  State& s = *state_;
+  s.stencil.set_weights(std::move(weights), s.threads);
+  if (s.multigrid && !s.slow) {
+    s.multigrid->refresh();
+    return true;
+  }
+  s.multigrid.reset();
+  s.multigrid.emplace(s.stencil, s.threads);
+  s.slow = false;
+  return s.multigrid->usable();
+}
+
+LinearSolve ViewMultigrid::minimise(Eigen::VectorXd& y, double tolerance, int max_iterations) {
+  state_->allocate();
+  state_->set_residual_to_objective();
+  return state_->iterate(y, tolerance, max_iterations);
+}
+
+LinearSolve ViewMultigrid::solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double tolerance,
+                                 int max_iterations) {
+  state_->allocate();
+  state_->spread(rhs, state_->residual);
+  return state_->iterate(y, tolerance, max_iterations);
 }
 
 }  // namespace relief

@@ -17,15 +17,14 @@ class ViewMultigrid : public ViewSolver {
   ViewMultigrid(const ViewProblem& problem, bool with_bias, int threads);
   ~ViewMultigrid() override;
 
-  bool set_weights(const ViewWeights& weights) override;
-  const Eigen::VectorXd& rhs() const override { return rhs_; }
+  bool set_weights(ViewWeights weights) override;
+  LinearSolve minimise(Eigen::VectorXd& y, double tolerance, int max_iterations) override;
   LinearSolve solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double tolerance,
                     int max_iterations) override;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
-  Eigen::VectorXd rhs_;
 };
 
 }  // namespace relief

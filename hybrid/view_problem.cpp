@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
+
+#include "scan/parallel.h"
 
 namespace relief {
 
@@ -36,56 +39,63 @@ float usable_confidence(float confidence, float largest) {
   return confidence > 0.0f ? std::max(confidence, 1e-6f * largest) : 0.0f;
 }
 
-// 1 for every pixel whose component of constraints has some confidence to hold it.
-std::vector<std::uint8_t> movable_pixels(const RangeView& view,
-                                         const std::vector<SlopeConstraint>& slopes) {
-  Components components(view.range.size());
-  for (const auto& c : slopes) {
-    components.join(c.tail, c.head);
-    components.join(c.head, c.at[0]);
-    components.join(c.head, c.at[1]);
-  }
-  std::vector<std::uint8_t> held(view.range.size(), 0), movable(view.range.size(), 0);
-  const auto confident = [&](std::uint32_t i) {
-    return view.confidence.empty() || view.confidence[i] > 0.0f;
+// 1 for every pixel (padded) whose component of constraints has some confidence to hold it.
+std::vector<std::uint8_t> movable_pixels(const RangeView& view, const SlopeConstraints& slopes) {
+  const PaddedGrid& grid = slopes.grid;
+  Components components(grid.size());
+  slopes.for_each([&](int axis, std::size_t i) {
+    const auto ends = slopes.ends(axis, i);
+    const auto join = [&](std::size_t a, std::size_t b) {
+      components.join(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
+    };
+    join(ends.tail, ends.head);
+    if (ends.at0 == ends.at1) join(ends.head, ends.at0);
+  });
+  const auto confident = [&](std::size_t i) {
+    return view.confidence.empty() || view.confidence(grid.u(i), grid.v(i)) > 0.0f;
   };
-  for (const auto& c : slopes)
-    for (const std::uint32_t i : {c.tail, c.head})
-      if (confident(i)) held[components.find(i)] = 1;
-  for (const auto& c : slopes)
-    for (const std::uint32_t i : {c.tail, c.head, c.at[0], c.at[1]})
-      movable[i] = held[components.find(i)];
+  std::vector<std::uint8_t> held(grid.size(), 0), movable(grid.size(), 0);
+  slopes.for_each([&](int axis, std::size_t i) {
+    const auto ends = slopes.ends(axis, i);
+    for (const std::size_t end : {ends.tail, ends.head})
+      if (confident(end)) held[components.find(static_cast<std::uint32_t>(end))] = 1;
+  });
+  slopes.for_each([&](int axis, std::size_t i) {
+    const auto ends = slopes.ends(axis, i);
+    for (const std::size_t end : {ends.tail, ends.head, ends.at0, ends.at1})
+      movable[end] = held[components.find(static_cast<std::uint32_t>(end))];
+  });
   return movable;
 }
 
 void number_samples(const RangeView& view, const std::vector<std::uint8_t>& movable,
-                    ViewProblem& problem, std::vector<std::uint32_t>& number) {
-  for (std::size_t i = 0; i < movable.size(); ++i) {
-    if (!movable[i]) continue;
-    number[i] = static_cast<std::uint32_t>(problem.pixels.size());
-    problem.pixels.push_back(static_cast<std::uint32_t>(i));
-  }
+                    ViewProblem& problem) {
+  problem.pixels.reserve(
+      static_cast<std::size_t>(std::count(movable.begin(), movable.end(), std::uint8_t{1})));
+  for (std::size_t i = 0; i < movable.size(); ++i)
+    if (movable[i]) problem.pixels.push_back(static_cast<std::uint32_t>(i));
+  problem.confidence = Eigen::VectorXf::Ones(static_cast<Eigen::Index>(problem.size()));
+  if (view.confidence.empty()) return;
   float largest = 0.0f;
   for (const float c : view.confidence) largest = std::max(largest, c);
-  problem.confidence = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(problem.size()));
-  if (view.confidence.empty()) return;
-  for (std::size_t k = 0; k < problem.size(); ++k)
+  for (std::size_t k = 0; k < problem.size(); ++k) {
+    const std::uint32_t i = problem.pixels[k];
     problem.confidence[static_cast<Eigen::Index>(k)] =
-        usable_confidence(view.confidence[problem.pixels[k]], largest);
+        usable_confidence(view.confidence(problem.grid.u(i), problem.grid.v(i)), largest);
+  }
 }
 
-// With the compact stencil the neighbours are those that share a constraint; the central one's
-// constraints skip a sample.
-void add_neighbours(const RangeView& view, const GridEdges& edges,
-                    const std::vector<std::uint32_t>& number, ViewProblem& problem) {
+// The constraints of the central stencil skip a sample: its neighbours follow from the edges.
+void add_central_neighbours(const RangeView& view, const GridEdges& edges, ViewProblem& problem) {
+  const std::vector<std::uint32_t> number = numbers_of(problem);
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
       for (const auto& [du, dv] : {std::pair{1, 0}, {0, 1}}) {
         if (!edges.connected(u, v, du, dv)) continue;
         if (!view.has_normal(u, v) || !view.has_normal(u + du, v + dv)) continue;
-        const std::uint32_t a = number[view.range.index(u, v)];
-        const std::uint32_t b = number[view.range.index(u + du, v + dv)];
-        if (a != kPinned && b != kPinned) problem.neighbours.push_back({a, b});
+        const std::uint32_t a = number[problem.grid.index(u, v)];
+        const std::uint32_t b = number[problem.grid.index(u + du, v + dv)];
+        if (a != kPinned && b != kPinned) problem.central_neighbours.push_back({a, b});
       }
     }
   }
@@ -93,41 +103,72 @@ void add_neighbours(const RangeView& view, const GridEdges& edges,
 
 }  // namespace
 
-ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Stencil stencil) {
+ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Stencil stencil,
+                              int threads) {
   ViewProblem problem;
-  problem.stencil = stencil;
-  problem.width = view.width();
-  problem.height = view.height();
-  std::vector<SlopeConstraint> slopes = slope_constraints(view, edges, stencil);
-  const std::vector<std::uint8_t> movable = movable_pixels(view, slopes);
-  std::vector<std::uint32_t> number(view.range.size(), kPinned);
-  number_samples(view, movable, problem, number);
-  for (SlopeConstraint& c : slopes) {
-    if (!movable[c.tail]) continue;
-    c.tail = number[c.tail];
-    c.head = number[c.head];
-    c.at = {number[c.at[0]], number[c.at[1]]};
-    problem.slopes.push_back(c);
-  }
-  if (stencil == Stencil::kCompactEdge)
-    for (const SlopeConstraint& c : problem.slopes) problem.neighbours.push_back(c.at);
-  else
-    add_neighbours(view, edges, number, problem);
+  problem.grid = {view.width(), view.height()};
+  problem.slopes = slope_constraints(view, edges, stencil, threads);
+  const std::vector<std::uint8_t> movable = movable_pixels(view, problem.slopes);
+  number_samples(view, movable, problem);
+  problem.slopes.for_each([&](int axis, std::size_t i) {
+    if (movable[problem.slopes.ends(axis, i).tail])
+      ++problem.constraints;
+    else
+      problem.slopes.erase(axis, i);
+  });
+  if (stencil == Stencil::kPaperCentral) add_central_neighbours(view, edges, problem);
   problem.pinned = view.sample_count() - problem.size();
   return problem;
 }
 
-Eigen::VectorXd slope_residuals(const ViewProblem& problem, const Eigen::VectorXd& y) {
+std::vector<std::uint32_t> numbers_of(const ViewProblem& problem) {
+  std::vector<std::uint32_t> number(problem.grid.size(), kPinned);
+  for (std::size_t k = 0; k < problem.size(); ++k)
+    number[problem.pixels[k]] = static_cast<std::uint32_t>(k);
+  return number;
+}
+
+std::vector<std::array<std::uint32_t, 2>> bias_neighbours(const ViewProblem& problem) {
+  if (problem.slopes.stencil == Stencil::kPaperCentral) return problem.central_neighbours;
+  const std::vector<std::uint32_t> number = numbers_of(problem);
+  std::vector<std::array<std::uint32_t, 2>> neighbours;
+  problem.slopes.for_each([&](int axis, std::size_t i) {
+    const auto ends = problem.slopes.ends(axis, i);
+    neighbours.push_back({number[ends.at0], number[ends.at1]});
+  });
+  return neighbours;
+}
+
+std::array<std::vector<float>, 2> slope_residuals(const ViewProblem& problem,
+                                                  const Eigen::VectorXd& y, int threads) {
+  constexpr std::size_t kRowsAtOnce = 32;
+  const PaddedGrid& grid = problem.grid;
   const auto count = static_cast<Eigen::Index>(problem.size());
   const bool with_bias = y.size() > count;
-  Eigen::VectorXd residuals(static_cast<Eigen::Index>(problem.slopes.size()));
-  for (std::size_t k = 0; k < problem.slopes.size(); ++k) {
-    const SlopeConstraint& c = problem.slopes[k];
-    double residual =
-        double{c.step} + double{c.head_slope} * y[c.head] - double{c.tail_slope} * y[c.tail];
-    const Eigen::Index bias = (1 + c.axis) * count;
-    if (with_bias) residual -= 0.5 * double{c.length} * (y[bias + c.at[0]] + y[bias + c.at[1]]);
-    residuals[static_cast<Eigen::Index>(k)] = residual;
+  std::array<std::vector<float>, 2> residuals;
+  std::vector<double> x(grid.size(), 0.0), bias(grid.size(), 0.0);
+  const auto spread = [&](Eigen::Index block, std::vector<double>& plane) {
+    for (Eigen::Index k = 0; k < count; ++k)
+      plane[problem.pixels[static_cast<std::size_t>(k)]] = y[block * count + k];
+  };
+  spread(0, x);
+  for (const int axis : {0, 1}) {
+    if (with_bias) spread(1 + axis, bias);
+    const SlopeConstraints::Axis& a = problem.slopes.axes[static_cast<std::size_t>(axis)];
+    std::vector<float>& out = residuals[static_cast<std::size_t>(axis)];
+    out.assign(grid.size(), 0.0f);
+    parallel_for(static_cast<std::size_t>(grid.height), kRowsAtOnce, threads,
+                 [&](std::size_t begin, std::size_t end) {
+                   const std::size_t last = grid.index(0, static_cast<int>(end));
+                   for (std::size_t i = grid.index(0, static_cast<int>(begin)); i < last; ++i) {
+                     if (!problem.slopes.exists(axis, i)) continue;
+                     const auto ends = problem.slopes.ends(axis, i);
+                     out[i] =
+                         static_cast<float>(double{a.step[i]} + a.head_slope[i] * x[ends.head] -
+                                            a.tail_slope[i] * x[ends.tail] -
+                                            a.half_length[i] * (bias[ends.at0] + bias[ends.at1]));
+                   }
+                 });
   }
   return residuals;
 }

@@ -12,34 +12,44 @@
 namespace relief {
 
 /// What refining a view minimises, before weights: the samples that can move and the constraints
-/// between them. Sample indices of `slopes` and `neighbours` count the movable samples only.
+/// between them. Vectors of unknowns are [x; b_u; b_v] in the order of `pixels`, or x alone without
+/// a bias.
 struct ViewProblem {
-  Stencil stencil = Stencil::kCompactEdge;
-  int width = 0, height = 0;          ///< Of the grid.
-  std::vector<std::uint32_t> pixels;  ///< Grid index of every movable sample, ascending.
-  Eigen::VectorXd confidence;         ///< Of every movable sample; each component has some > 0.
-  std::vector<SlopeConstraint> slopes;
-  /// Neighbours on the surface, both with normals: where the bias is smooth.
-  std::vector<std::array<std::uint32_t, 2>> neighbours;
+  PaddedGrid grid;
+  std::vector<std::uint32_t> pixels;  ///< Padded index of every movable sample, ascending.
+  Eigen::VectorXf confidence;         ///< Of every movable sample; each component has some > 0.
+  SlopeConstraints slopes;            ///< Between movable samples only.
+  std::size_t constraints = 0;        ///< Number of those.
+  /// Central stencil: neighbours on the surface, both with normals; indices count movable samples.
+  /// With the compact one, neighbours are those that share a constraint: see bias_neighbours.
+  std::vector<std::array<std::uint32_t, 2>> central_neighbours;
   std::size_t pinned = 0;  ///< Samples that keep their measured range.
 
   std::size_t size() const { return pixels.size(); }
-  bool empty() const { return slopes.empty(); }
-};
-
-/// The weights of the terms of equation (7a), each the inverse of a variance.
-struct ViewWeights {
-  Eigen::VectorXf position;  ///< Per movable sample [1/unit^2].
-  Eigen::VectorXf slope;     ///< Per slope constraint [1/unit^2].
-  float bias_step = 0.0f;    ///< Of the change of the bias between neighbours [1/rad^2].
-  float bias_size = 0.0f;    ///< Of the bias itself [1/rad^2]; keeps islands determined.
+  bool empty() const { return constraints == 0; }
 };
 
 /// Movable are the samples that a normal constrains and whose connected component holds at least
 /// one sample of positive confidence; all others keep their measured range and constrain nothing.
-ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Stencil stencil);
+ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Stencil stencil,
+                              int threads = 0);
 
-/// Residual of every slope constraint [unit] at y = [x; b_u; b_v], or at y = x without a bias.
-Eigen::VectorXd slope_residuals(const ViewProblem& problem, const Eigen::VectorXd& y);
+/// Place in `pixels` by padded index; the largest value of the type where nothing moves.
+std::vector<std::uint32_t> numbers_of(const ViewProblem& problem);
+
+/// Pairs of movable samples between which the bias is smooth.
+std::vector<std::array<std::uint32_t, 2>> bias_neighbours(const ViewProblem& problem);
+
+/// The weights of the terms of equation (7a), each the inverse of a variance. Planes are padded.
+struct ViewWeights {
+  std::vector<float> position;              ///< Per movable sample [1/unit^2]; else zero.
+  std::array<std::vector<float>, 2> slope;  ///< Per slope constraint [1/unit^2]; else zero.
+  float bias_step = 0.0f;  ///< Of the change of the bias between neighbours [1/rad^2].
+  float bias_size = 0.0f;  ///< Of the bias itself [1/rad^2]; keeps islands determined.
+};
+
+/// Residual of every slope constraint [unit] at `y`, by axis, padded; zero elsewhere.
+std::array<std::vector<float>, 2> slope_residuals(const ViewProblem& problem,
+                                                  const Eigen::VectorXd& y, int threads = 0);
 
 }  // namespace relief

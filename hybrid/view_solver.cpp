@@ -12,11 +12,13 @@ class DirectSolver : public ViewSolver {
  public:
   DirectSolver(const ViewProblem& problem, bool with_bias) : system_(problem, with_bias) {}
 
-  bool set_weights(const ViewWeights& weights) override {
+  bool set_weights(ViewWeights weights) override {
     system_.assemble(weights);
     return solver_.factorise(system_.lower());
   }
-  const Eigen::VectorXd& rhs() const override { return system_.rhs(); }
+  LinearSolve minimise(Eigen::VectorXd& y, double tolerance, int max_iterations) override {
+    return solve(system_.rhs(), y, tolerance, max_iterations);
+  }
   LinearSolve solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double, int) override {
     y = solver_.solve(rhs);
     return {y.allFinite(), 1};
@@ -31,7 +33,7 @@ class DirectSolver : public ViewSolver {
 
 std::unique_ptr<ViewSolver> make_view_solver(const ViewProblem& problem, bool with_bias,
                                              Solver solver, int threads) {
-  if (solver == Solver::kMultigrid && problem.stencil == Stencil::kCompactEdge)
+  if (solver == Solver::kMultigrid && problem.slopes.stencil == Stencil::kCompactEdge)
     return std::make_unique<ViewMultigrid>(problem, with_bias, threads);
   return std::make_unique<DirectSolver>(problem, with_bias);
 }

@@ -28,11 +28,14 @@ class ViewSolver {
   virtual ~ViewSolver() = default;
 
   /// Puts in weights. False: the matrix is not positive definite.
-  virtual bool set_weights(const ViewWeights& weights) = 0;
-  /// The right side whose solution minimises the objective under the last weights.
-  virtual const Eigen::VectorXd& rhs() const = 0;
-  /// Iteration starts from `y`; the solution is left there. It ends when the preconditioned
-  /// residual is below `tolerance` times that of y = 0.
+  virtual bool set_weights(ViewWeights weights) = 0;
+
+  /// Minimises the objective. Iteration starts from `y`, of the size of the unknowns; the solution
+  /// is left there. It ends when the preconditioned residual is below `tolerance` times that of
+  /// y = 0.
+  virtual LinearSolve minimise(Eigen::VectorXd& y, double tolerance, int max_iterations) = 0;
+
+  /// The same for A y = rhs with any right side.
   virtual LinearSolve solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double tolerance,
                             int max_iterations) = 0;
 };

@@ -8,15 +8,21 @@ namespace relief {
 ViewSystem::ViewSystem(const ViewProblem& problem, bool with_bias)
     : problem_(problem),
       with_bias_(with_bias),
-      samples_(static_cast<Eigen::Index>(problem.size())) {
+      samples_(static_cast<Eigen::Index>(problem.size())),
+      number_(numbers_of(problem)),
+      neighbours_(bias_neighbours(problem)) {
   find_pattern();
 }
 
 // The residual of a constraint is step + coefficients . unknowns.
-ViewSystem::Row ViewSystem::row_of(const SlopeConstraint& c) const {
-  const Eigen::Index bias = (1 + c.axis) * samples_;
-  return {{c.tail, c.head, bias + c.at[0], bias + c.at[1]},
-          {-double{c.tail_slope}, c.head_slope, -0.5 * c.length, -0.5 * c.length}};
+ViewSystem::Row ViewSystem::row_of(int axis, std::size_t i) const {
+  const SlopeConstraints::Axis& a = problem_.slopes.axes[static_cast<std::size_t>(axis)];
+  const SlopeConstraints::Ends ends = problem_.slopes.ends(axis, i);
+  const Eigen::Index bias = (1 + axis) * samples_;
+  return {
+      {number_[ends.tail], number_[ends.head], bias + number_[ends.at0], bias + number_[ends.at1]},
+      {-double{a.tail_slope[i]}, a.head_slope[i], -double{a.half_length[i]},
+       -double{a.half_length[i]}}};
 }
 
 void ViewSystem::find_pattern() {
@@ -26,24 +32,24 @@ void ViewSystem::find_pattern() {
     places.emplace_back(std::max(i, j), std::min(i, j), 0.0);
   };
   for (Eigen::Index i = 0; i < size; ++i) touch(i, i);
-  for (const auto& c : problem_.slopes) {
-    const Row row = row_of(c);
+  problem_.slopes.for_each([&](int axis, std::size_t i) {
+    const Row row = row_of(axis, i);
     for (int a = 0; a < terms(); ++a)
       for (int b = 0; b < a; ++b) touch(row.unknown[a], row.unknown[b]);
-  }
+  });
   if (with_bias_)
-    for (const auto& [a, b] : problem_.neighbours)
+    for (const auto& [a, b] : neighbours_)
       for (const int block : {1, 2}) touch(block * samples_ + a, block * samples_ + b);
   lower_.resize(size, size);
   lower_.setFromTriplets(places.begin(), places.end());
 
-  for (const auto& c : problem_.slopes) {
-    const Row row = row_of(c);
+  problem_.slopes.for_each([&](int axis, std::size_t i) {
+    const Row row = row_of(axis, i);
     for (int a = 0; a < terms(); ++a)
       for (int b = 0; b <= a; ++b) slope_slots_.push_back(slot(row.unknown[a], row.unknown[b]));
-  }
+  });
   if (with_bias_)
-    for (const auto& [a, b] : problem_.neighbours)
+    for (const auto& [a, b] : neighbours_)
       for (const int block : {1, 2})
         smooth_slots_.push_back(slot(block * samples_ + a, block * samples_ + b));
 }
@@ -58,33 +64,34 @@ std::uint32_t ViewSystem::slot(Eigen::Index i, Eigen::Index j) const {
 }
 
 void ViewSystem::assemble(const ViewWeights& weights) {
-  assert(weights.position.size() == samples_);
-  assert(static_cast<std::size_t>(weights.slope.size()) == problem_.slopes.size());
+  assert(weights.position.size() == problem_.grid.size());
   std::fill_n(lower_.valuePtr(), lower_.nonZeros(), 0.0);
   rhs_ = Eigen::VectorXd::Zero(lower_.rows());
   // The diagonal is the first entry of each column of a lower triangle.
   for (Eigen::Index i = 0; i < samples_; ++i)
-    lower_.valuePtr()[lower_.outerIndexPtr()[i]] = weights.position[i];
-  add_slopes(weights.slope);
+    lower_.valuePtr()[lower_.outerIndexPtr()[i]] =
+        weights.position[problem_.pixels[static_cast<std::size_t>(i)]];
+  add_slopes(weights);
   if (with_bias_) add_bias_prior(weights);
 }
 
-void ViewSystem::add_slopes(const Eigen::VectorXf& weights) {
+void ViewSystem::add_slopes(const ViewWeights& weights) {
   double* values = lower_.valuePtr();
   const std::uint32_t* next = slope_slots_.data();
-  for (std::size_t k = 0; k < problem_.slopes.size(); ++k) {
-    const Row row = row_of(problem_.slopes[k]);
-    const double weight = weights[static_cast<Eigen::Index>(k)];
+  problem_.slopes.for_each([&](int axis, std::size_t i) {
+    const Row row = row_of(axis, i);
+    const double weight = weights.slope[static_cast<std::size_t>(axis)][i];
+    const double step = problem_.slopes.axes[static_cast<std::size_t>(axis)].step[i];
     for (int a = 0; a < terms(); ++a) {
       const double weighted = weight * row.coefficient[a];
-      rhs_[row.unknown[a]] -= weighted * problem_.slopes[k].step;
+      rhs_[row.unknown[a]] -= weighted * step;
       for (int b = 0; b <= a; ++b) {
         // Two terms on one unknown (a == b, or both biases of one normal): both orders count.
         const bool same = a != b && row.unknown[a] == row.unknown[b];
         values[*next++] += (same ? 2.0 : 1.0) * weighted * row.coefficient[b];
       }
     }
-  }
+  });
 }
 
 void ViewSystem::add_bias_prior(const ViewWeights& weights) {
@@ -94,7 +101,7 @@ void ViewSystem::add_bias_prior(const ViewWeights& weights) {
   };
   for (Eigen::Index i = samples_; i < 3 * samples_; ++i) diagonal(i) += weights.bias_size;
   const std::uint32_t* next = smooth_slots_.data();
-  for (const auto& [a, b] : problem_.neighbours) {
+  for (const auto& [a, b] : neighbours_) {
     for (const int block : {1, 2}) {
       diagonal(block * samples_ + a) += weights.bias_step;
       diagonal(block * samples_ + b) += weights.bias_step;

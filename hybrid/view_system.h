@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -32,16 +33,18 @@ class ViewSystem {
     Eigen::Index unknown[kTerms];
     double coefficient[kTerms];
   };
-  Row row_of(const SlopeConstraint& constraint) const;
+  Row row_of(int axis, std::size_t i) const;
   int terms() const { return with_bias_ ? 4 : 2; }
   void find_pattern();
   std::uint32_t slot(Eigen::Index i, Eigen::Index j) const;
-  void add_slopes(const Eigen::VectorXf& weights);
+  void add_slopes(const ViewWeights& weights);
   void add_bias_prior(const ViewWeights& weights);
 
   const ViewProblem& problem_;
   bool with_bias_;
   Eigen::Index samples_;
+  std::vector<std::uint32_t> number_;                     // of a movable sample, by padded index
+  std::vector<std::array<std::uint32_t, 2>> neighbours_;  // between which the bias is smooth
   Eigen::SparseMatrix<double> lower_;
   Eigen::VectorXd rhs_;
   std::vector<std::uint32_t> slope_slots_;   // places in `lower_` of every product of two terms

@@ -30,30 +30,38 @@ Eigen::VectorXd random_vector(Eigen::Index size, std::uint32_t seed) {
 }
 
 ViewWeights random_weights(const ViewProblem& problem, std::uint32_t seed) {
-  return {random_vector(static_cast<Eigen::Index>(problem.size()), seed).cast<float>(),
-          random_vector(static_cast<Eigen::Index>(problem.slopes.size()), seed + 1).cast<float>(),
-          0.7f + static_cast<float>(seed), 0.2f};
+  const auto plane = [&](std::uint32_t plane_seed) {
+    const Eigen::VectorXd values =
+        random_vector(static_cast<Eigen::Index>(problem.grid.size()), plane_seed);
+    return std::vector<float>(values.begin(), values.end());
+  };
+  return {plane(seed), {plane(seed + 1), plane(seed + 2)}, 0.7f + static_cast<float>(seed), 0.2f};
 }
 
 // The objective (7a) written down from the definition of its residuals.
 double objective(const ViewProblem& problem, const ViewWeights& weights, const Eigen::VectorXd& y,
                  bool with_bias) {
   const auto n = static_cast<Eigen::Index>(problem.size());
+  const std::vector<std::uint32_t> number = numbers_of(problem);
   double sum = 0.0;
-  for (Eigen::Index i = 0; i < n; ++i) sum += weights.position[i] * y[i] * y[i];
-  for (std::size_t k = 0; k < problem.slopes.size(); ++k) {
-    const SlopeConstraint& c = problem.slopes[k];
-    double residual =
-        double{c.step} + double{c.head_slope} * y[c.head] - double{c.tail_slope} * y[c.tail];
-    const Eigen::Index bias = (1 + c.axis) * n;
-    if (with_bias) residual -= double{c.length} * 0.5 * (y[bias + c.at[0]] + y[bias + c.at[1]]);
-    sum += weights.slope[static_cast<Eigen::Index>(k)] * residual * residual;
-  }
+  for (Eigen::Index i = 0; i < n; ++i)
+    sum += double{weights.position[problem.pixels[static_cast<std::size_t>(i)]]} * y[i] * y[i];
+  problem.slopes.for_each([&](int axis, std::size_t i) {
+    const auto& a = problem.slopes.axes[static_cast<std::size_t>(axis)];
+    const auto ends = problem.slopes.ends(axis, i);
+    double residual = double{a.step[i]} + double{a.head_slope[i]} * y[number[ends.head]] -
+                      double{a.tail_slope[i]} * y[number[ends.tail]];
+    const Eigen::Index bias = (1 + axis) * n;
+    if (with_bias)
+      residual -=
+          double{a.half_length[i]} * (y[bias + number[ends.at0]] + y[bias + number[ends.at1]]);
+    sum += double{weights.slope[static_cast<std::size_t>(axis)][i]} * residual * residual;
+  });
   if (!with_bias) return sum;
-  for (const auto& [a, b] : problem.neighbours)
+  for (const auto& [a, b] : bias_neighbours(problem))
     for (const Eigen::Index block : {n, 2 * n})
       sum += double{weights.bias_step} * std::pow(y[block + a] - y[block + b], 2);
-  return sum + weights.bias_size * y.tail(2 * n).squaredNorm();
+  return sum + double{weights.bias_size} * y.tail(2 * n).squaredNorm();
 }
 
 TEST(ViewSystem, IsTheQuadraticFormOfTheObjective) {
@@ -95,11 +103,16 @@ TEST(ViewSystem, AssemblingAgainForgetsTheWeightsBefore) {
 TEST(ViewProblem, NoConstraintCrossesWhatIsNotConnected) {
   const RangeView view = ragged_view();
   const ViewProblem problem = make_view_problem(view, connect_samples(view), Stencil::kCompactEdge);
-  for (const SlopeConstraint& c : problem.slopes) {
-    const std::uint32_t a = problem.pixels[c.tail], b = problem.pixels[c.head];
-    EXPECT_EQ(a % 7 == 6, b % 7 == 6);
-    for (const std::uint32_t i : {a, b}) EXPECT_TRUE(view.has_normal(int(i) % 7, int(i) / 7));
-  }
+  std::size_t constraints = 0;
+  problem.slopes.for_each([&](int axis, std::size_t i) {
+    const auto ends = problem.slopes.ends(axis, i);
+    const PaddedGrid& grid = problem.grid;
+    EXPECT_EQ(grid.u(ends.tail) == 6, grid.u(ends.head) == 6);
+    for (const std::size_t end : {ends.tail, ends.head})
+      EXPECT_TRUE(view.has_normal(grid.u(end), grid.v(end)));
+    ++constraints;
+  });
+  EXPECT_EQ(constraints, problem.constraints);
   EXPECT_EQ(problem.size() + problem.pinned, view.sample_count());
 }
 
