@@ -76,7 +76,7 @@ PEERS = {"Open3D, multiway": ("Open3D", open3d("multiway")),
          "Open3D, ICP along the tree": ("Open3D", open3d("pairwise")),
          "PCL, ICP along the tree": ("PCL", pcl),
          "CloudCompare, ICP along the tree": ("CloudCompare", cloudcompare)}
-SLOW = ("CloudCompare, ICP along the tree",)  # minutes a case: only where the case says so
+SLOW = ("PCL, ICP along the tree", "CloudCompare, ICP along the tree")  # minutes a case: only where the case says so
 
 
 def figures_of(case, relief, project, log):

@@ -17,14 +17,14 @@ def open3d_poisson(depth):
 def open3d_tsdf(case, folder, output):
     description = json.loads((folder / "clouds.json").read_text())
     if any(view["camera"].get("model") != "pinhole" for view in description["views"]):
-        raise Failed("takes depth maps of pinhole cameras only")
+        raise Failed("not applicable: takes depth maps of pinhole cameras only")
     return run([PYTHON, ROOT_PEERS / "open3d_tsdf.py", folder, output], output.with_suffix(".log"))[0]
 
 
 def pcl_poisson(depth):
     def merge(case, folder, output):
         if not json.loads((folder / "clouds.json").read_text())["normals"]:
-            raise Failed("takes normals that face outwards; these scans have none")
+            raise Failed("not applicable: takes normals, which these scans do not have")
         vtk = output.with_suffix(".vtk")
         cost, _ = run(["pcl_poisson_reconstruction", folder / "all.pcd", vtk, "-depth", depth],
                       output.with_suffix(".log"))
@@ -38,6 +38,7 @@ PEERS = {"Open3D, Poisson, depth 8": ("Open3D", open3d_poisson(8)),
          "Open3D, Poisson, depth 10": ("Open3D", open3d_poisson(10)),
          "Open3D, TSDF": ("Open3D", open3d_tsdf),
          "PCL, Poisson, depth 9": ("PCL", pcl_poisson(9))}
+SLOW = ("Open3D, Poisson, depth 10", "PCL, Poisson, depth 9")  # minutes a case: only where the case says so
 QUICK = ("Open3D, Poisson, depth 8", "Open3D, TSDF")
 
 
@@ -82,7 +83,8 @@ def measure(case, context):
     relief = context.relief
     project = views_to_merge(case, relief)
     own = case.folder / "merged-by-relief.ply"
-    peers = {name: PEERS[name] for name in PEERS if not context.quick or name in QUICK}
+    peers = {name: peer for name, peer in PEERS.items()
+             if (name in QUICK if context.quick else case.slow_peers or name not in SLOW)}
     installed = {name: peer for name, (program, peer) in peers.items() if context.programs.has(program)}
     folder = clouds(case, relief, project, "merge") if installed else None
     output = {name: case.folder / (name.lower().replace(", ", "-").replace(" ", "-") + ".ply") for name in peers}

@@ -40,11 +40,16 @@ def table(header, rows, cells):
         if line.get("missing"):
             body = ["not installed"] + [""] * (len(header) + 2)
         elif "failed" in line:
-            body = [f"failed: {line['failed'].split('; see')[0].split(': ')[-1]}"] + [""] * (len(header) + 2)
+            body = [failure(line["failed"])] + [""] * (len(header) + 2)
         else:
             body = cells(line) + cost_cells(line, rows)
         lines.append(start + body[:len(header) + 3])
     return markdown(["case", "method", *header, *COST_HEADER], lines)
+
+
+def failure(message):
+    """What a table says of a method that gave nothing."""
+    return message if message.startswith("not applicable") else "failed: " + message.split("; see")[0].split(": ")[-1]
 
 
 def refine_table(rows):
