@@ -258,7 +258,7 @@ NoiseEstimate estimate_noise(const RangeSteps& steps) {
   NoiseEstimate estimate;
   const std::vector<SecondDifference> differences = second_differences(steps);
   estimate.samples = differences.size();
-  if (estimate.samples < 30) return estimate;
+  if (!estimate.enough()) return estimate;
   estimate.sigma_normal = normal_noise(steps);
   const WalkFit fit =
       fit_second_differences(differences, estimate.sigma_normal * estimate.sigma_normal);

@@ -15,7 +15,8 @@ struct NoiseEstimate {
   double bias = 0.0;            ///< RMS of the smooth slope error of the normals [rad].
   double bias_gradient = 0.0;   ///< RMS change of that error from pixel to pixel [rad].
   std::size_t samples = 0;      ///< Independent comparisons used; below 30 nothing is estimated.
-  bool usable() const { return samples >= 30 && sigma_position > 0.0 && sigma_normal > 0.0; }
+  bool enough() const { return samples >= 30; }
+  bool usable() const { return enough() && sigma_position > 0.0 && sigma_normal > 0.0; }
 };
 
 /// Robust estimates, free of tuning and of units. Three statistics are compared with their models:

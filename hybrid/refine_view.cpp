@@ -34,7 +34,16 @@ struct NoiseModel {
   double sigma_normal = 0.0;
   double sigma_bias_step = 0.0;
   double spacing = 0.0;
+  double slope_share = 1.0;  // variance of a slope constraint, in (length sigma_normal)^2
 };
+
+// A pair of neighbouring normals, averaged, errs by cos(w / 2) times what one does at the frequency
+// w [rad per sample]: all of it over long waves, half of the variance on average. What counts is
+// where positions and normals cross; normals that rule at all frequencies share no more than half.
+double share_of_averaged_normals(const NoiseModel& noise) {
+  const double crossover = noise.spacing * noise.sigma_normal / noise.sigma_position;
+  return std::max(0.5, std::pow(std::cos(0.5 * std::min(std::numbers::pi, crossover)), 2));
+}
 
 // Every so many-th of `count` values such that a median of them is good to about a percent.
 std::size_t thinning(std::size_t count) { return std::max<std::size_t>(1, count / 100000); }
@@ -73,16 +82,23 @@ double default_bias_step(const NoiseModel& noise, double gradient) {
   return sigma;
 }
 
-NoiseModel noise_model(const RefineOptions& options, const NoiseEstimate& estimate,
-                       double spacing) {
+NoiseModel noise_model(const RefineOptions& options, const NoiseEstimate& estimate, double spacing,
+                       std::size_t samples) {
   NoiseModel noise;
   noise.spacing = spacing;
   noise.sigma_position = options.sigma_position.value_or(estimate.sigma_position);
   noise.sigma_normal = options.sigma_normal.value_or(estimate.sigma_normal);
+  // Normals that rule over more samples than there are could as well be that much less precise.
+  if (!options.sigma_normal && estimate.enough())
+    noise.sigma_normal =
+        std::max(noise.sigma_normal,
+                 noise.sigma_position / (spacing * std::sqrt(static_cast<double>(samples))));
   // E_p / sigma_p^2 + E_n / (l sigma_n)^2 is the published sum up to a factor.
   if (options.lambda)
     noise.sigma_normal =
         noise.sigma_position / noise.spacing * std::sqrt(*options.lambda / (1.0 - *options.lambda));
+  else if (options.stencil == Stencil::kCompactEdge)
+    noise.slope_share = share_of_averaged_normals(noise);
   noise.sigma_bias_step =
       options.sigma_bias_step.value_or(default_bias_step(noise, estimate.bias_gradient));
   return noise;
@@ -90,7 +106,8 @@ NoiseModel noise_model(const RefineOptions& options, const NoiseEstimate& estima
 
 double equivalent_lambda(const NoiseModel& noise) {
   const double step = noise.spacing * noise.sigma_normal;
-  return step * step / (noise.sigma_position * noise.sigma_position + step * step);
+  const double variance = noise.slope_share * step * step;
+  return variance / (noise.sigma_position * noise.sigma_position + variance);
 }
 
 ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
@@ -107,7 +124,7 @@ ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
     const double length =
         equal_slopes ? noise.spacing : 2.0 * problem.slopes.axes[a].half_length[i];
     const double sigma = length * noise.sigma_normal;
-    weights.slope[a][i] = static_cast<float>(1.0 / (sigma * sigma));
+    weights.slope[a][i] = static_cast<float>(1.0 / (noise.slope_share * sigma * sigma));
   });
   weights.bias_step = static_cast<float>(1.0 / (noise.sigma_bias_step * noise.sigma_bias_step));
   weights.bias_size = static_cast<float>(1.0 / (kBiasSize * kBiasSize));
@@ -255,7 +272,7 @@ class Refinement {
     if (estimate.sigma_position > 0.0) edges_ = cut_unexplained_steps(edges_, steps, estimate);
     problem_ = make_view_problem(view, edges_, options_.stencil, options_.threads);
     if (problem_.empty()) return stop(why_empty());
-    noise_ = noise_model(options_, estimate, median_length(problem_));
+    noise_ = noise_model(options_, estimate, median_length(problem_), problem_.size());
     if (!(noise_.sigma_position > 0.0) || !(noise_.sigma_normal > 0.0))
       return stop(RefineStatus::kNoNoise);
     return options_.bias != BiasModel::kTwoStep || correct_first();
