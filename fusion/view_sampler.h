@@ -9,6 +9,7 @@
 #include "fusion/quad_surface.h"
 #include "scan/range_view.h"
 #include "scan/result.h"
+#include "scan/view_projection.h"
 
 namespace relief {
 
@@ -47,11 +48,7 @@ class ViewSampler {
   double noise() const { return surface_.noise; }      ///< See QuadSurface.
 
  private:
-  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_in_view) const;
-  double pixel_footprint(const Eigen::Vector3d& point_in_view, double u, double v) const;
-
-  Camera camera_;
-  std::optional<RationalProjection> guess_;  // for cameras without a projection of their own
+  ViewProjection projection_;
   RigidMotion view_from_world_ = RigidMotion::Identity();
   RigidMotion world_from_view_ = RigidMotion::Identity();
   QuadSurface surface_;
