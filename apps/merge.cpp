@@ -15,7 +15,7 @@ namespace {
 struct MergeCommand {
   CommonOptions common;
   ProjectInput input;
-  MergeOptions options;
+  MergeFlags merge;
   std::filesystem::path output;
 };
 
@@ -23,7 +23,7 @@ int merge(const MergeCommand& command) {
   const auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
   if (const auto ready = prepare_folder_of(command.output); !ready) return fail(ready.error());
-  MergeOptions options = command.options;
+  MergeStageOptions options = command.merge.resolved();
   options.threads = command.common.threads;
   const auto stage = merge_stage(*project, options);
   if (!stage) return fail(stage.error());
@@ -47,7 +47,7 @@ void add_merge(CLI::App& app, Action& action) {
                   "Mesh file; its ending (.ply .obj .stl .vtp .glb) is its format")
       ->required()
       ->check(known_mesh_ending());
-  add_merge_options(*sub, command->options);
+  add_merge_options(*sub, command->merge);
   add_common_options(*sub, command->common);
   sub->callback([command, &action] { action = [command] { return merge(*command); }; });
 }

@@ -17,7 +17,7 @@ struct RunCommand {
   ProjectInput input;
   AlignOptions align;
   RefineFlags refine;
-  MergeOptions merge;
+  MergeFlags merge;
   std::filesystem::path output;
 };
 
@@ -82,7 +82,7 @@ class Run {
   }
 
   Result<void> merge() {
-    const auto stage = merge_stage(project_, with_threads(command_.merge));
+    const auto stage = merge_stage(project_, with_threads(command_.merge.resolved()));
     if (!stage) return stage.error();
     if (auto written = write_mesh(stage->mesh, command_.output / "model.ply"); !written)
       return written;

@@ -12,14 +12,27 @@ const std::map<std::string, Stencil> kStencils = {{"edge", Stencil::kCompactEdge
                                                   {"paper", Stencil::kPaperCentral}};
 const std::map<std::string, BiasModel> kBiasModels = {
     {"latent", BiasModel::kLatent}, {"two-step", BiasModel::kTwoStep}, {"none", BiasModel::kNone}};
+const std::map<std::string, MeshForm> kForms = {{"normal", MeshForm::kAlongNormals},
+                                                {"full", MeshForm::kFull}};
 const std::map<std::string, Solver> kSolvers = {{"multigrid", Solver::kMultigrid},
                                                 {"cholesky", Solver::kCholesky}};
+
+constexpr double kRadians = std::numbers::pi / 180.0;
 
 }  // namespace
 
 RefineOptions RefineFlags::resolved() const {
   RefineOptions resolved = options;
-  if (sigma_normal_deg) resolved.sigma_normal = *sigma_normal_deg * std::numbers::pi / 180.0;
+  if (sigma_normal_deg) resolved.sigma_normal = *sigma_normal_deg * kRadians;
+  return resolved;
+}
+
+MergeStageOptions MergeFlags::resolved() const {
+  MergeStageOptions resolved = options;
+  if (no_polish)
+    resolved.polish.reset();
+  else if (polish_sigma_normal_deg)
+    resolved.polish->sigma_normal = *polish_sigma_normal_deg * kRadians;
   return resolved;
 }
 
@@ -81,8 +94,33 @@ void add_align_options(CLI::App& command, AlignOptions& options) {
       ->capture_default_str();
 }
 
-void add_merge_options(CLI::App& command, MergeOptions& options) {
+namespace {
+
+void add_polish_options(CLI::App& command, MergeFlags& flags) {
+  auto* group = command.add_option_group("Polishing");
+  PolishOptions& options = *flags.options.polish;
+  group->add_flag("--no-polish", flags.no_polish,
+                  "Leave the mesh as merged, not refined with the normals of the views");
+  group
+      ->add_option("--polish-form", options.form,
+                   "How vertices move: normal (along the surface normal) or full (in space)")
+      ->transform(CLI::CheckedTransformer(kForms))
+      ->default_str("normal");
+  group
+      ->add_option("--polish-sigma-position", options.sigma_position,
+                   "Error of the merged positions [unit]; default: per vertex, as merged")
+      ->check(CLI::PositiveNumber);
+  group
+      ->add_option("--polish-sigma-normal", flags.polish_sigma_normal_deg,
+                   "Error of the blended normals [deg]; default: per vertex, from the views")
+      ->check(CLI::PositiveNumber);
+}
+
+}  // namespace
+
+void add_merge_options(CLI::App& command, MergeFlags& flags) {
   auto* group = command.add_option_group("Merging");
+  MergeOptions& options = flags.options.merge;
   group
       ->add_option("--voxel", options.voxel_size,
                    "Lattice spacing [unit]; 0: the median sample spacing")
@@ -102,6 +140,7 @@ void add_merge_options(CLI::App& command, MergeOptions& options) {
           "What to do where no view measured: fill, or keep open")
       ->check(CLI::IsMember({"fill", "keep"}))
       ->default_str("fill");
+  add_polish_options(command, flags);
 }
 
 }  // namespace relief

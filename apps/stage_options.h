@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "apps/stages.h"
 #include "fusion/merge_views.h"
 #include "hybrid/refine_view.h"
 #include "registration/align_views.h"
@@ -12,7 +13,6 @@ namespace relief {
 
 /// Bind the flags of each stage to the fields of its options, which hold the defaults.
 void add_align_options(CLI::App& command, AlignOptions& options);
-void add_merge_options(CLI::App& command, MergeOptions& options);
 
 /// Angles are degrees on the command line and radians in the options.
 struct RefineFlags {
@@ -22,5 +22,14 @@ struct RefineFlags {
   RefineOptions resolved() const;
 };
 void add_refine_options(CLI::App& command, RefineFlags& flags);
+
+struct MergeFlags {
+  MergeStageOptions options;
+  bool no_polish = false;
+  std::optional<double> polish_sigma_normal_deg;
+
+  MergeStageOptions resolved() const;
+};
+void add_merge_options(CLI::App& command, MergeFlags& flags);
 
 }  // namespace relief

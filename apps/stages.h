@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
+
 #include "apps/command.h"
 #include "apps/report.h"
 #include "fusion/merge_views.h"
+#include "hybrid/polish_mesh.h"
 #include "hybrid/refine_view.h"
 #include "registration/align_views.h"
 
@@ -25,10 +28,16 @@ struct RefineStage {
 };
 Result<RefineStage> refine_stage(ScanProject& project, const RefineOptions& options);
 
+/// Merges the views and polishes the mesh with their normals.
+struct MergeStageOptions {
+  MergeOptions merge;
+  std::optional<PolishOptions> polish = PolishOptions{};  ///< Nothing: the mesh stays as merged.
+  int threads = 0;  ///< 0: one per core; takes the place of those above.
+};
 struct MergeStage {
   TriangleMesh mesh;
   Json report;
 };
-Result<MergeStage> merge_stage(const ScanProject& project, const MergeOptions& options);
+Result<MergeStage> merge_stage(const ScanProject& project, const MergeStageOptions& options);
 
 }  // namespace relief
