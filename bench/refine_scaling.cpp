@@ -1,0 +1,166 @@
+// Time and memory of refining one view by its size: the linear system of equation (7a) by multigrid
+// and by the direct solver, and the whole of refine_view. Processor time of all threads; Linux
+// only.
+//   cmake --preset bench && cmake --build --preset bench &&
+//   build/bench/bench/relief_refine_scaling [SIDE OF THE VIEW IN PIXELS ...]
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <malloc.h>
+
+#include "hybrid/refine_view.h"
+#include "hybrid/view_problem.h"
+#include "hybrid/view_solver.h"
+#include "scan/counter_random.h"
+
+namespace relief {
+namespace {
+
+constexpr int kThreads = 2;
+constexpr int kLargestDirect = 1024;  // beyond, its memory is out of the question
+constexpr double kRangeNoise = 0.3, kNormalNoise = 0.026, kBiasStep = 0.028;
+
+double processor_seconds() {
+  timespec time;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// A field of /proc/self/status [bytes].
+double memory(const std::string& field) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with(field)) return 1024.0 * std::strtod(line.c_str() + field.size(), nullptr);
+  return 0.0;
+}
+
+// Memory beyond what was in use when it was made.
+class PeakMemory {
+ public:
+  PeakMemory() {
+    malloc_trim(0);
+    std::ofstream("/proc/self/clear_refs") << "5";  // resets the high-water mark
+    before_ = memory("VmRSS:");
+  }
+  double peak() const { return memory("VmHWM:") - before_; }
+
+ private:
+  double before_ = 0.0;
+};
+
+// Waves with slopes up to about a half, one unit per sample, with noise and a smooth bias.
+RangeView wavy_view(int side) {
+  RangeView view;
+  view.camera = Camera::orthographic(side, side, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
+  view.range = Grid<double>(side, side);
+  view.normals = Grid<Eigen::Vector3f>(side, side);
+  const CounterRandom random(1, 0);
+  for (int v = 0; v < side; ++v) {
+    for (int u = 0; u < side; ++u) {
+      const std::uint64_t i = view.range.index(u, v);
+      const double a = 0.06 * u + 0.066 * v, b = 0.31 * u - 0.2 * v, x = 6.28 * u / 256.0;
+      const double slope_u = 0.18 * std::cos(a) + 0.12 * std::cos(b) + 0.1 * std::sin(x + 0.01 * v);
+      const double slope_v = 0.198 * std::cos(a) - 0.08 * std::cos(b) + 0.1 * std::cos(x);
+      view.range(u, v) =
+          1000.0 + 3.0 * std::sin(a) + 0.4 * std::sin(b) + kRangeNoise * random.normal(3 * i);
+      view.normals(u, v) = Eigen::Vector3d(slope_u + kNormalNoise * random.normal(3 * i + 1),
+                                           slope_v + kNormalNoise * random.normal(3 * i + 2), -1.0)
+                               .normalized()
+                               .cast<float>();
+    }
+  }
+  return view;
+}
+
+ViewWeights typical_weights(const ViewProblem& problem) {
+  ViewWeights weights;
+  weights.position.assign(problem.grid.size(), 0.0f);
+  for (const std::uint32_t i : problem.pixels)
+    weights.position[i] = static_cast<float>(1.0 / (kRangeNoise * kRangeNoise));
+  for (auto& plane : weights.slope) plane.assign(problem.grid.size(), 0.0f);
+  problem.slopes.for_each([&](int axis, std::size_t i) {
+    const auto a = static_cast<std::size_t>(axis);
+    const double sigma = 2.0 * problem.slopes.axes[a].half_length[i] * kNormalNoise;
+    weights.slope[a][i] = static_cast<float>(1.0 / (sigma * sigma));
+  });
+  weights.bias_step = static_cast<float>(1.0 / (kBiasStep * kBiasStep));
+  weights.bias_size = 8.0f;
+  return weights;
+}
+
+struct Timed {
+  Eigen::VectorXd y;
+  double setup = 0.0, solve = 0.0, wall = 0.0;  // [s]
+  int iterations = 0;
+};
+
+Timed solve(const ViewProblem& problem, Solver kind) {
+  Timed timed;
+  const double wall = wall_seconds(), start = processor_seconds();
+  const auto solver = make_view_solver(problem, true, kind, kThreads);
+  if (!solver->set_weights(typical_weights(problem))) std::abort();
+  const double ready = processor_seconds();
+  timed.y = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(problem.size()));
+  timed.iterations = solver->minimise(timed.y, 1e-6, 100).iterations;
+  timed.setup = ready - start;
+  timed.solve = processor_seconds() - ready;
+  timed.wall = wall_seconds() - wall;
+  return timed;
+}
+
+void measure_solvers(const RangeView& view, double pixels) {
+  const ViewProblem problem =
+      make_view_problem(view, connect_samples(view), Stencil::kCompactEdge, kThreads);
+  const Timed fast = solve(problem, Solver::kMultigrid);
+  std::printf("%9.2f  multigrid   setup %6.2f us/pixel, %2d steps %6.2f us/pixel, %.3f s wall\n",
+              pixels / 1048576.0, 1e6 * fast.setup / pixels, fast.iterations,
+              1e6 * fast.solve / pixels, fast.wall);
+  if (view.width() > kLargestDirect) return;
+  const Timed direct = solve(problem, Solver::kCholesky);
+  const double direct_time = direct.setup + direct.solve;
+  std::printf("%9s  direct      %6.2f us/pixel, %.1f times longer; x differs by %.1e of its norm\n",
+              "", 1e6 * direct_time / pixels, direct_time / (fast.setup + fast.solve),
+              (direct.y - fast.y).head(direct.y.size() / 3).norm() /
+                  direct.y.head(direct.y.size() / 3).norm());
+}
+
+void measure_refinement(const RangeView& view, double pixels) {
+  RefineOptions options;
+  options.threads = kThreads;
+  const PeakMemory memory_used;
+  const double wall = wall_seconds(), start = processor_seconds();
+  const auto refined = refine_view(view, options);
+  const double time = processor_seconds() - start, elapsed = wall_seconds() - wall;
+  if (!refined) std::abort();
+  std::printf(
+      "%9s  refine_view %6.2f us/pixel, %.2f s wall, %d rounds, %d steps, %.0f bytes/pixel\n", "",
+      1e6 * time / pixels, elapsed, refined->rounds, refined->iterations,
+      memory_used.peak() / pixels);
+}
+
+}  // namespace
+}  // namespace relief
+
+int main(int argc, char** argv) {
+  std::vector<int> sides;
+  for (int k = 1; k < argc; ++k) sides.push_back(std::atoi(argv[k]));
+  if (sides.empty()) sides = {512, 1024, 2048, 4096};
+  std::printf("megapixels\n");
+  for (const int side : sides) {
+    const relief::RangeView view = relief::wavy_view(side);
+    const double pixels = static_cast<double>(side) * side;
+    relief::measure_solvers(view, pixels);
+    relief::measure_refinement(view, pixels);
+    std::fflush(stdout);
+  }
+}
