@@ -1,6 +1,8 @@
 #include "hybrid/galerkin.h"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -11,6 +13,13 @@ namespace relief {
 namespace {
 
 constexpr std::size_t kRowsAtOnce = 6;  // rows of groups per independent piece of work
+
+// Rows of blocks, each in no particular order.
+struct BlockRows {
+  std::vector<std::uint32_t> begin{0};  // row i is [begin[i], begin[i + 1])
+  std::vector<std::uint32_t> column;
+  std::vector<Eigen::Matrix3d> block;
+};
 
 // A row of blocks under construction: few columns, found by search.
 class RowSum {
@@ -26,15 +35,27 @@ class RowSum {
   std::uint32_t column(std::size_t k) const { return columns_[k]; }
   const Eigen::Matrix3d& block(std::size_t k) const { return blocks_[k]; }
 
-  void append_to(BlockMatrix& matrix) const {
-    matrix.column.insert(matrix.column.end(), columns_.begin(), columns_.end());
-    matrix.block.insert(matrix.block.end(), blocks_.begin(), blocks_.end());
-    matrix.begin.push_back(static_cast<std::uint32_t>(matrix.column.size()));
+  void append_to(BlockRows& rows) const {
+    rows.column.insert(rows.column.end(), columns_.begin(), columns_.end());
+    rows.block.insert(rows.block.end(), blocks_.begin(), blocks_.end());
+    rows.begin.push_back(static_cast<std::uint32_t>(rows.column.size()));
+  }
+  void append_ordered_to(BlockRows& rows) {
+    order_.resize(columns_.size());
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    std::sort(order_.begin(), order_.end(),
+              [&](std::size_t a, std::size_t b) { return columns_[a] < columns_[b]; });
+    for (const std::size_t k : order_) {
+      rows.column.push_back(columns_[k]);
+      rows.block.push_back(blocks_[k]);
+    }
+    rows.begin.push_back(static_cast<std::uint32_t>(rows.column.size()));
   }
 
  private:
   std::vector<std::uint32_t> columns_;
   std::vector<Eigen::Matrix3d> blocks_;
+  std::vector<std::size_t> order_;
 };
 
 // The finest matrix, row by row.
@@ -115,8 +136,7 @@ class NodeRows {
 
   template <typename Visit>
   void for_each_block(std::size_t i, const Visit& visit) const {
-    for (std::uint32_t k = m_.matrix.begin[i]; k < m_.matrix.begin[i + 1]; ++k)
-      visit(m_.matrix.column[k], m_.matrix.block[k]);
+    m_.matrix.for_each_block(i, visit);
   }
 
  private:
@@ -132,7 +152,8 @@ class Piece {
   Piece(const Rows& rows, const Aggregates& groups, double damping)
       : rows_(rows), groups_(groups), damping_(damping) {}
 
-  BlockMatrix coarse_rows(std::size_t first_row, std::size_t end_row) {
+  // Blocks on and above the diagonal.
+  BlockRows coarse_rows(std::size_t first_row, std::size_t end_row) {
     const auto low = static_cast<std::ptrdiff_t>(3 * first_row);
     const auto high = static_cast<std::ptrdiff_t>(3 * end_row);
     interpolate(rows_.first_of_row(low - 2), rows_.first_of_row(high + 2));
@@ -154,7 +175,7 @@ class Piece {
   }
 
   void interpolate_node(std::size_t i, RowSum& sum) {
-    rows_.for_each_block(i, [&](std::size_t j, const Eigen::Matrix3d& a) {
+    rows_.for_each_block(i, [&](std::size_t j, const auto& a) {
       const std::uint32_t group = groups_.label[j];
       if (group == kNoAggregate) return;
       // A times the rigid motion [scale along_u along_v; 0 1 0; 0 0 1] of the group's member.
@@ -184,7 +205,7 @@ class Piece {
     for (std::size_t i = begin; i < end; ++i) {
       sum.clear();
       if (rows_.exists(i) && p_.begin[i - p_begin_] != p_.begin[i - p_begin_ + 1]) {
-        rows_.for_each_block(i, [&](std::size_t j, const Eigen::Matrix3d& a) {
+        rows_.for_each_block(i, [&](std::size_t j, const auto& a) {
           for (std::uint32_t k = p_.begin[j - p_begin_]; k < p_.begin[j - p_begin_ + 1]; ++k)
             sum.at(p_.column[k]).noalias() += a * p_.block[k];
         });
@@ -194,7 +215,7 @@ class Piece {
   }
 
   // P^T (A P) for groups [first, last); nodes [begin, end) are all that interpolate from them.
-  BlockMatrix project(std::size_t begin, std::size_t end, std::uint32_t first, std::uint32_t last) {
+  BlockRows project(std::size_t begin, std::size_t end, std::uint32_t first, std::uint32_t last) {
     std::vector<std::uint32_t> offset(last - first + 2, 0);
     const auto for_each_entry = [&](const auto& visit) {
       for (std::size_t i = begin; i < end; ++i)
@@ -210,7 +231,7 @@ class Piece {
     for_each_entry([&](std::size_t i, std::uint32_t k, std::uint32_t row) {
       entries[offset[row + 1]++] = {static_cast<std::uint32_t>(i - begin), k};
     });
-    BlockMatrix rows;
+    BlockRows rows;
     RowSum sum;
     for (std::uint32_t row = 0; row < last - first; ++row) {
       sum.clear();
@@ -218,9 +239,10 @@ class Piece {
         const Eigen::Matrix3d transposed = p_.block[entries[e].place].transpose();
         const std::uint32_t node = entries[e].node;
         for (std::uint32_t k = ap_.begin[node]; k < ap_.begin[node + 1]; ++k)
-          sum.at(ap_.column[k]).noalias() += transposed * ap_.block[k];
+          if (ap_.column[k] >= first + row)
+            sum.at(ap_.column[k]).noalias() += transposed * ap_.block[k];
       }
-      sum.append_to(rows);
+      sum.append_ordered_to(rows);
     }
     return rows;
   }
@@ -230,44 +252,69 @@ class Piece {
   double damping_;
   RowSum smoothed_;
   std::size_t p_begin_ = 0;
-  BlockMatrix p_, ap_;
+  BlockRows p_, ap_;
 };
 
-void append(BlockMatrix&& rows, BlockMatrix& matrix) {
-  const auto before = static_cast<std::uint32_t>(matrix.column.size());
-  for (std::size_t i = 1; i < rows.begin.size(); ++i)
-    matrix.begin.push_back(before + rows.begin[i]);
-  matrix.column.insert(matrix.column.end(), rows.column.begin(), rows.column.end());
-  matrix.block.insert(matrix.block.end(), rows.block.begin(), rows.block.end());
-  rows = {};
+void append(BlockRows&& piece, BlockRows& rows) {
+  const auto before = static_cast<std::uint32_t>(rows.column.size());
+  for (std::size_t i = 1; i < piece.begin.size(); ++i)
+    rows.begin.push_back(before + piece.begin[i]);
+  rows.column.insert(rows.column.end(), piece.column.begin(), piece.column.end());
+  rows.block.insert(rows.block.end(), piece.block.begin(), piece.block.end());
+  piece = {};
 }
 
-std::vector<Eigen::Matrix3d> inverse_diagonal(const BlockMatrix& matrix) {
-  std::vector<Eigen::Matrix3d> inverse(matrix.rows());
-  for (std::size_t i = 0; i < matrix.rows(); ++i)
-    for (std::uint32_t k = matrix.begin[i]; k < matrix.begin[i + 1]; ++k)
-      if (matrix.column[k] == i) inverse[i] = matrix.block[k].inverse();
+std::vector<Eigen::Matrix3d> inverse_diagonal(const BlockRows& upper) {
+  std::vector<Eigen::Matrix3d> inverse;
+  for (std::size_t i = 0; i + 1 < upper.begin.size(); ++i)
+    inverse.push_back(upper.block[upper.begin[i]].inverse());
   return inverse;
 }
 
 template <typename Rows>
 CoarseMatrix coarsen_rows(const Rows& fine, const Aggregates& groups, double damping, int threads) {
-  const std::size_t rows = groups.rows.size() - 1;
-  std::vector<BlockMatrix> pieces((rows + kRowsAtOnce - 1) / kRowsAtOnce);
-  parallel_for(rows, kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+  const std::size_t count = groups.rows.size() - 1;
+  std::vector<BlockRows> pieces((count + kRowsAtOnce - 1) / kRowsAtOnce);
+  parallel_for(count, kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
     pieces[begin / kRowsAtOnce] = Piece<Rows>(fine, groups, damping).coarse_rows(begin, end);
   });
-  CoarseMatrix coarse;
+  BlockRows upper;
   std::size_t blocks = 0;
-  for (const BlockMatrix& piece : pieces) blocks += piece.block.size();
-  coarse.matrix.column.reserve(blocks);
-  coarse.matrix.block.reserve(blocks);
-  for (BlockMatrix& piece : pieces) append(std::move(piece), coarse.matrix);
-  coarse.inverse = inverse_diagonal(coarse.matrix);
+  for (const BlockRows& piece : pieces) blocks += piece.block.size();
+  upper.column.reserve(blocks);
+  upper.block.reserve(blocks);
+  for (BlockRows& piece : pieces) append(std::move(piece), upper);
+  CoarseMatrix coarse;
+  coarse.inverse = inverse_diagonal(upper);
+  coarse.matrix = BlockMatrix(upper.begin, upper.column, std::move(upper.block));
   return coarse;
 }
 
 }  // namespace
+
+BlockMatrix::BlockMatrix(const std::vector<std::uint32_t>& upper_begin,
+                         const std::vector<std::uint32_t>& upper_column,
+                         std::vector<Eigen::Matrix3d> block)
+    : begin_(upper_begin.size(), 0), block_(std::move(block)) {
+  const std::size_t count = upper_begin.size() - 1;
+  const auto for_each_upper = [&](const auto& visit) {
+    for (std::uint32_t i = 0; i < count; ++i)
+      for (std::uint32_t k = upper_begin[i]; k < upper_begin[i + 1]; ++k)
+        visit(i, upper_column[k], k);
+  };
+  for_each_upper([&](std::uint32_t i, std::uint32_t column, std::uint32_t) {
+    ++begin_[i + 1];
+    if (column != i) ++begin_[column + 1];
+  });
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  entry_.resize(begin_.back());
+  // Rows come in order, so that the mirror images of earlier rows precede a row's own entries.
+  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+  for_each_upper([&](std::uint32_t i, std::uint32_t column, std::uint32_t k) {
+    entry_[next[i]++] = {column, k};
+    if (column != i) entry_[next[column]++] = {i, k};
+  });
+}
 
 CoarseMatrix coarsen(const EdgeStencil& fine, const Aggregates& groups, double damping,
                      int threads) {

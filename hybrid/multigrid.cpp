@@ -132,6 +132,8 @@ class NodeLevel {
       : matrix_(std::move(matrix)), nodes_(std::move(nodes)), threads_(threads) {}
 
   const Aggregates& nodes() const { return nodes_; }
+  // Only the grouping of the next level needs them.
+  void drop_bonds() { nodes_.bonds = {}; }
   const CoarseMatrix& matrix() const { return matrix_; }
   std::size_t size() const { return nodes_.nodes.size(); }
   Vector zero() const { return Vector(size(), Eigen::Vector3d::Zero()); }
@@ -204,10 +206,9 @@ class NodeLevel {
     parallel_for(groups.rows.size() - 1, 16, threads_, body);
   }
   Eigen::Vector3d product(std::size_t i, const Vector& in) const {
-    const BlockMatrix& m = matrix_.matrix;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (std::uint32_t k = m.begin[i]; k < m.begin[i + 1]; ++k)
-      sum.noalias() += m.block[k] * in[m.column[k]];
+    matrix_.matrix.for_each_block(
+        i, [&](std::uint32_t j, const auto& block) { sum.noalias() += block * in[j]; });
     return sum;
   }
   template <typename Body>
@@ -231,12 +232,14 @@ using Factor = Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>;
 
 bool factorise(const BlockMatrix& matrix, Factor& factor) {
   std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t i = 0; i < matrix.rows(); ++i)
-    for (std::uint32_t k = matrix.begin[i]; k < matrix.begin[i + 1]; ++k)
+  for (std::size_t i = 0; i < matrix.rows(); ++i) {
+    matrix.for_each_block(i, [&](std::uint32_t j, const auto& block) {
       for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c)
-          entries.emplace_back(static_cast<int>(3 * i) + r,
-                               static_cast<int>(3 * matrix.column[k]) + c, matrix.block[k](r, c));
+          entries.emplace_back(static_cast<int>(3 * i) + r, static_cast<int>(3 * j) + c,
+                               block(r, c));
+    });
+  }
   const auto size = static_cast<Eigen::Index>(3 * matrix.rows());
   Eigen::SparseMatrix<double> assembled(size, size);
   assembled.setFromTriplets(entries.begin(), entries.end());
@@ -280,6 +283,7 @@ struct Multigrid::Hierarchy {
                                      coarse.back().relaxation.damping, threads);
       coarse.emplace_back(NodeLevel(std::move(product), std::move(next), threads));
     }
+    for (Coarse& level : coarse) level.level.drop_bonds();
     usable = factorise(coarse.back().level.matrix().matrix, factor);
   }
 

@@ -86,14 +86,23 @@ void for_each_walk(const RangeSteps& steps, int length, int stride, const Visit&
     for (int u = 0; u < width; u += stride) visit(steps.along_columns, u, v, 0, 1);
 }
 
+// Samples of a grid to step over such that a statistic has enough to be good to about a percent.
+int thinning(const RangeSteps& steps) {
+  constexpr double kEnough = 60000.0;
+  return std::max(
+      1,
+      static_cast<int>(std::sqrt(static_cast<double>(steps.along_rows.expected.size()) / kEnough)));
+}
+
 // Equation (10): round a loop of k x k cells the expected steps close up but for the noise of the
 // normals. Closures are divided by their sensitivity: values of standard deviation sigma_normal.
 std::vector<double> loop_closures(const RangeSteps& steps, int k) {
   std::vector<double> closures;
   const auto& rows = steps.along_rows;
   const auto& columns = steps.along_columns;
-  for (int v = 0; v + k < rows.expected.height(); ++v) {
-    for (int u = 0; u + k < rows.expected.width(); ++u) {
+  const int stride = thinning(steps);
+  for (int v = 0; v + k < rows.expected.height(); v += stride) {
+    for (int u = 0; u + k < rows.expected.width(); u += stride) {
       const WalkSums top = walk(rows, u, v, 1, 0, k), bottom = walk(rows, u, v + k, 1, 0, k);
       const WalkSums left = walk(columns, u, v, 0, 1, k), right = walk(columns, u + k, v, 0, 1, k);
       const double closure = top.expected + right.expected - bottom.expected - left.expected;
@@ -141,14 +150,6 @@ SecondDifference second_difference(const RangeSteps::Direction& direction, int u
                        second.first * second.first + middle * middle;
   return {second.discrepancy - first.discrepancy, nodes,
           0.5 * k * (first.sensitivity + second.sensitivity)};
-}
-
-// Samples of a grid to step over such that a statistic has enough to be good to about a percent.
-int thinning(const RangeSteps& steps) {
-  constexpr double kEnough = 60000.0;
-  return std::max(
-      1,
-      static_cast<int>(std::sqrt(static_cast<double>(steps.along_rows.expected.size()) / kEnough)));
 }
 
 std::vector<SecondDifference> second_differences(const RangeSteps& steps) {
@@ -218,14 +219,15 @@ struct Excess {
 double smooth_bias(const RangeSteps& steps, const WalkFit& noise) {
   constexpr int kLength = 16;
   Excess excess;
-  for_each_walk(steps, kLength, 2, [&](const auto& direction, int u, int v, int du, int dv) {
-    const WalkSums sums = walk(direction, u, v, du, dv, kLength);
-    if (!(sums.sensitivity > 0.0)) return;
-    excess.values.push_back(sums.discrepancy / sums.sensitivity);
-    excess.noise.push_back(
-        std::sqrt(2.0 * noise.position_variance + sums.node_squares * noise.normal_variance) /
-        sums.sensitivity);
-  });
+  for_each_walk(steps, kLength, std::max(2, thinning(steps)),
+                [&](const auto& direction, int u, int v, int du, int dv) {
+                  const WalkSums sums = walk(direction, u, v, du, dv, kLength);
+                  if (!(sums.sensitivity > 0.0)) return;
+                  excess.values.push_back(sums.discrepancy / sums.sensitivity);
+                  excess.noise.push_back(std::sqrt(2.0 * noise.position_variance +
+                                                   sums.node_squares * noise.normal_variance) /
+                                         sums.sensitivity);
+                });
   return std::sqrt(excess.variance());
 }
 
@@ -236,7 +238,8 @@ double bias_gradient(const RangeSteps& steps, const WalkFit& noise) {
   for (const int k : {8, 16, 32, 64}) {
     Excess excess;
     for_each_walk(
-        steps, 2 * k, std::max(k / 4, 2), [&](const auto& direction, int u, int v, int du, int dv) {
+        steps, 2 * k, std::max({k / 4, 2, thinning(steps)}),
+        [&](const auto& direction, int u, int v, int du, int dv) {
           const SecondDifference d = second_difference(direction, u, v, du, dv, k);
           if (!(d.value == d.value)) return;
           excess.values.push_back(d.value / d.area);

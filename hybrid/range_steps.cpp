@@ -1,6 +1,7 @@
 #include "hybrid/range_steps.h"
 
 #include "hybrid/slope_constraints.h"
+#include "scan/parallel.h"
 
 namespace relief {
 
@@ -35,15 +36,19 @@ void measure_edge(const RangeView& view, int u, int v, int du, int dv,
 
 }  // namespace
 
-RangeSteps range_steps(const RangeView& view, const GridEdges& edges) {
+RangeSteps range_steps(const RangeView& view, const GridEdges& edges, int threads) {
   RangeSteps steps{empty_direction(view), empty_direction(view)};
   if (!view.has_normals()) return steps;
-  for (int v = 0; v < view.height(); ++v) {
+  const auto measure_row = [&](int v) {
     for (int u = 0; u < view.width(); ++u) {
       if (edges.connected(u, v, 1, 0)) measure_edge(view, u, v, 1, 0, steps.along_rows);
       if (edges.connected(u, v, 0, 1)) measure_edge(view, u, v, 0, 1, steps.along_columns);
     }
-  }
+  };
+  parallel_for(static_cast<std::size_t>(view.height()), 16, threads,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t v = begin; v < end; ++v) measure_row(static_cast<int>(v));
+               });
   return steps;
 }
 

@@ -17,6 +17,6 @@ struct RangeSteps {
   Direction along_rows, along_columns;
 };
 
-RangeSteps range_steps(const RangeView& view, const GridEdges& edges);
+RangeSteps range_steps(const RangeView& view, const GridEdges& edges, int threads = 1);
 
 }  // namespace relief

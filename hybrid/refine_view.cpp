@@ -269,7 +269,8 @@ class Refinement {
     NoiseEstimate estimate = estimate_noise(steps);
     if (options_.sigma_position) estimate.sigma_position = *options_.sigma_position;
     if (options_.sigma_normal) estimate.sigma_normal = *options_.sigma_normal;
-    if (estimate.sigma_position > 0.0) edges_ = cut_unexplained_steps(edges_, steps, estimate);
+    if (estimate.sigma_position > 0.0)
+      edges_ = cut_unexplained_steps(edges_, steps, estimate, options_.threads);
     problem_ = make_view_problem(view, edges_, options_.stencil, options_.threads);
     if (problem_.empty()) return stop(why_empty());
     noise_ = noise_model(options_, estimate, median_length(problem_), problem_.size());
@@ -299,9 +300,10 @@ class Refinement {
 
   // Replaces wild normals, and measures the steps without them.
   RangeSteps screen(RangeView& view) {
-    if (options_.robust_rounds == 0) return range_steps(view, edges_);
+    if (options_.robust_rounds == 0) return range_steps(view, edges_, options_.threads);
     ScreenedNormals screened = screen_normals(view, options_.threads);
-    const RangeSteps steps = range_steps(without(view, screened.isolated), edges_);
+    const RangeSteps steps =
+        range_steps(without(view, screened.isolated), edges_, options_.threads);
     view.normals = std::move(screened.normals);
     result_.replaced_normals = screened.count;
     return steps;

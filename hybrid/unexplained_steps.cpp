@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "scan/parallel.h"
+
 namespace relief {
 
 namespace {
@@ -69,19 +71,24 @@ bool is_unexplained(const Line& line, const NoiseEstimate& noise) {
 }
 
 void cut(const RangeSteps::Direction& steps, int du, int dv, const NoiseEstimate& noise,
-         Grid<std::uint8_t>& connected) {
-  for (int v = 0; v < connected.height(); ++v)
+         int threads, Grid<std::uint8_t>& connected) {
+  const auto cut_row = [&](int v) {
     for (int u = 0; u < connected.width(); ++u)
       if (connected(u, v) && is_unexplained({steps, u, v, du, dv}, noise)) connected(u, v) = 0;
+  };
+  parallel_for(static_cast<std::size_t>(connected.height()), 16, threads,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t v = begin; v < end; ++v) cut_row(static_cast<int>(v));
+               });
 }
 
 }  // namespace
 
 GridEdges cut_unexplained_steps(const GridEdges& edges, const RangeSteps& steps,
-                                const NoiseEstimate& noise) {
+                                const NoiseEstimate& noise, int threads) {
   GridEdges remaining = edges;
-  cut(steps.along_rows, 1, 0, noise, remaining.right);
-  cut(steps.along_columns, 0, 1, noise, remaining.down);
+  cut(steps.along_rows, 1, 0, noise, threads, remaining.right);
+  cut(steps.along_columns, 0, 1, noise, threads, remaining.down);
   return remaining;
 }
 

@@ -10,6 +10,6 @@ namespace relief {
 /// side lie together above or below three on the other by more than five standard deviations of
 /// that difference under `noise`. Single wild samples cut nothing.
 GridEdges cut_unexplained_steps(const GridEdges& edges, const RangeSteps& steps,
-                                const NoiseEstimate& noise);
+                                const NoiseEstimate& noise, int threads = 1);
 
 }  // namespace relief
