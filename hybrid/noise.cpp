@@ -7,11 +7,15 @@
 
 #include <Eigen/Dense>
 
+#include "hybrid/coarse_steps.h"
 #include "scan/median.h"
 
 namespace relief {
 
 namespace {
+
+// Second differences between blocks from which a variance is good to about a tenth.
+constexpr std::size_t kFewestBlocks = 200;
 
 // The smallest positive value among some low quantiles of `values` (all >= 0), with the factor that
 // makes it a standard deviation if they are absolute values of a Gaussian. Low quantiles withstand
@@ -52,10 +56,20 @@ double robust_sigma(std::vector<double> values) {
 // of its two edges, so that `node_squares` times the variance of a slope is that of the sum.
 struct WalkSums {
   double discrepancy = 0.0, expected = 0.0;
-  double sensitivity = 0.0;   // sum of the edges' sensitivities
-  double node_squares = 0.0;  // sum of squares of the nodes' sensitivities
-  double first = 0.0, last = 0.0;
+  double sensitivity = 0.0;        // sum of the edges' sensitivities
+  double node_squares = 0.0;       // sum of squares of the nodes' sensitivities
+  double first = 0.0, last = 0.0;  // sensitivities of the end edges
 };
+
+// What a node at the end of a walk has of the square of its edge's sensitivity, and of twice the
+// product of those of two edges that it belongs to. Half of an edge squared for a sample; through a
+// block of samples the sensitivity rises evenly.
+double end_share(const RangeSteps::Direction& steps) {
+  return 1.0 / 3.0 - 1.0 / (12.0 * steps.factor * steps.factor);
+}
+double overlap_share(const RangeSteps::Direction& steps) {
+  return 1.0 / 6.0 + 1.0 / (12.0 * steps.factor * steps.factor);
+}
 
 WalkSums walk(const RangeSteps::Direction& direction, int u, int v, int du, int dv, int edges) {
   WalkSums sums;
@@ -66,14 +80,19 @@ WalkSums walk(const RangeSteps::Direction& direction, int u, int v, int du, int 
     sums.discrepancy += direction.discrepancy(eu, ev);
     sums.expected += direction.expected(eu, ev);
     sums.sensitivity += sensitivity;
-    sums.node_squares += 0.25 * (before + sensitivity) * (before + sensitivity);
-    if (k == 0) sums.first = 0.5 * sensitivity;
+    if (k == 0)
+      sums.first = sensitivity;
+    else
+      sums.node_squares += 0.25 * (before + sensitivity) * (before + sensitivity);
     before = sensitivity;
   }
-  sums.last = 0.5 * before;
-  sums.node_squares += sums.last * sums.last;
+  sums.last = before;
+  sums.node_squares += end_share(direction) * (sums.first * sums.first + sums.last * sums.last);
   return sums;  // NaN anywhere on the walk makes every sum NaN
 }
+
+// In edges. Over more than about eight samples a bias is no longer told from noise by how it grows.
+int longest_walk(const RangeSteps& steps) { return std::max(2, 8 / steps.along_rows.factor); }
 
 // Calls visit(direction, u, v, du, dv) for every start of a walk that stays inside the grid.
 template <typename Visit>
@@ -121,6 +140,7 @@ double normal_noise(const RangeSteps& steps) {
   Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
   double first = 0.0;
   for (const int k : {1, 2, 4}) {
+    if (k > longest_walk(steps)) continue;
     const double sigma = robust_sigma(loop_closures(steps, k));
     if (sigma <= 0.0) continue;
     if (first == 0.0) first = sigma * sigma;
@@ -145,9 +165,8 @@ SecondDifference second_difference(const RangeSteps::Direction& direction, int u
   const WalkSums first = walk(direction, u, v, du, dv, k);
   const WalkSums second = walk(direction, u + k * du, v + k * dv, du, dv, k);
   // The node in the middle belongs to both walks, with opposite signs.
-  const double middle = first.last - second.first;
-  const double nodes = first.node_squares - first.last * first.last + second.node_squares -
-                       second.first * second.first + middle * middle;
+  const double nodes = first.node_squares + second.node_squares -
+                       2.0 * overlap_share(direction) * first.last * second.first;
   return {second.discrepancy - first.discrepancy, nodes,
           0.5 * k * (first.sensitivity + second.sensitivity)};
 }
@@ -156,6 +175,7 @@ std::vector<SecondDifference> second_differences(const RangeSteps& steps) {
   std::vector<SecondDifference> differences;
   const int stride = thinning(steps);
   for (const int k : {1, 2, 3, 4, 6, 8}) {
+    if (k > longest_walk(steps)) continue;
     for_each_walk(steps, 2 * k, stride, [&](const auto& direction, int u, int v, int du, int dv) {
       const SecondDifference d = second_difference(direction, u, v, du, dv, k);
       if (d.value == d.value) differences.push_back(d);
@@ -197,6 +217,45 @@ WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
     fit.gradient_variance = next[1];
   }
   return fit;
+}
+
+// The fit of (11) to steps between blocks.
+struct BlockFit {
+  std::size_t differences = 0;
+  WalkFit fit;
+  bool positions_rule = false;  // in half of the differences, those between close blocks
+};
+
+BlockFit fit_blocks(const RangeSteps& steps) {
+  BlockFit block;
+  const std::vector<SecondDifference> differences = second_differences(steps);
+  block.differences = differences.size();
+  if (differences.size() < kFewestBlocks) return block;
+  const double normal = normal_noise(steps);
+  block.fit = fit_second_differences(differences, normal * normal);
+  const auto position_rules = [&](const SecondDifference& d) {
+    return 6.0 * block.fit.position_variance >
+           d.nodes * block.fit.normal_variance + d.area * d.area * block.fit.gradient_variance;
+  };
+  const auto ruled = std::count_if(differences.begin(), differences.end(), position_rules);
+  block.positions_rule = 2 * static_cast<std::size_t>(ruled) >= differences.size();
+  return block;
+}
+
+// The variance that independent noise of the ranges would have to have, to do as much harm as
+// theirs does over long waves: n times the variance of means over n samples, for large n. Over
+// blocks of growing side it approaches this limit, for noise of finite reach, as 1 / side.
+double long_wave_variance(const RangeSteps& steps, double local_variance) {
+  constexpr int kSide = 4;
+  constexpr double kDeviations = 4.0;  // by which blocks must differ from independent samples
+  const BlockFit large = fit_blocks(coarse_steps(steps, kSide));
+  if (!large.positions_rule) return local_variance;
+  const double of_large = kSide * kSide * large.fit.position_variance;
+  const double deviation = std::sqrt(2.0 / static_cast<double>(large.differences));
+  if (of_large < (1.0 + kDeviations * deviation) * local_variance) return local_variance;
+  const BlockFit small = fit_blocks(coarse_steps(steps, kSide / 2));
+  const double of_small = 0.25 * kSide * kSide * small.fit.position_variance;
+  return std::max(of_large, 2.0 * of_large - of_small);
 }
 
 // Excess over the noise of robust variances, both for values in units of what is sought.
@@ -265,7 +324,8 @@ NoiseEstimate estimate_noise(const RangeSteps& steps) {
   estimate.sigma_normal = normal_noise(steps);
   const WalkFit fit =
       fit_second_differences(differences, estimate.sigma_normal * estimate.sigma_normal);
-  estimate.sigma_position = std::sqrt(fit.position_variance);
+  estimate.sigma_local = std::sqrt(fit.position_variance);
+  estimate.sigma_position = std::sqrt(long_wave_variance(steps, fit.position_variance));
   estimate.bias_gradient = bias_gradient(steps, fit);
   estimate.bias = smooth_bias(steps, fit);
   return estimate;

@@ -11,7 +11,7 @@ constexpr double kEdgeOnCosine = 0.02;
 
 RangeSteps::Direction empty_direction(const RangeView& view) {
   const Grid<float> none(view.width(), view.height(), static_cast<float>(kNoSample));
-  return {none, none, none};
+  return {none, none, none, 1};
 }
 
 void measure_edge(const RangeView& view, int u, int v, int du, int dv,

@@ -13,6 +13,7 @@ struct RangeSteps {
     Grid<float> expected;     ///< The step that the normals imply, equation (6) solved for it.
     Grid<float> discrepancy;  ///< The measured step less the expected one.
     Grid<float> sensitivity;  ///< Change of the expected step per radian of slope error [unit/rad].
+    int factor = 1;           ///< Samples along the side of the blocks that the steps lead between.
   };
   Direction along_rows, along_columns;
 };

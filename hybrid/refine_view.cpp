@@ -267,9 +267,10 @@ class Refinement {
     edges_ = connect_samples(view, options_.discontinuities);
     const RangeSteps steps = screen(view);
     NoiseEstimate estimate = estimate_noise(steps);
-    if (options_.sigma_position) estimate.sigma_position = *options_.sigma_position;
+    if (options_.sigma_position)
+      estimate.sigma_position = estimate.sigma_local = *options_.sigma_position;
     if (options_.sigma_normal) estimate.sigma_normal = *options_.sigma_normal;
-    if (estimate.sigma_position > 0.0)
+    if (estimate.sigma_local > 0.0)
       edges_ = cut_unexplained_steps(edges_, steps, estimate, options_.threads);
     problem_ = make_view_problem(view, edges_, options_.stencil, options_.threads);
     if (problem_.empty()) return stop(why_empty());

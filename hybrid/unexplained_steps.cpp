@@ -61,7 +61,7 @@ bool is_unexplained(const Line& line, const NoiseEstimate& noise) {
   const double sensitivity = line.at(line.steps.sensitivity, 0);
   const double slopes = 0.5 * (before.count + after.count) * sensitivity;
   const double variance =
-      (position_part(before) + position_part(after)) * noise.sigma_position * noise.sigma_position +
+      (position_part(before) + position_part(after)) * noise.sigma_local * noise.sigma_local +
       slopes * sensitivity * noise.sigma_normal * noise.sigma_normal +
       slopes * slopes * noise.bias * noise.bias;
   if (jump * jump <= kDeviations * kDeviations * variance) return false;

@@ -151,5 +151,32 @@ TEST(Accuracy, ACheckerboardFallsTwentyfold) {
   }
 }
 
+// Noise that neighbouring samples share is estimated well enough that knowing its level over long
+// waves would help little.
+TEST(Accuracy, SuffersLittleFromNoiseThatNeighboursShare) {
+  const RangeView truth = testing::render(bumpy_surface(), bumpy_camera(128, 128));
+  struct Case {
+    double range_noise;
+    int range_size;
+    double normal_noise_deg;
+    int normal_size;
+    double bias_deg;
+  };
+  for (const Case& c :
+       {Case{0.3, 1, 1.5, 3, 0.0}, Case{0.3, 1, 1.5, 5, 4.0}, Case{0.3, 1, 5.0, 5, 4.0},
+        Case{1.0, 3, 1.5, 1, 0.0}, Case{1.0, 5, 5.0, 1, 4.0}, Case{0.3, 3, 1.5, 3, 4.0}}) {
+    RangeView view = truth;
+    testing::add_smoothed_range_noise(view, c.range_noise, c.range_size, 1);
+    testing::add_smoothed_normal_noise(view, c.normal_noise_deg * kDegree, c.normal_size, 2);
+    testing::add_normal_bias(view, c.bias_deg * kDegree);
+    RefineOptions known;
+    known.sigma_position = c.range_noise;
+    known.sigma_normal = c.normal_noise_deg * kDegree;
+    EXPECT_LT(errors_of(refined(view), truth).depth_rms,
+              1.1 * errors_of(refined(view, known), truth).depth_rms)
+        << c.range_size << " " << c.normal_size << " " << c.bias_deg;
+  }
+}
+
 }  // namespace
 }  // namespace relief

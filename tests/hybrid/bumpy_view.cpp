@@ -51,6 +51,18 @@ double angle(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return std::atan2(x.cross(y).norm(), x.dot(y));
 }
 
+Grid<double> smoothed_noise(int width, int height, double sigma, int size, std::uint32_t seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> gaussian(0.0, sigma);
+  Grid<double> white(width + size, height + size, 0.0), smooth(width, height, 0.0);
+  for (double& value : white) value = gaussian(generator);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      for (int k = 0; k < size * size; ++k)
+        smooth(u, v) += white(u + k % size, v + k / size) / (size * size);
+  return smooth;
+}
+
 }  // namespace
 
 Surface bumpy_surface() {
@@ -83,6 +95,25 @@ void add_normal_bias(RangeView& view, double rms_rad) {
       const Eigen::AngleAxisd rotation(turn.norm(), turn.normalized());
       view.normals(u, v) = (rotation * view.normals(u, v).cast<double>()).cast<float>();
     }
+  }
+}
+
+void add_smoothed_range_noise(RangeView& view, double sigma, int size, std::uint32_t seed) {
+  const auto noise = smoothed_noise(view.width(), view.height(), sigma, size, seed);
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      view.range(u, v) += noise(u, v) / view.camera.ray(u, v).direction.norm();
+}
+
+void add_smoothed_normal_noise(RangeView& view, double sigma_rad, int size, std::uint32_t seed) {
+  const auto about_a = smoothed_noise(view.width(), view.height(), sigma_rad, size, seed);
+  const auto about_b = smoothed_noise(view.width(), view.height(), sigma_rad, size, seed + 1);
+  for (std::size_t i = 0; i < view.normals.size(); ++i) {
+    if (!view.normals[i].allFinite()) continue;
+    const Eigen::Vector3d normal = view.normals[i].cast<double>();
+    const Eigen::Vector3d a = normal.cross(Eigen::Vector3d::UnitX()).normalized();
+    const Eigen::Vector3d b = normal.cross(a);
+    view.normals[i] = (normal + about_a[i] * a + about_b[i] * b).normalized().cast<float>();
   }
 }
 

@@ -19,6 +19,12 @@ Camera bumpy_camera(int width = 256, int height = 256);
 /// wavelengths near the size of the view.
 void add_normal_bias(RangeView& view, double rms_rad);
 
+/// Adds white noise of standard deviation `sigma` [unit] to the range, or to the normals' slopes
+/// [rad], that has been averaged over `size` x `size` samples: over long waves it does as much harm
+/// as the white noise, from sample to sample about `size` times less.
+void add_smoothed_range_noise(RangeView& view, double sigma, int size, std::uint32_t seed);
+void add_smoothed_normal_noise(RangeView& view, double sigma_rad, int size, std::uint32_t seed);
+
 /// Replaces a `fraction` of the normals by random ones that face the sensor.
 void add_normal_outliers(RangeView& view, double fraction, std::uint32_t seed);
 

@@ -71,10 +71,26 @@ TEST(Noise, WildSamplesAndOcclusionsDoNotInflateIt) {
   for (std::size_t i = 0; i < view.range.size(); i += 37) view.range[i] += 5.0;
   for (int v = 0; v < view.height(); ++v)
     for (int u = 120; u < view.width(); ++u) view.range(u, v) += 30.0;
+  EXPECT_NEAR(estimate_of(view).sigma_position / 0.2, 1.0, 0.15);
   testing::add_normal_outliers(view, 0.03, 5);
   const NoiseEstimate estimate = estimate_of(view);
-  EXPECT_NEAR(estimate.sigma_position / 0.2, 1.0, 0.15);
+  EXPECT_NEAR(estimate.sigma_local / 0.2, 1.0, 0.15);
   EXPECT_NEAR(estimate.sigma_normal / (1.5 * kDegree), 1.0, 0.15);
+}
+
+TEST(Noise, RangesThatErrAlikeCountForWhatTheyDoOverLongWaves) {
+  for (const int size : {3, 5}) {
+    for (const double bias_deg : {0.0, 4.0}) {
+      RangeView view = truth();
+      testing::add_smoothed_range_noise(view, 1.0, size, 11);
+      testing::add_normal_noise(view, 1.5 * kDegree, 12);
+      testing::add_normal_bias(view, bias_deg * kDegree);
+      const NoiseEstimate estimate = estimate_of(view);
+      EXPECT_NEAR(estimate.sigma_local, 1.0 / size, 0.5 / size) << size << " " << bias_deg;
+      EXPECT_GT(estimate.sigma_position, 0.5) << size << " " << bias_deg;
+      EXPECT_LT(estimate.sigma_position, 1.1) << size << " " << bias_deg;
+    }
+  }
 }
 
 TEST(Noise, NothingIsEstimatedFromAHandfulOfSamples) {
