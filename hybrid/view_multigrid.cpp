@@ -37,11 +37,15 @@ struct ViewMultigrid::State {
       : problem(of), with_bias(bias), threads(thread_count), stencil(of, bias) {}
 
   void allocate() {
-    if (!residual.x.empty()) return;
     const std::size_t size = problem.grid.size();
-    residual = direction = image = Planes<double>(size);
-    single = z = Planes<float>(size);
+    if (residual.x.empty()) {
+      residual = Planes<double>(size);
+      single = z = Planes<float>(size);
+    }
+    direction = image = Planes<double>(size);
   }
+  // Between solves, others need memory as well.
+  void release() { direction = image = {}; }
 
   template <typename Body>
   void each_row(const Body& body) const {
@@ -214,14 +218,18 @@ bool ViewMultigrid::set_weights(ViewWeights weights) {
 LinearSolve ViewMultigrid::minimise(Eigen::VectorXd& y, double tolerance, int max_iterations) {
   state_->allocate();
   state_->set_residual_to_objective();
-  return state_->iterate(y, tolerance, max_iterations);
+  const LinearSolve result = state_->iterate(y, tolerance, max_iterations);
+  state_->release();
+  return result;
 }
 
 LinearSolve ViewMultigrid::solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double tolerance,
                                  int max_iterations) {
   state_->allocate();
   state_->spread(rhs, state_->residual);
-  return state_->iterate(y, tolerance, max_iterations);
+  const LinearSolve result = state_->iterate(y, tolerance, max_iterations);
+  state_->release();
+  return result;
 }
 
 }  // namespace relief
