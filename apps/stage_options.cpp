@@ -64,6 +64,8 @@ void add_refine_options(CLI::App& command, RefineFlags& flags) {
   group->add_option("--robust-rounds", options.robust_rounds, "Rounds of robust reweighting")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
+  group->add_flag("--deviation,!--no-deviation", options.deviation,
+                  "Find the standard deviation of every refined sample (the default)");
   group->add_option("--solver", options.solver, "Linear solver: multigrid or cholesky")
       ->transform(CLI::CheckedTransformer(kSolvers))
       ->default_str("multigrid");

@@ -11,6 +11,7 @@
 
 #include "hybrid/normal_correction.h"
 #include "hybrid/normal_screening.h"
+#include "hybrid/range_deviation.h"
 #include "hybrid/unexplained_steps.h"
 #include "hybrid/view_problem.h"
 #include "hybrid/view_solver.h"
@@ -34,7 +35,8 @@ struct NoiseModel {
   double sigma_normal = 0.0;
   double sigma_bias_step = 0.0;
   double spacing = 0.0;
-  double slope_share = 1.0;  // variance of a slope constraint, in (length sigma_normal)^2
+  double slope_share = 1.0;   // variance of a slope constraint, in (length sigma_normal)^2
+  MeasurementNoise measured;  // what the measurements are like, whatever they are weighted by
 };
 
 // A pair of neighbouring normals, averaged, errs by cos(w / 2) times what one does at the frequency
@@ -101,6 +103,9 @@ NoiseModel noise_model(const RefineOptions& options, const NoiseEstimate& estima
     noise.slope_share = share_of_averaged_normals(noise);
   noise.sigma_bias_step =
       options.sigma_bias_step.value_or(default_bias_step(noise, estimate.bias_gradient));
+  noise.measured = {noise.sigma_position, noise.sigma_normal};
+  if (options.lambda && estimate.sigma_normal > 0.0)
+    noise.measured.sigma_normal = estimate.sigma_normal;
   return noise;
 }
 
@@ -181,6 +186,7 @@ double rms(const Eigen::VectorXd& values) {
 
 struct RobustSolve {
   Eigen::VectorXd y;
+  Eigen::VectorXf deviation;  // of y's ranges; empty when not found
   RefineStatus status = RefineStatus::kRefined;
   int rounds = 0, iterations = 0;
   bool interrupted = false;
@@ -191,6 +197,7 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
   const bool with_bias = options.bias == BiasModel::kLatent;
   const auto solver = make_view_solver(problem, with_bias, options.solver, options.threads);
   const ViewWeights plain = initial_weights(problem, noise, options.lambda.has_value());
+  ViewWeights weights = plain;
   RobustSolve result;
   const auto count = static_cast<Eigen::Index>(problem.size());
   result.y = Eigen::VectorXd::Zero((with_bias ? 3 : 1) * count);
@@ -205,12 +212,10 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
       result.interrupted = true;
       return result;
     }
-    const bool ready = solver->set_weights(
-        result.rounds == 0
-            ? plain
-            : reweighted(problem, plain, slope_residuals(problem, result.y, options.threads),
-                         options.threads));
-    if (!ready) {
+    if (result.rounds > 0)
+      weights = reweighted(problem, plain, slope_residuals(problem, result.y, options.threads),
+                           options.threads);
+    if (!solver->set_weights(weights)) {
       result.status = RefineStatus::kSolverFailed;
       return result;
     }
@@ -222,7 +227,33 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
       if (!solve_to(options.tolerance)) return result;
     }
   }
+  if (options.deviation) {
+    DeviationOptions deviation;
+    deviation.crossover = noise.sigma_position / (noise.spacing * noise.sigma_normal);
+    deviation.max_iterations = options.max_iterations;
+    deviation.threads = options.threads;
+    result.deviation =
+        range_deviation(problem, weights, noise.measured, result.y, *solver, deviation);
+  }
   return result;
+}
+
+// Samples that stay as measured have the deviation of their measurement.
+Grid<float> deviations(const RangeView& view, const ViewProblem& problem, double sigma_position,
+                       const Eigen::VectorXf& refined) {
+  Grid<float> deviation(view.width(), view.height(), static_cast<float>(kNoSample));
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      const double confidence = view.confidence_at(u, v);
+      if (view.has_sample(u, v) && confidence > 0.0)
+        deviation(u, v) = static_cast<float>(sigma_position / std::sqrt(confidence));
+    }
+  }
+  for (std::size_t k = 0; k < problem.size(); ++k) {
+    const std::uint32_t i = problem.pixels[k];
+    deviation(problem.grid.u(i), problem.grid.v(i)) = refined[static_cast<Eigen::Index>(k)];
+  }
+  return deviation;
 }
 
 void move_samples(const ViewProblem& problem, const Eigen::VectorXd& y, RangeView& view) {
@@ -287,7 +318,7 @@ class Refinement {
     result_.status = solved.status;
     result_.rounds = solved.rounds;
     result_.iterations = solved.iterations;
-    if (solved.status != RefineStatus::kSolverFailed) finish(solved.y);
+    if (solved.status != RefineStatus::kSolverFailed) finish(solved);
     return true;
   }
 
@@ -325,7 +356,8 @@ class Refinement {
     return true;
   }
 
-  void finish(const Eigen::VectorXd& y) {
+  void finish(const RobustSolve& solved) {
+    const Eigen::VectorXd& y = solved.y;
     const auto count = static_cast<Eigen::Index>(problem_.size());
     move_samples(problem_, y, result_.view);
     if (y.size() > count) {
@@ -333,6 +365,10 @@ class Refinement {
       result_.view.normals = subtract_bias(result_.view, problem_, bias);
       result_.bias_rms = rms(bias);
     }
+    result_.view.deviation = {};
+    if (solved.deviation.size() > 0)
+      result_.view.deviation =
+          deviations(result_.view, problem_, noise_.sigma_position, solved.deviation);
     result_.rms_change = rms(y.head(count));
     result_.refined = problem_.size();
     result_.kept = problem_.pinned;

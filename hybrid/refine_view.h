@@ -47,6 +47,8 @@ struct RefineOptions {
   Solver solver = Solver::kMultigrid;
   double tolerance = 1e-6;   ///< Of conjugate gradients, relative.
   int max_iterations = 500;  ///< Of conjugate gradients, per solve.
+  /// Find the standard deviation of every refined sample.
+  bool deviation = true;
   DiscontinuityOptions discontinuities;
   int threads = 0;  ///< 0: one per core. The result does not depend on it.
 };
@@ -62,7 +64,7 @@ enum class RefineStatus {
 std::string_view to_string(RefineStatus status);
 
 struct RefinedView {
-  RangeView view;  ///< Range refined; normals corrected; all else as given.
+  RangeView view;  ///< Range refined; normals corrected; deviations set; all else as given.
   RefineStatus status = RefineStatus::kRefined;
   double sigma_position = 0.0;       ///< Used [unit].
   double sigma_normal = 0.0;         ///< Used [rad].

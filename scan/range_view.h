@@ -22,13 +22,16 @@ enum class PoseKind {
 inline constexpr double kNoSample = std::numeric_limits<double>::quiet_NaN();
 
 /// One range scan on its sensor's grid, with what was measured at each pixel. All grids have the
-/// size of `camera`; `normals` and `confidence` may be empty.
+/// size of `camera`; `normals`, `confidence` and `deviation` may be empty.
 struct RangeView {
   std::string name;
   Camera camera;
   Grid<double> range;             ///< t of equation (1) [unit]; NaN where there is no sample.
   Grid<Eigen::Vector3f> normals;  ///< Measured unit normals, view frame, N . d < 0; NaN where none.
   Grid<float> confidence;         ///< >= 0, 1 nominal; empty: 1 everywhere.
+  /// Standard deviation of each sample's position along its ray [unit], confidence included; NaN
+  /// where unknown; empty: unknown everywhere.
+  Grid<float> deviation;
   RigidMotion world_from_view = RigidMotion::Identity();
   PoseKind pose = PoseKind::kAbsent;
 
@@ -44,6 +47,11 @@ struct RangeView {
     return has_normals() && normals(u, v).x() == normals(u, v).x();
   }
   float confidence_at(int u, int v) const { return confidence.empty() ? 1.0f : confidence(u, v); }
+
+  /// Standard deviation of the position along the ray [unit], NaN where unknown.
+  float deviation_at(int u, int v) const {
+    return deviation.empty() ? std::numeric_limits<float>::quiet_NaN() : deviation(u, v);
+  }
 
   std::size_t sample_count() const;
 };

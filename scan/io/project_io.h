@@ -27,9 +27,10 @@ struct WriteProjectOptions {
   bool grids = false;
 };
 
-/// Writes `project` as FOLDER/scan.json with one float TIFF of range, one of normals (if any) and
-/// one of confidence (if any) per view; views whose rays are a table are written as range-grid PLY
-/// with doubles. Creates the folder. Reading it back gives the same samples to float precision.
+/// Writes `project` as FOLDER/scan.json with one float TIFF of range and, where the view has them,
+/// of normals, of confidences and of deviations; views whose rays are a table are written as
+/// range-grid PLY with doubles. Creates the folder. Reading it back gives the same samples to float
+/// precision.
 Result<void> write_project(const ScanProject& project, const std::filesystem::path& folder,
                            const Progress& progress = {}, const WriteProjectOptions& options = {});
 

@@ -162,6 +162,17 @@ json camera_of_grid(const RangeView& view) {
   }
 }
 
+// Zero where it is unknown.
+Result<void> write_deviation(const RangeView& view, const fs::path& folder, const std::string& stem,
+                             json& entry) {
+  if (view.deviation.empty()) return {};
+  Image image(view.width(), view.height(), 1);
+  for (std::size_t i = 0; i < view.deviation.size(); ++i)
+    if (view.deviation[i] > 0.0f) image.samples[i] = view.deviation[i];
+  entry["deviation"] = {{"file", stem + "_deviation.tiff"}, {"scale", 1.0}};
+  return write_tiff(image, folder / (stem + "_deviation.tiff"));
+}
+
 // The frame of a sensor that is not a pinhole need not be x right, y down, z forward: its points
 // and normals go into a grid file, in the frame they are in.
 bool needs_grid_file(const RangeView& view) {
@@ -223,7 +234,7 @@ Result<json> updated_document(const ScanProject& project, const fs::path& source
   for (json& entry : document["views"]) {
     const RangeView* view = find_view(project, entry["name"].get<std::string>());
     if (!view) continue;
-    for (const char* key : {"depth", "grid", "normals", "mask", "confidence"}) {
+    for (const char* key : {"depth", "grid", "normals", "mask", "confidence", "deviation"}) {
       if (!entry.contains(key)) continue;
       json& name = entry[key]["file"];
       name = relative_to(folder_of(source) / name.get<std::string>(), folder_of(file)).string();
@@ -280,6 +291,7 @@ Result<void> write_project(const ScanProject& project, const fs::path& folder,
     const bool grid = options.grids || needs_grid_file(view);
     auto written = grid ? write_grid_view(view, folder, stem, entry)
                         : write_depth_view(view, folder, stem, entry);
+    if (written) written = write_deviation(view, folder, stem, entry);
     if (!written) return written;
     set_pose(entry, view.world_from_view, view.pose);
     document["views"].push_back(std::move(entry));

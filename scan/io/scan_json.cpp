@@ -84,6 +84,14 @@ DepthSpec read_depth(JsonObject depth, const std::filesystem::path& project) {
   return spec;
 }
 
+DeviationSpec read_deviation(JsonObject deviation, const std::filesystem::path& project) {
+  DeviationSpec spec;
+  spec.file = resolve(deviation.text("file"), project, deviation.place("file"));
+  if (deviation.has("scale")) spec.scale = deviation.positive("scale");
+  deviation.finish();
+  return spec;
+}
+
 NormalSpec read_normals(JsonObject normals, const std::filesystem::path& project) {
   NormalSpec spec;
   spec.file = resolve(normals.text("file"), project, normals.place("file"));
@@ -136,6 +144,7 @@ ViewSpec read_view(JsonObject view, const std::filesystem::path& project) {
   if (view.has("normals")) spec.normals = read_normals(view.object("normals"), project);
   if (view.has("mask")) spec.mask = read_file_name(view.object("mask"), project);
   if (view.has("confidence")) spec.confidence = read_file_name(view.object("confidence"), project);
+  if (view.has("deviation")) spec.deviation = read_deviation(view.object("deviation"), project);
   read_pose(view, spec);
   view.finish();
   return spec;

@@ -155,6 +155,20 @@ Result<void> load_confidence(const ViewSpec& spec, RangeView& view) {
   return {};
 }
 
+// What is no positive number is unknown.
+Result<void> load_deviation(const ViewSpec& spec, RangeView& view) {
+  const auto image = read_matching(spec.deviation->file, spec, view);
+  if (!image) return image.error();
+  if (image->channels != 1) return bad_input(spec.deviation->file, "a deviation has one channel");
+  view.deviation = Grid<float>(view.width(), view.height(), static_cast<float>(kNoSample));
+  for (std::size_t i = 0; i < view.deviation.size(); ++i) {
+    const auto value = static_cast<float>(image->samples[i] * spec.deviation->scale);
+    if (value > 0.0f && std::isfinite(value) && view.range[i] == view.range[i])
+      view.deviation[i] = value;
+  }
+  return {};
+}
+
 Result<void> load_normals(const ViewSpec& spec, LoadedView& loaded) {
   const auto image = read_matching(spec.normals->file, spec, loaded.view);
   if (!image) return image.error();
@@ -181,6 +195,7 @@ Result<LoadedView> load_view(const ViewSpec& spec) {
   Result<void> step = spec.depth ? load_depth(spec, loaded) : load_grid(spec, loaded);
   if (step && spec.mask) step = apply_mask(spec, loaded.view);
   if (step && spec.confidence) step = load_confidence(spec, loaded.view);
+  if (step && spec.deviation) step = load_deviation(spec, loaded.view);
   if (!step) return step.error();
   if (loaded.view.sample_count() == 0)
     return Error{ErrorKind::kUnsolvable,

@@ -21,6 +21,11 @@ struct DepthSpec {
   bool along_ray = false;  ///< `kind` `ray`: distance along the ray; else `z`.
 };
 
+struct DeviationSpec {
+  std::filesystem::path file;
+  double scale = 1.0;  ///< Value times scale is in the project's unit.
+};
+
 /// The `camera` of a view. Which members are set depends on `model`.
 struct CameraSpec {
   enum class Model { kPinhole, kPinholeGl, kOrthographic, kRational };
@@ -51,6 +56,7 @@ struct ViewSpec {
   std::optional<CameraSpec> camera;
   std::optional<NormalSpec> normals;
   std::optional<std::filesystem::path> mask, confidence;
+  std::optional<DeviationSpec> deviation;
   RigidMotion world_from_view = RigidMotion::Identity();
   PoseKind pose = PoseKind::kAbsent;
 };

@@ -43,6 +43,8 @@ ScanProject all_cameras() {
   project.views[2].pose = PoseKind::kAbsent;
   for (auto& view : project.views) {
     view.confidence = Grid<float>(view.width(), view.height(), 0.25f);
+    view.deviation = Grid<float>(view.width(), view.height(), 0.125f);
+    view.deviation(view.width() / 2, view.height() / 2) = static_cast<float>(kNoSample);
     view.normals(view.width() / 2, view.height() / 2).setConstant(static_cast<float>(kNoSample));
   }
   return project;
@@ -64,6 +66,10 @@ void expect_same_view(const RangeView& read, const RangeView& written) {
       const Eigen::Vector3d p = written.point(u, v);
       ASSERT_NEAR((read.point(u, v) - p).norm(), 0.0, 1e-6 * (1.0 + p.norm()));
       ASSERT_EQ(read.confidence_at(u, v), written.confidence_at(u, v));
+      ASSERT_EQ(read.deviation_at(u, v) > 0.0f, written.deviation_at(u, v) > 0.0f);
+      if (written.deviation_at(u, v) > 0.0f) {
+        ASSERT_EQ(read.deviation_at(u, v), written.deviation_at(u, v));
+      }
       if (!written.has_normals()) continue;
       ASSERT_EQ(read.has_normal(u, v), written.has_normal(u, v)) << u << " " << v;
       if (read.has_normal(u, v)) {
@@ -95,8 +101,11 @@ TEST(ProjectIo, AllCamerasMayBeWrittenAsGrids) {
   const TemporaryFolder folder;
   const ScanProject project = all_cameras();
   ASSERT_TRUE(write_project(project, folder.path(), {}, {.grids = true}).ok());
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
-    EXPECT_TRUE(entry.path().extension() == ".ply" || entry.path().filename() == "scan.json");
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(name.ends_with(".ply") || name.ends_with("_deviation.tiff") || name == "scan.json")
+        << name;
+  }
   const auto read = read_project(folder.path());
   ASSERT_TRUE(read.ok()) << read.error().message;
   for (std::size_t i = 0; i < project.views.size(); ++i)
@@ -235,6 +244,25 @@ TEST_F(DepthProject, MasksAndConfidencesApply) {
   EXPECT_EQ(project->views[0].sample_count(), 2u);
   EXPECT_EQ(project->views[0].confidence_at(3, 3), 1.0f);
   EXPECT_EQ(project->views[0].confidence_at(4, 3), 0.0f);
+}
+
+TEST_F(DepthProject, DeviationsAreScaledAndUnknownWhereNotPositive) {
+  Image deviation(8, 6, 1);
+  deviation.samples.assign(deviation.samples.size(), 5.0f);
+  deviation(1, 1) = -5.0f;
+  deviation(2, 1) = std::numeric_limits<float>::quiet_NaN();
+  deviation(3, 1) = 0.0f;
+  folder_.write("s.tiff", *encode_tiff(deviation));
+  Image depth(8, 6, 1);
+  depth.samples.assign(depth.samples.size(), 10.0f);
+  depth(5, 5) = 0.0f;
+  folder_.write("f.tiff", *encode_tiff(depth));
+  const auto project = read(R"(,"deviation":{"file":"s.tiff","scale":0.01})", "f.tiff");
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  const RangeView& view = project->views[0];
+  EXPECT_NEAR(view.deviation_at(4, 4), 0.05, 1e-8);
+  for (const auto& [u, v] : {std::pair{1, 1}, {2, 1}, {3, 1}, {5, 5}})
+    EXPECT_TRUE(std::isnan(view.deviation_at(u, v))) << u << " " << v;
 }
 
 TEST_F(DepthProject, AViewWithoutSamplesIsNamed) {
