@@ -57,9 +57,10 @@ void log_view(const RefinedView& refined, const std::string& unit) {
 
 }  // namespace
 
-Result<RefineStage> refine_stage(ScanProject& project, const RefineOptions& options) {
+Result<RefineStage> refine_stage(ScanProject& project, const RefineOptions& options,
+                                 std::size_t memory) {
   const auto start = std::chrono::steady_clock::now();
-  auto refined = refine_views(project.views, options, console_progress("refine"));
+  auto refined = refine_views(project.views, options, console_progress("refine"), memory);
   if (!refined) return refined.error();
 
   RefineStage stage;

@@ -63,7 +63,8 @@ class Run {
   }
 
   Result<void> refine() {
-    const auto stage = refine_stage(project_, with_threads(command_.refine.resolved()));
+    const auto stage =
+        refine_stage(project_, with_threads(command_.refine.resolved()), command_.refine.memory());
     if (!stage) return stage.error();
     complete_ = complete_ && stage->complete;
     any_refined_ = stage->any_refined;

@@ -69,6 +69,10 @@ void add_refine_options(CLI::App& command, RefineFlags& flags) {
   group->add_option("--solver", options.solver, "Linear solver: multigrid or cholesky")
       ->transform(CLI::CheckedTransformer(kSolvers))
       ->default_str("multigrid");
+  group
+      ->add_option("--memory", flags.memory_mb,
+                   "Memory for the views refined at once [MiB]; 0: half of the machine's")
+      ->capture_default_str();
 }
 
 void add_align_options(CLI::App& command, AlignOptions& options) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include <CLI/CLI.hpp>
@@ -18,8 +19,10 @@ void add_align_options(CLI::App& command, AlignOptions& options);
 struct RefineFlags {
   RefineOptions options;
   std::optional<double> sigma_normal_deg;
+  std::size_t memory_mb = 0;
 
   RefineOptions resolved() const;
+  std::size_t memory() const { return memory_mb << 20; }  ///< [bytes]
 };
 void add_refine_options(CLI::App& command, RefineFlags& flags);
 

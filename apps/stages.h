@@ -21,12 +21,14 @@ struct AlignStage {
 Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options);
 
 /// Replaces the views of `project` by the refined ones. `complete` is false when a solve failed.
+/// `memory` [bytes] is that of refine_views.
 struct RefineStage {
   bool complete = true;
   bool any_refined = false;
   Json report;
 };
-Result<RefineStage> refine_stage(ScanProject& project, const RefineOptions& options);
+Result<RefineStage> refine_stage(ScanProject& project, const RefineOptions& options,
+                                 std::size_t memory);
 
 /// Merges the views and polishes the mesh with their normals.
 struct MergeStageOptions {

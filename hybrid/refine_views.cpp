@@ -2,18 +2,48 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <optional>
 #include <thread>
+
+#include <unistd.h>
 
 #include "scan/parallel.h"
 
 namespace relief {
 
+namespace {
+
+// Peak memory of refine_view per pixel of the grid [bytes], beyond its input: measured on full
+// grids, see docs/hybrid.md.
+std::size_t bytes_per_pixel(Solver solver) { return solver == Solver::kMultigrid ? 400 : 3000; }
+
+std::size_t half_of_physical_memory() {
+  return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
+         static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE)) / 2;
+}
+
+}  // namespace
+
+int views_at_once(const std::vector<RangeView>& views, const RefineOptions& options,
+                  std::size_t memory) {
+  const std::size_t budget = memory > 0 ? memory : half_of_physical_memory();
+  std::vector<std::size_t> needs;
+  for (const RangeView& view : views)
+    needs.push_back(view.range.size() * bytes_per_pixel(options.solver));
+  std::sort(needs.begin(), needs.end(), std::greater<>());
+  const std::size_t most =
+      std::min(needs.size(), static_cast<std::size_t>(thread_count(options.threads)));
+  std::size_t count = 0, used = 0;
+  while (count < most && used + needs[count] <= budget) used += needs[count++];
+  return std::max(1, static_cast<int>(count));
+}
+
 Result<std::vector<RefinedView>> refine_views(const std::vector<RangeView>& views,
                                               const RefineOptions& options,
-                                              const Progress& progress) {
+                                              const Progress& progress, std::size_t memory) {
   const int threads = thread_count(options.threads);
-  const int at_once = std::clamp(static_cast<int>(views.size()), 1, threads);
+  const int at_once = views_at_once(views, options, memory);
   RefineOptions view_options = options;
   view_options.threads = std::max(1, threads / at_once);
 

@@ -1,0 +1,77 @@
+#include "hybrid/refine_views.h"
+
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "tests/hybrid/bumpy_view.h"
+#include "tests/support/synthetic_views.h"
+
+namespace relief {
+namespace {
+
+constexpr int kSize = 64;
+
+std::vector<RangeView> noisy_views(int count) {
+  std::vector<RangeView> views;
+  for (int i = 0; i < count; ++i) {
+    const auto seed = static_cast<std::uint32_t>(i);
+    RangeView view = testing::render(testing::bumpy_surface(), testing::bumpy_camera(kSize, kSize));
+    testing::add_range_noise(view, 0.3, 2 * seed + 1);
+    testing::add_normal_noise(view, 0.02, 2 * seed + 2);
+    view.name = "v" + std::to_string(i);
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+bool same_ranges(const RangeView& a, const RangeView& b) {
+  return a.range.size() == b.range.size() && std::memcmp(&*a.range.begin(), &*b.range.begin(),
+                                                         a.range.size() * sizeof(a.range[0])) == 0;
+}
+
+TEST(RefineViews, AreAsManyAtOnceAsThreadsAndMemoryAllow) {
+  const std::vector<RangeView> views = noisy_views(3);
+  RefineOptions options;
+  options.threads = 2;
+  EXPECT_EQ(views_at_once(views, options), 2);
+  options.threads = 8;
+  EXPECT_EQ(views_at_once(views, options), 3);
+  EXPECT_EQ(views_at_once(views, options, 1), 1);
+  EXPECT_EQ(views_at_once({}, options), 1);
+}
+
+TEST(RefineViews, NeitherMemoryNorThreadsChangeAByte) {
+  const std::vector<RangeView> views = noisy_views(3);
+  RefineOptions options;
+  options.threads = 4;
+  const auto together = refine_views(views, options);
+  options.threads = 1;
+  const auto one_by_one = refine_views(views, options, {}, 1);
+  ASSERT_TRUE(together.ok() && one_by_one.ok());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    EXPECT_EQ((*together)[i].view.name, views[i].name);
+    EXPECT_TRUE(same_ranges((*together)[i].view, (*one_by_one)[i].view)) << i;
+  }
+}
+
+TEST(RefineViews, AViewThatCannotBeRefinedStaysAsMeasuredAmongTheOthers) {
+  std::vector<RangeView> views = noisy_views(3);
+  views[1].normals = {};
+  const auto refined = refine_views(views);
+  ASSERT_TRUE(refined.ok());
+  EXPECT_EQ((*refined)[0].status, RefineStatus::kRefined);
+  EXPECT_EQ((*refined)[1].status, RefineStatus::kNoNormals);
+  EXPECT_TRUE(same_ranges((*refined)[1].view, views[1]));
+  EXPECT_EQ((*refined)[2].status, RefineStatus::kRefined);
+}
+
+TEST(RefineViews, StopOnRequest) {
+  const auto stopped =
+      refine_views(noisy_views(2), {}, [](double, std::string_view) { return false; });
+  ASSERT_FALSE(stopped.ok());
+  EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
+}
+
+}  // namespace
+}  // namespace relief
