@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "hybrid/contradicted_normals.h"
 #include "hybrid/normal_correction.h"
 #include "hybrid/normal_screening.h"
 #include "hybrid/range_deviation.h"
@@ -308,6 +309,8 @@ class Refinement {
     noise_ = noise_model(options_, estimate, median_length(problem_), problem_.size());
     if (!(noise_.sigma_position > 0.0) || !(noise_.sigma_normal > 0.0))
       return stop(RefineStatus::kNoNoise);
+    if (options_.robust_rounds > 0 && options_.stencil == Stencil::kCompactEdge)
+      turn_contradicted_normals(estimate);
     return options_.bias != BiasModel::kTwoStep || correct_first();
   }
 
@@ -339,6 +342,14 @@ class Refinement {
     view.normals = std::move(screened.normals);
     result_.replaced_normals = screened.count;
     return steps;
+  }
+
+  void turn_contradicted_normals(const NoiseEstimate& estimate) {
+    const CoherentErrors errors = coherent_errors(problem_, estimate, noise_.spacing);
+    if (errors.samples == 0) return;
+    result_.turned_normals = errors.samples;
+    result_.view.normals = subtract_bias(result_.view, problem_, errors.slopes);
+    problem_ = make_view_problem(result_.view, edges_, options_.stencil, options_.threads);
   }
 
   RefineStatus why_empty() const {

@@ -74,6 +74,7 @@ struct RefinedView {
   std::size_t refined = 0;           ///< Samples that normals constrain.
   std::size_t kept = 0;              ///< Samples that keep their measured range.
   std::size_t replaced_normals = 0;  ///< Wild normals replaced by those around them.
+  std::size_t turned_normals = 0;    ///< Normals of patches that the ranges contradict.
   int rounds = 0;                    ///< Linear systems solved.
   int iterations = 0;                ///< Steps of the linear solver, all rounds together.
   double seconds = 0.0;
