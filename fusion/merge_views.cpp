@@ -24,6 +24,18 @@ bool usable(const RangeView& view, std::size_t count) {
   return count == 1 || view.pose != PoseKind::kAbsent;
 }
 
+// The median of the views' median deviations; 0 when no view knows any.
+double typical_deviation(const std::vector<RangeView>& views) {
+  std::vector<double> medians;
+  for (const RangeView& view : views) {
+    std::vector<double> known;
+    for (const float deviation : view.deviation)
+      if (deviation > 0.0f) known.push_back(deviation);
+    if (!known.empty()) medians.push_back(median(std::move(known)));
+  }
+  return median(std::move(medians));
+}
+
 Result<std::vector<ViewSampler>> prepare(const std::vector<RangeView>& views,
                                          const MergeOptions& options,
                                          std::vector<std::string>& notes) {
@@ -31,6 +43,7 @@ Result<std::vector<ViewSampler>> prepare(const std::vector<RangeView>& views,
   QuadSurfaceOptions surface_options;
   surface_options.silhouette_ramp = options.silhouette_ramp;
   surface_options.threads = options.threads;
+  surface_options.nominal_deviation = typical_deviation(views);
   std::vector<ViewSampler> samplers;
   std::size_t without_pose = 0;
   for (const RangeView& view : views) {

@@ -120,11 +120,15 @@ void place_quads(const Grid<std::uint8_t>& quads, QuadSurface& surface) {
 }
 
 float sample_weight(const RangeView& view, int u, int v, const Eigen::Vector3f& normal, int border,
-                    int ramp) {
+                    const QuadSurfaceOptions& options) {
   constexpr double kLeastCosine = 0.05, kLeastRamp = 0.1;
-  const double cosine = -normal.cast<double>().dot(view.camera.ray(u, v).direction.normalized());
-  return static_cast<float>(view.confidence_at(u, v) * std::max(kLeastCosine, cosine) *
-                            std::min(1.0, (border + kLeastRamp) / (ramp + kLeastRamp)));
+  const double cosine = std::max(
+      kLeastCosine, -normal.cast<double>().dot(view.camera.ray(u, v).direction.normalized()));
+  double trust = view.confidence_at(u, v);
+  if (options.nominal_deviation > 0.0 && view.deviation_at(u, v) > 0.0f)
+    trust = std::pow(options.nominal_deviation / (cosine * view.deviation_at(u, v)), 2);
+  const double ramp = (border + kLeastRamp) / (options.silhouette_ramp + kLeastRamp);
+  return static_cast<float>(trust * cosine * std::min(1.0, ramp));
 }
 
 }  // namespace
@@ -154,7 +158,7 @@ QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options)
     pixel.point = (view.point(u, v) - surface.centre).cast<float>();
     pixel.normal = normals(u, v);
     pixel.border = border(u, v);
-    pixel.weight = sample_weight(view, u, v, normals(u, v), border(u, v), options.silhouette_ramp);
+    pixel.weight = sample_weight(view, u, v, normals(u, v), border(u, v), options);
   });
   return surface;
 }

@@ -11,7 +11,9 @@ namespace relief {
 struct SurfacePixel {
   Eigen::Vector3f point = Eigen::Vector3f::Zero();   ///< View frame, relative to the centre.
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< Unit, facing the sensor.
-  float weight = 0.0f;  ///< Confidence x cosine of the viewing angle x ramp from the silhouette.
+  /// Confidence, or (nominal deviation / deviation along the normal)^2 where that is known, x
+  /// cosine of the viewing angle x ramp from the silhouette.
+  float weight = 0.0f;
   float border = 0.0f;  ///< Distance to the silhouette [pixels].
   bool quad = false;    ///< This, the right, the lower and the lower right sample are one surface.
   bool corner = false;  ///< The sample belongs to some quad.
@@ -21,6 +23,9 @@ struct QuadSurfaceOptions {
   int silhouette_ramp = 6;  ///< The weight grows from the silhouette over this many pixels.
   /// Patches of fewer connected samples are taken for stray measurements and left out.
   int smallest_patch = 20;
+  /// Deviation that gives a sample the weight of confidence 1 [unit]; the same for all views. 0:
+  /// deviations are ignored.
+  double nominal_deviation = 0.0;
   int threads = 0;
 };
 
