@@ -22,7 +22,7 @@ struct DeviationOptions {
   /// The wavelength / 2 pi at which positions and normals cross [samples]: sets over how many
   /// samples deviations are averaged. 0: they are not.
   double crossover = 8.0;
-  double tolerance = 0.03;  ///< Of each solve, relative.
+  double tolerance = 0.1;  ///< Of each solve, relative.
   int max_iterations = 500;
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: one per core. The result does not depend on it.
