@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Dense>
 
 #include "registration/robust.h"
 #include "scan/discontinuities.h"
 #include "scan/grid_normals.h"
+#include "scan/median.h"
 
 namespace relief {
 
@@ -60,10 +63,29 @@ double slope_noise(double noise, double spacing, int radius) {
   return spacing > 0.0 ? noise / (spacing * std::sqrt(moment)) : 0.0;
 }
 
+// What each sample counts for: its confidence, or, where deviations are known, which have the
+// confidence in them, the inverse of its variance relative to the view's median one.
+Grid<float> sample_weights(const RangeView& view) {
+  std::vector<float> known;
+  for (const float deviation : view.deviation)
+    if (deviation > 0.0f) known.push_back(deviation);
+  if (known.empty()) return view.confidence;
+  const float typical = median(std::move(known));
+  Grid<float> weights(view.width(), view.height(), 0.0f);
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      weights(u, v) = view.confidence_at(u, v);
+      const float ratio = typical / view.deviation_at(u, v);
+      if (weights(u, v) > 0.0f && ratio > 0.0f) weights(u, v) = ratio * ratio;
+    }
+  }
+  return weights;
+}
+
 }  // namespace
 
 ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& options)
-    : camera_(view.camera), range_(view.range), confidence_(view.confidence) {
+    : camera_(view.camera), range_(view.range), confidence_(sample_weights(view)) {
   assert(options.boundary_margin >= 1);
   spacing_ = sample_spacing(view);
   smooth_normals(view, options);

@@ -34,6 +34,7 @@ struct ViewSurfaceOptions {
 /// A point of a view's surface and its unit normal towards the sensor, in the view frame.
 struct SurfacePoint {
   Eigen::Vector3d point, normal;
+  /// The sample's confidence; in a view with deviations (median / own deviation)^2 instead.
   double confidence = 1.0;
 };
 

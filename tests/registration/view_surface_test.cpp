@@ -41,6 +41,20 @@ TEST(ViewSurface, DropsSamplesWithoutConfidence) {
   EXPECT_TRUE(surface.at({22.5, 19.5}).has_value());
 }
 
+TEST(ViewSurface, TrustsSamplesByTheInverseOfTheirVariance) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  view.confidence = Grid<float>(80, 60, 0.5f);
+  view.confidence(60, 20) = 0.0f;
+  view.deviation = Grid<float>(80, 60, 0.01f);
+  view.deviation(20, 20) = 0.02f;
+  view.deviation(40, 20) = static_cast<float>(kNoSample);
+  const ViewSurface surface(view);
+  EXPECT_FLOAT_EQ(surface.at({30.0, 20.0})->confidence, 1.0);
+  EXPECT_FLOAT_EQ(surface.at({20.0, 20.0})->confidence, 0.25);
+  EXPECT_FLOAT_EQ(surface.at({40.0, 20.0})->confidence, 0.5);
+  EXPECT_FALSE(surface.at({60.0, 20.0}).has_value());
+}
+
 TEST(ViewSurface, MeasuresTheNoiseOfAView) {
   for (const double sigma : {0.005, 0.03}) {  // Spacings are 0.06 to 0.1.
     RangeView view = testing::render(testing::sphere({0, 0, 10}, 4.0), kCamera);
