@@ -6,7 +6,7 @@
 #include "apps/console.h"
 #include "apps/stages.h"
 #include "hybrid/refine_views.h"
-#include "scan/median.h"
+#include "scan/median_deviation.h"
 
 namespace relief {
 
@@ -16,14 +16,6 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 bool is_failure(RefineStatus status) {
   return status == RefineStatus::kNotConverged || status == RefineStatus::kSolverFailed;
-}
-
-// Of the samples whose deviation is known; 0 for none.
-double median_deviation(const RangeView& view) {
-  std::vector<float> known;
-  for (const float deviation : view.deviation)
-    if (deviation > 0.0f) known.push_back(deviation);
-  return median(std::move(known));
 }
 
 Json view_report(const RefinedView& refined) {

@@ -7,17 +7,13 @@
 #include "fusion/isosurface.h"
 #include "fusion/vertex_attributes.h"
 #include "fusion/view_sampler.h"
+#include "scan/median.h"
+#include "scan/median_deviation.h"
 #include "scan/mesh_components.h"
 
 namespace relief {
 
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 // A single view has nothing to be aligned with: any pose serves.
 bool usable(const RangeView& view, std::size_t count) {
@@ -28,10 +24,8 @@ bool usable(const RangeView& view, std::size_t count) {
 double typical_deviation(const std::vector<RangeView>& views) {
   std::vector<double> medians;
   for (const RangeView& view : views) {
-    std::vector<double> known;
-    for (const float deviation : view.deviation)
-      if (deviation > 0.0f) known.push_back(deviation);
-    if (!known.empty()) medians.push_back(median(std::move(known)));
+    const double known = median_deviation(view);
+    if (known > 0.0) medians.push_back(known);
   }
   return median(std::move(medians));
 }

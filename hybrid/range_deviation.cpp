@@ -68,8 +68,9 @@ Eigen::VectorXd shrinkage(const ViewProblem& problem, const ViewWeights& weights
                           const Eigen::VectorXd& y) {
   const auto count = static_cast<Eigen::Index>(problem.size());
   Eigen::VectorXd rhs = Eigen::VectorXd::Zero(y.size());
+  const auto neighbours = bias_neighbours(problem);
   for (const Eigen::Index block : {count, 2 * count}) {
-    for (const auto& [a, b] : bias_neighbours(problem)) {
+    for (const auto& [a, b] : neighbours) {
       const double change = weights.bias_step * (y[block + a] - y[block + b]);
       rhs[block + a] += change;
       rhs[block + b] -= change;

@@ -11,7 +11,7 @@
 #include "registration/robust.h"
 #include "scan/discontinuities.h"
 #include "scan/grid_normals.h"
-#include "scan/median.h"
+#include "scan/median_deviation.h"
 
 namespace relief {
 
@@ -66,11 +66,8 @@ double slope_noise(double noise, double spacing, int radius) {
 // What each sample counts for: its confidence, or, where deviations are known, which have the
 // confidence in them, the inverse of its variance relative to the view's median one.
 Grid<float> sample_weights(const RangeView& view) {
-  std::vector<float> known;
-  for (const float deviation : view.deviation)
-    if (deviation > 0.0f) known.push_back(deviation);
-  if (known.empty()) return view.confidence;
-  const float typical = median(std::move(known));
+  const float typical = median_deviation(view);
+  if (!(typical > 0.0f)) return view.confidence;
   Grid<float> weights(view.width(), view.height(), 0.0f);
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
