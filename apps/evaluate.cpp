@@ -153,7 +153,7 @@ Result<void> plot_views(const ViewSpectra& spectra, const ScanProject& result,
   if (auto done = plot_spectra(spectra, result.unit, folder); !done) return done;
   const auto pairs = pair_views(result, truth);
   if (!pairs) return pairs.error();
-  for (const ViewPair& pair : *pairs)
+  for (const ViewAndTruth& pair : *pairs)
     if (auto done = plot_error_maps(error_maps(pair), result.unit, folder); !done) return done;
   return {};
 }

@@ -21,7 +21,7 @@ Grid<float> angles(const Grid<Eigen::Vector3f>& normals,
 
 }  // namespace
 
-ViewErrorMaps error_maps(const ViewPair& pair) {
+ViewErrorMaps error_maps(const ViewAndTruth& pair) {
   const RangeView &view = *pair.view, &truth = *pair.truth;
   const GridEdges edges = connect_samples(truth);
   const Grid<Eigen::Vector3f> true_normals =

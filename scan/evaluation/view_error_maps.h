@@ -16,6 +16,6 @@ struct ViewErrorMaps {
 };
 
 /// The errors that evaluate_views summarises.
-ViewErrorMaps error_maps(const ViewPair& pair);
+ViewErrorMaps error_maps(const ViewAndTruth& pair);
 
 }  // namespace relief

@@ -59,7 +59,7 @@ struct ErrorList {
 };
 
 // Edges and neighbours are those of the truth, so that every result is measured by the same yard.
-ErrorList compare(const ViewPair& pair, int edge_pixels) {
+ErrorList compare(const ViewAndTruth& pair, int edge_pixels) {
   const RangeView &view = *pair.view, &truth = *pair.truth;
   const GridEdges edges = connect_samples(truth);
   const Grid<std::uint8_t> to_boundary = boundary_distance(truth, edges);

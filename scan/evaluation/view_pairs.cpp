@@ -47,8 +47,8 @@ Result<void> check_comparable(const RangeView& view, const RangeView& truth) {
 
 }  // namespace
 
-Result<std::vector<ViewPair>> pair_views(const ScanProject& result, const ScanProject& truth) {
-  std::vector<ViewPair> pairs;
+Result<std::vector<ViewAndTruth>> pair_views(const ScanProject& result, const ScanProject& truth) {
+  std::vector<ViewAndTruth> pairs;
   for (const RangeView& view : result.views) {
     const RangeView* true_view = find_view(truth, view.name);
     if (!true_view) return mismatch(view, "the truth has no view of this name");
@@ -58,7 +58,7 @@ Result<std::vector<ViewPair>> pair_views(const ScanProject& result, const ScanPr
   return pairs;
 }
 
-double depth_error(const ViewPair& pair, int u, int v) {
+double depth_error(const ViewAndTruth& pair, int u, int v) {
   const Eigen::Vector3d offset = pair.view->point(u, v) - pair.truth->point(u, v);
   return offset.dot(pair.truth->camera.ray(u, v).direction.normalized());
 }

@@ -9,17 +9,17 @@
 namespace relief {
 
 /// A view and its truth, which outlive this.
-struct ViewPair {
+struct ViewAndTruth {
   const RangeView* view = nullptr;
   const RangeView* truth = nullptr;
 };
 
 /// Each view of `result` with the true view of its name. kBadInput when there is none, or the two
 /// differ in size or in their rays.
-Result<std::vector<ViewPair>> pair_views(const ScanProject& result, const ScanProject& truth);
+Result<std::vector<ViewAndTruth>> pair_views(const ScanProject& result, const ScanProject& truth);
 
 /// Equation (E3): the signed distance between the two points of one ray [unit], positive when the
 /// view's is farther away. Their ranges may be in different scales.
-double depth_error(const ViewPair& pair, int u, int v);
+double depth_error(const ViewAndTruth& pair, int u, int v);
 
 }  // namespace relief

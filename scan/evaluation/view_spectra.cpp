@@ -59,7 +59,7 @@ ErrorGrid normal_errors(const Normals& normals, const Normals& true_normals,
   return errors;
 }
 
-Spectra spectra_of(const ViewPair& pair, int edge_pixels) {
+Spectra spectra_of(const ViewAndTruth& pair, int edge_pixels) {
   const RangeView &view = *pair.view, &truth = *pair.truth;
   const GridEdges edges = connect_samples(truth);
   const Grid<std::uint8_t> to_boundary = boundary_distance(truth, edges);
@@ -79,9 +79,9 @@ Spectra spectra_of(const ViewPair& pair, int edge_pixels) {
   return spectra;
 }
 
-double median_spacing(const std::vector<ViewPair>& pairs) {
+double median_spacing(const std::vector<ViewAndTruth>& pairs) {
   std::vector<double> spacings;
-  for (const ViewPair& pair : pairs) spacings.push_back(sample_spacing(*pair.truth));
+  for (const ViewAndTruth& pair : pairs) spacings.push_back(sample_spacing(*pair.truth));
   return median(spacings);
 }
 
