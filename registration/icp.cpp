@@ -18,14 +18,34 @@ constexpr double kSearchRadii = 0.2;
 
 struct Matches {
   std::vector<PlanePair> pairs;  // In the target frame.
+  NormalTerms normals;           // In the target frame.
   double overlap = 0.0;
   double rms = 0.0;
 };
 
+// The normal maps at the correspondences of both directions.
+NormalTerms match_normals_both_ways(const ViewSurface& source, const ViewSurface& target,
+                                    const RigidMotion& target_from_source,
+                                    const Correspondences& forward, const Correspondences& backward,
+                                    int level) {
+  NormalTerms terms;
+  terms.matches = match_normals(source, target, target_from_source, forward, level);
+  const auto others = match_normals(target, source, target_from_source.inverse(), backward, level);
+  for (const NormalMatch& match : others.items)
+    terms.matches.items.push_back(match.reversed(target_from_source));
+  terms.matches.sigma = std::max(terms.matches.sigma, others.sigma);
+  terms.matches.redundancy = std::max(terms.matches.redundancy, others.redundancy);
+  terms.matches.effective_sigma = std::max(terms.matches.effective_sigma, others.effective_sigma);
+  if (!terms.matches.items.empty())
+    terms.length_per_angle =
+        std::max(forward.sigma, backward.sigma) / terms.matches.effective_sigma;
+  return terms;
+}
+
 // Counterparts of the samples of both views, all in the target's frame.
 Matches match_both_ways(const ViewSurface& source, const ViewSurface& target,
-                        const RigidMotion& target_from_source,
-                        const CorrespondenceOptions& options) {
+                        const RigidMotion& target_from_source, const CorrespondenceOptions& options,
+                        int signal_level) {
   const auto forward = find_correspondences(source, target, target_from_source, options);
   const auto backward = find_correspondences(target, source, target_from_source.inverse(), options);
   const Eigen::Matrix3d rotation = target_from_source.linear();
@@ -47,6 +67,9 @@ Matches match_both_ways(const ViewSurface& source, const ViewSurface& target,
   };
   for (const auto& c : forward.items) add(c.source, c.target, c, forward.sigma, true);
   for (const auto& c : backward.items) add(c.target, c.source, c, backward.sigma, false);
+  if (signal_level >= 0)
+    matches.normals = match_normals_both_ways(source, target, target_from_source, forward, backward,
+                                              signal_level);
   if (!matches.pairs.empty())
     matches.rms = std::sqrt(squares / static_cast<double>(matches.pairs.size()));
   return matches;
@@ -58,6 +81,8 @@ std::vector<SearchLevel> levels_for(const ViewSurface& source, const ViewSurface
   const double noise = std::hypot(source.noise(), target.noise());
   SearchScheduleOptions schedule;
   schedule.levels = options.levels;
+  if (options.normal_maps)
+    schedule.signal_levels = std::min(source.signal_levels(), target.signal_levels());
   schedule.correspondences = options.correspondences;
   schedule.first_distance = options.search_distance > 0.0
                                 ? options.search_distance
@@ -95,6 +120,8 @@ IcpResult align_pair(const ViewSurface& source, const ViewSurface& target,
   if (source.samples().empty() || target.samples().empty()) return result;
   const double threshold =
       stiffness_threshold(std::max(source.normal_noise(), target.normal_noise()));
+  const bool use_normals =
+      options.normal_maps && source.signal_levels() > 0 && target.signal_levels() > 0;
   PlaneStep step;
   for (const SearchLevel& level : levels_for(source, target, options)) {
     CorrespondenceOptions search;
@@ -104,7 +131,8 @@ IcpResult align_pair(const ViewSurface& source, const ViewSurface& target,
     search.association = options.association;
     result.termination = IcpTermination::kIterationLimit;
     for (int i = 0; i < options.max_iterations; ++i) {
-      const Matches matches = match_both_ways(source, target, result.target_from_source, search);
+      const Matches matches = match_both_ways(source, target, result.target_from_source, search,
+                                              use_normals ? level.signal_level : -1);
       result.correspondences = matches.pairs.size();
       result.overlap = matches.overlap;
       result.rms = matches.rms;
@@ -112,7 +140,8 @@ IcpResult align_pair(const ViewSurface& source, const ViewSurface& target,
         result.termination = IcpTermination::kNoOverlap;
         return result;
       }
-      step = solve_plane_step(matches.pairs, options.objective, threshold);
+      result.normal_sigma = matches.normals.matches.sigma;
+      step = solve_plane_step(matches.pairs, matches.normals, options.objective, threshold);
       const double motion = largest_motion(step.motion, source, result.target_from_source);
       result.target_from_source = step.motion * result.target_from_source;
       ++result.iterations;

@@ -26,6 +26,8 @@ struct IcpOptions {
   /// radius.
   double search_distance = 0.0;
   double max_normal_angle_deg = 40.0;  ///< Between corresponding normals.
+  /// Align the normal maps too, (R7), where both views have them.
+  bool normal_maps = true;
   /// Stop when an iteration moves no point of the source by more than this [sample spacings].
   double tolerance = 0.005;
   int max_iterations = 40;       ///< Per level.
@@ -50,6 +52,8 @@ struct IcpResult {
   /// systematic errors. Along degenerate directions it is huge.
   Matrix6d covariance = Matrix6d::Zero();
   Eigen::Vector3d covariance_centre = Eigen::Vector3d::Zero();
+  /// Standard deviation of the differences of the normal maps [rad]; 0 where none were used.
+  double normal_sigma = 0.0;
   /// Motions that the shared surface does not determine (target frame). The pose was not moved
   /// along them.
   std::vector<DegenerateDirection> degenerate_directions;

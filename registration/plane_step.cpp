@@ -5,6 +5,8 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
+#include "registration/robust.h"
+
 namespace relief {
 
 namespace {
@@ -49,13 +51,50 @@ NormalEquations linearise(const std::vector<PlanePair>& pairs, IcpObjective obje
   return system;
 }
 
-// The minimiser within the space that the surface determines.
-Vector6d solve_within(const NormalEquations& system, const Stability& stability, double threshold) {
+// Which of the two views' gradients the products of derivatives are made of.
+enum class Gradients {
+  kMean,    // Of both: positive semidefinite, but noise adds to it.
+  kCommon,  // One by the other: what they agree on.
+};
+
+// The terms (R7), in radii of the surface like those of planes.
+NormalEquations linearise(const NormalTerms& normals, const Stability& about,
+                          const Vector6d& per_parameter, Gradients gradients) {
+  NormalEquations system;
+  const double unit = normals.length_per_angle / about.radius;
+  Vector6d scale = unit * per_parameter;
+  scale.tail<3>() *= about.radius;
+  for (const NormalMatch& match : normals.matches.items) {
+    for (int k = 0; k < 2; ++k) {
+      const auto row = [&](const auto& gradient) -> Vector6d {
+        return scale.cwiseProduct(match.derivative(k, gradient, about.centre));
+      };
+      const double weight =
+          match.weight * cauchy_weight(match.residual[k] / normals.matches.sigma, kCauchyScale);
+      const Vector6d j = row(match.gradient());
+      system.gradient += weight * unit * match.residual[k] * j;
+      if (gradients == Gradients::kMean) {
+        system.matrix.noalias() += weight * j * j.transpose();
+      } else {
+        const Vector6d s = row(match.source_gradient), t = row(match.target_gradient);
+        system.matrix.noalias() += 0.5 * weight * (s * t.transpose() + t * s.transpose());
+      }
+    }
+  }
+  return system;
+}
+
+// The minimiser within the space that the surface determines, by the first of the two matrices if
+// it is positive definite there.
+Vector6d solve_within(const Matrix6d& matrix, const Matrix6d& safe, const Vector6d& gradient,
+                      const Stability& stability, double threshold) {
   const auto free = static_cast<Eigen::Index>((stability.stiffness.array() >= threshold).count());
   if (free == 0) return Vector6d::Zero();
   const auto basis = stability.directions.rightCols(free);
-  const Eigen::MatrixXd reduced = basis.transpose() * system.matrix * basis;
-  return -(basis * reduced.ldlt().solve(basis.transpose() * system.gradient));
+  const Eigen::VectorXd reduced = basis.transpose() * gradient;
+  const Eigen::LLT<Eigen::MatrixXd> llt(basis.transpose() * matrix * basis);
+  if (llt.info() == Eigen::Success) return -(basis * llt.solve(reduced));
+  return -(basis * (basis.transpose() * safe * basis).ldlt().solve(reduced));
 }
 
 // (R4) without what noise contributes to undetermined directions, in radians and units.
@@ -90,18 +129,25 @@ RigidMotion motion_of(const Vector6d& x, IcpObjective objective, double radius) 
 
 }  // namespace
 
-PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, IcpObjective objective,
-                           double threshold) {
+PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, const NormalTerms& normals,
+                           IcpObjective objective, double threshold) {
   PlaneStep step;
-  step.stability = analyse_stability(oriented_points(pairs));
-  const double radius = step.stability.radius;
-  const Vector6d x =
-      solve_within(linearise(pairs, objective, step.stability), step.stability, threshold);
-  step.motion = about(step.stability.centre, motion_of(x, objective, radius));
+  step.stability = with_normal_maps(analyse_stability(oriented_points(pairs)), normals.matches,
+                                    normals.length_per_angle, threshold);
+  // The symmetric objective's first parameter is half the rotation.
+  Vector6d per_parameter = Vector6d::Ones();
+  if (objective == IcpObjective::kSymmetric) per_parameter.head<3>() *= 2.0;
+  const auto planes = linearise(pairs, objective, step.stability);
+  const auto mean = linearise(normals, step.stability, per_parameter, Gradients::kMean);
+  const auto common = linearise(normals, step.stability, per_parameter, Gradients::kCommon);
+  const Vector6d x = solve_within(planes.matrix + common.matrix, planes.matrix + mean.matrix,
+                                  planes.gradient + mean.gradient, step.stability, threshold);
+  step.motion = about(step.stability.centre, motion_of(x, objective, step.stability.radius));
 
-  step.information =
-      determined_information(linearise(pairs, IcpObjective::kPointToPlane, step.stability).matrix,
-                             step.stability, threshold);
+  const Matrix6d information =
+      linearise(pairs, IcpObjective::kPointToPlane, step.stability).matrix +
+      linearise(normals, step.stability, Vector6d::Ones(), Gradients::kCommon).matrix;
+  step.information = determined_information(information, step.stability, threshold);
   return step;
 }
 

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "registration/icp.h"
+#include "registration/normal_matches.h"
 #include "registration/slippage.h"
 #include "scan/rigid_motion.h"
 
@@ -19,6 +20,14 @@ struct PlanePair {
   double weight = 1.0;
 };
 
+/// Pairs of measured normals that should agree, in the frame of the plane pairs.
+struct NormalTerms {
+  NormalMatches matches;
+  /// What one radian of residual counts for: the ratio of the standard deviations of distances and
+  /// normals [unit/rad].
+  double length_per_angle = 0.0;
+};
+
 /// One linearised least-squares step of pairwise alignment.
 struct PlaneStep {
   RigidMotion motion = RigidMotion::Identity();  ///< To apply to the moving points.
@@ -28,9 +37,10 @@ struct PlaneStep {
   Stability stability;
 };
 
-/// The motion that minimises the weighted squared distances of `pairs`, (R1) or (R2). Directions
-/// whose stiffness is below `threshold` are left alone: nothing but noise would move along them.
-PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, IcpObjective objective,
-                           double threshold);
+/// The motion that minimises the weighted squared distances of `pairs`, (R1) or (R2), and the
+/// differences of normals, (R7). Directions whose stiffness is below `threshold` are left alone:
+/// nothing but noise would move along them.
+PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, const NormalTerms& normals,
+                           IcpObjective objective, double threshold);
 
 }  // namespace relief

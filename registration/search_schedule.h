@@ -9,6 +9,7 @@ struct SearchLevel {
   int count = 0;              ///< Correspondences per direction of a pair.
   double max_distance = 0.0;  ///< Between corresponding points [unit].
   double tolerance = 0.0;     ///< The level ends when no point moves more than this [unit].
+  int signal_level = 0;       ///< Resolution of the normal maps, 0 the finest.
 };
 
 struct SearchScheduleOptions {
@@ -17,6 +18,8 @@ struct SearchScheduleOptions {
   double first_distance = 0.0;  ///< Search distance of the coarsest level [unit]; > 0.
   double last_distance = 0.0;   ///< Of the finest [unit]; > 0.
   double tolerance = 0.0;       ///< Of the finest level [unit]; > 0.
+  /// Resolutions of the normal maps; more of them than `levels` make as many levels. 0: no maps.
+  int signal_levels = 0;
 };
 
 /// The distance [unit] within which corresponding points lie once two views are aligned: a few
@@ -33,7 +36,7 @@ inline double largest_plausible_rms(double spacing, double noise) {
 }
 
 /// Levels from coarse to fine, with distances in geometric progression. A single level where the
-/// first distance is not larger than the last.
+/// first distance is not larger than the last and there are no normal maps.
 std::vector<SearchLevel> search_schedule(const SearchScheduleOptions& options);
 
 }  // namespace relief

@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 
 #include "registration/robust.h"
+#include "registration/unbiased_normals.h"
 #include "scan/discontinuities.h"
 #include "scan/grid_normals.h"
 #include "scan/median_deviation.h"
@@ -107,6 +108,11 @@ void ViewSurface::smooth_normals(const RangeView& view, const ViewSurfaceOptions
       normals_ = estimate_normals(view, edges, {.radius = radius, .threads = options.threads});
   }
   normal_noise_ = slope_noise(noise_, spacing_, radius);
+  if (options.normal_signal && view.has_normals()) {
+    auto unbiased = unbiased_normals(view, edges, {.noise = noise_, .spacing = spacing_});
+    signal_ = NormalSignal(std::move(unbiased.normals));
+    signal_bias_ = unbiased.left;
+  }
   if (options.normals == NormalSource::kMeasured && view.has_normals()) {
     for (std::size_t i = 0; i < normals_.size(); ++i)
       if (view.normals[i].allFinite()) normals_[i] = view.normals[i];
@@ -143,7 +149,7 @@ SurfacePoint ViewSurface::sample(std::uint32_t index) const {
   const int u = static_cast<int>(index) % range_.width();
   const int v = static_cast<int>(index) / range_.width();
   return {camera_.ray(u, v).at(range_[index]), normals_[index].cast<double>().normalized(),
-          confidence_.empty() ? 1.0 : confidence_[index]};
+          confidence_.empty() ? 1.0 : confidence_[index], Eigen::Vector2d(u, v)};
 }
 
 std::optional<SurfacePoint> ViewSurface::at(const Eigen::Vector2d& pixel) const {
@@ -166,7 +172,23 @@ std::optional<SurfacePoint> ViewSurface::at(const Eigen::Vector2d& pixel) const 
   // One corner that is not usable makes the normal NaN.
   if (!(normal.squaredNorm() > 0.0)) return std::nullopt;
   return SurfacePoint{camera_.ray_at(pixel.x(), pixel.y()).at(range), normal.normalized(),
-                      confidence};
+                      confidence, pixel};
+}
+
+std::optional<SignalPoint> ViewSurface::signal(const SurfacePoint& place, int level) const {
+  const auto sample = signal_.at(place.pixel, level);
+  if (!sample) return std::nullopt;
+  // Where the rays of the next pixels meet the tangent plane: steps free of the noise of samples.
+  const auto step_to = [&](double u, double v) -> Eigen::Vector3d {
+    const Ray ray = camera_.ray_at(u, v);
+    const double t = place.normal.dot(place.point - ray.origin) / place.normal.dot(ray.direction);
+    return ray.at(t) - place.point;
+  };
+  Eigen::Matrix<double, 3, 2> steps;
+  steps << step_to(place.pixel.x() + 1.0, place.pixel.y()),
+      step_to(place.pixel.x(), place.pixel.y() + 1.0);
+  const Eigen::Matrix2d metric = steps.transpose() * steps;
+  return SignalPoint{sample->normal, sample->by_pixel * metric.inverse() * steps.transpose()};
 }
 
 std::vector<Eigen::Vector2d> ViewSurface::closest(const Eigen::Matrix3Xd& points) const {

@@ -8,6 +8,8 @@
 #include <Eigen/Core>
 
 #include "registration/neighbour_index.h"
+#include "registration/normal_signal.h"
+#include "registration/unbiased_normals.h"
 #include "scan/range_view.h"
 
 namespace relief {
@@ -26,6 +28,8 @@ struct ViewSurfaceOptions {
   /// Samples nearer than this [pixels] to a silhouette, an occlusion edge or the border of the grid
   /// are not used: they are the least accurate, and there overlap ends. >= 1.
   int boundary_margin = 2;
+  /// Keep the view's normal map, freed of its smooth bias, as a signal to align by.
+  bool normal_signal = true;
   /// Build the nearest-neighbour index even where the camera can project.
   bool neighbour_index = false;
   int threads = 0;  ///< 0: one per core.
@@ -36,6 +40,13 @@ struct SurfacePoint {
   Eigen::Vector3d point, normal;
   /// The sample's confidence; in a view with deviations (median / own deviation)^2 instead.
   double confidence = 1.0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< Where the view sees it.
+};
+
+/// The measured normal at a point of a view's surface, freed of its smooth bias.
+struct SignalPoint {
+  Eigen::Vector3d normal;    ///< Unit, view frame.
+  Eigen::Matrix3d gradient;  ///< Its derivative by the position on the surface [rad/unit].
 };
 
 /// What alignment needs of a range view, computed once: an interpolated surface with normals and
@@ -53,6 +64,14 @@ class ViewSurface {
   /// The surface at fractional pixel coordinates, bilinear between samples; nothing unless the four
   /// samples around are usable.
   std::optional<SurfacePoint> at(const Eigen::Vector2d& pixel) const;
+
+  /// Resolutions of the normal map kept, each half as fine as the one before; 0: none is kept.
+  int signal_levels() const { return signal_.levels(); }
+  /// The normal map at a point of this surface; nothing where it has gaps.
+  std::optional<SignalPoint> signal(const SurfacePoint& place, int level) const;
+
+  /// Errors of the normal map that neighbouring pixels share.
+  const NormalBias& signal_bias() const { return signal_bias_; }
 
   bool can_project() const { return camera_.can_project(); }
   /// Constant-time association: the pixel that sees `point`.
@@ -86,6 +105,8 @@ class ViewSurface {
   Grid<double> range_;
   Grid<Eigen::Vector3f> normals_;  // NaN where a sample is not usable.
   Grid<float> confidence_;
+  NormalSignal signal_;
+  NormalBias signal_bias_;
   std::vector<std::uint32_t> samples_;
   std::unique_ptr<NeighbourIndex> index_;
   double spacing_ = 0.0, noise_ = 0.0, normal_noise_ = 0.0, radius_ = 0.0;

@@ -113,7 +113,7 @@ TEST(PlaneStep, OfASmallMotionUndoesIt) {
         const Eigen::Vector3d p = 10 * Eigen::Vector3d::Random();
         pairs.push_back({rest * p, p, rest.linear() * n, n, n});
       }
-      rest = solve_plane_step(pairs, objective, 1e-4).motion * rest;
+      rest = solve_plane_step(pairs, {}, objective, 1e-4).motion * rest;
     }
     EXPECT_TRUE(rest.isApprox(RigidMotion::Identity(), 1e-12));
   }

@@ -1,0 +1,76 @@
+#include "registration/normal_signal.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+namespace relief {
+
+namespace {
+
+// Of the four cells that a coarser one covers.
+constexpr int kLeastCells = 3;
+
+Grid<Eigen::Vector3f> halved(const Grid<Eigen::Vector3f>& fine) {
+  Grid<Eigen::Vector3f> coarse(fine.width() / 2, fine.height() / 2,
+                               Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
+  for (int v = 0; v < coarse.height(); ++v) {
+    for (int u = 0; u < coarse.width(); ++u) {
+      Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+      int count = 0;
+      for (int k = 0; k < 4; ++k) {
+        const Eigen::Vector3f& normal = fine(2 * u + k % 2, 2 * v + k / 2);
+        if (!normal.allFinite()) continue;
+        sum += normal;
+        ++count;
+      }
+      if (count >= kLeastCells) coarse(u, v) = sum.normalized();
+    }
+  }
+  return coarse;
+}
+
+}  // namespace
+
+NormalSignal::NormalSignal(Grid<Eigen::Vector3f> normals, int largest_cell) {
+  if (normals.empty()) return;
+  levels_.push_back(std::move(normals));
+  for (int cell = 2; cell <= largest_cell; cell *= 2) {
+    if (std::min(levels_.back().width(), levels_.back().height()) < 8) break;
+    levels_.push_back(halved(levels_.back()));
+  }
+}
+
+std::optional<NormalSample> NormalSignal::at(const Eigen::Vector2d& pixel, int level) const {
+  assert(level >= 0 && level < levels());
+  const Grid<Eigen::Vector3f>& grid = levels_[static_cast<std::size_t>(level)];
+  const double cell = std::ldexp(1.0, level);
+  // The centre of cell 0 lies in the middle of the pixels 0 to cell - 1.
+  const Eigen::Vector2d place = (pixel.array() - 0.5 * (cell - 1.0)) / cell;
+  const double u_floor = std::floor(place.x()), v_floor = std::floor(place.y());
+  if (!(u_floor >= 1.0 && v_floor >= 1.0 && u_floor + 2.0 < grid.width() &&
+        v_floor + 2.0 < grid.height()))
+    return std::nullopt;
+  const int u = static_cast<int>(u_floor), v = static_cast<int>(v_floor);
+  const double a = place.x() - u_floor, b = place.y() - v_floor;
+  const double weights[4] = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
+  Eigen::Vector3d value = Eigen::Vector3d::Zero(), by_u = value, by_v = value;
+  for (int k = 0; k < 4; ++k) {
+    const int x = u + k % 2, y = v + k / 2;
+    value += weights[k] * grid(x, y).cast<double>();
+    by_u += weights[k] * (grid(x + 1, y) - grid(x - 1, y)).cast<double>();
+    by_v += weights[k] * (grid(x, y + 1) - grid(x, y - 1)).cast<double>();
+  }
+  // One cell without a normal makes all NaN.
+  if (!(value.squaredNorm() > 0.0) || !by_u.allFinite() || !by_v.allFinite()) return std::nullopt;
+  NormalSample sample;
+  sample.normal = value.normalized();
+  sample.by_pixel << 0.5 / cell * by_u, 0.5 / cell * by_v;
+  return sample;
+}
+
+}  // namespace relief
