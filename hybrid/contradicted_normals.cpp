@@ -1,12 +1,13 @@
 #include "hybrid/contradicted_normals.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "scan/grid.h"
-#include "scan/median.h"
+#include "scan/parallel.h"
 
 namespace relief {
 
@@ -23,12 +24,19 @@ constexpr float kTrusted = 0.25f;  // confidence of ranges that may contradict n
 class RectangleSums {
  public:
   template <typename Value>
-  RectangleSums(const PaddedGrid& grid, const Value& value)
+  RectangleSums(const PaddedGrid& grid, int threads, const Value& value)
       : sums_(grid.width + 1, grid.height + 1, 0.0) {
-    for (int v = 0; v < grid.height; ++v)
+    parallel_rows(grid.height, threads, [&](int v) {
       for (int u = 0; u < grid.width; ++u)
-        sums_(u + 1, v + 1) =
-            value(grid.index(u, v)) + sums_(u, v + 1) + sums_(u + 1, v) - sums_(u, v);
+        sums_(u + 1, v + 1) = sums_(u, v + 1) + value(grid.index(u, v));
+    });
+    constexpr std::size_t kColumnsAtOnce = 64;
+    parallel_for(static_cast<std::size_t>(sums_.width()), kColumnsAtOnce, threads,
+                 [&](std::size_t begin, std::size_t end) {
+                   for (int v = 1; v < sums_.height(); ++v)
+                     for (int u = static_cast<int>(begin); u < static_cast<int>(end); ++u)
+                       sums_(u, v) += sums_(u, v - 1);
+                 });
   }
   // Of columns [u0, u1) and rows [v0, v1), as far as they are on the grid.
   double operator()(int u0, int u1, int v0, int v1) const {
@@ -70,47 +78,66 @@ std::vector<std::uint8_t> trusted_constraints(const ViewProblem& problem, std::s
 
 // Mean slopes of the ranges against the normals along one axis; NaN where the window is not nearly
 // full.
-Grid<double> window_slopes(const ViewProblem& problem, std::size_t axis, int half) {
+Grid<double> window_slopes(const ViewProblem& problem, std::size_t axis, int half, int threads) {
   const PaddedGrid& grid = problem.grid;
   const SlopeConstraints::Axis& a = problem.slopes.axes[axis];
   const std::vector<std::uint8_t> use = trusted_constraints(problem, axis);
-  const RectangleSums steps(grid, [&](std::size_t i) { return use[i] * double{a.step[i]}; });
+  const RectangleSums steps(grid, threads,
+                            [&](std::size_t i) { return use[i] * double{a.step[i]}; });
   const double enough = 0.75 * 2 * half * (2 * half + 1);
   const RectangleSums lengths(
-      grid, [&](std::size_t i) { return use[i] * 2.0 * double{a.half_length[i]}; });
-  const RectangleSums counts(grid, [&](std::size_t i) { return use[i]; });
+      grid, threads, [&](std::size_t i) { return use[i] * 2.0 * double{a.half_length[i]}; });
+  const RectangleSums counts(grid, threads, [&](std::size_t i) { return use[i]; });
   Grid<double> result(grid.width, grid.height, kNoSample);
-  for (int v = 0; v < grid.height; ++v) {
+  parallel_rows(grid.height, threads, [&](int v) {
     for (int u = 0; u < grid.width; ++u) {
       // A constraint belongs to the pixel before it.
       const int u1 = u + half + (axis == 1), v1 = v + half + (axis == 0);
       if (counts(u - half, u1, v - half, v1) < enough) continue;
       result(u, v) = steps(u - half, u1, v - half, v1) / lengths(u - half, u1, v - half, v1);
     }
-  }
+  });
   return result;
 }
 
-double ring_median(const Grid<double>& slopes, int u, int v, int distance) {
-  std::vector<double> around;
-  for (const int dv : {-distance, 0, distance})
-    for (const int du : {-distance, 0, distance})
-      if ((du != 0 || dv != 0) && slopes.contains(u + du, v + dv) &&
-          std::isfinite(slopes(u + du, v + dv)))
-        around.push_back(slopes(u + du, v + dv));
-  return around.size() < kFewest ? kNoSample : median(std::move(around));
-}
+// The windows round about one, those that there are.
+struct Ring {
+  std::array<double, 8> slopes;
+  std::size_t size = 0;
+
+  Ring(const Grid<double>& all, int u, int v, int distance) {
+    for (const int dv : {-distance, 0, distance})
+      for (const int du : {-distance, 0, distance})
+        if ((du != 0 || dv != 0) && all.contains(u + du, v + dv) &&
+            std::isfinite(all(u + du, v + dv)))
+          slopes[size++] = all(u + du, v + dv);
+  }
+
+  // Most of them, and so their median, are within `limit` of `slope`.
+  bool surely_within(double slope, double limit) const {
+    std::size_t close = 0;
+    for (std::size_t k = 0; k < size; ++k) close += std::abs(slopes[k] - slope) <= limit ? 1 : 0;
+    return 2 * close > size + 1;
+  }
+  double median() {
+    const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(size / 2);
+    std::nth_element(slopes.begin(), middle, slopes.begin() + static_cast<std::ptrdiff_t>(size));
+    return *middle;
+  }
+};
 
 // What windows differ by from those round about; zero where that is within `least`.
-Grid<double> contradictions(const Grid<double>& slopes, int half, double least) {
+Grid<double> contradictions(const Grid<double>& slopes, int half, double least, int threads) {
   Grid<double> result(slopes.width(), slopes.height(), 0.0);
-  for (int v = 0; v < slopes.height(); ++v) {
+  parallel_rows(slopes.height(), threads, [&](int v) {
     for (int u = 0; u < slopes.width(); ++u) {
       if (!(slopes(u, v) == slopes(u, v))) continue;
-      const double excess = slopes(u, v) - ring_median(slopes, u, v, kRing * half);
+      Ring ring(slopes, u, v, kRing * half);
+      if (ring.size < kFewest || ring.surely_within(slopes(u, v), least)) continue;
+      const double excess = slopes(u, v) - ring.median();
       if (std::abs(excess) > least) result(u, v) = excess;
     }
-  }
+  });
   return result;
 }
 
@@ -128,7 +155,7 @@ double error_at(const Grid<double>& excess, int u, int v, int half, double limit
 }  // namespace
 
 CoherentErrors coherent_errors(const ViewProblem& problem, const NoiseEstimate& noise,
-                               double spacing) {
+                               double spacing, int threads) {
   const int half = window_for(noise, spacing);
   const double variance = mean_variance(2.0 * half * (2 * half + 1), half, noise, spacing);
   const double change = noise.bias_gradient * kRing * half;
@@ -137,12 +164,11 @@ CoherentErrors coherent_errors(const ViewProblem& problem, const NoiseEstimate& 
   CoherentErrors errors{Eigen::VectorXd::Zero(2 * count), 0};
   for (const std::size_t axis : {0u, 1u}) {
     const Grid<double> excess =
-        contradictions(window_slopes(problem, axis, half), half, 0.5 * limit);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const std::uint32_t pixel = problem.pixels[static_cast<std::size_t>(k)];
+        contradictions(window_slopes(problem, axis, half, threads), half, 0.5 * limit, threads);
+    for_each_sample(problem, threads, [&](Eigen::Index k, std::uint32_t pixel) {
       errors.slopes[static_cast<Eigen::Index>(axis) * count + k] =
           error_at(excess, problem.grid.u(pixel), problem.grid.v(pixel), half, limit);
-    }
+    });
   }
   for (Eigen::Index k = 0; k < count; ++k)
     errors.samples += errors.slopes[k] != 0.0 || errors.slopes[count + k] != 0.0;

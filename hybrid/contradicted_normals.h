@@ -21,6 +21,6 @@ struct CoherentErrors {
 /// six standard deviations under `noise` and more than the bias changes over that distance. The
 /// error is that difference. `spacing` is a typical length of the constraints [unit].
 CoherentErrors coherent_errors(const ViewProblem& problem, const NoiseEstimate& noise,
-                               double spacing);
+                               double spacing, int threads = 1);
 
 }  // namespace relief

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
 
 #include "hybrid/coarse_steps.h"
 #include "scan/median.h"
+#include "scan/parallel.h"
 
 namespace relief {
 
@@ -32,6 +34,9 @@ double starting_sigma(std::vector<double>& values) {
   return 0.0;
 }
 
+// Iterations to a fixed point end when it changes by less than this part.
+constexpr double kSettled = 1e-5;
+
 // Standard deviation of the Gaussian core of `values`: the fixed point of the second moment of what
 // lies within two standard deviations.
 double robust_sigma(std::vector<double> values) {
@@ -47,7 +52,8 @@ double robust_sigma(std::vector<double> values) {
       count += 1.0;
     }
     if (!(sum > 0.0)) break;
-    sigma = std::sqrt(sum / count / kKeptMoment);
+    const double before = std::exchange(sigma, std::sqrt(sum / count / kKeptMoment));
+    if (std::abs(sigma - before) <= kSettled * sigma) break;
   }
   return sigma;
 }
@@ -105,6 +111,12 @@ void for_each_walk(const RangeSteps& steps, int length, int stride, const Visit&
     for (int u = 0; u < width; u += stride) visit(steps.along_columns, u, v, 0, 1);
 }
 
+// Calls visit(n, lengths[n]) for every length of walks.
+template <std::size_t kCount, typename Visit>
+void each(const std::array<int, kCount>& lengths, int threads, const Visit& visit) {
+  parallel_for(kCount, 1, threads, [&](std::size_t n, std::size_t) { visit(n, lengths[n]); });
+}
+
 // Samples of a grid to step over such that a statistic has enough to be good to about a percent.
 int thinning(const RangeSteps& steps) {
   constexpr double kEnough = 60000.0;
@@ -135,16 +147,20 @@ std::vector<double> loop_closures(const RangeSteps& steps, int k) {
 
 // The white part of the closures' variance over loops of growing size; a curl of the bias grows
 // with the cube of the size and is fitted away.
-double normal_noise(const RangeSteps& steps) {
+double normal_noise(const RangeSteps& steps, int threads) {
+  constexpr std::array<int, 3> kSides{1, 2, 4};
+  std::array<double, kSides.size()> sigmas{};
+  each(kSides, threads, [&](std::size_t n, int k) {
+    if (k <= longest_walk(steps)) sigmas[n] = robust_sigma(loop_closures(steps, k));
+  });
   Eigen::Matrix2d normal_matrix = Eigen::Matrix2d::Zero();
   Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
   double first = 0.0;
-  for (const int k : {1, 2, 4}) {
-    if (k > longest_walk(steps)) continue;
-    const double sigma = robust_sigma(loop_closures(steps, k));
+  for (std::size_t n = 0; n < kSides.size(); ++n) {
+    const double sigma = sigmas[n], k = kSides[n];
     if (sigma <= 0.0) continue;
     if (first == 0.0) first = sigma * sigma;
-    const Eigen::Vector2d model(1.0, double(k) * k * k);
+    const Eigen::Vector2d model(1.0, k * k * k);
     const double weight = 1.0 / std::pow(sigma, 4);
     normal_matrix += weight * model * model.transpose();
     rhs += weight * model * (sigma * sigma);
@@ -171,16 +187,20 @@ SecondDifference second_difference(const RangeSteps::Direction& direction, int u
           0.5 * k * (first.sensitivity + second.sensitivity)};
 }
 
-std::vector<SecondDifference> second_differences(const RangeSteps& steps) {
-  std::vector<SecondDifference> differences;
-  const int stride = thinning(steps);
-  for (const int k : {1, 2, 3, 4, 6, 8}) {
-    if (k > longest_walk(steps)) continue;
-    for_each_walk(steps, 2 * k, stride, [&](const auto& direction, int u, int v, int du, int dv) {
+std::vector<SecondDifference> second_differences(const RangeSteps& steps, int threads) {
+  constexpr std::array<int, 6> kLengths{1, 2, 3, 4, 6, 8};
+  std::array<std::vector<SecondDifference>, kLengths.size()> by_length;
+  each(kLengths, threads, [&](std::size_t n, int k) {
+    if (k > longest_walk(steps)) return;
+    const auto visit = [&](const auto& direction, int u, int v, int du, int dv) {
       const SecondDifference d = second_difference(direction, u, v, du, dv, k);
-      if (d.value == d.value) differences.push_back(d);
-    });
-  }
+      if (d.value == d.value) by_length[n].push_back(d);
+    };
+    for_each_walk(steps, 2 * k, thinning(steps), visit);
+  });
+  std::vector<SecondDifference> differences;
+  for (const auto& of_length : by_length)
+    differences.insert(differences.end(), of_length.begin(), of_length.end());
   return differences;
 }
 
@@ -213,8 +233,12 @@ WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
     Eigen::Vector2d next = normal_matrix.ldlt().solve(rhs);
     if (!(next[1] > 0.0)) next = {rhs[0] / normal_matrix(0, 0), 0.0};
     if (!next.allFinite()) break;
-    fit.position_variance = std::max(next[0], 1e-6 * start * start);
+    next[0] = std::max(next[0], 1e-6 * start * start);
+    const bool settled = std::abs(next[0] - fit.position_variance) <= kSettled * next[0] &&
+                         std::abs(next[1] - fit.gradient_variance) <= kSettled * std::abs(next[1]);
+    fit.position_variance = next[0];
     fit.gradient_variance = next[1];
+    if (settled) break;
   }
   return fit;
 }
@@ -226,12 +250,12 @@ struct BlockFit {
   bool positions_rule = false;  // in half of the differences, those between close blocks
 };
 
-BlockFit fit_blocks(const RangeSteps& steps) {
+BlockFit fit_blocks(const RangeSteps& steps, int threads) {
   BlockFit block;
-  const std::vector<SecondDifference> differences = second_differences(steps);
+  const std::vector<SecondDifference> differences = second_differences(steps, threads);
   block.differences = differences.size();
   if (differences.size() < kFewestBlocks) return block;
-  const double normal = normal_noise(steps);
+  const double normal = normal_noise(steps, threads);
   block.fit = fit_second_differences(differences, normal * normal);
   const auto position_rules = [&](const SecondDifference& d) {
     return 6.0 * block.fit.position_variance >
@@ -245,15 +269,15 @@ BlockFit fit_blocks(const RangeSteps& steps) {
 // The variance that independent noise of the ranges would have to have, to do as much harm as
 // theirs does over long waves: n times the variance of means over n samples, for large n. Over
 // blocks of growing side it approaches this limit, for noise of finite reach, as 1 / side.
-double long_wave_variance(const RangeSteps& steps, double local_variance) {
+double long_wave_variance(const RangeSteps& steps, double local_variance, int threads) {
   constexpr int kSide = 4;
   constexpr double kDeviations = 4.0;  // by which blocks must differ from independent samples
-  const BlockFit large = fit_blocks(coarse_steps(steps, kSide));
+  const BlockFit large = fit_blocks(coarse_steps(steps, kSide), threads);
   if (!large.positions_rule) return local_variance;
   const double of_large = kSide * kSide * large.fit.position_variance;
   const double deviation = std::sqrt(2.0 / static_cast<double>(large.differences));
   if (of_large < (1.0 + kDeviations * deviation) * local_variance) return local_variance;
-  const BlockFit small = fit_blocks(coarse_steps(steps, kSide / 2));
+  const BlockFit small = fit_blocks(coarse_steps(steps, kSide / 2), threads);
   const double of_small = 0.25 * kSide * kSide * small.fit.position_variance;
   return std::max(of_large, 2.0 * of_large - of_small);
 }
@@ -261,17 +285,19 @@ double long_wave_variance(const RangeSteps& steps, double local_variance) {
 // Excess over the noise of robust variances, both for values in units of what is sought.
 struct Excess {
   std::vector<double> values, noise;
-
-  double variance() const {
-    const double total = robust_sigma(values), random = median(std::vector<double>(noise));
-    return std::max(0.0, total * total - random * random);
-  }
-  // Of `variance`, for values of which about one in `overlap` is independent.
-  double standard_error(double overlap) const {
-    const double total = robust_sigma(values);
-    return total * total * std::sqrt(2.0 * overlap / static_cast<double>(values.size()));
-  }
 };
+
+struct ExcessVariance {
+  double value = 0.0, standard_error = 0.0;
+};
+
+// For values of which about one in `overlap` is independent.
+ExcessVariance variance_of(Excess&& excess, double overlap) {
+  const double independent = static_cast<double>(excess.values.size()) / overlap;
+  const double total = robust_sigma(std::move(excess.values)), random = median(excess.noise);
+  return {std::max(0.0, total * total - random * random),
+          total * total * std::sqrt(2.0 / independent)};
+}
 
 // Equation (12): over k edges the discrepancy has variance 2 sigma_position^2 + nodes
 // sigma_normal^2 + (sum of sensitivities)^2 bias^2.
@@ -287,28 +313,31 @@ double smooth_bias(const RangeSteps& steps, const WalkFit& noise) {
                                                    sums.node_squares * noise.normal_variance) /
                                          sums.sensitivity);
                 });
-  return std::sqrt(excess.variance());
+  return std::sqrt(variance_of(std::move(excess), 1.0).value);
 }
 
 // The change of the bias from pixel to pixel, from what second differences over long walks have in
 // excess of the noise, equation (11). Lengths that show it best count most.
-double bias_gradient(const RangeSteps& steps, const WalkFit& noise) {
-  double sum = 0.0, weights = 0.0;
-  for (const int k : {8, 16, 32, 64}) {
+double bias_gradient(const RangeSteps& steps, const WalkFit& noise, int threads) {
+  constexpr std::array<int, 4> kLengths{8, 16, 32, 64};
+  std::array<ExcessVariance, kLengths.size()> by_length;
+  each(kLengths, threads, [&](std::size_t n, int k) {
     Excess excess;
-    for_each_walk(
-        steps, 2 * k, std::max({k / 4, 2, thinning(steps)}),
-        [&](const auto& direction, int u, int v, int du, int dv) {
-          const SecondDifference d = second_difference(direction, u, v, du, dv, k);
-          if (!(d.value == d.value)) return;
-          excess.values.push_back(d.value / d.area);
-          excess.noise.push_back(
-              std::sqrt(6.0 * noise.position_variance + d.nodes * noise.normal_variance) / d.area);
-        });
-    if (excess.values.size() < 30) break;
-    const double weight = 1.0 / std::pow(excess.standard_error(16.0), 2);
+    const auto visit = [&](const auto& direction, int u, int v, int du, int dv) {
+      const SecondDifference d = second_difference(direction, u, v, du, dv, k);
+      if (!(d.value == d.value)) return;
+      excess.values.push_back(d.value / d.area);
+      excess.noise.push_back(
+          std::sqrt(6.0 * noise.position_variance + d.nodes * noise.normal_variance) / d.area);
+    };
+    for_each_walk(steps, 2 * k, std::max({k / 4, 2, thinning(steps)}), visit);
+    if (excess.values.size() >= 30) by_length[n] = variance_of(std::move(excess), 16.0);
+  });
+  double sum = 0.0, weights = 0.0;
+  for (const ExcessVariance& variance : by_length) {
+    const double weight = 1.0 / std::pow(variance.standard_error, 2);
     if (!std::isfinite(weight)) continue;
-    sum += weight * excess.variance();
+    sum += weight * variance.value;
     weights += weight;
   }
   return weights > 0.0 ? std::sqrt(sum / weights) : 0.0;
@@ -316,23 +345,23 @@ double bias_gradient(const RangeSteps& steps, const WalkFit& noise) {
 
 }  // namespace
 
-NoiseEstimate estimate_noise(const RangeSteps& steps) {
+NoiseEstimate estimate_noise(const RangeSteps& steps, int threads) {
   NoiseEstimate estimate;
-  const std::vector<SecondDifference> differences = second_differences(steps);
+  const std::vector<SecondDifference> differences = second_differences(steps, threads);
   estimate.samples = differences.size();
   if (!estimate.enough()) return estimate;
-  estimate.sigma_normal = normal_noise(steps);
+  estimate.sigma_normal = normal_noise(steps, threads);
   const WalkFit fit =
       fit_second_differences(differences, estimate.sigma_normal * estimate.sigma_normal);
   estimate.sigma_local = std::sqrt(fit.position_variance);
-  estimate.sigma_position = std::sqrt(long_wave_variance(steps, fit.position_variance));
-  estimate.bias_gradient = bias_gradient(steps, fit);
+  estimate.sigma_position = std::sqrt(long_wave_variance(steps, fit.position_variance, threads));
+  estimate.bias_gradient = bias_gradient(steps, fit, threads);
   estimate.bias = smooth_bias(steps, fit);
   return estimate;
 }
 
-NoiseEstimate estimate_noise(const RangeView& view, const GridEdges& edges) {
-  return estimate_noise(range_steps(view, edges));
+NoiseEstimate estimate_noise(const RangeView& view, const GridEdges& edges, int threads) {
+  return estimate_noise(range_steps(view, edges, threads), threads);
 }
 
 }  // namespace relief

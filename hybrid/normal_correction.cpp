@@ -97,12 +97,12 @@ Eigen::SparseMatrix<double> smoothing_matrix(const ViewProblem& problem,
 }  // namespace
 
 Grid<Eigen::Vector3f> subtract_bias(const RangeView& view, const ViewProblem& problem,
-                                    const Eigen::VectorXd& bias) {
+                                    const Eigen::VectorXd& bias, int threads) {
   Grid<Eigen::Vector3f> normals = view.normals;
   const auto count = static_cast<Eigen::Index>(problem.size());
-  for (Eigen::Index k = 0; k < count; ++k) {
+  for_each_sample(problem, threads, [&](Eigen::Index k, std::uint32_t) {
     const Pixel p = pixel_of(problem, k);
-    if (!view.has_normal(p.u, p.v)) continue;
+    if (!view.has_normal(p.u, p.v)) return;
     const Eigen::Vector3d viewing = view.camera.ray(p.u, p.v).direction.normalized();
     const Eigen::Vector3d normal = view.normals(p.u, p.v).cast<double>();
     const Eigen::Vector3d along_u =
@@ -111,7 +111,7 @@ Grid<Eigen::Vector3f> subtract_bias(const RangeView& view, const ViewProblem& pr
         biased_tangent(step_across(view, p, 0, 1), viewing, normal, bias[count + k]);
     const Eigen::Vector3d corrected = along_u.cross(along_v).normalized();
     if (corrected.allFinite()) normals(p.u, p.v) = facing(corrected, viewing).cast<float>();
-  }
+  });
   return normals;
 }
 

@@ -46,11 +46,12 @@ Grid<float> deviations(const RangeView& view, const ViewProblem& problem, double
   return deviation;
 }
 
-void move_samples(const ViewProblem& problem, const Eigen::VectorXd& y, RangeView& view) {
-  for (std::size_t k = 0; k < problem.size(); ++k) {
-    const int u = problem.grid.u(problem.pixels[k]), v = problem.grid.v(problem.pixels[k]);
-    view.range(u, v) += y[static_cast<Eigen::Index>(k)] / view.camera.ray(u, v).direction.norm();
-  }
+void move_samples(const ViewProblem& problem, const Eigen::VectorXd& y, int threads,
+                  RangeView& view) {
+  for_each_sample(problem, threads, [&](Eigen::Index k, std::uint32_t pixel) {
+    const int u = problem.grid.u(pixel), v = problem.grid.v(pixel);
+    view.range(u, v) += y[k] / view.camera.ray(u, v).direction.norm();
+  });
 }
 
 Result<void> validate(const RefineOptions& options) {
@@ -87,7 +88,7 @@ class Refinement {
     RangeView& view = result_.view;
     edges_ = connect_samples(view, options_.discontinuities);
     const RangeSteps steps = screen(view);
-    NoiseEstimate estimate = estimate_noise(steps);
+    NoiseEstimate estimate = estimate_noise(steps, options_.threads);
     if (options_.sigma_position)
       estimate.sigma_position = estimate.sigma_local = *options_.sigma_position;
     if (options_.sigma_normal) estimate.sigma_normal = *options_.sigma_normal;
@@ -133,10 +134,11 @@ class Refinement {
   }
 
   void turn_contradicted_normals(const NoiseEstimate& estimate) {
-    const CoherentErrors errors = coherent_errors(problem_, estimate, noise_.spacing);
+    const CoherentErrors errors =
+        coherent_errors(problem_, estimate, noise_.spacing, options_.threads);
     if (errors.samples == 0) return;
     result_.turned_normals = errors.samples;
-    result_.view.normals = subtract_bias(result_.view, problem_, errors.slopes);
+    result_.view.normals = subtract_bias(result_.view, problem_, errors.slopes, options_.threads);
     problem_ = make_view_problem(result_.view, edges_, options_.stencil, options_.threads);
   }
 
@@ -157,10 +159,10 @@ class Refinement {
   void finish(const RobustSolve& solved) {
     const Eigen::VectorXd& y = solved.y;
     const auto count = static_cast<Eigen::Index>(problem_.size());
-    move_samples(problem_, y, result_.view);
+    move_samples(problem_, y, options_.threads, result_.view);
     if (y.size() > count) {
       const Eigen::VectorXd bias = y.tail(2 * count);
-      result_.view.normals = subtract_bias(result_.view, problem_, bias);
+      result_.view.normals = subtract_bias(result_.view, problem_, bias, options_.threads);
       result_.bias_rms = rms(bias);
     }
     result_.view.deviation = {};

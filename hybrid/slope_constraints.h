@@ -9,6 +9,7 @@
 
 #include "hybrid/padded_grid.h"
 #include "scan/discontinuities.h"
+#include "scan/parallel.h"
 #include "scan/range_view.h"
 
 namespace relief {
@@ -54,6 +55,24 @@ struct SlopeConstraints {
     for (int axis = 0; axis < 2; ++axis)
       for (std::size_t i = 0; i < grid.size(); ++i)
         if (exists(axis, i)) visit(axis, i);
+  }
+
+  /// The same, axis by axis, but lines along the axis at a time. Constraints along one line share
+  /// no sample with those of another, and come in order: visits that write to the ends of their
+  /// constraint do not meet, and sums there do not depend on the number of threads.
+  template <typename Visit>
+  void parallel_for_each(int threads, const Visit& visit) const {
+    parallel_rows(grid.height, threads, [&](int v) {
+      for (std::size_t i = grid.index(0, v); i < grid.index(grid.width, v); ++i)
+        if (exists(0, i)) visit(0, i);
+    });
+    constexpr std::size_t kColumnsAtOnce = 64;
+    parallel_for(static_cast<std::size_t>(grid.width), kColumnsAtOnce, threads,
+                 [&](std::size_t begin, std::size_t end) {
+                   for (int v = 0; v < grid.height; ++v)
+                     for (std::size_t u = begin; u < end; ++u)
+                       if (const std::size_t i = grid.index(0, v) + u; exists(1, i)) visit(1, i);
+                 });
   }
 };
 

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "hybrid/slope_constraints.h"
+#include "scan/parallel.h"
 #include "scan/range_view.h"
 
 namespace relief {
@@ -34,11 +35,32 @@ struct ViewProblem {
 ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Stencil stencil,
                               int threads = 0);
 
+/// Calls body(k, pixels[k]) for every movable sample, in parallel.
+template <typename Body>
+void for_each_sample(const ViewProblem& problem, int threads, const Body& body) {
+  constexpr std::size_t kSamplesAtOnce = 1 << 14;
+  parallel_for(problem.size(), kSamplesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) body(static_cast<Eigen::Index>(k), problem.pixels[k]);
+  });
+}
+
 /// Place in `pixels` by padded index; the largest value of the type where nothing moves.
 std::vector<std::uint32_t> numbers_of(const ViewProblem& problem);
 
 /// Pairs of movable samples between which the bias is smooth.
 std::vector<std::array<std::uint32_t, 2>> bias_neighbours(const ViewProblem& problem);
+
+/// Calls visit(a, b) with the padded indices of each of these pairs. With the compact stencil, in
+/// parallel as SlopeConstraints::parallel_for_each does.
+template <typename Visit>
+void for_each_bias_pair(const ViewProblem& problem, int threads, const Visit& visit) {
+  for (const auto& [a, b] : problem.central_neighbours) visit(problem.pixels[a], problem.pixels[b]);
+  if (problem.slopes.stencil == Stencil::kPaperCentral) return;
+  problem.slopes.parallel_for_each(threads, [&](int axis, std::size_t i) {
+    const SlopeConstraints::Ends ends = problem.slopes.ends(axis, i);
+    visit(ends.at0, ends.at1);
+  });
+}
 
 /// The weights of the terms of equation (7a), each the inverse of a variance. Planes are padded.
 struct ViewWeights {

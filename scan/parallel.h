@@ -15,4 +15,14 @@ int thread_count(int requested);
 void parallel_for(std::size_t count, std::size_t grain, int threads,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
 
+/// Calls `body(v)` for every row v of [0, rows) of a grid, some rows at a time, as above.
+template <typename Body>
+void parallel_rows(int rows, int threads, const Body& body) {
+  constexpr std::size_t kRowsAtOnce = 16;
+  parallel_for(static_cast<std::size_t>(rows), kRowsAtOnce, threads,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t v = begin; v < end; ++v) body(static_cast<int>(v));
+               });
+}
+
 }  // namespace relief
