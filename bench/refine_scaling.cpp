@@ -1,6 +1,7 @@
 // Time and memory of refining one view by its size: the linear system of equation (7a) by multigrid
-// and by the direct solver, and the whole of refine_view. Processor time of all threads; Linux
-// only.
+// and by the direct solver, and the whole of refine_view with and without standard deviations; then
+// the same of a view of the built-in object with a million samples. Processor time of all threads;
+// Linux only.
 //   cmake --preset bench && cmake --build --preset bench &&
 //   build/bench/bench/relief_refine_scaling [SIDE OF THE VIEW IN PIXELS ...]
 #include <chrono>
@@ -18,6 +19,7 @@
 #include "hybrid/view_problem.h"
 #include "hybrid/view_solver.h"
 #include "scan/counter_random.h"
+#include "scan/simulation/simulate.h"
 
 namespace relief {
 namespace {
@@ -100,7 +102,8 @@ ViewWeights typical_weights(const ViewProblem& problem) {
 
 struct Timed {
   Eigen::VectorXd y;
-  double setup = 0.0, solve = 0.0, wall = 0.0;  // [s]
+  double setup = 0.0, solve = 0.0;  // processor time [s]
+  double wall = 0.0;                // of both [s]
   int iterations = 0;
 };
 
@@ -111,7 +114,7 @@ Timed solve(const ViewProblem& problem, Solver kind) {
   if (!solver->set_weights(typical_weights(problem))) std::abort();
   const double ready = processor_seconds();
   timed.y = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(problem.size()));
-  timed.iterations = solver->minimise(timed.y, 1e-6, 100).iterations;
+  timed.iterations = solver->minimise(timed.y, RefineOptions().tolerance, 100).iterations;
   timed.setup = ready - start;
   timed.solve = processor_seconds() - ready;
   timed.wall = wall_seconds() - wall;
@@ -122,9 +125,10 @@ void measure_solvers(const RangeView& view, double pixels) {
   const ViewProblem problem =
       make_view_problem(view, connect_samples(view), Stencil::kCompactEdge, kThreads);
   const Timed fast = solve(problem, Solver::kMultigrid);
-  std::printf("%9.2f  multigrid   setup %6.2f us/pixel, %2d steps %6.2f us/pixel, %.3f s wall\n",
-              pixels / 1048576.0, 1e6 * fast.setup / pixels, fast.iterations,
-              1e6 * fast.solve / pixels, fast.wall);
+  std::printf(
+      "%9.2f  multigrid   setup %6.2f us/pixel, %2d steps %6.2f us/pixel, %.3f s, %.3f s wall\n",
+      pixels / 1048576.0, 1e6 * fast.setup / pixels, fast.iterations, 1e6 * fast.solve / pixels,
+      fast.setup + fast.solve, fast.wall);
   if (view.width() > kLargestDirect) return;
   const Timed direct = solve(problem, Solver::kCholesky);
   const double direct_time = direct.setup + direct.solve;
@@ -134,18 +138,33 @@ void measure_solvers(const RangeView& view, double pixels) {
                   direct.y.head(direct.y.size() / 3).norm());
 }
 
-void measure_refinement(const RangeView& view, double pixels) {
+void measure_refinement(const RangeView& view, bool deviation) {
+  const auto pixels = static_cast<double>(view.range.size());
   RefineOptions options;
   options.threads = kThreads;
+  options.deviation = deviation;
   const PeakMemory memory_used;
   const double wall = wall_seconds(), start = processor_seconds();
   const auto refined = refine_view(view, options);
   const double time = processor_seconds() - start, elapsed = wall_seconds() - wall;
   if (!refined) std::abort();
   std::printf(
-      "%9s  refine_view %6.2f us/pixel, %.2f s wall, %d rounds, %d steps, %.0f bytes/pixel\n", "",
-      1e6 * time / pixels, elapsed, refined->rounds, refined->iterations,
-      memory_used.peak() / pixels);
+      "%9s  refine_view %s deviations: %.2f us/pixel, %.2f s, %.2f s wall, %d rounds, %d steps, "
+      "%.0f bytes/pixel\n",
+      "", deviation ? "with   " : "without", 1e6 * time / pixels, time, elapsed, refined->rounds,
+      refined->iterations, memory_used.peak() / pixels);
+}
+
+// A million samples of the built-in object.
+RangeView object_view() {
+  SimulationOptions options;
+  options.views = 1;
+  options.width = options.height = 1150;
+  options.fill = 1.35;
+  options.mesh_divisions = 0;
+  auto simulation = simulate(options);
+  if (!simulation) std::abort();
+  return std::move(simulation->scans.views.front());
 }
 
 }  // namespace
@@ -160,7 +179,10 @@ int main(int argc, char** argv) {
     const relief::RangeView view = relief::wavy_view(side);
     const double pixels = static_cast<double>(side) * side;
     relief::measure_solvers(view, pixels);
-    relief::measure_refinement(view, pixels);
+    for (const bool deviation : {false, true}) relief::measure_refinement(view, deviation);
     std::fflush(stdout);
   }
+  const relief::RangeView view = relief::object_view();
+  std::printf("built-in object, %zu samples\n", view.sample_count());
+  for (const bool deviation : {false, true}) relief::measure_refinement(view, deviation);
 }

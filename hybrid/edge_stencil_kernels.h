@@ -25,9 +25,16 @@ struct PlanesView {
 // The loops of the multigrid solver over the pixels [begin, end) of one row. A is the matrix of the
 // stencil, D its diagonal blocks. `out` may be `r`, but not `in`.
 
-/// out = A in.
-void apply_row(const StencilView& stencil, PlanesView<const double> in, std::ptrdiff_t begin,
-               std::ptrdiff_t end, PlanesView<double> out);
+/// in . A in, worked out in double precision.
+double energy_row(const StencilView& stencil, PlanesView<const float> in, std::ptrdiff_t begin,
+                  std::ptrdiff_t end);
+/// r = r - c A in, worked out in double precision; rounded = r.
+void subtract_row(const StencilView& stencil, double c, PlanesView<const float> in,
+                  std::ptrdiff_t begin, std::ptrdiff_t end, PlanesView<double> r,
+                  PlanesView<float> rounded);
+/// a . b.
+double dot_row(PlanesView<const double> a, PlanesView<const float> b, std::ptrdiff_t begin,
+               std::ptrdiff_t end);
 /// out = r + c A in.
 void residual_row(const StencilView& stencil, PlanesView<const float> r, float c,
                   PlanesView<const float> in, std::ptrdiff_t begin, std::ptrdiff_t end,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "hybrid/surface_average.h"
@@ -18,7 +17,7 @@ constexpr double kWindow = 0.7;
 // At a straight border half of the surroundings are missing and the variance is about three times
 // that inside, two of them because there is half as much to average, the rest for want of anything
 // that holds the slope.
-constexpr double kBorderPower = 1.5;
+Eigen::ArrayXf at_border(const Eigen::ArrayXf& share) { return 1.0f / (share * share.sqrt()); }
 
 // Errors of unit variance at one pixel. Only second moments matter: signs do for normal numbers.
 class PixelErrors {
@@ -32,74 +31,82 @@ class PixelErrors {
   std::uint64_t bits_;
 };
 
+// What the right sides of (13) and (14) are made from.
+struct Context {
+  const ViewProblem& problem;
+  const ViewWeights& weights;
+  std::vector<std::uint32_t> number;  // of movable samples, by padded index
+  bool with_bias;
+  int threads;
+
+  Eigen::Index count() const { return static_cast<Eigen::Index>(problem.size()); }
+  Eigen::VectorXd zero() const { return Eigen::VectorXd::Zero((with_bias ? 3 : 1) * count()); }
+};
+
 // The right side of (13) for one set of errors.
-Eigen::VectorXd perturbation(const ViewProblem& problem, const ViewWeights& weights,
-                             const MeasurementNoise& noise, bool with_bias,
-                             const std::vector<std::uint32_t>& number,
+Eigen::VectorXd perturbation(const Context& context, const MeasurementNoise& noise,
                              const CounterRandom& random) {
-  const auto count = static_cast<Eigen::Index>(problem.size());
-  Eigen::VectorXd rhs = Eigen::VectorXd::Zero((with_bias ? 3 : 1) * count);
-  for (std::size_t k = 0; k < problem.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    const std::uint32_t pixel = problem.pixels[k];
-    if (!(problem.confidence[i] > 0.0f)) continue;
-    const double sigma = noise.sigma_position / std::sqrt(double{problem.confidence[i]});
-    rhs[i] = weights.position[pixel] * sigma * PixelErrors(random, pixel).range();
-  }
-  problem.slopes.for_each([&](int axis, std::size_t i) {
+  const ViewProblem& problem = context.problem;
+  Eigen::VectorXd rhs = context.zero();
+  for_each_sample(problem, context.threads, [&](Eigen::Index k, std::uint32_t pixel) {
+    const double confidence = problem.confidence[k];
+    if (!(confidence > 0.0)) return;
+    const double sigma = noise.sigma_position / std::sqrt(confidence);
+    rhs[k] = context.weights.position[pixel] * sigma * PixelErrors(random, pixel).range();
+  });
+  problem.slopes.parallel_for_each(context.threads, [&](int axis, std::size_t i) {
     const auto a = static_cast<std::size_t>(axis);
     const SlopeConstraints::Axis& plane = problem.slopes.axes[a];
     const SlopeConstraints::Ends ends = problem.slopes.ends(axis, i);
     const double half_length = plane.half_length[i];
     const double slopes =
         PixelErrors(random, ends.at0).slope(axis) + PixelErrors(random, ends.at1).slope(axis);
-    const double weighted = weights.slope[a][i] * half_length * noise.sigma_normal * slopes;
-    rhs[number[ends.tail]] += weighted * plane.tail_slope[i];
-    rhs[number[ends.head]] -= weighted * plane.head_slope[i];
-    if (!with_bias) return;
+    const double weighted = context.weights.slope[a][i] * half_length * noise.sigma_normal * slopes;
+    rhs[context.number[ends.tail]] += weighted * plane.tail_slope[i];
+    rhs[context.number[ends.head]] -= weighted * plane.head_slope[i];
+    if (!context.with_bias) return;
     for (const std::size_t at : {ends.at0, ends.at1})
-      rhs[(1 + axis) * count + number[at]] += weighted * half_length;
+      rhs[(1 + axis) * context.count() + context.number[at]] += weighted * half_length;
   });
   return rhs;
 }
 
 // The right side of (14): what the prior of the bias takes from the bias in `y`.
-Eigen::VectorXd shrinkage(const ViewProblem& problem, const ViewWeights& weights,
-                          const Eigen::VectorXd& y) {
-  const auto count = static_cast<Eigen::Index>(problem.size());
-  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(y.size());
-  const auto neighbours = bias_neighbours(problem);
-  for (const Eigen::Index block : {count, 2 * count}) {
-    for (const auto& [a, b] : neighbours) {
-      const double change = weights.bias_step * (y[block + a] - y[block + b]);
-      rhs[block + a] += change;
-      rhs[block + b] -= change;
+Eigen::VectorXd shrinkage(const Context& context, const Eigen::VectorXd& y) {
+  const Eigen::Index count = context.count();
+  Eigen::VectorXd rhs = context.zero();
+  rhs.tail(2 * count) = double{context.weights.bias_size} * y.tail(2 * count);
+  for_each_bias_pair(context.problem, context.threads, [&](std::size_t at0, std::size_t at1) {
+    for (const Eigen::Index block : {count, 2 * count}) {
+      const Eigen::Index a = block + context.number[at0], b = block + context.number[at1];
+      const double change = context.weights.bias_step * (y[a] - y[b]);
+      rhs[a] += change;
+      rhs[b] -= change;
     }
-    rhs.segment(block, count) += weights.bias_size * y.segment(block, count);
-  }
+  });
   return rhs;
 }
 
 // About how many times larger variances are near borders than inside. Every octave of wavelengths
 // up to the crossover contributes alike to the variance, and feels a border within its own length.
-Eigen::ArrayXd border_factor(const SurfaceAverage& surface, Eigen::Index count, double crossover) {
-  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(count);
+Eigen::ArrayXf border_factor(const SurfaceAverage& surface, Eigen::Index count, double crossover) {
+  Eigen::ArrayXf sum = Eigen::ArrayXf::Zero(count);
   int octaves = 0;
   for (double length = crossover; length > 0.5; length *= 0.5, ++octaves)
-    sum += surface.share(length).array().pow(-kBorderPower);
-  return sum / octaves;
+    sum += at_border(surface.share(length).array());
+  return sum / static_cast<float>(octaves);
 }
 
 // A few probes are noisy at each sample, but what they vary about changes slowly along the surface
 // once its rise towards borders is divided out. The bias itself is found too flat near borders, so
 // what it leaves in the range rises there once more.
-Eigen::VectorXd smoothed(const ViewProblem& problem, const Eigen::VectorXd& from_noise,
-                         const Eigen::VectorXd& from_bias, double crossover, int threads) {
+Eigen::VectorXf smoothed(const ViewProblem& problem, const Eigen::VectorXf& from_noise,
+                         const Eigen::VectorXf& from_bias, double crossover, int threads) {
   const int largest = std::max(problem.grid.width, problem.grid.height);
   crossover = std::clamp(crossover, 1.0, static_cast<double>(largest));
   const SurfaceAverage surface(problem, threads);
-  const Eigen::ArrayXd factor = border_factor(surface, from_noise.size(), crossover);
-  const Eigen::VectorXd level = from_noise.array() / factor + from_bias.array();
+  const Eigen::ArrayXf factor = border_factor(surface, from_noise.size(), crossover);
+  const Eigen::VectorXf level = from_noise.array() / factor + from_bias.array();
   return surface.average(level, kWindow * crossover).array() * factor;
 }
 
@@ -108,28 +115,23 @@ Eigen::VectorXd smoothed(const ViewProblem& problem, const Eigen::VectorXd& from
 Eigen::VectorXf range_deviation(const ViewProblem& problem, const ViewWeights& weights,
                                 const MeasurementNoise& noise, const Eigen::VectorXd& y,
                                 ViewSolver& solver, const DeviationOptions& options) {
-  const auto count = static_cast<Eigen::Index>(problem.size());
-  const bool with_bias = y.size() > count;
-  const auto squared_error = [&](const Eigen::VectorXd& rhs) -> Eigen::VectorXd {
-    Eigen::VectorXd error = Eigen::VectorXd::Zero(rhs.size());
-    if (!solver.solve(rhs, error, options.tolerance, options.max_iterations).converged)
-      error.setConstant(std::numeric_limits<double>::quiet_NaN());
-    return error.head(count).cwiseAbs2();
+  const bool with_bias = y.size() > static_cast<Eigen::Index>(problem.size());
+  const Context context{problem, weights, numbers_of(problem), with_bias, options.threads};
+  Eigen::VectorXf from_noise = Eigen::VectorXf::Zero(context.count()), from_bias = from_noise;
+  const auto add_squared_error = [&](Eigen::VectorXd rhs, Eigen::VectorXf& sum) {
+    const bool solved = solver.solve(rhs, options.tolerance, options.max_iterations).converged;
+    if (solved) sum += rhs.head(context.count()).cwiseAbs2().cast<float>();
+    return solved;
   };
-  const std::vector<std::uint32_t> number = numbers_of(problem);
-  Eigen::VectorXd variance = Eigen::VectorXd::Zero(count), from_bias = variance;
   for (int probe = 0; probe < options.probes; ++probe) {
     const CounterRandom random(options.seed, static_cast<std::uint64_t>(probe));
-    variance += squared_error(perturbation(problem, weights, noise, with_bias, number, random));
+    if (!add_squared_error(perturbation(context, noise, random), from_noise)) return {};
   }
-  variance /= options.probes;
-  if (with_bias) from_bias = squared_error(shrinkage(problem, weights, y));
-  if (!variance.allFinite() || !from_bias.allFinite()) return {};
+  from_noise /= static_cast<float>(options.probes);
+  if (with_bias && !add_squared_error(shrinkage(context, y), from_bias)) return {};
   if (options.crossover > 0.0)
-    variance = smoothed(problem, variance, from_bias, options.crossover, options.threads);
-  else
-    variance += from_bias;
-  return variance.cwiseSqrt().cast<float>();
+    return smoothed(problem, from_noise, from_bias, options.crossover, options.threads).cwiseSqrt();
+  return (from_noise + from_bias).cwiseSqrt();
 }
 
 }  // namespace relief

@@ -16,9 +16,9 @@ struct MeasurementNoise {
 };
 
 struct DeviationOptions {
-  /// Simulated repetitions of the measurement, each one solve; >= 1. With four and averaging, a
+  /// Simulated repetitions of the measurement, each one solve; >= 1. With two and averaging, a
   /// deviation is good to about ten percent; the error falls with the root of the number.
-  int probes = 4;
+  int probes = 2;
   /// The wavelength / 2 pi at which positions and normals cross [samples]: sets over how many
   /// samples deviations are averaged. 0: they are not.
   double crossover = 8.0;

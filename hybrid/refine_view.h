@@ -45,7 +45,7 @@ struct RefineOptions {
   int robust_rounds = 5;
 
   Solver solver = Solver::kMultigrid;
-  double tolerance = 1e-6;   ///< Of conjugate gradients, relative.
+  double tolerance = 1e-6;   ///< Error of the displacements by the solver, relative.
   int max_iterations = 500;  ///< Of conjugate gradients, per solve.
   /// Find the standard deviation of every refined sample.
   bool deviation = true;

@@ -73,7 +73,7 @@ ViewWeights reweighted(const ViewProblem& problem, const ViewWeights& plain,
 constexpr double kSettled = 0.005;
 
 // Rounds whose weights are about to change need no precise solution.
-double rough_tolerance(const RefineOptions& options) { return std::max(options.tolerance, 1e-3); }
+double rough_tolerance(const RefineOptions& options) { return std::max(options.tolerance, 5e-3); }
 
 }  // namespace
 

@@ -1,6 +1,8 @@
 #include "hybrid/view_multigrid.h"
 
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -13,11 +15,13 @@ namespace relief {
 namespace {
 
 constexpr std::size_t kRowsAtOnce = 24;
-constexpr std::size_t kSamplesAtOnce = 1 << 14;
 
 // Conjugate gradients that reduce the residual by less than this part per step call for a new
 // hierarchy once the weights have changed; one made for the weights does better.
 constexpr double kSlow = 0.35;
+
+// The part of the error that is left in x which a preconditioned residual shows at least.
+constexpr double kErrorShown = 0.3;
 
 }  // namespace
 
@@ -29,23 +33,21 @@ struct ViewMultigrid::State {
   std::optional<Multigrid> multigrid;
   bool slow = false;
 
-  // Of conjugate gradients; `single` and `z` are the preconditioner's input and output.
-  Planes<double> residual, direction, image;
-  Planes<float> single, z;
+  // Of conjugate gradients. The direction is rounded to single precision before anything is
+  // computed from it, so that the residual stays that of the solution. `single`, the rounded
+  // residual, and `z` are the preconditioner's input and output.
+  Planes<double> residual;
+  Planes<float> direction, single, z;
 
   State(const ViewProblem& of, bool bias, int thread_count)
       : problem(of), with_bias(bias), threads(thread_count), stencil(of, bias) {}
 
   void allocate() {
+    if (!residual.x.empty()) return;
     const std::size_t size = problem.grid.size();
-    if (residual.x.empty()) {
-      residual = Planes<double>(size);
-      single = z = Planes<float>(size);
-    }
-    direction = image = Planes<double>(size);
+    residual = Planes<double>(size);
+    direction = single = z = Planes<float>(size);
   }
-  // Between solves, others need memory as well.
-  void release() { direction = image = {}; }
 
   template <typename Body>
   void each_row(const Body& body) const {
@@ -60,90 +62,96 @@ struct ViewMultigrid::State {
       for (std::size_t i = span.begin; i < span.end; ++i) body(i);
     });
   }
-  // Calls body(k, i) for every movable sample and its place.
-  template <typename Body>
-  void each_sample(const Body& body) const {
-    parallel_for(problem.size(), kSamplesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k)
-        body(static_cast<Eigen::Index>(k), problem.pixels[k]);
-    });
-  }
-  // Sums by pieces of rows in fixed order: the same for any number of threads.
+  // Sums of term(row span) by pieces of rows in fixed order: the same for any number of threads.
   template <typename Term>
   double sum(const Term& term) const {
     std::vector<double> parts(stencil.spans().size() / kRowsAtOnce + 1, 0.0);
-    each_row([&](std::size_t part, const RowSpan& span) {
-      double local = 0.0;
-      for (std::size_t i = span.begin; i < span.end; ++i) local += term(i);
-      parts[part] += local;
-    });
-    double total = 0.0;
-    for (const double part : parts) total += part;
-    return total;
+    each_row([&](std::size_t part, const RowSpan& span) { parts[part] += term(span); });
+    return std::accumulate(parts.begin(), parts.end(), 0.0);
   }
 
   Eigen::Index block() const { return static_cast<Eigen::Index>(problem.size()); }
+  int blocks() const { return with_bias ? 3 : 1; }
 
-  void spread(const Eigen::VectorXd& values, Planes<double>& planes) const {
-    each_sample([&](Eigen::Index k, std::size_t i) {
-      planes.x[i] = values[k];
-      if (!with_bias) return;
-      planes.bu[i] = values[block() + k];
-      planes.bv[i] = values[2 * block() + k];
+  // planes = part(value) of the movable samples
+  template <typename T, typename Part>
+  void spread(const Eigen::VectorXd& values, const Part& part, Planes<T>& planes) const {
+    std::vector<T>* const plane[] = {&planes.x, &planes.bu, &planes.bv};
+    for_each_sample(problem, threads, [&](Eigen::Index k, std::size_t i) {
+      for (int b = 0; b < blocks(); ++b)
+        (*plane[b])[i] = static_cast<T>(part(values[b * block() + k]));
     });
   }
 
   // y += step direction
   void advance(double step, Eigen::VectorXd& y) const {
-    each_sample([&](Eigen::Index k, std::size_t i) {
-      y[k] += step * direction.x[i];
-      if (!with_bias) return;
-      y[block() + k] += step * direction.bu[i];
-      y[2 * block() + k] += step * direction.bv[i];
+    const std::vector<float>* const plane[] = {&direction.x, &direction.bu, &direction.bv};
+    for_each_sample(problem, threads, [&](Eigen::Index k, std::size_t i) {
+      for (int b = 0; b < blocks(); ++b) y[b * block() + k] += step * (*plane[b])[i];
     });
   }
 
-  // residual += factor image
-  void add_image(double factor) {
-    each_pixel([&](std::size_t i) {
-      residual.x[i] += factor * image.x[i];
-      residual.bu[i] += factor * image.bu[i];
-      residual.bv[i] += factor * image.bv[i];
-    });
-  }
-
-  // image = A direction; returns direction . image
-  double multiply() {
+  // direction . A direction
+  double curvature() const {
     const StencilView view = stencil.view();
-    const auto in = std::as_const(direction).view();
-    each_row([&](std::size_t, const RowSpan& span) {
-      apply_row(view, in, span.begin, span.end, image.view());
-    });
-    return sum([&](std::size_t i) {
-      return direction.x[i] * image.x[i] + direction.bu[i] * image.bu[i] +
-             direction.bv[i] * image.bv[i];
+    return sum([&](const RowSpan& span) {
+      return energy_row(view, direction.view(), span.begin, span.end);
     });
   }
 
-  // z = M^-1 residual; returns residual . z
-  double precondition() {
+  // residual -= factor A direction
+  void subtract_image(double factor) {
+    const StencilView view = stencil.view();
+    each_row([&](std::size_t, const RowSpan& span) {
+      subtract_row(view, factor, std::as_const(direction).view(), span.begin, span.end,
+                   residual.view(), single.view());
+    });
+  }
+
+  // residual -= A y, to double precision although directions are single.
+  void subtract_image_of(const Eigen::VectorXd& y) {
+    const auto rounded = [](double value) { return static_cast<float>(value); };
+    spread(y, rounded, direction);
+    subtract_image(1.0);
+    spread(
+        y, [&](double value) { return value - rounded(value); }, direction);
+    subtract_image(1.0);
+  }
+
+  void round_residual() {
     each_pixel([&](std::size_t i) {
       single.x[i] = static_cast<float>(residual.x[i]);
       single.bu[i] = static_cast<float>(residual.bu[i]);
       single.bv[i] = static_cast<float>(residual.bv[i]);
     });
+  }
+
+  // z = M^-1 residual, about the error of the solution; returns residual . z
+  double precondition() {
     multigrid->apply(single, z);
-    return sum([&](std::size_t i) {
-      return residual.x[i] * z.x[i] + residual.bu[i] * z.bu[i] + residual.bv[i] * z.bv[i];
+    return sum([&](const RowSpan& span) {
+      return dot_row(std::as_const(residual).view(), std::as_const(z).view(), span.begin, span.end);
+    });
+  }
+
+  // |x|^2 of the error that the preconditioned residual shows
+  double squared_error() const {
+    return sum([&](const RowSpan& span) {
+      double squares = 0.0;
+      for (std::size_t i = span.begin; i < span.end; ++i) squares += double{z.x[i]} * z.x[i];
+      return squares;
     });
   }
 
   // direction = z + factor direction
   void turn(double factor) {
+    const auto blend = [&](const std::vector<float>& from, std::vector<float>& to, std::size_t i) {
+      to[i] = static_cast<float>(from[i] + factor * to[i]);
+    };
     each_pixel([&](std::size_t i) {
-      direction.x[i] = z.x[i] + factor * direction.x[i];
-      direction.bu[i] = z.bu[i] + factor * direction.bu[i];
-      direction.bv[i] = z.bv[i] + factor * direction.bv[i];
+      blend(z.x, direction.x, i);
+      blend(z.bu, direction.bu, i);
+      blend(z.bv, direction.bv, i);
     });
   }
 
@@ -170,29 +178,31 @@ struct ViewMultigrid::State {
   // Preconditioned conjugate gradients (Hestenes and Stiefel 1952) for the right side that is in
   // `residual`.
   LinearSolve iterate(Eigen::VectorXd& y, double tolerance, int max_iterations) {
+    round_residual();
     double energy = precondition();
     const double goal = tolerance * tolerance * energy;
     if (!y.isZero(0.0)) {
-      spread(y, direction);
-      multiply();
-      add_image(-1.0);
+      subtract_image_of(y);
       energy = precondition();
     }
+    const auto converged = [&] {
+      return energy <= goal && squared_error() <= std::pow(kErrorShown * tolerance, 2) *
+                                                      y.head(block()).squaredNorm();
+    };
     const double first = energy;
     double factor = 0.0;
     LinearSolve result;
-    while (energy > goal && result.iterations < max_iterations) {
+    while (!(result.converged = converged()) && result.iterations < max_iterations) {
       turn(factor);
-      const double step = energy / multiply();
+      const double step = energy / curvature();
       if (!std::isfinite(step)) break;
       advance(step, y);
-      add_image(-step);
-      const double next = precondition();
-      factor = next / energy;
-      energy = next;
+      subtract_image(step);
+      factor = 1.0 / energy;
+      energy = precondition();
+      factor *= energy;
       ++result.iterations;
     }
-    result.converged = energy <= goal;
     slow = result.iterations > 0 && std::pow(energy / first, 0.5 / result.iterations) > kSlow;
     return result;
   }
@@ -218,18 +228,14 @@ bool ViewMultigrid::set_weights(ViewWeights weights) {
 LinearSolve ViewMultigrid::minimise(Eigen::VectorXd& y, double tolerance, int max_iterations) {
   state_->allocate();
   state_->set_residual_to_objective();
-  const LinearSolve result = state_->iterate(y, tolerance, max_iterations);
-  state_->release();
-  return result;
+  return state_->iterate(y, tolerance, max_iterations);
 }
 
-LinearSolve ViewMultigrid::solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double tolerance,
-                                 int max_iterations) {
+LinearSolve ViewMultigrid::solve(Eigen::VectorXd& y, double tolerance, int max_iterations) {
   state_->allocate();
-  state_->spread(rhs, state_->residual);
-  const LinearSolve result = state_->iterate(y, tolerance, max_iterations);
-  state_->release();
-  return result;
+  state_->spread(y, std::identity(), state_->residual);
+  y.setZero();
+  return state_->iterate(y, tolerance, max_iterations);
 }
 
 }  // namespace relief

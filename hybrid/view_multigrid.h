@@ -19,8 +19,7 @@ class ViewMultigrid : public ViewSolver {
 
   bool set_weights(ViewWeights weights) override;
   LinearSolve minimise(Eigen::VectorXd& y, double tolerance, int max_iterations) override;
-  LinearSolve solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double tolerance,
-                    int max_iterations) override;
+  LinearSolve solve(Eigen::VectorXd& y, double tolerance, int max_iterations) override;
 
  private:
   struct State;

@@ -17,10 +17,11 @@ class DirectSolver : public ViewSolver {
     return solver_.factorise(system_.lower());
   }
   LinearSolve minimise(Eigen::VectorXd& y, double tolerance, int max_iterations) override {
-    return solve(system_.rhs(), y, tolerance, max_iterations);
+    y = system_.rhs();
+    return solve(y, tolerance, max_iterations);
   }
-  LinearSolve solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double, int) override {
-    y = solver_.solve(rhs);
+  LinearSolve solve(Eigen::VectorXd& y, double, int) override {
+    y = solver_.solve(y);
     return {y.allFinite(), 1};
   }
 

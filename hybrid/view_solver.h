@@ -31,13 +31,12 @@ class ViewSolver {
   virtual bool set_weights(ViewWeights weights) = 0;
 
   /// Minimises the objective. Iteration starts from `y`, of the size of the unknowns; the solution
-  /// is left there. It ends when the preconditioned residual is below `tolerance` times that of
-  /// y = 0.
+  /// is left there. It ends when the preconditioned residual, which estimates the error, is below
+  /// `tolerance` times that of y = 0 in energy and shows an error of x below `tolerance` times x.
   virtual LinearSolve minimise(Eigen::VectorXd& y, double tolerance, int max_iterations) = 0;
 
-  /// The same for A y = rhs with any right side.
-  virtual LinearSolve solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& y, double tolerance,
-                            int max_iterations) = 0;
+  /// The same for A y = b with any right side b: `y` holds b and is left with the solution.
+  virtual LinearSolve solve(Eigen::VectorXd& y, double tolerance, int max_iterations) = 0;
 };
 
 /// `problem` must outlive the solver. `threads`: 0 is one per core; no result depends on it.

@@ -133,22 +133,29 @@ Eigen::MatrixXd galerkin(const Eigen::MatrixXd& a, const Eigen::MatrixXd& invers
 }
 
 TEST_F(Coarsening, TheStencilIsTheMatrixOfTheView) {
-  const Eigen::VectorXd x = random_vector(1), r = random_vector(2), before = random_vector(3);
+  const Eigen::VectorXd x = random_vector(1).cast<float>().cast<double>();
+  const Eigen::VectorXd r = random_vector(2), before = random_vector(3);
   const Eigen::MatrixXd a = dense_matrix();
   const Eigen::MatrixXd inverse = inverse_blocks(a, count(), 1, count());
   const StencilView s = stencil_.view();
-  const Planes<double> in = planes_of<double>(x);
   const Planes<float> single = planes_of<float>(x), rhs = planes_of<float>(r);
-  Planes<double> product = planes_of<double>(before);
-  Planes<float> residual = rhs, relaxed = planes_of<float>(before), scaled = rhs;
+  Planes<double> rest = planes_of<double>(before);
+  Planes<float> rounded = rhs, residual = rhs, relaxed = planes_of<float>(before), scaled = rhs;
+  double energy = 0.0, product = 0.0;
   for (const RowSpan& span : stencil_.spans()) {
-    apply_row(s, in.view(), span.begin, span.end, product.view());
+    energy += energy_row(s, single.view(), span.begin, span.end);
+    product += dot_row(std::as_const(rest).view(), single.view(), span.begin, span.end);
+    subtract_row(s, 0.5, single.view(), span.begin, span.end, rest.view(), rounded.view());
     residual_row(s, rhs.view(), -0.5f, single.view(), span.begin, span.end, residual.view());
     relax_row(s, 0.25f, 2.0f, single.view(), 0.75f, rhs.view(), span.begin, span.end,
               relaxed.view());
     scale_row(s, 3.0f, rhs.view(), span.begin, span.end, scaled.view());
   }
-  EXPECT_LT((vector_of(product) - a * x).norm(), 1e-12 * (a * x).norm());
+  EXPECT_NEAR(energy, x.dot(a * x), 1e-12 * energy);
+  EXPECT_NEAR(product, before.dot(x), 1e-12 * before.norm() * x.norm());
+  const Eigen::VectorXd expected_rest = before - 0.5 * (a * x);
+  EXPECT_LT((vector_of(rest) - expected_rest).norm(), 1e-12 * expected_rest.norm());
+  EXPECT_LT((vector_of(rounded) - expected_rest).norm(), 1e-6 * expected_rest.norm());
   const Eigen::VectorXd expected_residual = r - 0.5 * (a * x);
   EXPECT_LT((vector_of(residual) - expected_residual).norm(), 1e-6 * expected_residual.norm());
   const Eigen::VectorXd expected = 0.25 * before + 2.0 * x + 0.75 * (inverse * (r - a * x));
