@@ -128,8 +128,9 @@ void add_merge_options(CLI::App& command, MergeFlags& flags) {
   auto* group = command.add_option_group("Merging");
   MergeOptions& options = flags.options.merge;
   group
-      ->add_option("--voxel", options.voxel_size,
-                   "Lattice spacing [unit]; 0: the median sample spacing")
+      ->add_option(
+          "--voxel", options.voxel_size,
+          "Lattice spacing [unit]; 0: the median sample spacing, 0.8 of it for refined views")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   group

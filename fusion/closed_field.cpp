@@ -113,6 +113,13 @@ std::vector<NodeKey> finer_blocks_near_zero(const SparseField& field, int thread
   return all;
 }
 
+// From the first to the last node of a block.
+Eigen::AlignedBox3d box_of(const SparseField& field, std::size_t b) {
+  const Node first = field.first_node(b);
+  return {field.lattice().position(first),
+          field.lattice().position(first + Node::Constant(kBlockSide - 1))};
+}
+
 // Sets measured nodes to their distance and bounds the others from below by what is known empty.
 void impose_evidence(SparseField& field, const std::vector<ViewSampler>& views, double truncation,
                      double limit, std::vector<NodeConstraint>& constraints, int threads) {
@@ -122,6 +129,7 @@ void impose_evidence(SparseField& field, const std::vector<ViewSampler>& views, 
     for (std::size_t b = begin; b < end; ++b) {
       if (!field.active(b)) continue;
       float* values = field.values(b);
+      collector.focus(box_of(field, b));
       for (int i = 0; i < kBlockNodes; ++i) {
         NodeConstraint& constraint = constraints[b * kBlockNodes + static_cast<std::size_t>(i)];
         const Evidence evidence =

@@ -26,12 +26,15 @@ double nearness(double relative_distance) {
   return inside > 0.0 ? inside * inside : 0.0;
 }
 
+// Nodes beside the zero set decide where the surface is.
+constexpr double kFootReach = 1.5;  // [lattice spacings]
+
 // Behind the surface, a sample says nothing about where the object may already have ended again,
 // except next to the surface: or there would be no sign change there.
-constexpr double kLeastDepth = 1.5;  // [lattice spacings]
+constexpr double kLeastDepth = 1.0;  // [lattice spacings]
 
 bool measures(const Observation& seen, double truncation, double spacing) {
-  const double depth = std::min(truncation, seen.matter_depth + kLeastDepth * spacing);
+  const double depth = std::min(truncation, std::max(seen.matter_depth, kLeastDepth * spacing));
   return seen.distance < truncation && seen.distance > -depth &&
          seen.range_gap < kGrazingReach * truncation;
 }
@@ -55,6 +58,12 @@ void EvidenceCollector::drop_far_side() {
   std::erase_if(near_, [&](const Vote& vote) { return vote.normal.dot(facing) < kOpposite; });
 }
 
+void EvidenceCollector::focus(const Eigen::AlignedBox3d& box) {
+  concerned_.clear();
+  for (const ViewSampler& view : views_)
+    if (view.concerns(box, kGrazingReach * truncation_)) concerned_.push_back(&view);
+}
+
 Evidence EvidenceCollector::collect(const Eigen::Vector3d& point) {
   return combine(point, nullptr);
 }
@@ -67,8 +76,8 @@ Evidence EvidenceCollector::combine(const Eigen::Vector3d& point, const Eigen::V
   near_.clear();
   empty_.clear();
   Evidence evidence;
-  for (const ViewSampler& view : views_) {
-    const auto seen = view.observe(point);
+  for (const ViewSampler* view : concerned_) {
+    const auto seen = view->observe(point, kFootReach * spacing_);
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
     if (measures(*seen, truncation_, spacing_))
       near_.push_back(

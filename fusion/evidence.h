@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "fusion/view_sampler.h"
 
@@ -26,7 +26,12 @@ class EvidenceCollector {
  public:
   /// Views measure up to `truncation` from their surface, on a lattice of `spacing`.
   EvidenceCollector(const std::vector<ViewSampler>& views, double truncation, double spacing)
-      : views_(views), truncation_(truncation), spacing_(spacing) {}
+      : views_(views), truncation_(truncation), spacing_(spacing) {
+    for (const ViewSampler& view : views_) concerned_.push_back(&view);
+  }
+
+  /// Asks from now on only the views that have something to say of points in `box`.
+  void focus(const Eigen::AlignedBox3d& box);
 
   Evidence collect(const Eigen::Vector3d& point);
 
@@ -46,6 +51,7 @@ class EvidenceCollector {
 
   const std::vector<ViewSampler>& views_;
   double truncation_, spacing_;
+  std::vector<const ViewSampler*> concerned_;
   std::vector<Vote> near_, empty_;
 };
 

@@ -31,13 +31,13 @@ double typical_deviation(const std::vector<RangeView>& views) {
 }
 
 Result<std::vector<ViewSampler>> prepare(const std::vector<RangeView>& views,
-                                         const MergeOptions& options,
+                                         const MergeOptions& options, double nominal_deviation,
                                          std::vector<std::string>& notes) {
   if (views.empty()) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
   QuadSurfaceOptions surface_options;
   surface_options.silhouette_ramp = options.silhouette_ramp;
   surface_options.threads = options.threads;
-  surface_options.nominal_deviation = typical_deviation(views);
+  surface_options.nominal_deviation = nominal_deviation;
   std::vector<ViewSampler> samplers;
   std::size_t without_pose = 0;
   for (const RangeView& view : views) {
@@ -59,7 +59,11 @@ Result<std::vector<ViewSampler>> prepare(const std::vector<RangeView>& views,
   return Error{ErrorKind::kUnsolvable, "no view with a pose has connected samples to merge"};
 }
 
-void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& options,
+// Refined views, those that know their deviations, hold detail that a lattice as coarse as the
+// samples blurs; in views as measured there is only noise below the spacing (docs/fusion.md).
+constexpr double kRefinedVoxel = 0.8;  // [sample spacings]
+
+void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& options, bool refined,
                    MergeResult& result) {
   std::vector<double> spacings, noises;
   for (const ViewSampler& view : views) {
@@ -67,7 +71,8 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
     noises.push_back(view.noise());
   }
   result.view_noise = median(noises);
-  result.voxel_size = options.voxel_size > 0.0 ? options.voxel_size : median(spacings);
+  result.voxel_size = options.voxel_size > 0.0 ? options.voxel_size
+                                               : (refined ? kRefinedVoxel : 1.0) * median(spacings);
   result.truncation =
       options.truncation > 0.0
           ? options.truncation
@@ -107,9 +112,10 @@ Result<MergeResult> merge_views(const std::vector<RangeView>& views, const Merge
   const Error interrupted{ErrorKind::kInterrupted, "merging was interrupted"};
   MergeResult result;
   if (!report_progress(progress, 0.0, "merge")) return interrupted;
-  const auto samplers = prepare(views, options, result.notes);
+  const double deviation = typical_deviation(views);
+  const auto samplers = prepare(views, options, deviation, result.notes);
   if (!samplers) return samplers.error();
-  choose_scales(*samplers, options, result);
+  choose_scales(*samplers, options, deviation > 0.0, result);
 
   ClosedFieldOptions field_options;
   field_options.voxel_size = result.voxel_size;

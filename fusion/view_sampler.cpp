@@ -2,20 +2,82 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace relief {
 
+namespace {
+
+// Views that meet the surface at more than 60 degrees are asked a second time, at the foot: there
+// the surface curves away between where the ray meets it and the foot. Flatter ones are not: it
+// would cost time and, next to relief of few samples, a little accuracy.
+constexpr double kSteep = 0.5;
+
+// The foot belongs to the same surface when the normals there differ by less than about 25 degrees.
+constexpr double kSameSurface = 0.9;
+
+// Pixels by which the projection of a box may stand out of that of its corners.
+constexpr int kBoxMargin = 1;
+
+Eigen::Vector3d mean_direction(const RangeView& view, const QuadSurface& surface) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int v = 0; v < surface.pixels.height(); ++v)
+    for (int u = 0; u < surface.pixels.width(); ++u)
+      if (surface.pixels(u, v).corner)
+        sum += view.camera.ray(u + surface.first_u, v + surface.first_v).direction.normalized();
+  return sum.normalized();
+}
+
+Grid<float> depths_along(const Eigen::Vector3d& axis, const QuadSurface& surface) {
+  Grid<float> depths(surface.pixels.width(), surface.pixels.height(),
+                     -std::numeric_limits<float>::infinity());
+  for (int v = 0; v < depths.height(); ++v)
+    for (int u = 0; u < depths.width(); ++u)
+      if (surface.pixels(u, v).corner)
+        depths(u, v) = surface.pixels(u, v).point.dot(axis.cast<float>());
+  return depths;
+}
+
+std::array<Eigen::Vector3d, 8> corners_of(const Eigen::AlignedBox3d& box) {
+  std::array<Eigen::Vector3d, 8> corners;
+  for (int k = 0; k < 8; ++k)
+    corners[static_cast<std::size_t>(k)] =
+        box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k));
+  return corners;
+}
+
+}  // namespace
+
+// The surface where the ray of a point meets it, interpolated in a quad. View frame, relative to
+// the centre of the surface.
+struct ViewSampler::Patch {
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  Eigen::Vector3d place = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+  double tangent_offset = 0.0;  // Mean of normal . point over the corners.
+  double weight = 0.0, border = 0.0;
+
+  // Equation (1). On a curved surface the chord between samples errs to one side and their tangent
+  // planes err by the same amount to the other.
+  double distance(const Eigen::Vector3d& point) const {
+    return normal.dot(point) - 0.5 * (normal.dot(place) + tangent_offset);
+  }
+};
+
 Result<ViewSampler> ViewSampler::create(const RangeView& view, const QuadSurfaceOptions& options) {
-  ViewSampler sampler;
+  Result<ViewSampler> created = ViewSampler();
+  ViewSampler& sampler = *created;
   sampler.world_from_view_ = view.world_from_view;
   sampler.view_from_world_ = view.world_from_view.inverse();
   sampler.surface_ = surface_of(view, options);
-  if (sampler.empty()) return sampler;
+  if (sampler.empty()) return created;
   auto projection = ViewProjection::create(view);
   if (!projection) return projection.error();
   sampler.projection_ = std::move(projection).value();
-  return sampler;
+  sampler.depth_axis_ = mean_direction(view, sampler.surface_);
+  sampler.depths_ = DepthPyramid(depths_along(sampler.depth_axis_, sampler.surface_));
+  return created;
 }
 
 std::vector<Eigen::Vector3d> ViewSampler::surface_points() const {
@@ -26,8 +88,7 @@ std::vector<Eigen::Vector3d> ViewSampler::surface_points() const {
   return points;
 }
 
-std::optional<Observation> ViewSampler::observe(const Eigen::Vector3d& point_in_world) const {
-  const Eigen::Vector3d point = view_from_world_ * point_in_world;
+std::optional<ViewSampler::Patch> ViewSampler::patch_at(const Eigen::Vector3d& point) const {
   const auto projected = projection_.pixel_of(point);
   if (!projected) return std::nullopt;
   const double x = projected->x() - surface_.first_u, y = projected->y() - surface_.first_v;
@@ -39,33 +100,64 @@ std::optional<Observation> ViewSampler::observe(const Eigen::Vector3d& point_in_
 
   const double a = x - u, b = y - v;
   const std::array<double, 4> share{(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
-  const Eigen::Vector3d local = point - surface_.centre;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero(), place = Eigen::Vector3d::Zero();
-  double to_tangent_planes = 0.0, border = 0.0;
-  Observation seen;
+  Patch patch;
+  patch.pixel = *projected;
   for (int k = 0; k < 4; ++k) {
     const SurfacePixel& corner = surface_.pixels(u + (k & 1), v + (k >> 1));
     const double s = share[static_cast<std::size_t>(k)];
     const Eigen::Vector3d n = corner.normal.cast<double>(), p = corner.point.cast<double>();
-    normal += s * n;
-    place += s * p;
-    to_tangent_planes += s * n.dot(local - p);
-    seen.weight += s * corner.weight;
-    border += s * corner.border;
+    patch.normal += s * n;
+    patch.place += s * p;
+    patch.tangent_offset += s * n.dot(p);
+    patch.weight += s * corner.weight;
+    patch.border += s * corner.border;
   }
-  const double length = normal.norm();
+  const double length = patch.normal.norm();
   if (!(length > 0.1)) return std::nullopt;
-  // On a curved surface the chord between samples errs to one side and their tangent planes err by
-  // the same amount to the other.
-  seen.distance = 0.5 * (normal.dot(local - place) + to_tangent_planes) / length;
-  seen.matter_depth = border * surface_.spacing;
-  seen.range_gap = (local - place).norm();
-  seen.normal = world_from_view_.linear() * normal / length;
-  if (seen.distance > 0.0 && border > 1.0) {
-    const double footprint = projection_.pixel_footprint(point, projected->x(), projected->y());
-    seen.clearance = std::min(seen.distance, (border - 1.0) * footprint);
+  patch.normal /= length;
+  patch.tangent_offset /= length;
+  return patch;
+}
+
+std::optional<Observation> ViewSampler::observe(const Eigen::Vector3d& point_in_world,
+                                                double foot_reach) const {
+  const Eigen::Vector3d point = view_from_world_ * point_in_world;
+  const auto patch = patch_at(point);
+  if (!patch) return std::nullopt;
+  const Eigen::Vector3d local = point - surface_.centre;
+  Observation seen;
+  seen.distance = patch->distance(local);
+  seen.weight = patch->weight;
+  seen.matter_depth = patch->border * surface_.spacing;
+  seen.range_gap = (local - patch->place).norm();
+  seen.normal = world_from_view_.linear() * patch->normal;
+  if (seen.distance > 0.0 && patch->border > 1.0) {
+    const double footprint = projection_.pixel_footprint(point, patch->pixel.x(), patch->pixel.y());
+    seen.clearance = std::min(seen.distance, (patch->border - 1.0) * footprint);
+  }
+  if (std::abs(seen.distance) < foot_reach && std::abs(seen.distance) < kSteep * seen.range_gap) {
+    const auto foot = patch_at(point - seen.distance * patch->normal);
+    if (foot && foot->normal.dot(patch->normal) > kSameSurface)
+      seen.distance = foot->distance(local);
   }
   return seen;
+}
+
+bool ViewSampler::concerns(const Eigen::AlignedBox3d& box_in_world, double reach) const {
+  Eigen::AlignedBox2i pixels;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& corner : corners_of(box_in_world)) {
+    const Eigen::Vector3d point = view_from_world_ * corner;
+    const auto projected = projection_.pixel_of(point);
+    if (!projected || !(projected->cwiseAbs().maxCoeff() < 1e8)) return true;
+    const Eigen::Vector2i pixel = projected->array().floor().cast<int>();
+    pixels.extend(pixel - Eigen::Vector2i(surface_.first_u, surface_.first_v));
+    nearest = std::min(nearest, depth_axis_.dot(point - surface_.centre));
+  }
+  pixels.min().array() -= kBoxMargin;
+  pixels.max().array() += 1 + kBoxMargin;
+  // A point and the surface on its ray are farther apart than their depths.
+  return nearest - depths_.greatest(pixels) < reach;
 }
 
 }  // namespace relief

@@ -4,8 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
+#include "fusion/depth_pyramid.h"
 #include "fusion/quad_surface.h"
 #include "scan/range_view.h"
 #include "scan/result.h"
@@ -37,8 +38,14 @@ class ViewSampler {
   /// kUnsolvable where points cannot be projected into the view at all.
   static Result<ViewSampler> create(const RangeView& view, const QuadSurfaceOptions& options);
 
-  /// Nothing where the point's ray meets no quad.
-  std::optional<Observation> observe(const Eigen::Vector3d& point_in_world) const;
+  /// Nothing where the point's ray meets no quad. Where a steep view finds the point within
+  /// `foot_reach` [unit] of its surface, the distance is that to the surface at the point's foot.
+  std::optional<Observation> observe(const Eigen::Vector3d& point_in_world,
+                                     double foot_reach) const;
+
+  /// False when the view can say nothing of any point of the box: none has a quad on its ray, or
+  /// all are farther behind the surface than `reach` [unit].
+  bool concerns(const Eigen::AlignedBox3d& box_in_world, double reach) const;
 
   /// The corners of all quads, world frame.
   std::vector<Eigen::Vector3d> surface_points() const;
@@ -48,10 +55,15 @@ class ViewSampler {
   double noise() const { return surface_.noise; }      ///< See QuadSurface.
 
  private:
+  struct Patch;
+  std::optional<Patch> patch_at(const Eigen::Vector3d& point) const;
+
   ViewProjection projection_;
   RigidMotion view_from_world_ = RigidMotion::Identity();
   RigidMotion world_from_view_ = RigidMotion::Identity();
   QuadSurface surface_;
+  Eigen::Vector3d depth_axis_ = Eigen::Vector3d::UnitZ();  // Mean ray direction, view frame.
+  DepthPyramid depths_;  // Of the surface along the axis, from its centre.
 };
 
 }  // namespace relief

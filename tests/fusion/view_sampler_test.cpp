@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -38,7 +39,7 @@ TEST(ViewSampler, DistancesToAPlaneAreExactForEveryCamera) {
   for (const Camera& camera : cameras()) {
     const ViewSampler sampler = sampler_of(render(testing::plane(at, normal), camera, kPose));
     for (const double distance : {-2.0, 0.0, 1.0, 10.0}) {
-      const auto seen = sampler.observe(at + distance * normal);
+      const auto seen = sampler.observe(at + distance * normal, 0.0);
       ASSERT_TRUE(seen) << to_string(camera.model());
       EXPECT_NEAR(seen->distance, distance, 1e-3) << to_string(camera.model());
       EXPECT_NEAR((seen->normal - normal).norm(), 0.0, 1e-5);
@@ -59,7 +60,7 @@ TEST(ViewSampler, OnASphereTheErrorFallsFasterThanTheSquareOfTheSpacing) {
     for (int i = 0; i < 200; ++i) {
       const Eigen::Vector3d p =
           40.0 * Eigen::Vector3d(0.3 * std::cos(i), 0.3 * std::sin(i * 1.7), 1.0).normalized();
-      const auto seen = sampler.observe(p);
+      const auto seen = sampler.observe(p, 0.0);
       ASSERT_TRUE(seen);
       worst = std::max(worst, std::abs(seen->distance));
     }
@@ -70,13 +71,63 @@ TEST(ViewSampler, OnASphereTheErrorFallsFasterThanTheSquareOfTheSpacing) {
   }
 }
 
+TEST(ViewSampler, SteepViewsMeasureFromTheFootOfAPoint) {
+  const ViewSampler sampler = sampler_of(
+      render(testing::sphere({0, 0, 0}, 40.0), Camera::pinhole(160, 160, {560, 560, 79.5, 79.5}),
+             testing::look_at({0, 0, 300}, {0, 0, 0}, Eigen::Vector3d::UnitY())));
+  double at_once = 0.0, at_foot = 0.0;
+  for (int i = 0; i < 200; ++i) {  // 62 to 64 degrees from the direction of view, 1 off the surface
+    const double slope = 1.08 + 0.0002 * i;
+    const Eigen::Vector3d normal(std::sin(slope) * std::cos(i), std::sin(slope) * std::sin(i),
+                                 std::cos(slope));
+    for (const double distance : {-1.0, 1.0}) {
+      const Eigen::Vector3d p = (40.0 + distance) * normal;
+      const auto once = sampler.observe(p, 0.0), twice = sampler.observe(p, 2.0);
+      ASSERT_TRUE(once && twice) << slope << " " << distance;
+      at_once = std::max(at_once, std::abs(once->distance - distance));
+      at_foot = std::max(at_foot, std::abs(twice->distance - distance));
+    }
+  }
+  EXPECT_GT(at_once, 0.05) << "the surface curves away";
+  EXPECT_LT(at_foot, 0.2 * at_once);
+}
+
+TEST(ViewSampler, LeavesOutOnlyBoxesItKnowsNothingAbout) {
+  std::mt19937 random(7);
+  const auto number = [&](double least, double most) {
+    return least + (most - least) * static_cast<double>(random()) / 4294967295.0;
+  };
+  constexpr double kReach = 3.0;
+  const testing::Surface sphere = testing::sphere({1, 2, 3}, 15.0);
+  for (const Camera& camera : cameras()) {
+    const ViewSampler sampler = sampler_of(render(sphere, camera, kPose));
+    int left_out = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const Eigen::Vector3d low(number(-25, 25), number(-25, 25), number(-25, 25));
+      const Eigen::AlignedBox3d box(low, low + Eigen::Vector3d::Constant(number(1.0, 8.0)));
+      if (sampler.concerns(box, kReach)) continue;
+      ++left_out;
+      for (int k = 0; k < 20; ++k) {
+        const Eigen::Vector3d p = box.min() + box.sizes().cwiseProduct(Eigen::Vector3d(
+                                                  number(0, 1), number(0, 1), number(0, 1)));
+        const auto seen = sampler.observe(p, 0.0);
+        if (!seen) continue;
+        EXPECT_LT(seen->distance, 0.0);
+        EXPECT_GE(seen->range_gap, kReach);
+      }
+    }
+    EXPECT_GT(left_out, 300) << to_string(camera.model());
+    EXPECT_LT(left_out, 950) << to_string(camera.model());
+  }
+}
+
 TEST(ViewSampler, SaysNothingOutsideItsSamples) {
   RangeView view = render(testing::plane({0, 0, 0}, {0, 0, 1}), cameras()[0], kPose);
   view.range(30, 29) = kNoSample;
   const ViewSampler sampler = sampler_of(view);
-  EXPECT_FALSE(sampler.observe({1000, 0, 0}));
-  EXPECT_FALSE(sampler.observe(kPose * Eigen::Vector3d(0, 0, -5)));
-  EXPECT_FALSE(sampler.observe(kPose * view.camera.ray(30, 29).at(190.0)));
+  EXPECT_FALSE(sampler.observe({1000, 0, 0}, 0.0));
+  EXPECT_FALSE(sampler.observe(kPose * Eigen::Vector3d(0, 0, -5), 0.0));
+  EXPECT_FALSE(sampler.observe(kPose * view.camera.ray(30, 29).at(190.0), 0.0));
 }
 
 TEST(ViewSampler, WeightsVanishTowardsTheSilhouette) {
@@ -85,7 +136,7 @@ TEST(ViewSampler, WeightsVanishTowardsTheSilhouette) {
   double last = 0.0;
   for (int u = 0; u < 8; ++u) {
     const auto seen =
-        sampler.observe(kPose * view.camera.ray_at(u + 0.5, 30).at(view.range(u, 30)));
+        sampler.observe(kPose * view.camera.ray_at(u + 0.5, 30).at(view.range(u, 30)), 0.0);
     ASSERT_TRUE(seen);
     if (u < 6) {
       EXPECT_GT(seen->weight, last);

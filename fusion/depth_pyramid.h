@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "scan/grid.h"
+
+namespace relief {
+
+/// Greatest depths over rectangles of pixels, coarser by two from level to level, so that a
+/// rectangle of any size is answered by looking at a few cells.
+class DepthPyramid {
+ public:
+  DepthPyramid() = default;
+  /// Depths of the pixels; -infinity where there is nothing.
+  explicit DepthPyramid(Grid<float> depths);
+
+  /// A depth that none of the pixels in the rectangle (ends included, cropped to the grid) exceeds,
+  /// and that some pixel in it or close by has; -infinity where there is nothing.
+  float greatest(const Eigen::AlignedBox2i& pixels) const;
+
+ private:
+  std::vector<Grid<float>> levels_;
+};
+
+}  // namespace relief
