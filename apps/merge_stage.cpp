@@ -49,7 +49,8 @@ void log_polish(const PolishedMesh& polished, const std::string& unit) {
                               polished.rms_move, unit, polished.damped, polished.seconds));
 }
 
-// Refines the merged mesh with the views' normals; moving the vertices changes its check.
+// Refines the merged mesh with the views' normals; moving the vertices changes its check, and what
+// was closed must still be.
 Result<Json> polish(const ScanProject& project, const PolishOptions& options, MergeResult& merged) {
   PolishOptions scaled = options;
   if (!(scaled.normals.max_distance > 0.0)) scaled.normals.max_distance = merged.truncation;
@@ -57,8 +58,12 @@ Result<Json> polish(const ScanProject& project, const PolishOptions& options, Me
   if (!polished) return polished.error();
   log_polish(*polished, project.unit);
   if (polished->rounds > 0) {
+    const bool was_closed = merged.check.watertight();
     merged.mesh = std::move(polished->mesh);
     merged.check = check_mesh(merged.mesh);
+    if (was_closed && !merged.check.watertight())
+      return Error{ErrorKind::kUnsolvable,
+                   "polishing left the surface no closed manifold; merge with --no-polish"};
   }
   return polish_report(*polished);
 }

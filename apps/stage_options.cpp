@@ -147,6 +147,12 @@ void add_merge_options(CLI::App& command, MergeFlags& flags) {
           "What to do where no view measured: fill, or keep open")
       ->check(CLI::IsMember({"fill", "keep"}))
       ->default_str("fill");
+  group
+      ->add_option("--largest-fill", options.largest_fill,
+                   "Holes that reach farther than this from what was measured stay open [unit]; 0: "
+                   "all are filled")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   add_polish_options(command, flags);
 }
 

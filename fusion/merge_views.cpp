@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "fusion/closed_field.h"
+#include "fusion/filled_regions.h"
 #include "fusion/isosurface.h"
 #include "fusion/vertex_attributes.h"
 #include "fusion/view_sampler.h"
@@ -79,20 +80,8 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
           : std::max(3.0 * result.voxel_size, 4.0 * result.view_noise + result.voxel_size);
 }
 
-bool has_filled(const TriangleMesh& mesh, const TriangleMesh::Face& face) {
-  return std::any_of(face.begin(), face.end(), [&](std::uint32_t v) { return mesh.filled[v]; });
-}
-
-double filled_area_fraction(const TriangleMesh& mesh) {
-  double filled = 0.0;
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
-    if (has_filled(mesh, mesh.faces[f])) filled += 0.5 * face_cross(mesh, f).norm();
-  return filled / surface_area(mesh);
-}
-
-void open_holes(TriangleMesh& mesh) {
-  std::erase_if(mesh.faces, [&](const auto& face) { return has_filled(mesh, face); });
-  drop_unused_vertices(mesh);
+bool opens_holes(const MergeOptions& options) {
+  return options.keep_holes || options.largest_fill > 0.0;
 }
 
 Error failed_check(const MeshCheck& check) {
@@ -141,8 +130,8 @@ Result<MergeResult> merge_views(const std::vector<RangeView>& views, const Merge
   set_vertex_attributes(result.mesh, *samplers,
                         {result.truncation, result.voxel_size, result.view_noise, options.threads});
   result.filled_area_fraction = filled_area_fraction(result.mesh);
-  if (options.keep_holes) {
-    open_holes(result.mesh);
+  if (opens_holes(options)) {
+    open_holes(result.mesh, options.keep_holes ? 0.0 : options.largest_fill);
     result.check = check_mesh(result.mesh);
   }
   report_progress(progress, 1.0, "merge");

@@ -22,6 +22,9 @@ struct MergeOptions {
   int silhouette_ramp = 6;
   /// Leave the surface open where no view measured it. The result is then not watertight.
   bool keep_holes = false;
+  /// Leave open, whole, the holes that reach farther than this from what was measured [unit], along
+  /// the surface that would fill them; 0: no bound.
+  double largest_fill = 0.0;
   /// Keep surfaces apart from the largest one.
   bool keep_components = false;
   int threads = 0;  ///< 0: one per core. The result does not depend on it.
@@ -32,7 +35,7 @@ struct MergeResult {
   /// number of views, filled flag and normal of each vertex.
   TriangleMesh mesh;
   MeshCheck check;                    ///< Of `mesh`.
-  double filled_area_fraction = 0.0;  ///< Of the area before `keep_holes` opens it.
+  double filled_area_fraction = 0.0;  ///< Of the area before holes are opened.
   double voxel_size = 0.0;            ///< As used [unit].
   double truncation = 0.0;            ///< As used [unit].
   double view_noise = 0.0;            ///< Median standard deviation of the views' positions [unit].

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include <gtest/gtest.h>
 
@@ -176,33 +175,15 @@ TEST(MergeViews, AnOutlierSeenThroughByOthersIsRemoved) {
   for (const auto& p : result.mesh.vertices) EXPECT_LT(p.norm(), 53.0);
 }
 
+// A sample of what `relief_merge_scenes` in bench/ does with hundreds.
 TEST(MergeViews, RandomScenesAreAlwaysClosedManifolds) {
-  const std::vector<SignedDistance> shapes{sphere_distance(40.0), torus_distance(32.0, 10.0),
-                                           box_distance({35.0, 20.0, 3.0})};
-  std::vector<std::vector<RangeView>> pool;
-  for (const auto& shape : shapes) pool.push_back(views_around(traced(shape), 10, 36, 46.0));
-  for (std::uint32_t seed = 0; seed < 50; ++seed) {
-    std::mt19937 random(seed);
-    const auto below = [&](std::uint32_t n) { return static_cast<int>(random() % n); };
-    std::vector<RangeView> views;
-    const int count = 1 + below(8);
-    for (int i = 0; i < count; ++i) {
-      RangeView view = pool[seed % pool.size()][static_cast<std::size_t>(below(10))];
-      testing::add_range_noise(view, 0.3 * below(6), random());
-      RigidTangent error;
-      for (int k = 0; k < 6; ++k) error[k] = (below(2001) - 1000) * (k < 3 ? 3e-5 : 2e-3);
-      view.world_from_view = motion_from_tangent(error) * view.world_from_view;
-      for (int rectangle = below(4); rectangle > 0; --rectangle) {
-        const int u0 = below(30), v0 = below(30), step = below(3) * 10;
-        for (int v = v0; v < std::min(36, v0 + 6); ++v)
-          for (int u = u0; u < std::min(36, u0 + 6); ++u)
-            view.range(u, v) = step == 0 ? kNoSample : view.range(u, v) - step;
-      }
-      views.push_back(std::move(view));
-    }
-    const auto result = merge_views(views);
+  const testing::RandomScenes scenes;
+  for (std::uint32_t seed = 0; seed < 30; ++seed) {
+    const auto result = merge_views(scenes.scene(seed));
     ASSERT_TRUE(result.ok()) << "seed " << seed << ": " << result.error().message;
-    EXPECT_TRUE(result.value().check.watertight()) << "seed " << seed;
+    const MeshCheck check = check_mesh(result->mesh, {.self_intersections = true});
+    EXPECT_TRUE(check.watertight()) << "seed " << seed;
+    EXPECT_TRUE(check.self_intersections->pairs.empty()) << "seed " << seed;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <Eigen/Geometry>
 
@@ -64,6 +65,69 @@ std::vector<RangeView> views_around(const Surface& surface, int count, int size,
     views.push_back(render(surface, Camera::pinhole(size, size, {focal, focal, centre, centre}),
                            look_at(away * direction, Eigen::Vector3d::Zero())));
     views.back().name = "view" + std::to_string(views.size() - 1);
+  }
+  return views;
+}
+
+namespace {
+
+constexpr int kPoolViews = 10, kPoolSize = 36, kMostViews = 8;
+
+class SceneRandom {
+ public:
+  explicit SceneRandom(std::uint32_t seed) : engine_(seed) {}
+  int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint32_t>(n)); }
+  double symmetric(double most) { return most * (below(2001) - 1000) * 1e-3; }
+  std::uint32_t seed() { return static_cast<std::uint32_t>(engine_()); }
+
+ private:
+  std::mt19937 engine_;
+};
+
+// A rectangle of samples is lost, or lies 10 or 20 in front of where it should.
+void spoil_rectangle(RangeView& view, SceneRandom& random) {
+  const int u0 = random.below(kPoolSize - 6), v0 = random.below(kPoolSize - 6);
+  const int width = 2 + random.below(12), height = 2 + random.below(12), step = random.below(3);
+  for (int v = v0; v < std::min(kPoolSize, v0 + height); ++v)
+    for (int u = u0; u < std::min(kPoolSize, u0 + width); ++u)
+      view.range(u, v) = step == 0 ? kNoSample : view.range(u, v) - 10.0 * step;
+}
+
+void spoil(RangeView& view, SceneRandom& random) {
+  add_range_noise(view, 0.3 * random.below(6), random.seed());
+  add_normal_noise(view, 0.03 * random.below(6), random.seed());
+  RigidTangent error;
+  const double turn = 0.02 * random.below(3), shift = random.below(3);
+  for (int k = 0; k < 6; ++k) error[k] = random.symmetric(k < 3 ? turn : shift);
+  view.world_from_view = motion_from_tangent(error) * view.world_from_view;
+  for (int rectangle = random.below(4); rectangle > 0; --rectangle) spoil_rectangle(view, random);
+}
+
+}  // namespace
+
+RandomScenes::RandomScenes() {
+  const SignedDistance ball = sphere_distance(20.0);
+  const std::vector<SignedDistance> shapes{
+      sphere_distance(40.0), torus_distance(32.0, 10.0), box_distance({35.0, 20.0, 3.0}),
+      box_distance({28.0, 25.0, 20.0}), [=](const Eigen::Vector3d& p) {
+        return std::min(ball(p - Eigen::Vector3d(20, 0, 0)), ball(p + Eigen::Vector3d(20, 0, 0)));
+      }};
+  for (const SignedDistance& shape : shapes)
+    pool_.push_back(views_around(traced(shape), kPoolViews, kPoolSize, 46.0));
+}
+
+std::vector<RangeView> RandomScenes::scene(std::uint32_t seed) const {
+  SceneRandom random(seed);
+  const auto& pool = pool_[seed % pool_.size()];
+  std::vector<RangeView> views;
+  for (int left = 1 + random.below(kMostViews); left > 0; --left) {
+    if (!views.empty() && random.below(5) == 0) {
+      views.push_back(
+          views[static_cast<std::size_t>(random.below(static_cast<int>(views.size())))]);
+      continue;
+    }
+    views.push_back(pool[static_cast<std::size_t>(random.below(kPoolViews))]);
+    spoil(views.back(), random);
   }
   return views;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -26,6 +27,17 @@ std::vector<Eigen::Vector3d> even_directions(int count);
 /// Pinhole views from `count` even directions, `size` pixels square, of a sphere of `radius` round
 /// the origin that fills the image.
 std::vector<RangeView> views_around(const Surface& surface, int count, int size, double radius);
+
+/// Random small scenes: views of simple shapes, some of them dropped, some twice, with noise of
+/// range and normals, wrong poses, masked rectangles and rectangles measured too near.
+class RandomScenes {
+ public:
+  RandomScenes();
+  std::vector<RangeView> scene(std::uint32_t seed) const;
+
+ private:
+  std::vector<std::vector<RangeView>> pool_;  // Exact views of each shape.
+};
 
 /// The keys of `side`^3 blocks from (0, 0, 0) on, sorted.
 std::vector<NodeKey> cube_of_blocks(int side);
