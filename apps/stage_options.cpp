@@ -16,6 +16,9 @@ const std::map<std::string, MeshForm> kForms = {{"normal", MeshForm::kAlongNorma
                                                 {"full", MeshForm::kFull}};
 const std::map<std::string, Solver> kSolvers = {{"multigrid", Solver::kMultigrid},
                                                 {"cholesky", Solver::kCholesky}};
+const std::map<std::string, CoarseSearch> kCoarseSearches = {{"auto", CoarseSearch::kAuto},
+                                                             {"never", CoarseSearch::kNever},
+                                                             {"always", CoarseSearch::kAlways}};
 
 constexpr double kRadians = std::numbers::pi / 180.0;
 
@@ -78,6 +81,11 @@ void add_refine_options(CLI::App& command, RefineFlags& flags) {
 void add_align_options(CLI::App& command, AlignOptions& options) {
   auto* group = command.add_option_group("Alignment");
   JointRefinementOptions& refinement = options.refinement;
+  group
+      ->add_option("--coarse", options.starting_poses.coarse,
+                   "Finding poses by shape: auto (where the given ones do not fit), never, always")
+      ->transform(CLI::CheckedTransformer(kCoarseSearches))
+      ->default_str("auto");
   group
       ->add_option("--correspondences", refinement.correspondences,
                    "Correspondences per direction of a pair of views")

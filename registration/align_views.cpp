@@ -86,12 +86,10 @@ std::string names_of_group(const std::vector<RangeView>& views,
 
 std::string reason_not_aligned(const std::vector<RangeView>& views,
                                const std::vector<std::size_t>& group, const ViewSurface& surface,
-                               bool placed, ViewRole role, std::size_t i) {
+                               const std::string& unplaced, ViewRole role, std::size_t i) {
   if (surface.samples().empty())
     return "it has no usable samples: none lies off all boundaries with a surface normal";
-  if (!placed)
-    return "it has no starting pose and none was found from its neighbours in scan order; give a "
-           "guess in world_from_view";
+  if (!unplaced.empty()) return unplaced;
   if (role == ViewRole::kExcluded)
     return "it fits none of the views that it seems to overlap; give a better guess or remove it";
   const std::string partners = names_of_group(views, group, i);
@@ -150,10 +148,10 @@ void report_views(const std::vector<RangeView>& views, const std::vector<ViewSur
     report.name = views[i].name;
     report.world_from_view = refined.world_from_view[i];
     report.pose_std = refined.pose_std[i];
-    const bool placed = starts.world_from_view[i].has_value();
     report.aligned = main[i] && roles[i] != ViewRole::kExcluded;
     if (!report.aligned)
-      report.reason = reason_not_aligned(views, refined.group, surfaces[i], placed, roles[i], i);
+      report.reason =
+          reason_not_aligned(views, refined.group, surfaces[i], starts.reasons[i], roles[i], i);
     result.views.push_back(std::move(report));
   }
   if (views.size() == 1) result.notes.push_back("one view only: nothing to align");
@@ -191,7 +189,7 @@ Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOp
   std::vector<ViewRole> roles;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const auto& start = starts->world_from_view[i];
-    poses.push_back(start.value_or(RigidMotion::Identity()));
+    poses.push_back(start.value_or(views[i].world_from_view));
     roles.push_back(!start                              ? ViewRole::kExcluded
                     : views[i].pose == PoseKind::kKnown ? ViewRole::kFixed
                                                         : ViewRole::kFree);

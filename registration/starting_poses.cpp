@@ -1,138 +1,173 @@
 #include "registration/starting_poses.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <numbers>
+#include <map>
+#include <numeric>
 
-#include "registration/search_schedule.h"
-#include "scan/parallel.h"
+#include "registration/coarse/place_views.h"
 
 namespace relief {
 
 namespace {
 
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-constexpr std::size_t kProbes = 500;
-constexpr double kSearchRadii = 0.3;
-constexpr int kFewCorrespondences = 200;
-constexpr int kManyCorrespondences = 1000;
+using Members = std::vector<std::size_t>;
 
-// Where a pose of `view` relative to its neighbour may come from.
-struct Candidate {
-  RigidMotion reference_from_view = RigidMotion::Identity();
-  double score = 0.0;  // Overlap less contradiction; 0 when it fails.
-  double overlap = 0.0;
+std::vector<PosePrior> priors_of(const std::vector<RangeView>& views, CoarseSearch coarse) {
+  std::vector<PosePrior> priors(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const bool known = views[i].pose == PoseKind::kKnown;
+    const bool given = views[i].pose != PoseKind::kAbsent;
+    if (known || (given && coarse != CoarseSearch::kAlways))
+      priors[i].world_from_view = views[i].world_from_view;
+    priors[i].known = known || (given && coarse == CoarseSearch::kNever);
+  }
+  return priors;
+}
+
+PlaceViewsOptions place_options(const StartingPoseOptions& options) {
+  PlaceViewsOptions place;
+  place.association = options.association;
+  place.limits.min_overlap = options.min_overlap;
+  place.limits.max_contradiction = options.max_contradiction;
+  place.search = options.coarse != CoarseSearch::kNever;
+  place.threads = options.threads;
+  return place;
+}
+
+// Groups that hold views with known poses first, then by size, then by their first view. Single
+// views are groups only when known, or when there is nothing else.
+std::vector<Members> ordered_groups(const ViewGroups& placed, const std::vector<PosePrior>& priors,
+                                    const std::vector<ViewSurface>& surfaces) {
+  std::map<std::size_t, Members> by_first;
+  for (std::size_t i = 0; i < placed.group.size(); ++i)
+    if (!surfaces[i].samples().empty() || priors[i].known) by_first[placed.group[i]].push_back(i);
+  std::vector<Members> groups;
+  for (auto& [first, members] : by_first) groups.push_back(std::move(members));
+  const auto known = [&](const Members& members) {
+    return priors[members.front()].known ||
+           std::any_of(members.begin(), members.end(),
+                       [&](std::size_t i) { return priors[i].known; });
+  };
+  std::stable_sort(groups.begin(), groups.end(), [&](const Members& x, const Members& y) {
+    return std::pair(known(x), x.size()) > std::pair(known(y), y.size());
+  });
+  const bool lonely = groups.size() == 1 && groups.front().size() == 1;
+  std::erase_if(groups, [&](const Members& members) {
+    return members.size() == 1 && !known(members) && !lonely;
+  });
+  return groups;
+}
+
+// Whether the views of a group came together by their given poses alone: these then stay.
+bool as_given(const Members& members, const ViewGroups& placed,
+              const std::vector<PosePrior>& priors) {
+  const std::size_t group = placed.group[members.front()];
+  return std::all_of(members.begin(), members.end(),
+                     [&](std::size_t i) { return priors[i].world_from_view.has_value(); }) &&
+         std::all_of(placed.joined.begin(), placed.joined.end(), [&](const PoseLink& link) {
+           return placed.group[link.a] != group || link.given;
+         });
+}
+
+RigidMotion world_from_group(const Members& members, const ViewGroups& placed,
+                             const std::vector<PosePrior>& priors) {
+  for (const std::size_t i : members)
+    if (priors[i].known) return RigidMotion::Identity();
+  for (const std::size_t i : members)
+    if (priors[i].world_from_view)
+      return *priors[i].world_from_view * placed.group_from_view[i].inverse();
+  return RigidMotion::Identity();
+}
+
+// Along x, what the views of a group take up.
+struct Extent {
+  double low = 0.0, high = 0.0;
 };
 
-// The object turned by `angle` about an axis in the sensor's vertical plane, `tilt` off the y axis,
-// through a point behind the mean of the two visible surfaces.
-RigidMotion turn(const ViewSurface& reference, const ViewSurface& view, double angle, double tilt) {
-  const Eigen::Vector3d axis(0.0, std::cos(tilt), std::sin(tilt));
-  const auto middle = [](const ViewSurface& surface) {
-    const Eigen::Vector3d towards_sensor = surface.mean_normal();
-    return Eigen::Vector3d(surface.centre() - 0.5 * surface.radius() * towards_sensor);
-  };
-  const Eigen::Vector3d centre = 0.5 * (middle(reference) + middle(view));
-  return Eigen::Translation3d(centre) * Eigen::AngleAxisd(angle, axis) *
-         Eigen::Translation3d(-centre);
-}
-
-std::vector<RigidMotion> hypotheses(const ViewSurface& reference, const ViewSurface& view,
-                                    std::size_t views) {
-  std::vector<RigidMotion> list = {RigidMotion::Identity()};
-  for (const double angle : {360.0 / static_cast<double>(views), 15.0, 30.0, 45.0, 60.0, 90.0})
-    for (const double tilt : {0.0, -20.0, 20.0, -40.0, 40.0})
-      for (const double sign : {1.0, -1.0})
-        list.push_back(
-            turn(reference, view, sign * angle * kRadiansPerDegree, tilt * kRadiansPerDegree));
-  return list;
-}
-
-Candidate try_pose(const ViewSurface& reference, const ViewSurface& view, const RigidMotion& guess,
-                   int correspondences, const StartingPoseOptions& options) {
-  IcpOptions icp;
-  icp.association = options.association;
-  icp.correspondences = correspondences;
-  icp.tolerance = 0.02;
-  icp.max_iterations = 20;
-  icp.search_distance = kSearchRadii * std::min(reference.radius(), view.radius());
-  const IcpResult fit = align_pair(view, reference, guess, icp);
-  Candidate candidate{fit.target_from_source, 0.0, fit.overlap};
-  if (!fit.usable() || fit.overlap < options.min_overlap) return candidate;
-  const double spacing = std::max(view.spacing(), reference.spacing());
-  const double noise = std::hypot(view.noise(), reference.noise());
-  const double margin = finest_search_distance(spacing, noise);
-  const double against =
-      std::max(contradiction(view, reference, fit.target_from_source, margin),
-               contradiction(reference, view, fit.target_from_source.inverse(), margin));
-  if (fit.rms <= largest_plausible_rms(spacing, noise) && against <= options.max_contradiction)
-    candidate.score = fit.overlap - against;
-  return candidate;
-}
-
-Candidate best_candidate(const ViewSurface& reference, const ViewSurface& view, std::size_t views,
-                         const std::optional<RigidMotion>& last_turn,
-                         const StartingPoseOptions& options) {
-  if (last_turn) {  // A turntable mostly goes on as it did.
-    const Candidate next = try_pose(reference, view, *last_turn, kManyCorrespondences, options);
-    if (next.score > 0.0) return next;
+Extent extent_along_x(const Members& members, const std::vector<ViewSurface>& surfaces,
+                      const std::vector<std::optional<RigidMotion>>& poses) {
+  Extent extent{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const std::size_t i : members) {
+    const double x = (*poses[i] * surfaces[i].centre()).x();
+    extent.low = std::min(extent.low, x - surfaces[i].radius());
+    extent.high = std::max(extent.high, x + surfaces[i].radius());
   }
-  const std::vector<RigidMotion> guesses = hypotheses(reference, view, views);
-  std::vector<Candidate> candidates(guesses.size());
-  parallel_for(guesses.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      candidates[i] = try_pose(reference, view, guesses[i], kFewCorrespondences, options);
+  return extent;
+}
+
+// Groups are refined each in itself: they must not meet by chance.
+void set_beside(const Members& members, const std::vector<ViewSurface>& surfaces,
+                std::vector<Extent>& taken, std::vector<std::optional<RigidMotion>>& poses) {
+  Extent own = extent_along_x(members, surfaces, poses);
+  const double gap = own.high - own.low;
+  const bool meets = std::any_of(taken.begin(), taken.end(), [&](const Extent& other) {
+    return own.low - gap < other.high && other.low < own.high + gap;
   });
-  const auto best =
-      std::max_element(candidates.begin(), candidates.end(),
-                       [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
-  if (best->score <= 0.0) return *best;
-  return try_pose(reference, view, best->reference_from_view, kManyCorrespondences, options);
+  if (meets) {
+    double high = own.high;
+    for (const Extent& other : taken) high = std::max(high, other.high);
+    const double shift = high + 2.0 * gap - own.low;
+    for (const std::size_t i : members)
+      poses[i] = Eigen::Translation3d(shift, 0.0, 0.0) * *poses[i];
+    own = {own.low + shift, own.high + shift};
+  }
+  taken.push_back(own);
 }
 
-std::string note(const RangeView& view, const RangeView& reference, const Candidate& found) {
-  char text[160];
-  std::snprintf(text, sizeof text, ", turned by %.1f deg (overlap %.2f); check it",
-                rotation_angle(found.reference_from_view) / kRadiansPerDegree, found.overlap);
-  return "view " + view.name + " has no pose: started from its neighbour " + reference.name + text;
+void place_groups(const std::vector<Members>& groups, const ViewGroups& placed,
+                  const std::vector<ViewSurface>& surfaces, const std::vector<PosePrior>& priors,
+                  StartingPoses& result) {
+  std::vector<Extent> taken;
+  for (const Members& members : groups) {
+    const bool given = as_given(members, placed, priors);
+    const RigidMotion frame = world_from_group(members, placed, priors);
+    for (const std::size_t i : members)
+      result.world_from_view[i] =
+          given || priors[i].known ? *priors[i].world_from_view : frame * placed.group_from_view[i];
+    const bool fixed =
+        std::any_of(members.begin(), members.end(), [&](std::size_t i) { return priors[i].known; });
+    if (fixed)
+      taken.push_back(extent_along_x(members, surfaces, result.world_from_view));
+    else
+      set_beside(members, surfaces, taken, result.world_from_view);
+  }
 }
 
-}  // namespace
-
-double contradiction(const ViewSurface& source, const ViewSurface& target,
-                     const RigidMotion& target_from_source, double margin) {
-  const std::size_t probes = std::min(kProbes, source.samples().size());
-  if (!target.can_project() || probes == 0) return 0.0;
-  std::size_t in_front = 0;
-  for (std::size_t i = 0; i < probes; ++i) {
-    const Eigen::Vector3d point = target_from_source * source.sample(source.samples()[i]).point;
-    const auto pixel = target.project(point);
-    const auto seen = pixel ? target.at(*pixel) : std::nullopt;
-    // Points in front of a surface are on the side of its normal.
-    if (seen && (point - seen->point).dot(seen->normal) > margin) ++in_front;
-  }
-  return static_cast<double>(in_front) / static_cast<double>(probes);
+std::string percent(double fraction) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.0f %%", 100.0 * fraction);
+  return text;
 }
 
-namespace {
+void note_found_links(const ViewGroups& placed, const std::vector<RangeView>& views,
+                      StartingPoses& result) {
+  for (const PoseLink& link : placed.joined)
+    if (!link.given)
+      result.notes.push_back("views " + views[link.a].name + " and " + views[link.b].name +
+                             " were joined by their shape: overlap " +
+                             percent(link.evidence.overlap));
+}
 
-// Without any, the first view with samples defines the world.
-std::vector<std::optional<RigidMotion>> given_poses(const std::vector<ViewSurface>& surfaces,
-                                                    const std::vector<RangeView>& views) {
-  std::vector<std::optional<RigidMotion>> poses(views.size());
-  bool any = false;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (views[i].pose == PoseKind::kAbsent) continue;
-    poses[i] = views[i].world_from_view;
-    any = true;
+std::string reason_unplaced(std::size_t view, const ViewGroups& placed,
+                            const std::vector<PosePrior>& priors,
+                            const std::vector<RangeView>& views,
+                            const StartingPoseOptions& options) {
+  for (const AmbiguousPair& pair : placed.ambiguous) {
+    if (placed.group[pair.a] != placed.group[view] && placed.group[pair.b] != placed.group[view])
+      continue;
+    const std::size_t other = placed.group[pair.a] == placed.group[view] ? pair.b : pair.a;
+    return "it is ambiguous: it fits " + views[other].name + " in more ways than one (overlaps " +
+           percent(pair.overlap) + " and " + percent(pair.second_overlap) +
+           "), its shape is symmetric or too plain; give a guess in world_from_view";
   }
-  for (std::size_t i = 0; i < views.size() && !any; ++i) {
-    if (surfaces[i].samples().empty()) continue;
-    poses[i] = RigidMotion::Identity();
-    any = true;
-  }
-  return poses;
+  const std::string given =
+      priors[view].world_from_view ? "at its given pose it fits no other view, and " : "";
+  if (options.coarse == CoarseSearch::kNever)
+    return "it has no starting pose and none was found from its neighbours in scan order; give a "
+           "guess in world_from_view";
+  return given + "no pose was found at which it shares " + percent(options.min_overlap) +
+         " with another view; add a view between or give a guess in world_from_view";
 }
 
 }  // namespace
@@ -141,38 +176,18 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
                                           const std::vector<RangeView>& views,
                                           const StartingPoseOptions& options,
                                           const Progress& progress) {
-  const std::size_t count = views.size();
+  const auto priors = priors_of(views, options.coarse);
+  const auto placed = place_views(surfaces, priors, place_options(options), progress);
+  if (!placed) return placed.error();
   StartingPoses result;
-  result.world_from_view = given_poses(surfaces, views);
-
-  // From every placed view its neighbours in the order of the scans, until no more can be placed.
-  std::optional<RigidMotion> last_turn;
-  std::vector<std::pair<std::size_t, std::size_t>> failed;
-  for (bool placed_one = true; placed_one;) {
-    placed_one = false;
-    for (std::size_t i = 0; i < count; ++i) {
-      for (const std::size_t r : {(i + count - 1) % count, (i + 1) % count}) {
-        if (result.world_from_view[i] || !result.world_from_view[r]) continue;
-        if (surfaces[i].samples().empty() || surfaces[r].samples().empty()) continue;
-        if (std::find(failed.begin(), failed.end(), std::pair(i, r)) != failed.end()) continue;
-        if (!report_progress(progress, static_cast<double>(i) / static_cast<double>(count),
-                             "looking for starting poses"))
-          return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-        const bool forward = r == (i + count - 1) % count;
-        auto expected = last_turn;
-        if (expected && !forward) expected = expected->inverse();
-        const Candidate found = best_candidate(surfaces[r], surfaces[i], count, expected, options);
-        if (found.score <= 0.0) {
-          failed.emplace_back(i, r);
-          continue;
-        }
-        result.world_from_view[i] = *result.world_from_view[r] * found.reference_from_view;
-        last_turn = forward ? found.reference_from_view : found.reference_from_view.inverse();
-        result.notes.push_back(note(views[i], views[r], found));
-        placed_one = true;
-      }
-    }
-  }
+  result.world_from_view.resize(views.size());
+  result.reasons.resize(views.size());
+  const auto groups = ordered_groups(*placed, priors, surfaces);
+  place_groups(groups, *placed, surfaces, priors, result);
+  note_found_links(*placed, views, result);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (!result.world_from_view[i])
+      result.reasons[i] = reason_unplaced(i, *placed, priors, views, options);
   return result;
 }
 

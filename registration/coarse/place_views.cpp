@@ -1,0 +1,195 @@
+#include "registration/coarse/place_views.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "registration/coarse/pair_search.h"
+#include "registration/coarse/turntable.h"
+#include "registration/coarse/view_similarity.h"
+#include "registration/robust.h"
+#include "registration/view_graph.h"
+#include "scan/parallel.h"
+
+namespace relief {
+
+namespace {
+
+constexpr double kGuessRadii = 0.2;         // How far guesses may be off, over a view's radius.
+constexpr double kGuessOverlap = 0.05;      // Enough where the user says that they belong together.
+constexpr std::size_t kSearchInFull = 300;  // Pairs.
+
+using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
+
+class Placing {
+ public:
+  Placing(const std::vector<ViewSurface>& surfaces, const std::vector<PosePrior>& priors,
+          const PlaceViewsOptions& options, const Progress& progress)
+      : surfaces_(surfaces), priors_(priors), options_(options), progress_(progress) {
+    grouping_.limits = options.limits;
+    grouping_.ambiguity = options.ambiguity;
+    grouping_.judge.association = options.association;
+    grouping_.threads = options.threads;
+    for (const auto& prior : priors)
+      known_.push_back(prior.known ? prior.world_from_view : std::nullopt);
+  }
+
+  Result<ViewGroups> run() {
+    regroup();
+    if (!link_given_poses()) return interrupted();
+    if (options_.search && !complete() && !search_by_shape()) return interrupted();
+    if (!complete()) {
+      for (auto& link : turntable_links(surfaces_, groups_.group, options_.limits,
+                                        options_.association, options_.threads))
+        links_.push_back(std::move(link));
+      regroup();
+    }
+    return std::move(groups_);
+  }
+
+ private:
+  static Error interrupted() { return Error{ErrorKind::kInterrupted, "alignment was interrupted"}; }
+
+  void regroup() { groups_ = join_views(surfaces_, links_, known_, grouping_); }
+
+  // Whether all views that have samples are in one group.
+  bool complete() const {
+    std::optional<std::size_t> group;
+    for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+      if (surfaces_[i].samples().empty()) continue;
+      if (group && *group != groups_.group[i]) return false;
+      group = groups_.group[i];
+    }
+    return true;
+  }
+
+  double typical_radius() const {
+    std::vector<double> radii;
+    for (const auto& surface : surfaces_)
+      if (!surface.samples().empty()) radii.push_back(surface.radius());
+    return quantile(std::move(radii), 0.5);
+  }
+
+  // Checks the given poses by the pairs of views that overlap at them, the largest overlaps first,
+  // and only as long as they join something new.
+  bool link_given_poses() {
+    const double reach = kGuessRadii * typical_radius();
+    if (!(reach > 0.0)) return true;
+    std::vector<RigidMotion> poses;
+    for (const auto& prior : priors_)
+      poses.push_back(prior.world_from_view.value_or(RigidMotion::Identity()));
+    ViewGraphOptions graph;
+    graph.max_distance = reach;
+    graph.min_overlap = kGuessOverlap;
+    graph.association = options_.association;
+    graph.threads = options_.threads;
+    auto pairs = find_overlapping_pairs(surfaces_, poses, graph);
+    std::erase_if(pairs, [&](const ViewPair& pair) {
+      return !priors_[pair.a].world_from_view || !priors_[pair.b].world_from_view;
+    });
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const ViewPair& x, const ViewPair& y) { return x.overlap > y.overlap; });
+    std::vector<ViewPair> joined;
+    for (std::size_t i = 0; i < known_.size(); ++i)
+      if (known_[i]) joined.push_back({std::min(i, groups_.group[i]), i});
+    auto group = connected_groups(surfaces_.size(), joined);
+    PlausibleEvidence limits = options_.limits;
+    limits.min_overlap = kGuessOverlap;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const auto [a, b, unused] = pairs[k];
+      if (group[a] == group[b]) continue;
+      if (!go_on(static_cast<double>(k) / static_cast<double>(pairs.size()),
+                 "checking the given poses"))
+        return false;
+      const auto fit = refine_hypothesis(surfaces_[a], surfaces_[b], poses[b].inverse() * poses[a],
+                                         reach, options_.association);
+      if (!plausible(fit.evidence, surfaces_[a], surfaces_[b], limits)) continue;
+      links_.push_back({a, b, fit.b_from_a, fit.evidence, true});
+      joined.push_back({a, b});
+      group = connected_groups(surfaces_.size(), joined);
+    }
+    regroup();
+    return true;
+  }
+
+  // Most promising pairs first, in rounds; after each, the views that are joined are not searched
+  // for one another any more.
+  bool search_by_shape() {
+    const CoarseScale scale = coarse_scale(surfaces_);
+    std::vector<CoarseView> views(surfaces_.size());
+    if (!go_on(0.0, "describing views")) return false;
+    parallel_for(views.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) views[i] = prepare_coarse_view(surfaces_[i], scale);
+    });
+    std::vector<const LocalFeatures*> features;
+    for (const auto& view : views) features.push_back(&view.features);
+    Pairs ranked = rank_pairs(features);
+    const auto most = std::max(
+        kSearchInFull, static_cast<std::size_t>(options_.pairs_per_view) * surfaces_.size());
+    if (ranked.size() > most) ranked.resize(most);
+    std::size_t next = 0;
+    for (std::size_t round = 0; next < ranked.size() && !complete(); ++round) {
+      // The first round is larger, for loops to confirm its links.
+      const std::size_t wanted = (round == 0 ? 2 : 1) * surfaces_.size();
+      Pairs batch;
+      for (; next < ranked.size() && batch.size() < wanted; ++next)
+        if (groups_.group[ranked[next].first] != groups_.group[ranked[next].second] &&
+            views[ranked[next].first].points.size() > 0 &&
+            views[ranked[next].second].points.size() > 0)
+          batch.push_back(ranked[next]);
+      if (!search(views, scale, batch,
+                  static_cast<double>(next) / static_cast<double>(ranked.size())))
+        return false;
+      regroup();
+    }
+    return true;
+  }
+
+  bool search(const std::vector<CoarseView>& views, const CoarseScale& scale, const Pairs& pairs,
+              double fraction) {
+    PairSearchOptions options;
+    options.association = options_.association;
+    constexpr std::size_t kAtOnce = 8;
+    for (std::size_t begin = 0; begin < pairs.size(); begin += kAtOnce) {
+      if (!go_on(fraction, "comparing views")) return false;
+      const std::size_t count = std::min(kAtOnce, pairs.size() - begin);
+      std::vector<std::vector<PoseHypothesis>> found(count);
+      parallel_for(count, 1, options_.threads, [&](std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k)
+          found[k] = search_pair(views[pairs[begin + k].first], views[pairs[begin + k].second],
+                                 scale, options);
+      });
+      for (std::size_t k = 0; k < count; ++k) {
+        const auto [a, b] = pairs[begin + k];
+        for (const auto& hypothesis : found[k])
+          if (plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits))
+            links_.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence});
+      }
+    }
+    return true;
+  }
+
+  bool go_on(double fraction, std::string_view step) const {
+    return report_progress(progress_, fraction, step);
+  }
+
+  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<PosePrior>& priors_;
+  const PlaceViewsOptions& options_;
+  const Progress& progress_;
+  ViewGroupOptions grouping_;
+  std::vector<std::optional<RigidMotion>> known_;
+  std::vector<PoseLink> links_;
+  ViewGroups groups_;
+};
+
+}  // namespace
+
+Result<ViewGroups> place_views(const std::vector<ViewSurface>& surfaces,
+                               const std::vector<PosePrior>& priors,
+                               const PlaceViewsOptions& options, const Progress& progress) {
+  assert(priors.size() == surfaces.size());
+  return Placing(surfaces, priors, options, progress).run();
+}
+
+}  // namespace relief

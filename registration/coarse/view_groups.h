@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "registration/pose_evidence.h"
+#include "registration/view_surface.h"
+#include "scan/rigid_motion.h"
+
+namespace relief {
+
+/// A relative pose of two views that their measurements allow.
+struct PoseLink {
+  std::size_t a = 0, b = 0;
+  RigidMotion b_from_a = RigidMotion::Identity();
+  PoseEvidence evidence;
+  /// From the user's poses, which choose among places that shape alone does not tell apart.
+  bool given = false;
+};
+
+struct ViewGroupOptions {
+  PlausibleEvidence limits;
+  /// Links that share less count only when loops of three confirm them; in (0, 1].
+  double lone_overlap = 0.3;
+  /// Two ways of joining are told apart when the support of the weaker is below this part of that
+  /// of the stronger; in (0, 1].
+  double ambiguity = 0.5;
+  JudgeOptions judge;
+  int threads = 0;  ///< 0: one per core.
+};
+
+/// Two views that belong together, but in more ways than one.
+struct AmbiguousPair {
+  std::size_t a = 0, b = 0;
+  double overlap = 0.0, second_overlap = 0.0;  ///< Of the two best ways.
+};
+
+struct ViewGroups {
+  /// For each view the smallest index in its group.
+  std::vector<std::size_t> group;
+  /// Into the frame of its group: that of the known views, else of its first view.
+  std::vector<RigidMotion> group_from_view;
+  std::vector<PoseLink> joined;  ///< The links that were used, in order: a forest over the views.
+  std::vector<AmbiguousPair> ambiguous;  ///< Between groups that stayed apart for it.
+
+  bool all_in_one() const;
+};
+
+/// Joins views by links into groups in which no view contradicts another. Small overlaps that no
+/// loop confirms are left out. Links are tried in the order of the support they have from others:
+/// given ones first, then those that close loops of three with other links, then by overlap, as a
+/// maximum spanning forest. A link joins two groups only if at the poses that follow no view of the
+/// one stands where a view of the other saw through, and only if no other link between the two
+/// groups explains the views nearly as well. `known` poses stay and share one frame from the start.
+ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<PoseLink> links,
+                      const std::vector<std::optional<RigidMotion>>& known,
+                      const ViewGroupOptions& options = {});
+
+}  // namespace relief

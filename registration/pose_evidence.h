@@ -1,0 +1,68 @@
+#pragma once
+
+#include "registration/correspondences.h"
+#include "registration/view_surface.h"
+#include "scan/rigid_motion.h"
+
+namespace relief {
+
+/// What two views' own measurements say of a relative pose.
+struct PoseEvidence {
+  double overlap = 0.0;  ///< Fraction of samples that the other view saw, mean of both directions.
+  double rms = 0.0;      ///< Of the point-to-plane distances [unit].
+  /// The part of it that neighbouring samples share [unit]: noise is not in it, the systematic
+  /// misfit of a wrong pose is.
+  double coherent_rms = 0.0;
+  /// Fraction of a view's samples that would have hidden from the other sensor what it measured;
+  /// the larger of both directions. 0 where neither sensor has a projection.
+  double in_front = 0.0;
+  /// The same as a fraction of the samples that overlap or lie in front.
+  double contradiction = 0.0;
+  /// Whether the shared surface lets the views slide along each other (equation R5).
+  bool slides = false;
+};
+
+struct JudgeOptions {
+  Association association = Association::kAuto;
+  int probes = 1500;                   ///< Samples of each view that are looked at; > 0.
+  double max_normal_angle_deg = 40.0;  ///< Between corresponding normals.
+};
+
+/// What a pose must show to be believed.
+struct PlausibleEvidence {
+  double min_overlap = 0.15;  ///< In (0, 1].
+  /// Largest RMS in units of largest_plausible_rms(): its noise is white, that of real scanners is
+  /// not.
+  double max_rms = 2.2;
+  /// Largest coherent RMS [sample spacings]. Calibration errors of real scanners reach 0.15, wrong
+  /// poses hardly ever stay below 0.2.
+  double max_coherent_rms = 0.2;
+  /// Largest contradiction, in [0, 1]. At true poses there is none, at wrong ones rarely less than
+  /// a twentieth.
+  double max_contradiction = 0.02;
+};
+
+/// Whether some samples of one view stand where the other saw through: by more than stray samples.
+bool contradicts(const PoseEvidence& evidence, const PlausibleEvidence& limits = {});
+
+/// Whether the evidence is for the pose of the two views. Sliding is not looked at.
+bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+               const PlausibleEvidence& limits = {});
+
+/// Judges a pose that is thought to be right to a few sample spacings.
+PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
+                        const JudgeOptions& options = {});
+
+/// A pose that is at best right to `reach` [unit] in a number that can be had many thousand times a
+/// second: the fraction of `probes` samples of each view that lie within `reach` of the other's
+/// surface with a similar normal, less twice the fraction that lie farther in front of it.
+double rough_agreement(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
+                       double reach, int probes);
+
+/// Fraction of the source's samples that would have hidden from the target what it measured: they
+/// lie more than `margin` [unit] in front of its surface (Huber and Hebert 2003). 0 where the
+/// target cannot project.
+double contradiction(const ViewSurface& source, const ViewSurface& target,
+                     const RigidMotion& target_from_source, double margin);
+
+}  // namespace relief
