@@ -75,7 +75,7 @@ double root_mean_square(const std::vector<double>& values) {
 }
 
 // From the products of the distances of different samples in one cell, in which independent noise
-// averages out: (sum of r)^2 - sum of r^2 over the ordered pairs of each cell.
+// averages out (C3): (sum of r)^2 - sum of r^2 over the ordered pairs of each cell.
 double coherent_rms(const std::vector<OrientedPoint>& points, const std::vector<double>& distances,
                     double cell) {
   if (points.empty()) return 0.0;
