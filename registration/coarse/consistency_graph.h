@@ -19,8 +19,8 @@ struct ConsistencyOptions {
   double angle_tolerance = 0.2;
 };
 
-/// Which matches can be true at once (C1): a graph whose edges join matches that one rigid motion may
-/// explain (distance and angles between the two points and normals are alike in both views).
+/// Which matches can be true at once (C1): a graph whose edges join matches that one rigid motion
+/// may explain (distance and angles between the two points and normals are alike in both views).
 class ConsistencyGraph {
  public:
   ConsistencyGraph(const ResampledView& a, const ResampledView& b,
