@@ -32,6 +32,7 @@ struct ViewMultigrid::State {
   EdgeStencil stencil;
   std::optional<Multigrid> multigrid;
   bool slow = false;
+  std::optional<double> energy_at_zero;  // of the objective, by the preconditioner
 
   // Of conjugate gradients. The direction is rounded to single precision before anything is
   // computed from it, so that the residual stays that of the solution. `single`, the rounded
@@ -175,16 +176,11 @@ struct ViewMultigrid::State {
     });
   }
 
-  // Preconditioned conjugate gradients (Hestenes and Stiefel 1952) for the right side that is in
-  // `residual`.
-  LinearSolve iterate(Eigen::VectorXd& y, double tolerance, int max_iterations) {
-    round_residual();
-    double energy = precondition();
-    const double goal = tolerance * tolerance * energy;
-    if (!y.isZero(0.0)) {
-      subtract_image_of(y);
-      energy = precondition();
-    }
+  // Preconditioned conjugate gradients (Hestenes and Stiefel 1952) from `y`, whose residual is in
+  // `residual`, until the energy of the residual is at most `goal` and the error of x at most
+  // `tolerance`. What the last preconditioned residual shows of the error is taken away as well.
+  LinearSolve iterate(Eigen::VectorXd& y, double energy, double goal, double tolerance,
+                      int max_iterations) {
     const auto converged = [&] {
       return energy <= goal && squared_error() <= std::pow(kErrorShown * tolerance, 2) *
                                                       y.head(block()).squaredNorm();
@@ -202,6 +198,10 @@ struct ViewMultigrid::State {
       energy = precondition();
       factor *= energy;
       ++result.iterations;
+    }
+    if (result.converged) {
+      turn(0.0);
+      advance(1.0, y);
     }
     slow = result.iterations > 0 && std::pow(energy / first, 0.5 / result.iterations) > kSlow;
     return result;
@@ -226,16 +226,30 @@ bool ViewMultigrid::set_weights(ViewWeights weights) {
 }
 
 LinearSolve ViewMultigrid::minimise(Eigen::VectorXd& y, double tolerance, int max_iterations) {
-  state_->allocate();
-  state_->set_residual_to_objective();
-  return state_->iterate(y, tolerance, max_iterations);
+  State& s = *state_;
+  s.allocate();
+  s.set_residual_to_objective();
+  s.round_residual();
+  // Reweighting changes the energy at y = 0 too little to find it again.
+  const bool at_zero = y.isZero(0.0);
+  double energy = at_zero || !s.energy_at_zero ? s.precondition() : 0.0;
+  if (!s.energy_at_zero) s.energy_at_zero = energy;
+  if (!at_zero) {
+    s.subtract_image_of(y);
+    energy = s.precondition();
+  }
+  const double goal = tolerance * tolerance * *s.energy_at_zero;
+  return s.iterate(y, energy, goal, tolerance, max_iterations);
 }
 
 LinearSolve ViewMultigrid::solve(Eigen::VectorXd& y, double tolerance, int max_iterations) {
-  state_->allocate();
-  state_->spread(y, std::identity(), state_->residual);
+  State& s = *state_;
+  s.allocate();
+  s.spread(y, std::identity(), s.residual);
+  s.round_residual();
   y.setZero();
-  return state_->iterate(y, tolerance, max_iterations);
+  const double energy = s.precondition();
+  return s.iterate(y, energy, tolerance * tolerance * energy, tolerance, max_iterations);
 }
 
 }  // namespace relief
