@@ -24,6 +24,7 @@ int refine(const RefineCommand& command) {
   if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
   RefineOptions options = command.flags.resolved();
   options.threads = command.common.threads;
+  options.seed = command.common.seed;
   const auto stage = refine_stage(*project, options, command.flags.memory());
   if (!stage) return fail(stage.error());
 

@@ -63,8 +63,9 @@ class Run {
   }
 
   Result<void> refine() {
-    const auto stage =
-        refine_stage(project_, with_threads(command_.refine.resolved()), command_.refine.memory());
+    RefineOptions options = with_threads(command_.refine.resolved());
+    options.seed = command_.common.seed;
+    const auto stage = refine_stage(project_, options, command_.refine.memory());
     if (!stage) return stage.error();
     complete_ = complete_ && stage->complete;
     any_refined_ = stage->any_refined;

@@ -32,9 +32,10 @@ RangeView without(const RangeView& view, const Grid<std::uint8_t>& isolated) {
 Grid<float> deviations(const RangeView& view, const ViewProblem& problem, double sigma_position,
                        const Eigen::VectorXf& refined) {
   Grid<float> deviation(view.width(), view.height(), static_cast<float>(kNoSample));
+  const PositionConfidence confidence_of(view);
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
-      const double confidence = view.confidence_at(u, v);
+      const double confidence = confidence_of(u, v);
       if (view.has_sample(u, v) && confidence > 0.0)
         deviation(u, v) = static_cast<float>(sigma_position / std::sqrt(confidence));
     }
@@ -81,6 +82,8 @@ class Refinement {
   Refinement(const RangeView& view, const RefineOptions& options) : options_(options) {
     result_.view = view;
     result_.kept = view.sample_count();
+    const double known = PositionConfidence(view).nominal_deviation();
+    if (!options_.sigma_position && known > 0.0) options_.sigma_position = known;
   }
 
   // Whether there is something to solve; if not, the status says why.
@@ -165,10 +168,10 @@ class Refinement {
       result_.view.normals = subtract_bias(result_.view, problem_, bias, options_.threads);
       result_.bias_rms = rms(bias);
     }
-    result_.view.deviation = {};
+    Grid<float> deviation;
     if (solved.deviation.size() > 0)
-      result_.view.deviation =
-          deviations(result_.view, problem_, noise_.sigma_position, solved.deviation);
+      deviation = deviations(result_.view, problem_, noise_.sigma_position, solved.deviation);
+    result_.view.deviation = std::move(deviation);
     result_.rms_change = rms(y.head(count));
     result_.refined = problem_.size();
     result_.kept = problem_.pinned;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
@@ -24,7 +25,8 @@ struct RefineOptions {
   Stencil stencil = Stencil::kCompactEdge;
   BiasModel bias = BiasModel::kLatent;
 
-  /// Standard deviation of a measured range along its ray [unit], > 0. Default: estimated.
+  /// Standard deviation along its ray of a measured range that counts 1 (PositionConfidence)
+  /// [unit], > 0. Default: the median of the deviations that the view has, or else estimated.
   std::optional<double> sigma_position;
   /// Standard deviation of a measured normal's slope along one tangent [rad], > 0. Default:
   /// estimated.
@@ -49,6 +51,7 @@ struct RefineOptions {
   int max_iterations = 500;  ///< Of conjugate gradients, per solve.
   /// Find the standard deviation of every refined sample.
   bool deviation = true;
+  std::uint64_t seed = 1;  ///< Of the simulated errors from which these deviations follow.
   DiscontinuityOptions discontinuities;
   int threads = 0;  ///< 0: one per core. The result does not depend on it.
 };

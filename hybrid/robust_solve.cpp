@@ -22,15 +22,16 @@ constexpr double kBiasSize = 0.35;
 constexpr double kRobustWidth = 3.0;
 
 ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
-                            bool equal_slopes) {
+                            const RefineOptions& options) {
   ViewWeights weights;
   weights.position.assign(problem.grid.size(), 0.0f);
   const double position = 1.0 / (noise.sigma_position * noise.sigma_position);
-  for (std::size_t k = 0; k < problem.size(); ++k)
-    weights.position[problem.pixels[k]] =
-        static_cast<float>(position * problem.confidence[static_cast<Eigen::Index>(k)]);
+  for_each_sample(problem, options.threads, [&](Eigen::Index k, std::uint32_t pixel) {
+    weights.position[pixel] = static_cast<float>(position * problem.confidence[k]);
+  });
+  const bool equal_slopes = options.lambda.has_value();
   for (auto& plane : weights.slope) plane.assign(problem.grid.size(), 0.0f);
-  problem.slopes.for_each([&](int axis, std::size_t i) {
+  problem.slopes.parallel_for_each(options.threads, [&](int axis, std::size_t i) {
     const auto a = static_cast<std::size_t>(axis);
     const double length =
         equal_slopes ? noise.spacing : 2.0 * problem.slopes.axes[a].half_length[i];
@@ -45,7 +46,7 @@ ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
 // The weights of Cauchy's loss, which takes the power from wild normals but never silences the
 // normals of fine detail for good. Its width starts at what the residuals are and ends at
 // what they should be, so that a first solve misled by many outliers does not reject the truth.
-ViewWeights reweighted(const ViewProblem& problem, const ViewWeights& plain,
+ViewWeights reweighted(const ViewProblem& problem, ViewWeights weights,
                        std::array<std::vector<float>, 2> residuals, int threads) {
   constexpr std::size_t kAtOnce = 1 << 16;
   const auto each = [&](const auto& body) {
@@ -55,13 +56,12 @@ ViewWeights reweighted(const ViewProblem& problem, const ViewWeights& plain,
       });
   };
   each([&](std::size_t axis, std::size_t i) {
-    residuals[axis][i] = std::abs(residuals[axis][i]) * std::sqrt(plain.slope[axis][i]);
+    residuals[axis][i] = std::abs(residuals[axis][i]) * std::sqrt(weights.slope[axis][i]);
   });
   const double median = median_over_constraints(
       problem, [&](std::size_t axis, std::size_t i) { return residuals[axis][i]; });
   const float scale = 1.4826f * static_cast<float>(median);
   const float width = static_cast<float>(kRobustWidth) * std::max(1.0f, scale);
-  ViewWeights weights = plain;
   each([&](std::size_t axis, std::size_t i) {
     const float ratio = residuals[axis][i] / width;
     weights.slope[axis][i] /= 1.0f + ratio * ratio;
@@ -81,8 +81,7 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
                            const RefineOptions& options, const Progress& progress) {
   const bool with_bias = options.bias == BiasModel::kLatent;
   const auto solver = make_view_solver(problem, with_bias, options.solver, options.threads);
-  const ViewWeights plain = initial_weights(problem, noise, options.lambda.has_value());
-  ViewWeights weights = plain;
+  ViewWeights weights = initial_weights(problem, noise, options);
   RobustSolve result;
   const auto count = static_cast<Eigen::Index>(problem.size());
   result.y = Eigen::VectorXd::Zero((with_bias ? 3 : 1) * count);
@@ -98,8 +97,8 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
       return result;
     }
     if (result.rounds > 0)
-      weights = reweighted(problem, plain, slope_residuals(problem, result.y, options.threads),
-                           options.threads);
+      weights = reweighted(problem, initial_weights(problem, noise, options),
+                           slope_residuals(problem, result.y, options.threads), options.threads);
     if (!solver->set_weights(weights)) {
       result.status = RefineStatus::kSolverFailed;
       return result;
@@ -117,6 +116,7 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
     DeviationOptions deviation;
     deviation.crossover = noise.crossover();
     deviation.max_iterations = options.max_iterations;
+    deviation.seed = options.seed;
     deviation.threads = options.threads;
     result.deviation =
         range_deviation(problem, weights, noise.measured, result.y, *solver, deviation);

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "scan/median_deviation.h"
 #include "scan/parallel.h"
 
 namespace relief {
@@ -51,9 +52,8 @@ std::vector<std::uint8_t> movable_pixels(const RangeView& view, const SlopeConst
     join(ends.tail, ends.head);
     if (ends.at0 == ends.at1) join(ends.head, ends.at0);
   });
-  const auto confident = [&](std::size_t i) {
-    return view.confidence.empty() || view.confidence(grid.u(i), grid.v(i)) > 0.0f;
-  };
+  const PositionConfidence confidence(view);
+  const auto confident = [&](std::size_t i) { return confidence(grid.u(i), grid.v(i)) > 0.0f; };
   std::vector<std::uint8_t> held(grid.size(), 0), movable(grid.size(), 0);
   slopes.for_each([&](int axis, std::size_t i) {
     const auto ends = slopes.ends(axis, i);
@@ -75,14 +75,15 @@ void number_samples(const RangeView& view, const std::vector<std::uint8_t>& mova
   for (std::size_t i = 0; i < movable.size(); ++i)
     if (movable[i]) problem.pixels.push_back(static_cast<std::uint32_t>(i));
   problem.confidence = Eigen::VectorXf::Ones(static_cast<Eigen::Index>(problem.size()));
-  if (view.confidence.empty()) return;
-  float largest = 0.0f;
-  for (const float c : view.confidence) largest = std::max(largest, c);
+  if (view.confidence.empty() && view.deviation.empty()) return;
+  const PositionConfidence confidence(view);
   for (std::size_t k = 0; k < problem.size(); ++k) {
     const std::uint32_t i = problem.pixels[k];
     problem.confidence[static_cast<Eigen::Index>(k)] =
-        usable_confidence(view.confidence(problem.grid.u(i), problem.grid.v(i)), largest);
+        confidence(problem.grid.u(i), problem.grid.v(i));
   }
+  const float largest = problem.size() > 0 ? problem.confidence.maxCoeff() : 0.0f;
+  for (float& value : problem.confidence) value = usable_confidence(value, largest);
 }
 
 // The constraints of the central stencil skip a sample: its neighbours follow from the edges.
@@ -102,6 +103,16 @@ void add_central_neighbours(const RangeView& view, const GridEdges& edges, ViewP
 }
 
 }  // namespace
+
+PositionConfidence::PositionConfidence(const RangeView& view)
+    : view_(view), nominal_(median_deviation(view)) {}
+
+float PositionConfidence::operator()(int u, int v) const {
+  const float deviation = view_.deviation_at(u, v);
+  if (!(nominal_ > 0.0f && deviation > 0.0f)) return view_.confidence_at(u, v);
+  const float ratio = nominal_ / deviation;
+  return ratio * ratio;
+}
 
 ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Stencil stencil,
                               int threads) {

@@ -12,15 +12,33 @@
 
 namespace relief {
 
+/// How much the range of each sample of a view counts, 1 for nominal: its confidence or, where its
+/// deviation is known, the inverse of its variance against that of the median deviation.
+class PositionConfidence {
+ public:
+  /// `view` must outlive the object.
+  explicit PositionConfidence(const RangeView& view);
+
+  /// >= 0; infinite deviations count as 0.
+  float operator()(int u, int v) const;
+  /// The deviation of a sample that counts 1 [unit]; 0 when the view knows none.
+  float nominal_deviation() const { return nominal_; }
+
+ private:
+  const RangeView& view_;
+  float nominal_;
+};
+
 /// What refining a view minimises, before weights: the samples that can move and the constraints
 /// between them. Vectors of unknowns are [x; b_u; b_v] in the order of `pixels`, or x alone without
 /// a bias.
 struct ViewProblem {
   PaddedGrid grid;
   std::vector<std::uint32_t> pixels;  ///< Padded index of every movable sample, ascending.
-  Eigen::VectorXf confidence;         ///< Of every movable sample; each component has some > 0.
-  SlopeConstraints slopes;            ///< Between movable samples only.
-  std::size_t constraints = 0;        ///< Number of those.
+  /// PositionConfidence of every movable sample; each component has some > 0.
+  Eigen::VectorXf confidence;
+  SlopeConstraints slopes;      ///< Between movable samples only.
+  std::size_t constraints = 0;  ///< Number of those.
   /// Central stencil: neighbours on the surface, both with normals; indices count movable samples.
   /// With the compact one, neighbours are those that share a constraint: see bias_neighbours.
   std::vector<std::array<std::uint32_t, 2>> central_neighbours;

@@ -314,5 +314,39 @@ TEST(RefineView, SamplesOfNoConfidenceFollowTheirNeighboursAndNormals) {
   EXPECT_LT(errors_of(refined(view).view, truth).depth_rms, 0.03);
 }
 
+TEST(RefineView, DeviationsOfAViewAreTheNoiseOfItsRanges) {
+  RangeView by_confidence = noisy_view(0.3, 1.5, 2.0, 64), by_deviation = by_confidence;
+  by_confidence.confidence = by_deviation.deviation = Grid<float>(64, 64);
+  for (int v = 0; v < 64; ++v) {
+    for (int u = 0; u < 64; ++u) {
+      by_confidence.confidence(u, v) = u < 16 ? 0.25f : 1.0f;
+      by_deviation.deviation(u, v) = u < 16 ? 0.6f : 0.3f;
+    }
+  }
+  RefineOptions options = with_known_noise(0.3f, 1.5 * kDegree);
+  const RefinedView expected = refined(by_confidence, options);
+  options.sigma_position.reset();
+  const RefinedView found = refined(by_deviation, options);
+  EXPECT_FLOAT_EQ(found.sigma_position, 0.3f) << "the median deviation";
+  EXPECT_LT(largest_change(found.view, expected.view), 1e-6);
+  EXPECT_NEAR(found.view.deviation(5, 5), expected.view.deviation(5, 5), 1e-5);
+
+  by_deviation.deviation(40, 40) = static_cast<float>(kNoSample);
+  by_deviation.confidence = Grid<float>(64, 64, 1.0f);
+  EXPECT_LT(largest_change(refined(by_deviation, options).view, expected.view), 1e-6)
+      << "where none is known, the confidence counts";
+}
+
+TEST(RefineView, TheSeedIsThatOfTheDeviationsAlone) {
+  const RangeView view = noisy_view(0.3, 1.5, 2.0, 64);
+  RefineOptions options;
+  const RefinedView first = refined(view, options);
+  options.seed = 2;
+  const RefinedView second = refined(view, options);
+  EXPECT_EQ(largest_change(first.view, second.view), 0.0);
+  EXPECT_NE(first.view.deviation(30, 30), second.view.deviation(30, 30));
+  EXPECT_NEAR(first.view.deviation(30, 30) / second.view.deviation(30, 30), 1.0, 0.4);
+}
+
 }  // namespace
 }  // namespace relief
