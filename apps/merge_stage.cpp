@@ -68,6 +68,18 @@ Result<Json> polish(const ScanProject& project, const PolishOptions& options, Me
   return polish_report(*polished);
 }
 
+// Fewer faces, when the options ask for it.
+Result<void> decimate(const DecimationOptions& options, MergeResult& merged) {
+  if (options.faces == 0 && !(options.max_error > 0.0)) return {};
+  auto decimated = decimate_mesh(merged.mesh, options);
+  if (!decimated) return decimated.error();
+  Console::info(fmt::format("decimated: {} of {} faces", decimated->mesh.faces.size(),
+                            merged.mesh.faces.size()));
+  merged.mesh = std::move(decimated->mesh);
+  merged.check = decimated->check;
+  return {};
+}
+
 }  // namespace
 
 Result<MergeStage> merge_stage(const ScanProject& project, const MergeStageOptions& options) {
@@ -86,6 +98,8 @@ Result<MergeStage> merge_stage(const ScanProject& project, const MergeStageOptio
     if (!section) return section.error();
     polish_section = std::move(*section);
   }
+
+  if (const auto done = decimate(options.decimation, *merged); !done) return done.error();
 
   MergeStage stage;
   stage.report = merge_report(*merged);

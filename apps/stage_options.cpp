@@ -161,6 +161,14 @@ void add_merge_options(CLI::App& command, MergeFlags& flags) {
                    "all are filled")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  DecimationOptions& decimation = flags.options.decimation;
+  group->add_option("--faces", decimation.faces, "Decimate to this number of faces; 0: do not")
+      ->capture_default_str();
+  group
+      ->add_option("--decimation-error", decimation.max_error,
+                   "Decimate as far as the surface moves by no more than this [unit]; 0: no bound")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   add_polish_options(command, flags);
 }
 

@@ -4,6 +4,7 @@
 
 #include "apps/command.h"
 #include "apps/report.h"
+#include "fusion/decimate_mesh.h"
 #include "fusion/merge_views.h"
 #include "hybrid/polish_mesh.h"
 #include "hybrid/refine_view.h"
@@ -34,7 +35,8 @@ Result<RefineStage> refine_stage(ScanProject& project, const RefineOptions& opti
 struct MergeStageOptions {
   MergeOptions merge;
   std::optional<PolishOptions> polish = PolishOptions{};  ///< Nothing: the mesh stays as merged.
-  int threads = 0;  ///< 0: one per core; takes the place of those above.
+  DecimationOptions decimation;  ///< Asks for nothing unless told otherwise.
+  int threads = 0;               ///< 0: one per core; takes the place of those above.
 };
 struct MergeStage {
   TriangleMesh mesh;
