@@ -1,19 +1,11 @@
 #include "registration/align_views.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <map>
-
-#include "registration/robust.h"
-#include "registration/search_schedule.h"
 
 namespace relief {
 
 namespace {
-
-// A pair that deviates by this many times the median of all pairs is uncommon.
-constexpr double kCommonRms = 2.0;
 
 std::string invalid_option(const AlignOptions& options) {
   const auto& refinement = options.refinement;
@@ -98,27 +90,18 @@ std::string reason_not_aligned(const std::vector<RangeView>& views,
   return "its group overlaps no view of the main group; it is aligned only to " + partners;
 }
 
-// Views that were refined but fit none of those they seem to overlap: even the best of their pairs
-// deviates by more than the data explains and by far more than is common.
-std::vector<bool> find_misfits(const std::vector<ViewSurface>& surfaces,
-                               const std::vector<ViewRole>& roles, const JointRefinement& refined) {
-  std::vector<double> all, best(surfaces.size(), std::numeric_limits<double>::infinity());
-  std::vector<double> plausible(surfaces.size(), 0.0);
+// Views that were refined but fit none of those they seem to overlap: all their pairs are misfits.
+std::vector<bool> find_misfits(const std::vector<ViewRole>& roles, const JointRefinement& refined) {
+  std::vector<bool> paired(roles.size(), false), fits(roles.size(), false);
   for (const auto& pair : refined.pairs) {
-    const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
-    const double limit =
-        largest_plausible_rms(std::max(a.spacing(), b.spacing()), std::hypot(a.noise(), b.noise()));
-    all.push_back(pair.rms);
     for (const std::size_t i : {pair.a, pair.b}) {
-      best[i] = std::min(best[i], pair.rms);
-      plausible[i] = std::max(plausible[i], limit);
+      paired[i] = true;
+      if (pair.grade != PairGrade::kMisfit) fits[i] = true;
     }
   }
-  const double common = kCommonRms * quantile(all, 0.5);
-  std::vector<bool> misfits(surfaces.size(), false);
-  for (std::size_t i = 0; i < surfaces.size(); ++i)
-    misfits[i] = std::isfinite(best[i]) && roles[i] == ViewRole::kFree &&
-                 best[i] > std::max(plausible[i], common);
+  std::vector<bool> misfits(roles.size());
+  for (std::size_t i = 0; i < roles.size(); ++i)
+    misfits[i] = paired[i] && !fits[i] && roles[i] == ViewRole::kFree;
   return misfits;
 }
 
@@ -132,7 +115,7 @@ Result<JointRefinement> refine_without_misfits(const std::vector<ViewSurface>& s
   for (;;) {
     auto refined = refine_jointly(surfaces, poses, roles, options, progress);
     if (!refined) return refined;
-    const auto misfits = find_misfits(surfaces, roles, *refined);
+    const auto misfits = find_misfits(roles, *refined);
     if (std::find(misfits.begin(), misfits.end(), true) == misfits.end()) return refined;
     for (std::size_t i = 0; i < roles.size(); ++i)
       if (misfits[i]) roles[i] = ViewRole::kExcluded;

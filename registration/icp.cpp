@@ -32,7 +32,7 @@ NormalTerms match_normals_both_ways(const ViewSurface& source, const ViewSurface
   terms.matches = match_normals(source, target, target_from_source, forward, level);
   const auto others = match_normals(target, source, target_from_source.inverse(), backward, level);
   for (const NormalMatch& match : others.items)
-    terms.matches.items.push_back(match.reversed(target_from_source));
+    terms.matches.items.push_back(match.moved(target_from_source).reversed());
   terms.matches.sigma = std::max(terms.matches.sigma, others.sigma);
   terms.matches.redundancy = std::max(terms.matches.redundancy, others.redundancy);
   terms.matches.effective_sigma = std::max(terms.matches.effective_sigma, others.effective_sigma);
@@ -76,13 +76,12 @@ Matches match_both_ways(const ViewSurface& source, const ViewSurface& target,
 }
 
 std::vector<SearchLevel> levels_for(const ViewSurface& source, const ViewSurface& target,
-                                    const IcpOptions& options) {
+                                    const IcpOptions& options, int signal_levels) {
   const double spacing = std::max(source.spacing(), target.spacing());
   const double noise = std::hypot(source.noise(), target.noise());
   SearchScheduleOptions schedule;
   schedule.levels = options.levels;
-  if (options.normal_maps)
-    schedule.signal_levels = std::min(source.signal_levels(), target.signal_levels());
+  schedule.signal_levels = signal_levels;
   schedule.correspondences = options.correspondences;
   schedule.first_distance = options.search_distance > 0.0
                                 ? options.search_distance
@@ -90,6 +89,27 @@ std::vector<SearchLevel> levels_for(const ViewSurface& source, const ViewSurface
   schedule.last_distance = finest_search_distance(spacing, noise);
   schedule.tolerance = options.tolerance * std::min(source.spacing(), target.spacing());
   return search_schedule(schedule);
+}
+
+CorrespondenceOptions search_at(const SearchLevel& level, const IcpOptions& options) {
+  CorrespondenceOptions search;
+  search.count = level.count;
+  search.max_distance = level.max_distance;
+  search.max_normal_angle_deg = options.max_normal_angle_deg;
+  search.association = options.association;
+  return search;
+}
+
+// Resolutions of the normal maps to align: none where geometry holds the pair.
+int signal_levels_for(const ViewSurface& source, const ViewSurface& target,
+                      const RigidMotion& target_from_source, const IcpOptions& options,
+                      double threshold) {
+  const int levels = std::min(source.signal_levels(), target.signal_levels());
+  if (!options.normal_maps || levels == 0) return 0;
+  const auto first = levels_for(source, target, options, 0).front();
+  const auto matches =
+      match_both_ways(source, target, target_from_source, search_at(first, options), -1);
+  return slides_nearly(analyse_stability(matches.pairs), threshold) ? levels : 0;
 }
 
 // How far `step` (in the target's frame) moves a point of the source at most.
@@ -118,21 +138,18 @@ IcpResult align_pair(const ViewSurface& source, const ViewSurface& target,
   IcpResult result;
   result.target_from_source = target_from_source;
   if (source.samples().empty() || target.samples().empty()) return result;
+  if (!(std::max(source.spacing(), target.spacing()) > 0.0)) return result;
   const double threshold =
       stiffness_threshold(std::max(source.normal_noise(), target.normal_noise()));
-  const bool use_normals =
-      options.normal_maps && source.signal_levels() > 0 && target.signal_levels() > 0;
+  const int signal_levels =
+      signal_levels_for(source, target, target_from_source, options, threshold);
   PlaneStep step;
-  for (const SearchLevel& level : levels_for(source, target, options)) {
-    CorrespondenceOptions search;
-    search.count = level.count;
-    search.max_distance = level.max_distance;
-    search.max_normal_angle_deg = options.max_normal_angle_deg;
-    search.association = options.association;
+  for (const SearchLevel& level : levels_for(source, target, options, signal_levels)) {
+    const CorrespondenceOptions search = search_at(level, options);
     result.termination = IcpTermination::kIterationLimit;
     for (int i = 0; i < options.max_iterations; ++i) {
       const Matches matches = match_both_ways(source, target, result.target_from_source, search,
-                                              use_normals ? level.signal_level : -1);
+                                              signal_levels > 0 ? level.signal_level : -1);
       result.correspondences = matches.pairs.size();
       result.overlap = matches.overlap;
       result.rms = matches.rms;

@@ -15,9 +15,15 @@ namespace relief {
 namespace {
 
 constexpr double kSearchRadii = 0.2;
+// Of all pairs at a time, some two thirds of a kilobyte each; and of one direction of a pair.
+constexpr std::size_t kMostCorrespondences = 2'000'000;
+constexpr std::size_t kFewestCorrespondences = 60;
+// Pairs that share fewer samples or less of the views than this are thin.
+constexpr double kThinSamples = 200.0;
+constexpr double kThinOverlap = 0.1;
 
 std::vector<SearchLevel> levels_for(const std::vector<ViewSurface>& surfaces,
-                                    const JointRefinementOptions& options) {
+                                    const JointRefinementOptions& options, int signal_levels) {
   std::vector<double> spacings, noises, radii;
   for (const auto& surface : surfaces) {
     if (surface.samples().empty()) continue;
@@ -27,6 +33,7 @@ std::vector<SearchLevel> levels_for(const std::vector<ViewSurface>& surfaces,
   }
   SearchScheduleOptions schedule;
   schedule.levels = options.levels;
+  schedule.signal_levels = signal_levels;
   schedule.correspondences = options.correspondences;
   schedule.first_distance =
       options.search_distance > 0.0 ? options.search_distance : kSearchRadii * quantile(radii, 0.5);
@@ -54,13 +61,48 @@ std::vector<ViewPair> pairs_at(const std::vector<ViewSurface>& surfaces,
   return pairs;
 }
 
-// Both directions of every pair: (a, b) at 2k, (b, a) at 2k + 1.
+// Hundreds of views have thousands of pairs: each then needs fewer, for the same number per view.
+int correspondences_per_direction(const SearchLevel& level, std::size_t pairs) {
+  const std::size_t share = kMostCorrespondences / std::max<std::size_t>(1, 2 * pairs);
+  return std::min(level.count, static_cast<int>(std::max(share, kFewestCorrespondences)));
+}
+
+double slip_threshold(const ViewSurface& a, const ViewSurface& b) {
+  return stiffness_threshold(std::max(a.normal_noise(), b.normal_noise()));
+}
+
+Stability stability_of(const Correspondences& found) {
+  std::vector<OrientedPoint> points;
+  points.reserve(found.items.size());
+  for (const auto& c : found.items) points.push_back({c.target.point, c.target.normal});
+  return analyse_stability(points);
+}
+
+// The normal maps at the correspondences of a directed pair, without an opinion on motions that
+// neither they nor geometry determine.
+NormalMatches normals_of(const std::vector<ViewSurface>& surfaces, const DirectedMatches& directed,
+                         const RigidMotion& target_from_source, int signal_level) {
+  const ViewSurface &source = surfaces[directed.source], &target = surfaces[directed.target];
+  auto normals = match_normals(source, target, target_from_source, directed.found, signal_level);
+  if (normals.items.empty()) return normals;
+  const double threshold = slip_threshold(source, target);
+  const Stability stability =
+      with_normal_maps(stability_of(directed.found), normals,
+                       directed.found.sigma / normals.effective_sigma, threshold);
+  for (const auto& free : degenerate_directions(stability, threshold))
+    ignore_motion(free.motion, free.centre, normals);
+  return normals;
+}
+
+// Both directions of every pair: (a, b) at 2k, (b, a) at 2k + 1. The normal maps are matched where
+// either view is `sliding`.
 std::vector<DirectedMatches> match(const std::vector<ViewSurface>& surfaces,
                                    const std::vector<RigidMotion>& world_from_view,
                                    const std::vector<ViewPair>& pairs, const SearchLevel& level,
-                                   const JointRefinementOptions& options) {
+                                   const JointRefinementOptions& options,
+                                   const std::vector<bool>& sliding) {
   CorrespondenceOptions search;
-  search.count = level.count;
+  search.count = correspondences_per_direction(level, pairs.size());
   search.max_distance = level.max_distance;
   search.max_normal_angle_deg = options.max_normal_angle_deg;
   search.association = options.association;
@@ -74,9 +116,54 @@ std::vector<DirectedMatches> match(const std::vector<ViewSurface>& surfaces,
           world_from_view[directed.target].inverse() * world_from_view[directed.source];
       directed.found = find_correspondences(surfaces[directed.source], surfaces[directed.target],
                                             target_from_source, search);
+      if (sliding[directed.source] || sliding[directed.target])
+        directed.normals = normals_of(surfaces, directed, target_from_source, level.signal_level);
     }
   });
   return matches;
+}
+
+// Views that all their correspondences together hardly hold, and that have normal maps: geometry
+// that holds a view well needs no help from maps, whose errors are less well known.
+std::vector<bool> sliding_views(const std::vector<ViewSurface>& surfaces,
+                                const std::vector<RigidMotion>& world_from_view,
+                                const std::vector<DirectedMatches>& matches) {
+  std::vector<std::vector<OrientedPoint>> points(surfaces.size());
+  for (const auto& directed : matches) {
+    const RigidMotion& pose = world_from_view[directed.target];
+    for (const auto& c : directed.found.items)
+      for (const std::size_t view : {directed.source, directed.target})
+        points[view].push_back({pose * c.target.point, pose.linear() * c.target.normal});
+  }
+  std::vector<bool> sliding(surfaces.size());
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    sliding[i] = surfaces[i].signal_levels() > 0 && !points[i].empty() &&
+                 slides_nearly(analyse_stability(points[i]),
+                               stiffness_threshold(surfaces[i].normal_noise()));
+  return sliding;
+}
+
+// How to search, coarse to fine, and for which views by normal maps too.
+struct SearchPlan {
+  std::vector<SearchLevel> levels;
+  std::vector<bool> sliding;
+};
+
+SearchPlan plan_search(const std::vector<ViewSurface>& surfaces,
+                       const std::vector<RigidMotion>& world_from_view,
+                       const std::vector<ViewRole>& roles, const JointRefinementOptions& options) {
+  SearchPlan plan{levels_for(surfaces, options, 0), std::vector<bool>(surfaces.size(), false)};
+  int signal_levels = 0;
+  for (const auto& surface : surfaces)
+    signal_levels = std::max(signal_levels, surface.signal_levels());
+  if (signal_levels == 0) return plan;
+  const auto pairs = pairs_at(surfaces, world_from_view, roles, plan.levels.front(), options);
+  const auto matches =
+      match(surfaces, world_from_view, pairs, plan.levels.front(), options, plan.sliding);
+  plan.sliding = sliding_views(surfaces, world_from_view, matches);
+  if (std::find(plan.sliding.begin(), plan.sliding.end(), true) != plan.sliding.end())
+    plan.levels = levels_for(surfaces, options, signal_levels);
+  return plan;
 }
 
 // The gauge: one held view in every group that has none.
@@ -112,6 +199,7 @@ PairFit fit_of(const std::vector<ViewSurface>& surfaces,
   fit.b = forward.target;
   fit.overlap = 0.5 * (forward.found.overlap() + backward.found.overlap());
   std::vector<OrientedPoint> points;
+  NormalMatches normals;
   double squares = 0.0;
   for (const auto* directed : {&forward, &backward}) {
     const RigidMotion& pose = world_from_view[directed->target];
@@ -119,13 +207,38 @@ PairFit fit_of(const std::vector<ViewSurface>& surfaces,
       squares += c.distance * c.distance;
       points.push_back({pose * c.target.point, pose.linear() * c.target.normal});
     }
+    for (const auto& match : directed->normals.items) normals.items.push_back(match.moved(pose));
+    normals.effective_sigma = std::max(normals.effective_sigma, directed->normals.effective_sigma);
+    normals.redundancy = std::max(normals.redundancy, directed->normals.redundancy);
   }
   fit.correspondences = points.size();
   if (!points.empty()) fit.rms = std::sqrt(squares / static_cast<double>(points.size()));
-  const double noise = std::max(surfaces[fit.a].normal_noise(), surfaces[fit.b].normal_noise());
-  fit.degenerate_directions =
-      degenerate_directions(analyse_stability(points), stiffness_threshold(noise));
+  const double threshold = slip_threshold(surfaces[fit.a], surfaces[fit.b]);
+  Stability stability = analyse_stability(points);
+  if (!normals.items.empty())
+    stability = with_normal_maps(
+        stability, normals,
+        std::max(forward.found.sigma, backward.found.sigma) / normals.effective_sigma, threshold);
+  fit.normal_maps = !normals.items.empty();
+  fit.degenerate_directions = degenerate_directions(stability, threshold);
   return fit;
+}
+
+// In the order of what matters most about a pair.
+PairGrade grade_of(const PairFit& fit, double shared_samples, double largest_rms) {
+  if (fit.rms > largest_rms) return PairGrade::kMisfit;
+  if (fit.overlap < kThinOverlap || shared_samples < kThinSamples) return PairGrade::kThin;
+  return fit.degenerate_directions.empty() ? PairGrade::kFirm : PairGrade::kSlides;
+}
+
+void grade_pairs(const std::vector<ViewSurface>& surfaces, std::vector<PairFit>& pairs) {
+  const auto limits = largest_fitting_rms(surfaces, pairs);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    PairFit& fit = pairs[i];
+    const std::size_t samples =
+        std::min(surfaces[fit.a].samples().size(), surfaces[fit.b].samples().size());
+    fit.grade = grade_of(fit, fit.overlap * static_cast<double>(samples), limits[i]);
+  }
 }
 
 void describe_fit(const std::vector<ViewSurface>& surfaces,
@@ -138,11 +251,27 @@ void describe_fit(const std::vector<ViewSurface>& surfaces,
     squares += fit.rms * fit.rms * static_cast<double>(fit.correspondences);
     count += fit.correspondences;
   }
+  grade_pairs(surfaces, result.pairs);
   if (count > 0) result.rms = std::sqrt(squares / static_cast<double>(count));
   result.pose_std = pose_deviations(surfaces, matches, result.held, result.world_from_view);
 }
 
 }  // namespace
+
+std::vector<double> largest_fitting_rms(const std::vector<ViewSurface>& surfaces,
+                                        const std::vector<PairFit>& pairs) {
+  // A pair that deviates by this many times the median of all pairs is uncommon.
+  constexpr double kCommonRms = 2.0;
+  std::vector<double> all, limits;
+  for (const auto& pair : pairs) all.push_back(pair.rms);
+  const double common = kCommonRms * quantile(all, 0.5);
+  for (const auto& pair : pairs) {
+    const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
+    limits.push_back(std::max(common, largest_plausible_rms(std::max(a.spacing(), b.spacing()),
+                                                            std::hypot(a.noise(), b.noise()))));
+  }
+  return limits;
+}
 
 Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
                                        const std::vector<RigidMotion>& world_from_view,
@@ -155,11 +284,12 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   result.group = connected_groups(surfaces.size(), {});
   result.held = hold_one_per_group(result.group, roles);
   result.pose_std.assign(surfaces.size(), RigidTangent::Zero());
-  const bool any_samples = std::any_of(surfaces.begin(), surfaces.end(),
-                                       [](const auto& s) { return !s.samples().empty(); });
+  const bool any_samples = std::any_of(surfaces.begin(), surfaces.end(), [](const auto& s) {
+    return !s.samples().empty() && s.spacing() > 0.0;
+  });
   if (!any_samples) return result;
 
-  const auto levels = levels_for(surfaces, options);
+  const auto [levels, sliding] = plan_search(surfaces, world_from_view, roles, options);
   std::vector<ViewPair> pairs;
   for (std::size_t l = 0; l < levels.size(); ++l) {
     pairs = pairs_at(surfaces, result.world_from_view, roles, levels[l], options);
@@ -171,7 +301,8 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
       const double fraction = (l + static_cast<double>(i) / options.max_iterations) / levels.size();
       if (!report_progress(progress, fraction, "refining poses"))
         return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-      const auto matches = match(surfaces, result.world_from_view, pairs, levels[l], options);
+      const auto matches =
+          match(surfaces, result.world_from_view, pairs, levels[l], options, sliding);
       const auto before = result.world_from_view;
       solve_poses(surfaces, matches, result.held, {}, result.world_from_view);
       ++result.iterations;
@@ -187,9 +318,24 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
     result.group = connected_groups(surfaces.size(), {});
     return result;
   }
-  describe_fit(surfaces, match(surfaces, result.world_from_view, pairs, levels.back(), options),
+  describe_fit(surfaces,
+               match(surfaces, result.world_from_view, pairs, levels.back(), options, sliding),
                result);
   return result;
+}
+
+std::string_view to_string(PairGrade grade) {
+  switch (grade) {
+    case PairGrade::kFirm:
+      return "firm";
+    case PairGrade::kSlides:
+      return "slides";
+    case PairGrade::kThin:
+      return "thin";
+    case PairGrade::kMisfit:
+      return "misfit";
+  }
+  return "unknown";
 }
 
 std::string_view to_string(RefinementTermination termination) {

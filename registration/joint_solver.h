@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "registration/correspondences.h"
+#include "registration/normal_matches.h"
 #include "registration/view_surface.h"
 #include "scan/rigid_motion.h"
 
@@ -15,15 +16,16 @@ namespace relief {
 struct DirectedMatches {
   std::size_t source = 0, target = 0;
   Correspondences found;
+  NormalMatches normals;  ///< Of `found`; empty where they would add little.
 };
 
 struct JointSolverOptions {
   int max_iterations = 2;  ///< Levenberg-Marquardt steps; few, when correspondences are renewed.
 };
 
-/// One minimisation of (R3) over all poses with fixed correspondences: Levenberg-Marquardt with the
-/// Cauchy loss and a sparse Cholesky factorisation. Poses with `fixed` are not touched. Same bytes
-/// always: it runs in one thread.
+/// One minimisation of (R3) and (R9) over all poses with fixed correspondences: Levenberg-Marquardt
+/// with the Cauchy loss and a sparse Cholesky factorisation. Poses with `fixed` are not touched.
+/// Same bytes always: it runs in one thread.
 void solve_poses(const std::vector<ViewSurface>& surfaces,
                  const std::vector<DirectedMatches>& matches, const std::vector<bool>& fixed,
                  const JointSolverOptions& options, std::vector<RigidMotion>& world_from_view);

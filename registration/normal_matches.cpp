@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Dense>
 
@@ -20,6 +22,8 @@ constexpr double kMaxSigmas = 4.0;
 constexpr double kSignificant = 5.0;
 constexpr double kLeastCorrelation = 0.3;
 
+constexpr double kNearlySliding = 16.0;  // Stiffnesses are squared slopes.
+constexpr int kPatch = 32;               // [pixels]
 // Cells that enter one value and its derivatives to equal parts.
 constexpr double kCellsOfAMatch = 4.0;
 
@@ -53,15 +57,22 @@ double deviation(const std::vector<NormalMatch>& items) {
   return std::max(robust_sigma(std::move(residuals)), kLeastSigma);
 }
 
-// Means over areas in which `density` matches per pixel share an error are no better for the many.
-double effective_deviation(double sigma, double density, const ViewSurface& source,
-                           const ViewSurface& target) {
-  double variance = sigma * sigma;
-  for (const ViewSurface* surface : {&source, &target}) {
-    const NormalBias& bias = surface->signal_bias();
-    variance += bias.deviation * bias.deviation * std::max(0.0, bias.area * density - 1.0);
+// By how much the mean of residuals varies more than if they were independent, found from the sums
+// over patches of the target's map: what neighbours have in common is no relief, or already known.
+double shared_variance(const std::vector<NormalMatch>& items, const Correspondences& matched) {
+  std::map<std::pair<int, int>, Eigen::Vector3d> sums;
+  double squares = 0.0;
+  for (const NormalMatch& match : items) {
+    const Eigen::Vector2d& pixel = matched.items[match.correspondence].target.pixel;
+    const Eigen::Vector3d difference = match.basis * match.residual;
+    const std::pair patch(static_cast<int>(pixel.x()) / kPatch,
+                          static_cast<int>(pixel.y()) / kPatch);
+    sums.try_emplace(patch, Eigen::Vector3d::Zero()).first->second += difference;
+    squares += difference.squaredNorm();
   }
-  return std::sqrt(variance);
+  double shared = 0.0;
+  for (const auto& [patch, sum] : sums) shared += sum.squaredNorm();
+  return squares > 0.0 ? std::max(1.0, shared / squares) : 1.0;
 }
 
 // The derivatives of one residual that either view gives, in the basis of a Stability and its unit.
@@ -132,13 +143,18 @@ Vector6d NormalMatch::derivative(int k, const Gradient& gradient,
   return j;
 }
 
-NormalMatch NormalMatch::reversed(const RigidMotion& motion) const {
+NormalMatch NormalMatch::moved(const RigidMotion& motion) const {
   NormalMatch other = *this;
   other.point = motion * point;
   other.normal = motion.linear() * normal;
   other.basis = motion.linear() * basis;
   other.source_gradient = motion.linear() * source_gradient;
   other.target_gradient = motion.linear() * target_gradient;
+  return other;
+}
+
+NormalMatch NormalMatch::reversed() const {
+  NormalMatch other = *this;
   other.residual = -residual;
   return other;
 }
@@ -149,9 +165,12 @@ NormalMatches match_normals(const ViewSurface& source, const ViewSurface& target
   NormalMatches matches;
   if (level >= source.signal_levels() || level >= target.signal_levels()) return matches;
   const Eigen::Matrix3d rotation = target_from_source.linear();
-  for (const Correspondence& c : correspondences.items)
-    if (const auto match = match_at(source, target, rotation, c, level))
-      matches.items.push_back(*match);
+  for (std::size_t i = 0; i < correspondences.items.size(); ++i) {
+    auto match = match_at(source, target, rotation, correspondences.items[i], level);
+    if (!match) continue;
+    match->correspondence = i;
+    matches.items.push_back(*match);
+  }
   matches.sigma = deviation(matches.items);
   const double limit = kMaxSigmas * matches.sigma;
   std::erase_if(matches.items, [&](const NormalMatch& match) {
@@ -160,7 +179,8 @@ NormalMatches match_normals(const ViewSurface& source, const ViewSurface& target
   const double density = static_cast<double>(matches.items.size()) /
                          (correspondences.overlap() * static_cast<double>(source.samples().size()));
   matches.redundancy = std::max(1.0, kCellsOfAMatch * std::ldexp(density, 2 * level));
-  matches.effective_sigma = effective_deviation(matches.sigma, density, source, target);
+  matches.effective_sigma =
+      matches.sigma * std::sqrt(shared_variance(matches.items, correspondences));
   return matches;
 }
 
@@ -174,11 +194,30 @@ Stability with_normal_maps(const Stability& geometric, const NormalMatches& matc
   result.directions.leftCols(free) = geometric.directions.leftCols(free) * turned;
   for (Eigen::Index i = 0; i < free; ++i) {
     const Eigen::VectorXd direction = turned.col(i);
-    result.stiffness[i] = direction.cwiseAbs2().dot(geometric.stiffness.head(free)) +
-                          significant_agreement(rows, matches.redundancy, direction) /
-                              static_cast<double>(matches.items.size());
+    result.stiffness[i] = direction.cwiseAbs2().dot(geometric.stiffness.head(free));
+    const double agreement = significant_agreement(rows, matches.redundancy, direction);
+    // What agrees beyond chance holds, however little of it there is.
+    if (agreement > 0.0)
+      result.stiffness[i] +=
+          std::max(threshold, agreement / static_cast<double>(matches.items.size()));
   }
   return sorted(result);
+}
+
+bool slides_nearly(const Stability& geometric, double threshold) {
+  return geometric.stiffness[0] < kNearlySliding * threshold;
+}
+
+void ignore_motion(const RigidTangent& motion, const Eigen::Vector3d& centre,
+                   NormalMatches& matches) {
+  for (NormalMatch& match : matches.items) {
+    const Eigen::Vector3d shift = motion.head<3>().cross(match.point - centre) + motion.tail<3>();
+    const double square = shift.squaredNorm();
+    if (!(square > 0.0)) continue;
+    for (auto* gradient : {&match.source_gradient, &match.target_gradient})
+      for (int k = 0; k < 2; ++k)
+        gradient->col(k) += match.derivative(k, *gradient, centre).dot(motion) / square * shift;
+  }
 }
 
 }  // namespace relief

@@ -22,16 +22,19 @@ struct NormalMatch {
   /// g_1, g_2: derivatives of the normal's components along `basis` by the position, as either view
   /// has them [rad/unit]. Their noise is independent.
   Eigen::Matrix<double, 3, 2> source_gradient, target_gradient;
-  Eigen::Vector2d residual;  ///< r at the pose of the search [rad].
-  double weight = 1.0;       ///< Of the correspondence.
+  Eigen::Vector2d residual;        ///< r at the pose of the search [rad].
+  double weight = 1.0;             ///< Of the correspondence.
+  std::size_t correspondence = 0;  ///< Its index in what was matched.
 
   /// The mean of both views' gradients: less noise than either.
   Eigen::Matrix<double, 3, 2> gradient() const { return 0.5 * (source_gradient + target_gradient); }
   /// The derivative of residual k by a tangent (w, v) about `centre`, with either gradient.
   Vector6d derivative(int k, const Eigen::Matrix<double, 3, 2>& gradient,
                       const Eigen::Vector3d& centre) const;
-  /// The same in a frame reached by `motion`, for motions of the target instead of the source.
-  NormalMatch reversed(const RigidMotion& motion) const;
+  /// The same in a frame reached by `motion`.
+  NormalMatch moved(const RigidMotion& motion) const;
+  /// The same for motions of the target instead of the source.
+  NormalMatch reversed() const;
 };
 
 struct NormalMatches {
@@ -56,5 +59,14 @@ NormalMatches match_normals(const ViewSurface& source, const ViewSurface& target
 /// surface. Directions in which the agreement is not significant stay as they are.
 Stability with_normal_maps(const Stability& geometric, const NormalMatches& matches,
                            double length_per_angle, double threshold);
+
+/// Whether a surface slides so nearly that its normal maps should be aligned too: some motion is
+/// held no better than by slopes of four times those that `threshold` stands for.
+bool slides_nearly(const Stability& geometric, double threshold);
+
+/// Makes the matches indifferent to a motion (w, v) about `centre` that they do not determine: the
+/// gradients along it become those of a surface without relief.
+void ignore_motion(const RigidTangent& motion, const Eigen::Vector3d& centre,
+                   NormalMatches& matches);
 
 }  // namespace relief

@@ -21,13 +21,6 @@ struct NormalEquations {
   }
 };
 
-std::vector<OrientedPoint> oriented_points(const std::vector<PlanePair>& pairs) {
-  std::vector<OrientedPoint> points;
-  points.reserve(pairs.size());
-  for (const auto& pair : pairs) points.push_back({pair.fixed, pair.normal});
-  return points;
-}
-
 // Tangents scaled so that rotations and translations weigh alike: translation in radii.
 NormalEquations linearise(const std::vector<PlanePair>& pairs, IcpObjective objective,
                           const Stability& about) {
@@ -129,10 +122,17 @@ RigidMotion motion_of(const Vector6d& x, IcpObjective objective, double radius) 
 
 }  // namespace
 
+Stability analyse_stability(const std::vector<PlanePair>& pairs) {
+  std::vector<OrientedPoint> points;
+  points.reserve(pairs.size());
+  for (const auto& pair : pairs) points.push_back({pair.fixed, pair.normal});
+  return analyse_stability(points);
+}
+
 PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, const NormalTerms& normals,
                            IcpObjective objective, double threshold) {
   PlaneStep step;
-  step.stability = with_normal_maps(analyse_stability(oriented_points(pairs)), normals.matches,
+  step.stability = with_normal_maps(analyse_stability(pairs), normals.matches,
                                     normals.length_per_angle, threshold);
   // The symmetric objective's first parameter is half the rotation.
   Vector6d per_parameter = Vector6d::Ones();

@@ -28,6 +28,9 @@ struct NormalTerms {
   double length_per_angle = 0.0;
 };
 
+/// How firmly the geometry of `pairs` holds a motion.
+Stability analyse_stability(const std::vector<PlanePair>& pairs);
+
 /// One linearised least-squares step of pairwise alignment.
 struct PlaneStep {
   RigidMotion motion = RigidMotion::Identity();  ///< To apply to the moving points.

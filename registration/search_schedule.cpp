@@ -17,7 +17,7 @@ constexpr int kHalvings = 2;
 
 std::vector<SearchLevel> search_schedule(const SearchScheduleOptions& options) {
   assert(options.levels >= 1 && options.correspondences > 0);
-  assert(options.first_distance > 0.0 && options.last_distance > 0.0);
+  assert(options.first_distance >= 0.0 && options.last_distance > 0.0);
   const double first = std::max(options.first_distance, options.last_distance);
   const double ratio = options.last_distance / first;
   const int levels = std::max(ratio < 1.0 ? options.levels : 1, options.signal_levels);

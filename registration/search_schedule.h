@@ -15,7 +15,7 @@ struct SearchLevel {
 struct SearchScheduleOptions {
   int levels = 3;               ///< >= 1.
   int correspondences = 2000;   ///< At the finest level; half as many at each coarser one. >= 6.
-  double first_distance = 0.0;  ///< Search distance of the coarsest level [unit]; > 0.
+  double first_distance = 0.0;  ///< Of the coarsest level [unit]; at least the last.
   double last_distance = 0.0;   ///< Of the finest [unit]; > 0.
   double tolerance = 0.0;       ///< Of the finest level [unit]; > 0.
   /// Resolutions of the normal maps; more of them than `levels` make as many levels. 0: no maps.

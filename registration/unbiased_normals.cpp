@@ -97,17 +97,13 @@ Eigen::Vector3d without_bias(const Eigen::Vector3d& normal, const EdgeSum& along
 
 }  // namespace
 
-UnbiasedNormals unbiased_normals(const RangeView& view, const GridEdges& edges,
-                                 const UnbiasedNormalOptions& options) {
-  UnbiasedNormals result;
-  result.normals =
-      Grid<Eigen::Vector3f>(view.width(), view.height(),
-                            Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
+Grid<Eigen::Vector3f> unbiased_normals(const RangeView& view, const GridEdges& edges,
+                                       const UnbiasedNormalOptions& options) {
+  Grid<Eigen::Vector3f> result(view.width(), view.height(),
+                               Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
   if (!view.has_normals()) return result;
   const int radius = radius_for(options);
-  const double side = 2.0 * radius + 1.0;
-  result.left.area = side * side;
-  if (options.spacing > 0.0) result.left.deviation = slope_noise(options, radius);
+  const double least = kLeastFilling * (2 * radius + 1) * (2 * radius + 1);
   const auto sums_u = cumulative_sums(view, edges, 1, 0);
   const auto sums_v = cumulative_sums(view, edges, 0, 1);
   for (int v = 0; v < view.height(); ++v) {
@@ -115,8 +111,8 @@ UnbiasedNormals unbiased_normals(const RangeView& view, const GridEdges& edges,
       if (!view.has_sample(u, v) || !view.has_normal(u, v)) continue;
       const EdgeSum along_u = window_sum(sums_u, u, v, radius);
       const EdgeSum along_v = window_sum(sums_v, u, v, radius);
-      if (std::min(along_u.count, along_v.count) < kLeastFilling * side * side) continue;
-      result.normals(u, v) =
+      if (std::min(along_u.count, along_v.count) < least) continue;
+      result(u, v) =
           without_bias(view.normals(u, v).cast<double>(), along_u, along_v).cast<float>();
     }
   }

@@ -16,22 +16,11 @@ struct UnbiasedNormalOptions {
   double spacing = 0.0;  ///< Of the samples [unit].
 };
 
-/// What is left of the bias: errors of `deviation` [rad], alike over `area` pixels.
-struct NormalBias {
-  double deviation = 0.0;
-  double area = 1.0;
-};
-
-struct UnbiasedNormals {
-  Grid<Eigen::Vector3f> normals;
-  NormalBias left;
-};
-
 /// The measured normals without their smooth bias: each is turned so that over the window round it
 /// the normals explain, on average, the steps between the measured positions, (R8). What is finer
 /// than the window comes from the normals, what is coarser from the positions, as by Nehab et al.
 /// (2005), section 4.1. NaN where a view has no normal or the window hardly any sample.
-UnbiasedNormals unbiased_normals(const RangeView& view, const GridEdges& edges,
-                                 const UnbiasedNormalOptions& options);
+Grid<Eigen::Vector3f> unbiased_normals(const RangeView& view, const GridEdges& edges,
+                                       const UnbiasedNormalOptions& options);
 
 }  // namespace relief

@@ -108,11 +108,8 @@ void ViewSurface::smooth_normals(const RangeView& view, const ViewSurfaceOptions
       normals_ = estimate_normals(view, edges, {.radius = radius, .threads = options.threads});
   }
   normal_noise_ = slope_noise(noise_, spacing_, radius);
-  if (options.normal_signal && view.has_normals()) {
-    auto unbiased = unbiased_normals(view, edges, {.noise = noise_, .spacing = spacing_});
-    signal_ = NormalSignal(std::move(unbiased.normals));
-    signal_bias_ = unbiased.left;
-  }
+  if (options.normal_signal && view.has_normals())
+    signal_ = NormalSignal(unbiased_normals(view, edges, {.noise = noise_, .spacing = spacing_}));
   if (options.normals == NormalSource::kMeasured && view.has_normals()) {
     for (std::size_t i = 0; i < normals_.size(); ++i)
       if (view.normals[i].allFinite()) normals_[i] = view.normals[i];

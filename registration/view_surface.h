@@ -9,7 +9,6 @@
 
 #include "registration/neighbour_index.h"
 #include "registration/normal_signal.h"
-#include "registration/unbiased_normals.h"
 #include "scan/range_view.h"
 
 namespace relief {
@@ -70,9 +69,6 @@ class ViewSurface {
   /// The normal map at a point of this surface; nothing where it has gaps.
   std::optional<SignalPoint> signal(const SurfacePoint& place, int level) const;
 
-  /// Errors of the normal map that neighbouring pixels share.
-  const NormalBias& signal_bias() const { return signal_bias_; }
-
   bool can_project() const { return camera_.can_project(); }
   /// Constant-time association: the pixel that sees `point`.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point) const {
@@ -106,7 +102,6 @@ class ViewSurface {
   Grid<Eigen::Vector3f> normals_;  // NaN where a sample is not usable.
   Grid<float> confidence_;
   NormalSignal signal_;
-  NormalBias signal_bias_;
   std::vector<std::uint32_t> samples_;
   std::unique_ptr<NeighbourIndex> index_;
   double spacing_ = 0.0, noise_ = 0.0, normal_noise_ = 0.0, radius_ = 0.0;

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "registration/icp.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief {
@@ -74,12 +75,43 @@ TEST(AlignViews, DoesNotDependOnTheThreadCount) {
   }
 }
 
-TEST(AlignViews, DoesNotDependOnWhichViewIsHeld) {
-  auto views = disturbed_ring();
-  const auto first = align_views(views);
-  views[3].pose = PoseKind::kKnown;
-  const auto third = align_views(views);
-  EXPECT_LT(largest_difference(first->world_from_view(), third->world_from_view()), 0.02);
+TEST(AlignViews, DoesNotDependOnTheOrderOfTheViewsNorOnWhichIsHeld) {
+  const auto views = disturbed_ring();
+  const auto first = align_views(views)->world_from_view();
+  auto other = views;
+  other[3].pose = PoseKind::kKnown;
+  EXPECT_LT(largest_difference(first, align_views(other)->world_from_view()), 5e-3);
+
+  constexpr std::size_t kOrder[] = {5, 2, 7, 0, 3, 6, 1, 4};
+  std::vector<RangeView> shuffled;
+  for (const std::size_t i : kOrder) shuffled.push_back(views[i]);
+  const auto found = align_views(shuffled)->world_from_view();
+  std::vector<RigidMotion> back(views.size());
+  for (std::size_t k = 0; k < views.size(); ++k) back[kOrder[k]] = found[k];
+  EXPECT_LT(largest_difference(first, back), 5e-3);
+}
+
+// ICP from view to view drifts; all pairs together close the ring.
+TEST(AlignViews, ClosesARingOf24ViewsStartedFromSequentialIcp) {
+  const auto truth = testing::ring_of_views({.views = 24, .pixels = 100});
+  auto views = perturbed(truth, Eigen::Vector3d::Zero(), 0.03, 1.0);
+  std::vector<ViewSurface> surfaces;
+  for (const auto& view : views) surfaces.emplace_back(view);
+  for (std::size_t i = 1; i < views.size(); ++i) {
+    const RigidMotion guess = truth[i - 1].world_from_view.inverse() * views[i].world_from_view;
+    const auto found = align_pair(surfaces[i], surfaces[i - 1], guess);
+    ASSERT_TRUE(found.usable());
+    views[i].world_from_view = views[i - 1].world_from_view * found.target_from_source;
+  }
+  const auto worst = [&](const std::vector<RigidMotion>& poses) {
+    const auto errors = mean_displacements(truth, poses, poses_of(truth));
+    return *std::max_element(errors.begin(), errors.end()) / sample_spacing(truth[0]);
+  };
+  const auto closed = align_views(views);
+  EXPECT_TRUE(closed->complete());
+  EXPECT_LT(worst(closed->world_from_view()), 0.1);
+  EXPECT_LT(worst(closed->world_from_view()), 0.5 * worst(poses_of(views)));
+  for (const auto& pair : closed->pairs) EXPECT_NE(pair.grade, PairGrade::kMisfit);
 }
 
 TEST(AlignViews, KeepsKnownPosesToTheBit) {

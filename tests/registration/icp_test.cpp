@@ -1,6 +1,8 @@
 #include "registration/icp.h"
 
-#include <numbers>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
 
 #include <gtest/gtest.h>
 
@@ -97,6 +99,69 @@ TEST(Icp, NeverMovesAPlaneAlongItself) {
   EXPECT_NEAR(moved.dot(normal), 0.0, 0.01);
   EXPECT_NEAR(moved.dot(across), 0.4, 0.01);
   EXPECT_GT(found.covariance.diagonal().tail<3>().maxCoeff(), 1.0);
+}
+
+// A view of the mirrored object fits no rotation of it: whatever comes out is no reflection.
+TEST(Icp, NeverReturnsAReflection) {
+  const Pair pair(0.3);
+  RangeView mirrored = pair.views[1];
+  for (int v = 0; v < mirrored.height(); ++v) {
+    for (int u = 0; u < mirrored.width(); ++u) {
+      const int other = mirrored.width() - 1 - u;
+      mirrored.range(u, v) = pair.views[1].range(other, v);
+      mirrored.normals(u, v) =
+          pair.views[1].normals(other, v).cwiseProduct(Eigen::Vector3f(-1, 1, 1));
+    }
+  }
+  const auto found = align_pair(ViewSurface(mirrored), pair.target, pair.truth());
+  EXPECT_NEAR(found.target_from_source.linear().determinant(), 1.0, 1e-12);
+}
+
+TEST(Icp, AlignsAViewWithItsDuplicate) {
+  const Pair pair(0.3);
+  const RigidMotion off(Eigen::Translation3d(0.5, -0.3, 0.2) *
+                        Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitX()));
+  const auto found = align_pair(pair.target, pair.target, off);
+  EXPECT_EQ(found.termination, IcpTermination::kConverged);
+  EXPECT_TRUE(found.target_from_source.isApprox(RigidMotion::Identity(), 1e-5));
+}
+
+TEST(Icp, OfASingleCommonSampleIsNoOverlap) {
+  const Pair pair(0.0);
+  RangeView one = pair.views[1];
+  for (int v = 0; v < one.height(); ++v)
+    for (int u = 0; u < one.width(); ++u)
+      if (std::max(std::abs(u - 80), std::abs(v - 80)) > 2) one.range(u, v) = kNoSample;
+  const ViewSurface source(one, {.boundary_margin = 2});
+  ASSERT_EQ(source.samples().size(), 1u);
+  EXPECT_FALSE(align_pair(source, pair.target, pair.truth()).usable());
+}
+
+// A million spacings from the view's own origin, as line scanners on rails have it.
+TEST(Icp, LosesNothingFarFromTheOrigin) {
+  const Camera near = Camera::orthographic(90, 90, {-45, -45, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
+  const Camera far =
+      Camera::orthographic(90, 90, {1e6 - 45, -1e6 - 45, 3e5}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
+  const auto surface = testing::bumpy_object(50.0, {0, 0, 100});
+  RangeView a = testing::render(surface, near);
+  RangeView b = testing::render(surface, near,
+                                RigidMotion(Eigen::Translation3d(0, 0, 100) *
+                                            Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()) *
+                                            Eigen::Translation3d(0, 0, -100)));
+  testing::add_range_noise(a, 0.3, 1);
+  testing::add_range_noise(b, 0.3, 2);
+  const RigidMotion guess = b.world_from_view * Eigen::Translation3d(0.8, -0.5, 0.3);
+  const auto here = align_pair(ViewSurface(b), ViewSurface(a), guess);
+  a.camera = b.camera = far;
+  const Eigen::Translation3d shift(1e6, -1e6, 3e5);
+  const auto there =
+      align_pair(ViewSurface(b), ViewSurface(a), RigidMotion(shift * guess * shift.inverse()));
+  const RigidMotion back = shift.inverse() * there.target_from_source * shift;
+  EXPECT_LT(
+      (back * Eigen::Vector3d(0, 0, 100) - here.target_from_source * Eigen::Vector3d(0, 0, 100))
+          .norm(),
+      1e-4);
+  EXPECT_LT(rotation_angle(back * here.target_from_source.inverse()), 1e-6);
 }
 
 TEST(PlaneStep, OfASmallMotionUndoesIt) {

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "registration/align_views.h"
 #include "registration/icp.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/registration/relief_views.h"
@@ -141,6 +143,30 @@ TEST(NormalMaps, DoNoHarmToAViewThatGeometryHolds) {
     EXPECT_LT(with, 1.05 * without);
     EXPECT_LT(with, 0.1);
   }
+}
+
+// Three views of a plate, all poses but the first disturbed, aligned jointly.
+TEST(NormalMaps, HoldAPlateOfThreeViewsJointly) {
+  const auto surface = testing::engraved(testing::plane({0, 0, 0}, {0, 0, 1}));
+  std::vector<RangeView> views;
+  for (const Eigen::Vector3d& at :
+       {Eigen::Vector3d(-60, -20, 0), Eigen::Vector3d(70, 50, 0), Eigen::Vector3d(10, -70, 0)})
+    views.push_back(testing::render(surface, kCamera,
+                                    testing::look_at(at + kDistance * Eigen::Vector3d::UnitZ(),
+                                                     0.2 * at, Eigen::Vector3d::UnitY())));
+  for (std::size_t i = 0; i < views.size(); ++i)
+    testing::add_flaws(views[i], {}, static_cast<std::uint32_t>(20 + i));
+  const auto truth = testing::poses_of(views);
+  const auto disturbed = testing::perturbed(views, Eigen::Vector3d::Zero(), 0.01, 1.5);
+  const auto error = [&](const AlignOptions& options) {
+    const auto aligned = align_views(disturbed, options);
+    for (const auto& pair : aligned->pairs)
+      EXPECT_EQ(pair.degenerate_directions.empty(), options.surface.normal_signal);
+    const auto errors = testing::mean_displacements(views, aligned->world_from_view(), truth);
+    return *std::max_element(errors.begin(), errors.end()) / sample_spacing(views[0]);
+  };
+  EXPECT_LT(error({}), 0.1);
+  EXPECT_GT(error({.surface = {.normal_signal = false}}), 0.5);
 }
 
 }  // namespace

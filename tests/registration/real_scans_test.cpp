@@ -1,11 +1,14 @@
 #include <algorithm>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "registration/align_views.h"
+#include "registration/icp.h"
 #include "scan/io/poses_io.h"
 #include "scan/io/project_io.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/registration/relief_views.h"
 #include "tests/support/test_data.h"
 
 namespace relief {
@@ -61,6 +64,51 @@ TEST(RealScans, TheBunnyIsFoundAgainFromFiveDegreesOff) {
   EXPECT_LT(largest(testing::mean_displacements(project->views, from_afar->world_from_view(),
                                                 from_published->world_from_view())),
             5e-6);
+}
+
+// Every other pixel of every other row, from (u, v) on: another view of the same sensor, whose
+// samples have errors of their own.
+RangeView decimated(const RangeView& view, int u0, int v0) {
+  RangeView result;
+  const int width = view.width() / 2, height = view.height() / 2;
+  const PinholeIntrinsics& full = view.camera.intrinsics();
+  result.camera = Camera::pinhole_gl(
+      width, height, {0.5 * full.fx, 0.5 * full.fy, 0.5 * (full.cx - u0), 0.5 * (full.cy - v0)});
+  result.range = Grid<double>(width, height);
+  result.normals = Grid<Eigen::Vector3f>(width, height, Eigen::Vector3f::Zero());
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      result.range(u, v) = view.range(2 * u + u0, 2 * v + v0);
+      result.normals(u, v) = view.normals(2 * u + u0, 2 * v + v0);
+    }
+  }
+  return result;
+}
+
+// The panel's relief is real, and so are its normals and the noise of its range.
+TEST(RealScans, TwoHalvesOfThePanelMeetByTheirNormalMaps) {
+  RELIEF_REQUIRE_TEST_DATA(panel, "panel");
+  ReadProjectOptions read_options;
+  read_options.fc_file = panel / "panel-small.fc";
+  const auto project = read_project(panel / "panel-small-conf.ply", read_options);
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  const RangeView& view = project->views.front();
+  ASSERT_EQ(view.camera.model(), Camera::Model::kPinholeGl);
+  const RangeView one = decimated(view, 0, 0), other = decimated(view, 1, 1);
+  const ViewSurface target(one), source(other);
+  RigidTangent offset;
+  offset << 0.01, -0.005, 0.01, 1.5 * target.spacing(), -1.0 * target.spacing(), 0.0;
+  const RigidMotion guess = Eigen::Translation3d(source.centre()) * motion_from_tangent(offset) *
+                            Eigen::Translation3d(-source.centre());
+  const auto error = [&](bool maps) {
+    const auto found = align_pair(source, target, guess, {.normal_maps = maps});
+    const double moved =
+        testing::mean_displacement(other, found.target_from_source, RigidMotion::Identity());
+    RecordProperty(maps ? "with_maps" : "without_maps", std::to_string(moved / target.spacing()));
+    return moved / target.spacing();
+  };
+  EXPECT_LT(error(true), 0.2);
+  error(false);
 }
 
 }  // namespace
