@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "apps/console.h"
+#include "apps/pair_table.h"
 #include "apps/stages.h"
 
 namespace relief {
@@ -28,6 +29,8 @@ Json pair_report(const PairFit& pair, const Alignment& alignment) {
           {"overlap", pair.overlap},
           {"rms", pair.rms},
           {"correspondences", pair.correspondences},
+          {"grade", to_string(pair.grade)},
+          {"normal_maps", pair.normal_maps},
           {"degenerate_directions", std::move(directions)}};
 }
 
@@ -43,14 +46,13 @@ Json alignment_report(const Alignment& alignment) {
   return report;
 }
 
-void log_pairs(const Alignment& alignment) {
-  for (const PairFit& pair : alignment.pairs) {
-    Console::detail(fmt::format("{} - {}: overlap {:.0f} %, {:.3g} RMS",
-                                alignment.views[pair.a].name, alignment.views[pair.b].name,
-                                100.0 * pair.overlap, pair.rms));
-    for (const DegenerateDirection& direction : pair.degenerate_directions)
-      Console::detail("  alone leaves free: " + direction.description);
-  }
+// The whole table where it can be taken in at a glance, else with -v.
+void log_pairs(const Alignment& alignment, const std::string& unit) {
+  constexpr std::size_t kShortTable = 60;
+  const auto log = alignment.pairs.size() <= kShortTable ? Console::info : Console::detail;
+  if (!alignment.pairs.empty())
+    for (const std::string& line : pair_table(alignment, unit)) log(line);
+  Console::info(count_grades(alignment));
 }
 
 }  // namespace
@@ -61,7 +63,7 @@ Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options
   if (!alignment) return alignment.error();
 
   for (const std::string& note : alignment->notes) Console::info(note);
-  log_pairs(*alignment);
+  log_pairs(*alignment, project.unit);
   std::size_t aligned = 0;
   for (std::size_t i = 0; i < project.views.size(); ++i) {
     const ViewReport& view = alignment->views[i];

@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "apps/alignment_gain.h"
 #include "apps/command.h"
 #include "apps/console.h"
 #include "apps/exit_status.h"
@@ -53,6 +54,7 @@ class Run {
     const auto stage = align_stage(project_, with_threads(command_.align));
     if (!stage) return stage.error();
     if (auto written = keep("align", stage->report); !written) return written;
+    first_alignment_ = stage->report;
     if (!stage->complete) {
       complete_ = false;
       drop_unaligned(project_, stage->report);
@@ -74,13 +76,23 @@ class Run {
 
   Result<void> align_again() {
     if (any_refined_ && project_.views.size() > 1) {
+      std::vector<RigidMotion> before;
+      for (const RangeView& view : project_.views) before.push_back(view.world_from_view);
       AlignOptions options = with_threads(command_.align);
       options.surface.normals = NormalSource::kMeasured;
-      const auto stage = align_stage(project_, options);
+      auto stage = align_stage(project_, options);
       if (!stage) return stage.error();
+      const Json gain = alignment_gain(first_alignment_, stage->report, project_.views);
+      for (const std::string& line : gain_table(gain, project_.unit)) Console::info(line);
+      stage->report["gain"] = gain;
+      if (!gain["kept"]) restore_poses(before);
       if (auto written = keep("align_again", stage->report); !written) return written;
     }
     return write_project(project_, command_.output, console_progress("write"));
+  }
+
+  void restore_poses(const std::vector<RigidMotion>& poses) {
+    for (std::size_t i = 0; i < poses.size(); ++i) project_.views[i].world_from_view = poses[i];
   }
 
   Result<void> merge() {
@@ -108,6 +120,7 @@ class Run {
 
   const RunCommand& command_;
   ScanProject project_;
+  Json first_alignment_;  // Its section of the report.
   bool complete_ = true;
   bool any_refined_ = false;
 };

@@ -102,6 +102,13 @@ void add_align_options(CLI::App& command, AlignOptions& options) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   group
+      ->add_option_function<std::string>(
+          "--normals",
+          [&options](const std::string& use) { options.surface.normal_signal = use == "auto"; },
+          "Align normal maps too: auto (where geometry slides) or off")
+      ->check(CLI::IsMember({"auto", "off"}))
+      ->default_str("auto");
+  group
       ->add_option("--max-iterations", refinement.max_iterations,
                    "Renewals of the correspondences, per level")
       ->check(CLI::PositiveNumber)
