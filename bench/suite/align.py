@@ -3,6 +3,7 @@
 import json
 import re
 
+from suite.cases import ROOT
 from suite.inputs import moved, motions_of, multiply, start_clouds
 from suite.measure import Cost, Failed, cheapest, run
 from suite.rows import not_installed, row
@@ -46,6 +47,13 @@ def open3d(mode):
     return align
 
 
+def relief_pairwise(case, folder):
+    """Two views at a time, as the peers do it; `relief align` itself never does."""
+    output = case.folder / "relief-pairwise.json"
+    cost, _ = run([PAIRWISE, case.project, folder / "clouds.json", output], case.folder / "relief-pairwise.log")
+    return cost, motions_of(output)
+
+
 def pcl(case, folder):
     """pcl_icp's default distance, 0.05, is for rooms in metres; here it is 3 % of the object's size, as for Open3D."""
     distance = 0.03 * description_of(folder)["size"]
@@ -72,6 +80,7 @@ def cloudcompare(case, folder):
     return along_tree(folder, register)
 
 
+PAIRWISE = ROOT / "build/bench/bench/relief_pairwise_icp"  # cmake --preset bench && cmake --build --preset bench
 PEERS = {"Open3D, multiway": ("Open3D", open3d("multiway")),
          "Open3D, ICP along the tree": ("Open3D", open3d("pairwise")),
          "PCL, ICP along the tree": ("PCL", pcl),
@@ -90,6 +99,9 @@ def measure(case, context):
     relief, output = context.relief, case.folder / "aligned-by-relief.json"
     peers = {name: peer for name, peer in PEERS.items() if case.slow_peers or name not in SLOW}
     installed = {name: peer for name, (program, peer) in peers.items() if context.programs.has(program)}
+    if PAIRWISE.exists():
+        peers = {"relief, ICP along the tree": ("relief", relief_pairwise), **peers}
+        installed = {"relief, ICP along the tree": relief_pairwise, **installed}
     folder = start_clouds(case, relief) if installed else None
     motions = {}
 
