@@ -25,6 +25,7 @@ class PixelErrors {
   PixelErrors(const CounterRandom& random, std::size_t pixel) : bits_(random.bits(pixel)) {}
   double range() const { return sign(0); }
   double slope(int axis) const { return sign(1 + axis); }
+  double truncation(int axis) const { return sign(3 + axis); }
 
  private:
   double sign(int bit) const { return (bits_ >> bit & 1) != 0 ? 1.0 : -1.0; }
@@ -59,9 +60,10 @@ Eigen::VectorXd perturbation(const Context& context, const MeasurementNoise& noi
     const SlopeConstraints::Axis& plane = problem.slopes.axes[a];
     const SlopeConstraints::Ends ends = problem.slopes.ends(axis, i);
     const double half_length = plane.half_length[i];
-    const double slopes =
-        PixelErrors(random, ends.at0).slope(axis) + PixelErrors(random, ends.at1).slope(axis);
-    const double weighted = context.weights.slope[a][i] * half_length * noise.sigma_normal * slopes;
+    const PixelErrors here(random, i), at0(random, ends.at0), at1(random, ends.at1);
+    const double error = half_length * noise.sigma_normal * (at0.slope(axis) + at1.slope(axis)) +
+                         plane.truncation[i] * here.truncation(axis);
+    const double weighted = context.weights.slope[a][i] * error;
     rhs[context.number[ends.tail]] += weighted * plane.tail_slope[i];
     rhs[context.number[ends.head]] -= weighted * plane.head_slope[i];
     if (!context.with_bias) return;

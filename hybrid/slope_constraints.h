@@ -30,7 +30,10 @@ struct SlopeConstraints {
     std::vector<float> step;                    ///< N . (P_head - P_tail) as measured [unit].
     std::vector<float> tail_slope, head_slope;  ///< N . d / |d| at either end, both negative.
     std::vector<float> half_length;             ///< Of the step on the surface, halved [unit].
-    std::vector<std::uint8_t> sides;            ///< Central: bit 0 reaches back, bit 1 ahead.
+    /// Standard deviation of what the compact stencil errs by even with exact normals [unit], seen
+    /// from how their turning changes along the line; zero for the central one.
+    std::vector<float> truncation;
+    std::vector<std::uint8_t> sides;  ///< Central: bit 0 reaches back, bit 1 ahead.
   };
   /// Padded indices of the two samples that a constraint moves, and of those whose normals it
   /// averages (equal for one normal).

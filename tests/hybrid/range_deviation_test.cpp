@@ -88,6 +88,17 @@ Eigen::VectorXd dense_deviation(const ViewProblem& problem, const ViewWeights& w
       });
     }
   }
+  problem.slopes.for_each([&](int axis, std::size_t i) {
+    auto column = new_column();
+    const auto ends = problem.slopes.ends(axis, i);
+    const auto& plane = problem.slopes.axes[static_cast<std::size_t>(axis)];
+    const double error = weights.slope[static_cast<std::size_t>(axis)][i] * plane.truncation[i];
+    column(number[ends.tail]) += error * plane.tail_slope[i];
+    column(number[ends.head]) -= error * plane.head_slope[i];
+    if (!with_bias) return;
+    for (const std::size_t at : {ends.at0, ends.at1})
+      column((1 + axis) * n + number[at]) += plane.half_length[i] * error;
+  });
   if (with_bias) {  // the prior's own matrix times the bias
     auto column = new_column();
     for (const Eigen::Index block : {n, 2 * n}) {
@@ -182,6 +193,36 @@ TEST(RangeDeviation, ErrorsAreAsLargeAsDeviationsSay) {
       EXPECT_GT(found.border, 0.8) << at;
       EXPECT_LT(found.border, 1.3) << at;
     }
+  }
+}
+
+// Waves along u with exact normals, `wavelength` samples long, whose slopes reach a half.
+RangeView wave_view(double wavelength) {
+  RangeView view = plane_view(64);
+  view.normals = Grid<Eigen::Vector3f>(64, 64);
+  const double k = 2.0 * std::numbers::pi / wavelength;
+  for (int v = 0; v < 64; ++v) {
+    for (int u = 0; u < 64; ++u) {
+      view.range(u, v) = 100.0 + 0.5 / k * std::sin(k * u);
+      view.normals(u, v) =
+          Eigen::Vector3d(0.5 * std::cos(k * u), 0.0, -1.0).normalized().cast<float>();
+    }
+  }
+  return view;
+}
+
+TEST(RangeDeviation, KnowsWhatTheStencilErrsByOnReliefNearTheSampling) {
+  for (const double wavelength : {4.7, 8.3, 14.9}) {
+    const RangeView view = wave_view(wavelength);
+    const ViewProblem problem =
+        make_view_problem(view, connect_samples(view), Stencil::kCompactEdge);
+    double errors = 0.0, expected = 0.0;
+    problem.slopes.for_each([&](int axis, std::size_t i) {
+      errors += std::pow(problem.slopes.axes[static_cast<std::size_t>(axis)].step[i], 2);
+      expected += std::pow(problem.slopes.axes[static_cast<std::size_t>(axis)].truncation[i], 2);
+    });
+    EXPECT_LT(errors, expected) << wavelength;
+    EXPECT_GT(errors, 0.02 * expected) << wavelength;
   }
 }
 
