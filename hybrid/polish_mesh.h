@@ -45,7 +45,9 @@ enum class PolishStatus {
 std::string_view to_string(PolishStatus status);
 
 struct PolishedMesh {
-  TriangleMesh mesh;  ///< Vertices moved and normals renewed; all else as given.
+  /// Vertices moved and normals renewed; all else as given: `quality` stays the expected error
+  /// before polishing, which polishing lowers.
+  TriangleMesh mesh;
   PolishStatus status = PolishStatus::kPolished;
   std::size_t with_normal = 0;  ///< Vertices that have a blended normal.
   double sigma_view = 0.0;      ///< Scatter of one view's normals [rad]; 0 if unknown.
