@@ -149,6 +149,8 @@ class Placing {
               double fraction) {
     PairSearchOptions options;
     options.association = options_.association;
+    PlausibleEvidence limits = options_.limits;
+    limits.max_coherent_rms = std::max(limits.max_coherent_rms, grouping_.confirmed_coherent_rms);
     constexpr std::size_t kAtOnce = 8;
     for (std::size_t begin = 0; begin < pairs.size(); begin += kAtOnce) {
       if (!go_on(fraction, "comparing views")) return false;
@@ -162,7 +164,7 @@ class Placing {
       for (std::size_t k = 0; k < count; ++k) {
         const auto [a, b] = pairs[begin + k];
         for (const auto& hypothesis : found[k])
-          if (plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits))
+          if (plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits))
             links_.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence});
       }
     }

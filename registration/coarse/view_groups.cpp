@@ -15,9 +15,10 @@ namespace relief {
 
 namespace {
 
-constexpr double kSamePlaceRadii = 0.15;   // Poses nearer than this are one, over a view's radius.
-constexpr double kCountingOverlap = 0.05;  // Pairs below say little.
-constexpr double kJoinedMisfit = 2.5;      // Allowance for poses that are joined but not refined.
+constexpr double kSamePlaceRadii = 0.15;  // Poses nearer than this are one, over a view's radius.
+constexpr double kLoopRadii = 0.04, kLoopSpacings = 4.0;  // How well loops of three close.
+constexpr double kCountingOverlap = 0.05;                 // Pairs below say little.
+constexpr double kJoinedMisfit = 2.5;  // Allowance for poses that are joined but not refined.
 
 using Motions = std::vector<RigidMotion>;
 
@@ -33,34 +34,43 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
     from[link.a].emplace_back(link.b, link.b_from_a);
     from[link.b].emplace_back(link.a, link.b_from_a.inverse());
   }
+  const auto agree = [&](const PoseLink& link, const RigidMotion& other) {
+    const ViewSurface& view = surfaces[link.a];
+    return same_pose(view, link.b_from_a, other,
+                     std::max(kLoopRadii * view.radius(), kLoopSpacings * view.spacing()));
+  };
   std::vector<int> loops(links.size(), 0);
   for (std::size_t k = 0; k < links.size(); ++k) {
     const auto& link = links[k];
     std::set<std::size_t> confirming;
     for (const auto& [c, c_from_a] : from[link.a])
       for (const auto& [end, end_from_c] : from[c])
-        if (end == link.b && same_place(surfaces[link.a], link.b_from_a, end_from_c * c_from_a))
-          confirming.insert(c);
+        if (end == link.b && agree(link, end_from_c * c_from_a)) confirming.insert(c);
     loops[k] = static_cast<int>(confirming.size());
   }
   return loops;
 }
 
-void sort_by_support(const std::vector<ViewSurface>& surfaces, double lone_overlap,
+// Best supported first, without those that are not believed.
+void sort_by_support(const std::vector<ViewSurface>& surfaces, const ViewGroupOptions& options,
                      std::vector<PoseLink>& links) {
   const auto loops = count_loops(surfaces, links);
+  const auto firm = [&](const PoseLink& link) {
+    return plausible(link.evidence, surfaces[link.a], surfaces[link.b], options.limits);
+  };
   std::vector<std::size_t> order(links.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
     const auto key = [&](std::size_t k) {
-      return std::tuple(links[k].given, !links[k].evidence.slides, loops[k] > 0,
+      return std::tuple(links[k].given, !links[k].evidence.slides, firm(links[k]), loops[k] > 0,
                         links[k].evidence.overlap);
     };
     return key(x) > key(y);
   });
   std::vector<PoseLink> sorted;
   for (const std::size_t k : order)
-    if (links[k].given || loops[k] > 0 || links[k].evidence.overlap >= lone_overlap)
+    if (links[k].given || loops[k] > 0 ||
+        (firm(links[k]) && links[k].evidence.overlap >= options.lone_overlap))
       sorted.push_back(links[k]);
   links = std::move(sorted);
 }
@@ -237,7 +247,7 @@ ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<Pose
                       const std::vector<std::optional<RigidMotion>>& known,
                       const ViewGroupOptions& options) {
   assert(known.size() == surfaces.size());
-  sort_by_support(surfaces, options.lone_overlap, links);
+  sort_by_support(surfaces, options, links);
   return Joining(surfaces, links, known, options).run();
 }
 

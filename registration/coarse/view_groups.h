@@ -24,6 +24,9 @@ struct ViewGroupOptions {
   PlausibleEvidence limits;
   /// Links that share less count only when loops of three confirm them; in (0, 1].
   double lone_overlap = 0.3;
+  /// The coherent RMS that is allowed to confirmed links [sample spacings]; above that of `limits`,
+  /// which holds for the others.
+  double confirmed_coherent_rms = 0.4;
   /// Two ways of joining are told apart when the support of the weaker is below this part of that
   /// of the stronger; in (0, 1].
   double ambiguity = 0.5;
@@ -48,7 +51,7 @@ struct ViewGroups {
   bool all_in_one() const;
 };
 
-/// Joins views by links into groups in which no view contradicts another. Small overlaps that no
+/// Joins views by links into groups in which no view contradicts another. Doubtful ones that no
 /// loop confirms are left out. Links are tried in the order of the support they have from others:
 /// given ones first, then those that close loops of three with other links, then by overlap, as a
 /// maximum spanning forest. A link joins two groups only if at the poses that follow no view of the
