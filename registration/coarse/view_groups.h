@@ -51,12 +51,12 @@ struct ViewGroups {
   bool all_in_one() const;
 };
 
-/// Joins views by links into groups in which no view contradicts another. Doubtful ones that no
-/// loop confirms are left out. Links are tried in the order of the support they have from others:
-/// given ones first, then those that close loops of three with other links, then by overlap, as a
-/// maximum spanning forest. A link joins two groups only if at the poses that follow no view of the
-/// one stands where a view of the other saw through, and only if no other link between the two
-/// groups explains the views nearly as well. `known` poses stay and share one frame from the start.
+/// Joins views by links into groups in which no view contradicts another. Doubtful links that no
+/// loop of three confirms are left out. The others are tried in the order of the support they have:
+/// given ones first, then firm ones, those that close loops, and by overlap, as a maximum spanning
+/// forest. A link joins two groups only if at the poses that follow no view of the one stands where
+/// a view of the other saw through, and only if no other link between the two groups explains the
+/// views nearly as well. `known` poses stay and share one frame from the start.
 ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<PoseLink> links,
                       const std::vector<std::optional<RigidMotion>>& known,
                       const ViewGroupOptions& options = {});
