@@ -16,6 +16,9 @@ Json view_report(const ViewReport& view) {
                  {"world_from_view", to_json(view.world_from_view)},
                  {"aligned", view.aligned},
                  {"pose_std", std::vector<double>(view.pose_std.begin(), view.pose_std.end())}};
+  Json& covariance = report["pose_covariance"] = Json::array();
+  for (const auto& row : view.pose_covariance.rowwise())
+    covariance.push_back(std::vector<double>(row.begin(), row.end()));
   if (!view.aligned) report["reason"] = view.reason;
   return report;
 }

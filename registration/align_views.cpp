@@ -131,6 +131,8 @@ void report_views(const std::vector<RangeView>& views, const std::vector<ViewSur
     report.name = views[i].name;
     report.world_from_view = refined.world_from_view[i];
     report.pose_std = refined.pose_std[i];
+    const auto row = static_cast<Eigen::Index>(6 * i);
+    report.pose_covariance = refined.pose_covariance.block<6, 6>(row, row);
     report.aligned = main[i] && roles[i] != ViewRole::kExcluded;
     if (!report.aligned)
       report.reason =

@@ -26,8 +26,9 @@ struct ViewReport {
   RigidMotion world_from_view = RigidMotion::Identity();
   /// Whether the pose is in one frame with the main group of views.
   bool aligned = false;
-  /// Standard deviation (rotation [rad], translation [unit]) about the view's centre, world axes,
-  /// relative to the held view; from the residuals as if independent.
+  /// Covariance of the pose as tangent (rotation [rad], translation [unit]) about the view's centre
+  /// in world axes, relative to the held view (R12), and the roots of its diagonal.
+  Matrix6d pose_covariance = Matrix6d::Zero();
   RigidTangent pose_std = RigidTangent::Zero();
   std::string reason;  ///< Why it is not aligned; empty when it is.
 };

@@ -42,6 +42,13 @@ std::vector<std::optional<SurfacePoint>> counterparts(const ViewSurface& target,
   return found;
 }
 
+bool associates_by_projection(const ViewSurface& target, Association association) {
+  const bool projective = association == Association::kProjective ||
+                          (association == Association::kAuto && target.can_project());
+  assert(projective ? target.can_project() : target.has_neighbour_index());
+  return projective;
+}
+
 // Adds what passes the distance and normal tests out of one batch of samples.
 void match_batch(const ViewSurface& target, const RigidMotion& target_from_source,
                  const std::vector<SurfacePoint>& batch, const CorrespondenceOptions& options,
@@ -78,22 +85,28 @@ Correspondences find_correspondences(const ViewSurface& source, const ViewSurfac
   assert(options.count > 0 && options.max_distance > 0.0);
   Correspondences found;
   if (source.samples().empty() || target.samples().empty()) return found;
-  const bool projective = options.association == Association::kProjective ||
-                          (options.association == Association::kAuto && target.can_project());
-  assert(projective ? target.can_project() : target.has_neighbour_index());
   const auto wanted = static_cast<std::size_t>(options.count);
   const std::size_t limit =
       std::min(source.samples().size(), wanted * static_cast<std::size_t>(options.tries));
-  std::vector<SurfacePoint> batch;
   while (found.tried < limit && found.items.size() < wanted) {
-    batch.clear();
     const std::size_t end = std::min(limit, found.tried + kBatch);
-    for (; found.tried < end; ++found.tried)
-      batch.push_back(source.sample(source.samples()[found.tried]));
-    match_batch(target, target_from_source, batch, options, projective, found.items);
+    append_correspondences(source, target, target_from_source, found.tried, end, options,
+                           found.items);
+    found.tried = end;
   }
   reject_distant(found, options.max_sigmas, kLeastSigma * target.spacing());
   return found;
+}
+
+void append_correspondences(const ViewSurface& source, const ViewSurface& target,
+                            const RigidMotion& target_from_source, std::size_t begin,
+                            std::size_t end, const CorrespondenceOptions& options,
+                            std::vector<Correspondence>& found) {
+  const bool projective = associates_by_projection(target, options.association);
+  std::vector<SurfacePoint> batch;
+  batch.reserve(end - begin);
+  for (std::size_t i = begin; i < end; ++i) batch.push_back(source.sample(source.samples()[i]));
+  match_batch(target, target_from_source, batch, options, projective, found);
 }
 
 double rms_distance(const std::vector<Correspondence>& correspondences) {

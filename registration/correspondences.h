@@ -57,6 +57,14 @@ Correspondences find_correspondences(const ViewSurface& source, const ViewSurfac
                                      const RigidMotion& target_from_source,
                                      const CorrespondenceOptions& options);
 
+/// The same for samples()[begin, end) of the source, appended to `found`: all of them, however
+/// their point-to-plane distances are distributed. `count`, `tries` and `max_sigmas` mean nothing
+/// here.
+void append_correspondences(const ViewSurface& source, const ViewSurface& target,
+                            const RigidMotion& target_from_source, std::size_t begin,
+                            std::size_t end, const CorrespondenceOptions& options,
+                            std::vector<Correspondence>& found);
+
 /// Root mean square of the distances [unit]; 0 for none.
 double rms_distance(const std::vector<Correspondence>& correspondences);
 

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "registration/dense_refinement.h"
 #include "registration/joint_solver.h"
 #include "registration/robust.h"
 #include "registration/search_schedule.h"
@@ -21,6 +22,10 @@ constexpr std::size_t kFewestCorrespondences = 60;
 // Pairs that share fewer samples or less of the views than this are thin.
 constexpr double kThinSamples = 200.0;
 constexpr double kThinOverlap = 0.1;
+// The last steps are precise enough to stop at less than the levels before them.
+constexpr double kFinalTolerance = 0.2;
+// Residuals of all pairs together in the last step: some ten seconds of processor time.
+constexpr std::size_t kMostLastResiduals = 50'000'000;
 
 std::vector<SearchLevel> levels_for(const std::vector<ViewSurface>& surfaces,
                                     const JointRefinementOptions& options, int signal_levels) {
@@ -94,6 +99,16 @@ NormalMatches normals_of(const std::vector<ViewSurface>& surfaces, const Directe
   return normals;
 }
 
+CorrespondenceOptions search_at(const SearchLevel& level, std::size_t pairs,
+                                const JointRefinementOptions& options) {
+  CorrespondenceOptions search;
+  search.count = correspondences_per_direction(level, pairs);
+  search.max_distance = level.max_distance;
+  search.max_normal_angle_deg = options.max_normal_angle_deg;
+  search.association = options.association;
+  return search;
+}
+
 // Both directions of every pair: (a, b) at 2k, (b, a) at 2k + 1. The normal maps are matched where
 // either view is `sliding`.
 std::vector<DirectedMatches> match(const std::vector<ViewSurface>& surfaces,
@@ -101,11 +116,7 @@ std::vector<DirectedMatches> match(const std::vector<ViewSurface>& surfaces,
                                    const std::vector<ViewPair>& pairs, const SearchLevel& level,
                                    const JointRefinementOptions& options,
                                    const std::vector<bool>& sliding) {
-  CorrespondenceOptions search;
-  search.count = correspondences_per_direction(level, pairs.size());
-  search.max_distance = level.max_distance;
-  search.max_normal_angle_deg = options.max_normal_angle_deg;
-  search.association = options.association;
+  const CorrespondenceOptions search = search_at(level, pairs.size(), options);
   std::vector<DirectedMatches> matches(2 * pairs.size());
   parallel_for(matches.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -178,19 +189,6 @@ std::vector<bool> hold_one_per_group(const std::vector<std::size_t>& group,
   return held;
 }
 
-double largest_motion(const std::vector<ViewSurface>& surfaces,
-                      const std::vector<RigidMotion>& before,
-                      const std::vector<RigidMotion>& after) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    const Eigen::Vector3d centre = surfaces[i].centre();
-    const double turn = rotation_angle(after[i] * before[i].inverse());
-    largest = std::max(
-        largest, (after[i] * centre - before[i] * centre).norm() + turn * surfaces[i].radius());
-  }
-  return largest;
-}
-
 PairFit fit_of(const std::vector<ViewSurface>& surfaces,
                const std::vector<RigidMotion>& world_from_view, const DirectedMatches& forward,
                const DirectedMatches& backward) {
@@ -253,7 +251,37 @@ void describe_fit(const std::vector<ViewSurface>& surfaces,
   }
   grade_pairs(surfaces, result.pairs);
   if (count > 0) result.rms = std::sqrt(squares / static_cast<double>(count));
-  result.pose_std = pose_deviations(surfaces, matches, result.held, result.world_from_view);
+}
+
+std::size_t last_samples(const JointRefinementOptions& options, std::size_t pairs) {
+  const std::size_t share = std::max<std::size_t>(1000, kMostLastResiduals / (2 * pairs));
+  const auto wanted = static_cast<std::size_t>(options.final_samples);
+  return wanted == 0 ? share : std::min(wanted, share);
+}
+
+// The last steps, with all samples; gives the covariance too.
+void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair>& pairs,
+            const SearchLevel& level, const std::vector<bool>& sliding,
+            const JointRefinementOptions& options, JointRefinement& result) {
+  DenseRefinementOptions dense;
+  dense.search = search_at(level, pairs.size(), options);
+  dense.last_samples = last_samples(options, pairs.size());
+  dense.step_samples = std::min(dense.step_samples, dense.last_samples);
+  dense.tolerance = kFinalTolerance * level.tolerance;
+  dense.threads = options.threads;
+  if (std::find(sliding.begin(), sliding.end(), true) != sliding.end())
+    for (auto& directed : match(surfaces, result.world_from_view, pairs, level, options, sliding))
+      dense.normals.push_back(std::move(directed.normals));
+  const auto refined = refine_densely(surfaces, pairs, result.held, dense, result.world_from_view);
+  result.iterations += refined.iterations;
+  result.last_motion = refined.last_motion;
+  if (refined.last_motion > level.tolerance)
+    result.termination = RefinementTermination::kIterationLimit;
+  result.pose_covariance = refined.covariance;
+  const Eigen::VectorXd variance = refined.covariance.diagonal();
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    result.pose_std[i] =
+        variance.segment<6>(static_cast<Eigen::Index>(6 * i)).cwiseMax(0.0).cwiseSqrt();
 }
 
 }  // namespace
@@ -284,6 +312,8 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   result.group = connected_groups(surfaces.size(), {});
   result.held = hold_one_per_group(result.group, roles);
   result.pose_std.assign(surfaces.size(), RigidTangent::Zero());
+  const auto size = static_cast<Eigen::Index>(6 * surfaces.size());
+  result.pose_covariance = Eigen::MatrixXd::Zero(size, size);
   const bool any_samples = std::any_of(surfaces.begin(), surfaces.end(), [](const auto& s) {
     return !s.samples().empty() && s.spacing() > 0.0;
   });
@@ -318,6 +348,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
     result.group = connected_groups(surfaces.size(), {});
     return result;
   }
+  finish(surfaces, pairs, levels.back(), sliding, options, result);
   describe_fit(surfaces,
                match(surfaces, result.world_from_view, pairs, levels.back(), options, sliding),
                result);

@@ -22,6 +22,9 @@ struct JointRefinementOptions {
   /// How far apart corresponding points may be at the starting poses [unit]. 0: a fifth of the
   /// median radius of the views.
   double search_distance = 0.0;
+  /// Samples per direction of a pair, at most, of the last steps, which determine the precision;
+  /// 0: all.
+  int final_samples = 0;
   double max_normal_angle_deg = 40.0;  ///< Between corresponding normals.
   double min_overlap = 0.04;           ///< Pairs of views that share less are not used; (0, 1].
   int min_correspondences = 50;        ///< So are pairs that share fewer samples; >= 6.
@@ -70,7 +73,10 @@ struct JointRefinement {
   std::vector<std::size_t> group;
   /// Views that did not move: the fixed ones and, in groups without any, the first.
   std::vector<bool> held;
-  std::vector<RigidTangent> pose_std;  ///< See pose_deviations().
+  /// Covariance of all poses (6V x 6V), tangents (rotation [rad], translation [unit]) about each
+  /// view's centre in world axes; zero for held views. See PoseNetwork::covariance().
+  Eigen::MatrixXd pose_covariance;
+  std::vector<RigidTangent> pose_std;  ///< The roots of its diagonal.
 };
 
 /// What the refinement may do with a view.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <ceres/ceres.h>
 
 #include "registration/normal_residual.h"
@@ -80,40 +80,6 @@ NormalResidual normal_residual(const NormalMatch& match, const DirectedMatches& 
           std::sqrt(match.weight) / pair.normals.effective_sigma};
 }
 
-// What a pose without any constraint is known to: one radian, one radius of the view.
-RigidTangent prior_deviation(const ViewSurface& surface) {
-  RigidTangent deviation = RigidTangent::Ones();
-  deviation.tail<3>() *= surface.radius();
-  return deviation;
-}
-
-// The same of the normals: a motion of the target undoes one of the source, so the 6x6 matrix of
-// relative motions, about a centre between, is moved to the centre of either view.
-Eigen::Matrix<double, 12, 12> normal_information(const DirectedMatches& pair,
-                                                 const std::vector<ViewSurface>& surfaces,
-                                                 const std::vector<RigidMotion>& world_from_view) {
-  Eigen::Matrix<double, 12, 12> information = Eigen::Matrix<double, 12, 12>::Zero();
-  const RigidMotion& target_pose = world_from_view[pair.target];
-  const Eigen::Vector3d at_source = world_from_view[pair.source] * surfaces[pair.source].centre();
-  const Eigen::Vector3d at_target = target_pose * surfaces[pair.target].centre();
-  const double precision = 1.0 / (pair.normals.effective_sigma * pair.normals.effective_sigma);
-  for (const NormalMatch& in_target : pair.normals.items) {
-    const NormalMatch match = in_target.moved(target_pose);
-    for (int k = 0; k < 2; ++k) {
-      const auto row = [&](const Eigen::Matrix<double, 3, 2>& gradient) {
-        Eigen::Matrix<double, 12, 1> j;
-        j << match.derivative(k, gradient, at_source), -match.derivative(k, gradient, at_target);
-        return j;
-      };
-      const auto s = row(match.source_gradient), t = row(match.target_gradient);
-      const double weight = precision * match.weight *
-                            cauchy_weight(match.residual[k] / pair.normals.sigma, kCauchyScale);
-      information += 0.5 * weight * (s * t.transpose() + t * s.transpose());
-    }
-  }
-  return information;
-}
-
 }  // namespace
 
 void solve_poses(const std::vector<ViewSurface>& surfaces,
@@ -160,59 +126,6 @@ void solve_poses(const std::vector<ViewSurface>& surfaces,
     if (!fixed[i])
       world_from_view[i] =
           pose_from_parameters(blocks.values[i], surfaces[i].centre(), blocks.world_centre);
-}
-
-std::vector<RigidTangent> pose_deviations(const std::vector<ViewSurface>& surfaces,
-                                          const std::vector<DirectedMatches>& matches,
-                                          const std::vector<bool>& fixed,
-                                          const std::vector<RigidMotion>& world_from_view) {
-  const PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
-  const auto size = static_cast<Eigen::Index>(6 * surfaces.size());
-  // (R6): the information J^T W J of whitened residuals, plus the prior.
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
-  for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    const RigidTangent precision =
-        prior_deviation(surfaces[i]).cwiseMax(1e-300).array().square().inverse();
-    information.diagonal().segment<6>(static_cast<Eigen::Index>(6 * i)) = precision;
-  }
-  for (const auto& pair : matches) {
-    const auto s = static_cast<Eigen::Index>(6 * pair.source);
-    const auto t = static_cast<Eigen::Index>(6 * pair.target);
-    Eigen::Matrix<double, 12, 12> block = Eigen::Matrix<double, 12, 12>::Zero();
-    for (const auto& c : pair.found.items) {
-      const PlaneResidual residual =
-          plane_residual(c, pair.found.sigma, surfaces[pair.source], surfaces[pair.target]);
-      RigidTangent by_source, by_target;
-      residual.tangents(blocks.values[pair.source].data(), blocks.values[pair.target].data(),
-                        by_source, by_target);
-      Eigen::Matrix<double, 12, 1> j;
-      j << by_source, by_target;
-      block += cauchy_weight(residual.scale * c.distance, kCauchyScale) * j * j.transpose();
-    }
-    block += normal_information(pair, surfaces, world_from_view);
-    information.block<6, 6>(s, s) += block.topLeftCorner<6, 6>();
-    information.block<6, 6>(s, t) += block.topRightCorner<6, 6>();
-    information.block<6, 6>(t, s) += block.bottomLeftCorner<6, 6>();
-    information.block<6, 6>(t, t) += block.bottomRightCorner<6, 6>();
-  }
-  std::vector<RigidTangent> deviations(surfaces.size(), RigidTangent::Zero());
-  std::vector<Eigen::Index> free;
-  for (std::size_t i = 0; i < surfaces.size(); ++i)
-    for (Eigen::Index k = 0; k < 6 && !fixed[i]; ++k)
-      free.push_back(static_cast<Eigen::Index>(6 * i) + k);
-  if (free.empty()) return deviations;
-  const Eigen::MatrixXd reduced = information(free, free);
-  // Scaled to a unit diagonal: radians and units differ by orders of magnitude.
-  const Eigen::VectorXd scale = reduced.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * reduced * scale.asDiagonal();
-  const Eigen::MatrixXd covariance =
-      scaled.ldlt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
-  for (std::size_t k = 0; k < free.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    deviations[static_cast<std::size_t>(free[k] / 6)][free[k] % 6] =
-        scale[i] * std::sqrt(std::max(0.0, covariance(i, i)));
-  }
-  return deviations;
 }
 
 }  // namespace relief

@@ -30,12 +30,4 @@ void solve_poses(const std::vector<ViewSurface>& surfaces,
                  const std::vector<DirectedMatches>& matches, const std::vector<bool>& fixed,
                  const JointSolverOptions& options, std::vector<RigidMotion>& world_from_view);
 
-/// Standard deviations of each pose by (R6), as tangents (rotation [rad], translation [unit]) about
-/// the view's centre, world axes; zero for fixed views. They count every residual as independent,
-/// and are finite: what nothing determines is known to a radian and a view radius.
-std::vector<RigidTangent> pose_deviations(const std::vector<ViewSurface>& surfaces,
-                                          const std::vector<DirectedMatches>& matches,
-                                          const std::vector<bool>& fixed,
-                                          const std::vector<RigidMotion>& world_from_view);
-
 }  // namespace relief

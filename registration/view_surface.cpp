@@ -149,27 +149,42 @@ SurfacePoint ViewSurface::sample(std::uint32_t index) const {
           confidence_.empty() ? 1.0 : confidence_[index], Eigen::Vector2d(u, v)};
 }
 
+// Bilinear interpolation follows the chords of a curved surface. The normals tell its sag: the mean
+// height of the chord point over the tangent planes at the corners is twice that of a quadratic
+// surface. Noise of the corners cancels in it; only the differences of the normals count.
+double ViewSurface::sag(const Eigen::Vector3d& chord_point, int u, int v,
+                        const std::array<double, 4>& weights) const {
+  double height = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    const int x = u + k % 2, y = v + k / 2;
+    const std::size_t i = range_.index(x, y);
+    height += weights[static_cast<std::size_t>(k)] *
+              normals_[i].cast<double>().dot(chord_point - camera_.ray(x, y).at(range_[i]));
+  }
+  return 0.5 * height;
+}
+
 std::optional<SurfacePoint> ViewSurface::at(const Eigen::Vector2d& pixel) const {
   const double u_floor = std::floor(pixel.x()), v_floor = std::floor(pixel.y());
   if (!(u_floor >= 0.0 && v_floor >= 0.0 && u_floor + 1.0 < range_.width() &&
         v_floor + 1.0 < range_.height()))
     return std::nullopt;
+  const int u = static_cast<int>(u_floor), v = static_cast<int>(v_floor);
   const double a = pixel.x() - u_floor, b = pixel.y() - v_floor;
-  const std::size_t row = static_cast<std::size_t>(range_.width());
-  const std::size_t corner = range_.index(static_cast<int>(u_floor), static_cast<int>(v_floor));
-  const std::size_t corners[4] = {corner, corner + 1, corner + row, corner + row + 1};
-  const double weights[4] = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
+  const std::array<double, 4> weights = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
   double range = 0.0, confidence = 0.0;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  for (int k = 0; k < 4; ++k) {
-    range += weights[k] * range_[corners[k]];
-    normal += weights[k] * normals_[corners[k]].cast<double>();
-    confidence += confidence_.empty() ? weights[k] : weights[k] * confidence_[corners[k]];
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::size_t i = range_.index(u + static_cast<int>(k % 2), v + static_cast<int>(k / 2));
+    range += weights[k] * range_[i];
+    normal += weights[k] * normals_[i].cast<double>();
+    confidence += confidence_.empty() ? weights[k] : weights[k] * confidence_[i];
   }
   // One corner that is not usable makes the normal NaN.
   if (!(normal.squaredNorm() > 0.0)) return std::nullopt;
-  return SurfacePoint{camera_.ray_at(pixel.x(), pixel.y()).at(range), normal.normalized(),
-                      confidence, pixel};
+  normal.normalize();
+  const Eigen::Vector3d point = camera_.ray_at(pixel.x(), pixel.y()).at(range);
+  return SurfacePoint{point - sag(point, u, v, weights) * normal, normal, confidence, pixel};
 }
 
 std::optional<SignalPoint> ViewSurface::signal(const SurfacePoint& place, int level) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -60,8 +61,8 @@ class ViewSurface {
   /// The sample at a grid index of samples().
   SurfacePoint sample(std::uint32_t index) const;
 
-  /// The surface at fractional pixel coordinates, bilinear between samples; nothing unless the four
-  /// samples around are usable.
+  /// The surface at fractional pixel coordinates, bilinear between samples and bent by their
+  /// normals: exact to second order. Nothing unless the four samples around are usable.
   std::optional<SurfacePoint> at(const Eigen::Vector2d& pixel) const;
 
   /// Resolutions of the normal map kept, each half as fine as the one before; 0: none is kept.
@@ -96,6 +97,8 @@ class ViewSurface {
  private:
   void smooth_normals(const RangeView& view, const ViewSurfaceOptions& options);
   void select_samples();
+  double sag(const Eigen::Vector3d& chord_point, int u, int v,
+             const std::array<double, 4>& weights) const;
 
   Camera camera_;
   Grid<double> range_;

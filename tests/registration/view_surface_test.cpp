@@ -21,6 +21,17 @@ TEST(ViewSurface, InterpolatesAPlaneExactly) {
   EXPECT_NEAR(found->normal.dot(normal), 1.0, 1e-6);
 }
 
+TEST(ViewSurface, BendsBetweenSamplesAsTheSurfaceDoes) {
+  constexpr double kRadius = 1.0;  // Ten samples: the chord's sag is 1/800 of it.
+  const Eigen::Vector3d centre(0, 0, 10);
+  const ViewSurface surface(testing::render(testing::sphere(centre, kRadius), kCamera));
+  for (const auto& pixel : {Eigen::Vector2d(39.0, 29.0), Eigen::Vector2d(36.5, 31.5)}) {
+    const auto found = surface.at(pixel);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_NEAR((found->point - centre).norm(), kRadius, 2e-4);
+  }
+}
+
 TEST(ViewSurface, EndsBeforeBoundariesAndTheGridsBorder) {
   RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
   for (int v = 0; v < 60; ++v) view.range(40, v) = kNoSample;

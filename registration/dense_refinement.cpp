@@ -1,0 +1,153 @@
+#include "registration/dense_refinement.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "registration/pair_information.h"
+#include "registration/pose_network.h"
+#include "registration/robust.h"
+#include "scan/parallel.h"
+
+namespace relief {
+
+namespace {
+
+// The mean of the views' centres.
+Eigen::Vector3d common_centre(const std::vector<ViewSurface>& surfaces,
+                              const std::vector<RigidMotion>& world_from_view) {
+  const Eigen::Vector3d first = world_from_view.front() * surfaces.front().centre();
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    offset += world_from_view[i] * surfaces[i].centre() - first;
+  return first + offset / static_cast<double>(surfaces.size());
+}
+
+double median_spacing(const std::vector<ViewSurface>& surfaces) {
+  std::vector<double> spacings;
+  for (const auto& surface : surfaces)
+    if (!surface.samples().empty()) spacings.push_back(surface.spacing());
+  return quantile(spacings, 0.5);
+}
+
+RigidMotion moved(const RigidMotion& world_from_view, const RigidTangent& tangent,
+                  const Eigen::Vector3d& centre) {
+  RigidMotion centred = world_from_view;
+  centred.translation() -= centre;
+  RigidMotion result = motion_from_tangent(tangent) * centred;
+  result.linear() = Eigen::Quaterniond(result.linear()).normalized().toRotationMatrix();
+  result.translation() += centre;
+  return result;
+}
+
+// The pairs of views while their poses move by small steps about one centre.
+class MovingPairs {
+ public:
+  MovingPairs(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair>& pairs,
+              const DenseRefinementOptions& options, std::vector<RigidMotion> world_from_view)
+      : surfaces_(surfaces),
+        pairs_(pairs),
+        options_(options),
+        start_(world_from_view),
+        poses_(std::move(world_from_view)),
+        since_(start_.size(), RigidTangent::Zero()) {
+    compression_.search = options.search;
+    compression_.centre = common_centre(surfaces, start_);
+  }
+
+  const std::vector<RigidMotion>& poses() const { return poses_; }
+  const Eigen::Vector3d& centre() const { return compression_.centre; }
+
+  /// The pairs at the present poses, in both directions.
+  std::vector<PairInformation> compress(std::size_t samples, double patch) const {
+    PairInformationOptions compression = compression_;
+    compression.samples = samples;
+    compression.patch = patch;
+    std::vector<PairInformation> all(2 * pairs_.size());
+    parallel_for(all.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::size_t source = i % 2 == 0 ? pairs_[i / 2].a : pairs_[i / 2].b;
+        const std::size_t target = i % 2 == 0 ? pairs_[i / 2].b : pairs_[i / 2].a;
+        all[i] = pair_information(surfaces_, source, target, poses_, compression);
+        if (!options_.normals.empty())
+          add_normals(options_.normals[i], start_[target], compression_.centre,
+                      since_[source] - since_[target], all[i]);
+      }
+    });
+    return all;
+  }
+
+  /// Moves views by tangents about the centre; those with a zero one stay to the bit. The largest
+  /// motion of a sample [unit].
+  double move(const std::vector<RigidTangent>& tangents) {
+    const auto before = poses_;
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      if (tangents[i].isZero(0.0)) continue;
+      poses_[i] = moved(before[i], tangents[i], compression_.centre);
+      since_[i] += tangents[i];
+    }
+    return largest_motion(surfaces_, before, poses_);
+  }
+
+ private:
+  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<ViewPair>& pairs_;
+  const DenseRefinementOptions& options_;
+  PairInformationOptions compression_;
+  std::vector<RigidMotion> start_, poses_;
+  std::vector<RigidTangent> since_;  // What the views moved by, all in all.
+};
+
+// What a step of one standard deviation changes, relative to what Gauss-Newton expects.
+double response_at(const MovingPairs& views, const std::vector<ViewSurface>& surfaces,
+                   const std::vector<bool>& held, std::size_t samples) {
+  const auto here = views.compress(samples, 0.0);
+  const PoseNetwork network(surfaces, here, held, views.centre());
+  const auto probe = network.probe();
+  MovingPairs beside = views;
+  beside.move(probe);
+  return network.response(beside.compress(samples, 0.0), probe);
+}
+
+}  // namespace
+
+DenseRefinement refine_densely(const std::vector<ViewSurface>& surfaces,
+                               const std::vector<ViewPair>& pairs, const std::vector<bool>& held,
+                               const DenseRefinementOptions& options,
+                               std::vector<RigidMotion>& world_from_view) {
+  DenseRefinement result;
+  MovingPairs views(surfaces, pairs, options, world_from_view);
+  do {
+    const auto few = views.compress(options.step_samples, 0.0);
+    result.last_motion = views.move(PoseNetwork(surfaces, few, held, views.centre()).step());
+    ++result.iterations;
+  } while (result.last_motion > options.tolerance && result.iterations < options.max_iterations);
+
+  const double response = response_at(views, surfaces, held, options.step_samples);
+  const auto all = views.compress(options.last_samples, options.patch * median_spacing(surfaces));
+  const PoseNetwork network(surfaces, all, held, views.centre());
+  result.covariance = network.covariance(views.poses(), response);
+  // A Newton step: where renewed correspondences give way, Gauss-Newton falls short.
+  auto last = network.step();
+  for (auto& tangent : last) tangent /= response;
+  views.move(last);
+  ++result.iterations;
+  world_from_view = views.poses();
+  return result;
+}
+
+double largest_motion(const std::vector<ViewSurface>& surfaces,
+                      const std::vector<RigidMotion>& before,
+                      const std::vector<RigidMotion>& after) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const Eigen::Vector3d centre = surfaces[i].centre();
+    const double turn = rotation_angle(after[i] * before[i].inverse());
+    largest = std::max(
+        largest, (after[i] * centre - before[i] * centre).norm() + turn * surfaces[i].radius());
+  }
+  return largest;
+}
+
+}  // namespace relief

@@ -1,0 +1,125 @@
+#include "registration/pair_information.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+
+#include "registration/robust.h"
+
+namespace relief {
+
+namespace {
+
+constexpr std::size_t kBatch = 4096;
+
+// The cube of a lattice that holds `p`: 21 bits a coordinate.
+std::uint64_t patch_of(const Eigen::Vector3d& p, double edge) {
+  std::uint64_t key = 0;
+  for (int k = 0; k < 3; ++k) {
+    const auto cell = static_cast<std::int64_t>(std::floor(p[k] / edge));
+    key = (key << 21) | (static_cast<std::uint64_t>(cell) & 0x1fffffU);
+  }
+  return key;
+}
+
+class Accumulator {
+ public:
+  Accumulator(PairInformation& sum, double patch) : sum_(sum), patch_(patch) {}
+
+  // A point and normal relative to the centre, its residual and 1 / sigma with the confidence.
+  void add(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double distance,
+           double scale) {
+    RigidTangent j;
+    j << point.cross(normal), normal;
+    const double r = scale * distance;
+    const double w = cauchy_weight(r, kCauchyScale);
+    const RigidTangent pull = (w * scale * r) * j;
+    sum_.information.noalias() += (w * scale * scale) * j * j.transpose();
+    sum_.pull += pull;
+    ++sum_.count;
+    if (patch_ > 0.0) add_to_patch(patch_of(point, patch_), pull);
+  }
+
+  void finish() {
+    std::sort(sum_.patches.begin(), sum_.patches.end(),
+              [](const auto& a, const auto& b) { return a.patch < b.patch; });
+  }
+
+ private:
+  void add_to_patch(std::uint64_t key, const RigidTangent& pull) {
+    const auto [place, is_new] = place_of_.try_emplace(key, sum_.patches.size());
+    if (is_new) sum_.patches.push_back({key, RigidTangent::Zero()});
+    sum_.patches[place->second].pull += pull;
+  }
+
+  PairInformation& sum_;
+  double patch_;
+  std::unordered_map<std::uint64_t, std::size_t> place_of_;
+};
+
+}  // namespace
+
+PairInformation pair_information(const std::vector<ViewSurface>& surfaces, std::size_t source,
+                                 std::size_t target,
+                                 const std::vector<RigidMotion>& world_from_view,
+                                 const PairInformationOptions& options) {
+  const ViewSurface &from = surfaces[source], &to = surfaces[target];
+  PairInformation sum;
+  sum.source = source;
+  sum.target = target;
+  const RigidMotion target_from_source =
+      world_from_view[target].inverse() * world_from_view[source];
+  RigidMotion centred_from_target = world_from_view[target];
+  centred_from_target.translation() -= options.centre;
+
+  const double sigma = find_correspondences(from, to, target_from_source, options.search).sigma;
+  if (sigma <= 0.0) return sum;
+  Accumulator accumulator(sum, options.patch);
+  const std::size_t all = from.samples().size();
+  const std::size_t count = options.samples == 0 ? all : std::min(all, options.samples);
+  std::vector<Correspondence> batch;
+  for (std::size_t begin = 0; begin < count; begin += kBatch) {
+    batch.clear();
+    append_correspondences(from, to, target_from_source, begin, std::min(count, begin + kBatch),
+                           options.search, batch);
+    for (const auto& c : batch) {
+      if (std::abs(c.distance) > options.search.max_sigmas * sigma) continue;
+      accumulator.add(centred_from_target * c.target.point,
+                      centred_from_target.linear() * c.target.normal, c.distance,
+                      std::sqrt(c.weight) / sigma);
+    }
+  }
+  accumulator.finish();
+  return sum;
+}
+
+void add_normals(const NormalMatches& normals, const RigidMotion& world_from_target,
+                 const Eigen::Vector3d& centre, const RigidTangent& since, PairInformation& sum) {
+  if (normals.items.empty()) return;
+  RigidMotion centred_from_target = world_from_target;
+  centred_from_target.translation() -= centre;
+  const double precision = 1.0 / (normals.effective_sigma * normals.effective_sigma);
+  Matrix6d information = Matrix6d::Zero();
+  RigidTangent pull = RigidTangent::Zero();
+  for (const NormalMatch& in_target : normals.items) {
+    const NormalMatch match = in_target.moved(centred_from_target);
+    for (int k = 0; k < 2; ++k) {
+      const auto j = [&](const Eigen::Matrix<double, 3, 2>& gradient) -> RigidTangent {
+        return match.derivative(k, gradient, Eigen::Vector3d::Zero());
+      };
+      const double weight =
+          precision * match.weight * cauchy_weight(match.residual[k] / normals.sigma, kCauchyScale);
+      // Products of both views' gradients: the noise of either alone would count as relief.
+      const RigidTangent s = j(match.source_gradient), t = j(match.target_gradient);
+      information += 0.5 * weight * (s * t.transpose() + t * s.transpose());
+      pull += weight * match.residual[k] * j(match.gradient());
+    }
+  }
+  sum.information += information;
+  sum.independent += information;
+  sum.pull += pull + information * since;
+}
+
+}  // namespace relief

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/correspondences.h"
+#include "registration/normal_matches.h"
+#include "registration/slippage.h"
+#include "registration/view_surface.h"
+#include "scan/rigid_motion.h"
+
+namespace relief {
+
+/// What the residuals on one patch of the surface pull: sum of w r j.
+struct PatchPull {
+  std::uint64_t patch = 0;
+  RigidTangent pull = RigidTangent::Zero();
+};
+
+/// All residuals of one directed pair of views, compressed to what a Gauss-Newton step needs. A
+/// rigid motion of the source by the tangent x and of the target by y, both about a centre common
+/// to all views in world axes, changes the whitened residual r of (R3) by j . (x - y) with
+///   j = ((p - centre) x n, n) sqrt(w) / sigma,
+/// so that one 6x6 matrix serves both views (R11).
+struct PairInformation {
+  std::size_t source = 0, target = 0;
+  Matrix6d information = Matrix6d::Zero();   ///< sum of w j j^T, w the robust weight.
+  RigidTangent pull = RigidTangent::Zero();  ///< sum of w r j.
+  std::size_t count = 0;                     ///< Residuals.
+  /// The part of the information whose residuals count as independent: that of normal maps, whose
+  /// deviation tells what neighbours share.
+  Matrix6d independent = Matrix6d::Zero();
+  std::vector<PatchPull> patches;  ///< In ascending order of `patch`.
+};
+
+struct PairInformationOptions {
+  CorrespondenceOptions search;
+  /// Samples of the source to use at most; 0: all.
+  std::size_t samples = 0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< See PairInformation; world frame.
+  /// Edge of the cubes that cut the surface into patches [unit]; 0: no patches.
+  double patch = 0.0;
+};
+
+PairInformation pair_information(const std::vector<ViewSurface>& surfaces, std::size_t source,
+                                 std::size_t target,
+                                 const std::vector<RigidMotion>& world_from_view,
+                                 const PairInformationOptions& options);
+
+/// Adds what the normal maps of the pair, matched at `world_from_target`, say of a relative motion
+/// `since`, a tangent about `centre`: quadratic, (R9) linearised where they were matched.
+void add_normals(const NormalMatches& normals, const RigidMotion& world_from_target,
+                 const Eigen::Vector3d& centre, const RigidTangent& since, PairInformation& sum);
+
+}  // namespace relief

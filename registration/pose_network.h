@@ -1,0 +1,53 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/pair_information.h"
+#include "registration/view_surface.h"
+#include "scan/rigid_motion.h"
+
+namespace relief {
+
+/// The normal equations of all poses: a graph whose nodes are views and whose edges carry the 6x6
+/// information of pairs (R11). With all tangents about one centre its matrix is a block Laplacian,
+/// so nothing in it prefers a view, and any view may be held.
+class PoseNetwork {
+ public:
+  /// `held` views do not move. `centre`: that of the pairs' tangents, world frame.
+  PoseNetwork(const std::vector<ViewSurface>& surfaces, const std::vector<PairInformation>& pairs,
+              const std::vector<bool>& held, const Eigen::Vector3d& centre);
+
+  /// The Gauss-Newton step of every view, a tangent about the centre; zero for held views.
+  std::vector<RigidTangent> step() const;
+
+  /// What the pull of all pairs changes by along `tangents`, relative to what the information says:
+  /// 1 for least squares with fixed correspondences, less with robust weights and renewed ones.
+  /// `moved`: the pairs at poses moved by `tangents`.
+  double response(const std::vector<PairInformation>& moved,
+                  const std::vector<RigidTangent>& tangents) const;
+
+  /// Steps of one standard deviation, were all other views held, in signs that do not repeat.
+  std::vector<RigidTangent> probe() const;
+
+  /// The covariance of all poses (6V x 6V), as tangents (rotation [rad], translation [unit]) about
+  /// each view's own centre in world axes; zero rows and columns for held views (R12). Residuals
+  /// of one patch of the surface may depend on each other in any way, so a sample that takes part
+  /// in many pairs counts once; those of different patches count as independent. Needs patches.
+  Eigen::MatrixXd covariance(const std::vector<RigidMotion>& world_from_view,
+                             double response) const;
+
+ private:
+  Eigen::MatrixXd information(double factor) const;
+  Eigen::VectorXd pull_of(const std::vector<PairInformation>& pairs) const;
+  Eigen::MatrixXd scatter() const;
+
+  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<PairInformation>& pairs_;
+  Eigen::Vector3d centre_;
+  std::vector<Eigen::Index> free_;   // The rows of views that are not held.
+  std::vector<RigidTangent> prior_;  // Precisions: what keeps undetermined poses finite.
+};
+
+}  // namespace relief
