@@ -42,11 +42,13 @@ std::vector<RangeView> exact_ring(const Settings& settings, double& spacing,
 std::vector<RangeView> noisy(std::vector<RangeView> views, double sigma, std::uint32_t seed) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal(0.0, sigma);
-  for (auto& view : views)
+  for (auto& view : views) {
+    view.normals = {};  // The bound is that of the ranges.
     for (int v = 0; v < view.height(); ++v)
       for (int u = 0; u < view.width(); ++u)
         if (view.has_sample(u, v))
           view.range(u, v) += normal(generator) / view.camera.ray(u, v).direction.norm();
+  }
   return views;
 }
 
