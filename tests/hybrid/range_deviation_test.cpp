@@ -191,7 +191,7 @@ TEST(RangeDeviation, ErrorsAreAsLargeAsDeviationsSay) {
       EXPECT_GT(found.inner, 0.8) << at;
       EXPECT_LT(found.inner, 1.25) << at;
       EXPECT_GT(found.border, 0.8) << at;
-      EXPECT_LT(found.border, 1.3) << at;
+      EXPECT_LT(found.border, 1.25) << at;
     }
   }
 }
