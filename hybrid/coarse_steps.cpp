@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "scan/parallel.h"
+
 namespace relief {
 
 namespace {
@@ -28,26 +30,28 @@ Step mean_step(const RangeSteps::Direction& direction, int u, int v, int du, int
   return step;
 }
 
-RangeSteps::Direction coarse(const RangeSteps::Direction& fine, int du, int dv, int factor) {
+RangeSteps::Direction coarse(const RangeSteps::Direction& fine, int du, int dv, int factor,
+                             int threads) {
   const int width = fine.expected.width() / factor, height = fine.expected.height() / factor;
   const Grid<float> none(width, height, static_cast<float>(kNoSample));
   RangeSteps::Direction result{none, none, none, factor};
-  for (int v = 0; v + dv < height; ++v) {
+  parallel_rows(std::max(0, height - dv), threads, [&](int v) {
     for (int u = 0; u + du < width; ++u) {
       const Step step = mean_step(fine, u * factor, v * factor, du, dv, factor);
       result.expected(u, v) = static_cast<float>(step.expected);
       result.discrepancy(u, v) = static_cast<float>(step.discrepancy);
       result.sensitivity(u, v) = static_cast<float>(step.sensitivity);
     }
-  }
+  });
   return result;
 }
 
 }  // namespace
 
-RangeSteps coarse_steps(const RangeSteps& steps, int factor) {
+RangeSteps coarse_steps(const RangeSteps& steps, int factor, int threads) {
   assert(steps.along_rows.factor == 1 && factor >= 1);
-  return {coarse(steps.along_rows, 1, 0, factor), coarse(steps.along_columns, 0, 1, factor)};
+  return {coarse(steps.along_rows, 1, 0, factor, threads),
+          coarse(steps.along_columns, 0, 1, factor, threads)};
 }
 
 }  // namespace relief

@@ -34,25 +34,29 @@ double starting_sigma(std::vector<double>& values) {
   return 0.0;
 }
 
+constexpr std::size_t kValuesAtOnce = 1 << 14;
+
 // Iterations to a fixed point end when it changes by less than this part.
 constexpr double kSettled = 1e-5;
 
 // Standard deviation of the Gaussian core of `values`: the fixed point of the second moment of what
 // lies within two standard deviations.
-double robust_sigma(std::vector<double> values) {
+double robust_sigma(std::vector<double> values, int threads = 1) {
   constexpr double kCut = 2.0, kKeptMoment = 0.77374;  // E[z^2 | |z| < 2], z Gaussian
   if (values.empty()) return 0.0;
   for (double& value : values) value = std::abs(value);
   double sigma = starting_sigma(values);
   for (int round = 0; round < 30; ++round) {
-    double sum = 0.0, count = 0.0;
-    for (const double value : values) {
-      if (value >= kCut * sigma) continue;
-      sum += value * value;
-      count += 1.0;
-    }
-    if (!(sum > 0.0)) break;
-    const double before = std::exchange(sigma, std::sqrt(sum / count / kKeptMoment));
+    const auto moments_of = [&](std::size_t begin, std::size_t end) {
+      Eigen::Array2d sums = Eigen::Array2d::Zero();  // of squares, of ones
+      for (std::size_t k = begin; k < end; ++k)
+        if (values[k] < kCut * sigma) sums += Eigen::Array2d(values[k] * values[k], 1.0);
+      return sums;
+    };
+    const Eigen::Array2d sums = parallel_sum(values.size(), kValuesAtOnce, threads,
+                                             Eigen::Array2d::Zero().eval(), moments_of);
+    if (!(sums[0] > 0.0)) break;
+    const double before = std::exchange(sigma, std::sqrt(sums[0] / sums[1] / kKeptMoment));
     if (std::abs(sigma - before) <= kSettled * sigma) break;
   }
   return sigma;
@@ -208,30 +212,54 @@ struct WalkFit {
   double position_variance = 0.0, normal_variance = 0.0, gradient_variance = 0.0;
 };
 
-// Moment fit of (11) with known normal noise; squares beyond nine times their model are outliers.
-WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
-                               double normal_variance) {
+// The normal equations of a moment fit.
+struct Moments {
+  Eigen::Matrix2d matrix = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
+  Moments& operator+=(const Moments& other) {
+    matrix += other.matrix;
+    rhs += other.rhs;
+    return *this;
+  }
+};
+
+// Those of (11) for differences [begin, end) weighted by the model `fit`; squares beyond nine times
+// their model are outliers.
+Moments moments_of(const std::vector<SecondDifference>& differences, const WalkFit& fit,
+                   std::size_t begin, std::size_t end) {
   constexpr double kCut = 9.0, kKeptMoment = 0.9733;  // E[z^2; z^2 < 9] / P[z^2 < 9], z Gaussian
-  std::vector<double> whitened;                       // as if all were position noise
+  Moments moments;
+  for (std::size_t k = begin; k < end; ++k) {
+    const SecondDifference& d = differences[k];
+    const double expected = 6.0 * fit.position_variance + d.nodes * fit.normal_variance +
+                            d.area * d.area * fit.gradient_variance;
+    if (!(d.value * d.value < kCut * expected)) continue;
+    const double weight = 1.0 / (expected * expected);
+    const Eigen::Vector2d model(6.0, d.area * d.area);
+    moments.matrix += weight * model * model.transpose();
+    moments.rhs +=
+        weight * model * (d.value * d.value / kKeptMoment - d.nodes * fit.normal_variance);
+  }
+  return moments;
+}
+
+// Moment fit of (11) with known normal noise.
+WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
+                               double normal_variance, int threads) {
+  std::vector<double> whitened;  // as if all were position noise
+  whitened.reserve(differences.size());
   for (const auto& d : differences)
     whitened.push_back(
         std::sqrt(std::max(0.0, d.value * d.value - d.nodes * normal_variance) / 6.0));
-  const double start = robust_sigma(std::move(whitened));
+  const double start = robust_sigma(std::move(whitened), threads);
   WalkFit fit{start * start, normal_variance, 0.0};
   for (int round = 0; round < 20; ++round) {
-    Eigen::Matrix2d normal_matrix = Eigen::Matrix2d::Zero();
-    Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
-    for (const auto& d : differences) {
-      const double expected =
-          6.0 * fit.position_variance + d.nodes * normal_variance + d.area * fit.gradient_variance;
-      if (!(d.value * d.value < kCut * expected)) continue;
-      const double weight = 1.0 / (expected * expected);
-      const Eigen::Vector2d model(6.0, d.area * d.area);
-      normal_matrix += weight * model * model.transpose();
-      rhs += weight * model * (d.value * d.value / kKeptMoment - d.nodes * normal_variance);
-    }
-    Eigen::Vector2d next = normal_matrix.ldlt().solve(rhs);
-    if (!(next[1] > 0.0)) next = {rhs[0] / normal_matrix(0, 0), 0.0};
+    const Moments moments = parallel_sum(differences.size(), kValuesAtOnce, threads, Moments(),
+                                         [&](std::size_t begin, std::size_t end) {
+                                           return moments_of(differences, fit, begin, end);
+                                         });
+    Eigen::Vector2d next = moments.matrix.ldlt().solve(moments.rhs);
+    if (!(next[1] > 0.0)) next = {moments.rhs[0] / moments.matrix(0, 0), 0.0};
     if (!next.allFinite()) break;
     next[0] = std::max(next[0], 1e-6 * start * start);
     const bool settled = std::abs(next[0] - fit.position_variance) <= kSettled * next[0] &&
@@ -256,7 +284,7 @@ BlockFit fit_blocks(const RangeSteps& steps, int threads) {
   block.differences = differences.size();
   if (differences.size() < kFewestBlocks) return block;
   const double normal = normal_noise(steps, threads);
-  block.fit = fit_second_differences(differences, normal * normal);
+  block.fit = fit_second_differences(differences, normal * normal, threads);
   const auto position_rules = [&](const SecondDifference& d) {
     return 6.0 * block.fit.position_variance >
            d.nodes * block.fit.normal_variance + d.area * d.area * block.fit.gradient_variance;
@@ -272,12 +300,12 @@ BlockFit fit_blocks(const RangeSteps& steps, int threads) {
 double long_wave_variance(const RangeSteps& steps, double local_variance, int threads) {
   constexpr int kSide = 4;
   constexpr double kDeviations = 4.0;  // by which blocks must differ from independent samples
-  const BlockFit large = fit_blocks(coarse_steps(steps, kSide), threads);
+  const BlockFit large = fit_blocks(coarse_steps(steps, kSide, threads), threads);
   if (!large.positions_rule) return local_variance;
   const double of_large = kSide * kSide * large.fit.position_variance;
   const double deviation = std::sqrt(2.0 / static_cast<double>(large.differences));
   if (of_large < (1.0 + kDeviations * deviation) * local_variance) return local_variance;
-  const BlockFit small = fit_blocks(coarse_steps(steps, kSide / 2), threads);
+  const BlockFit small = fit_blocks(coarse_steps(steps, kSide / 2, threads), threads);
   const double of_small = 0.25 * kSide * kSide * small.fit.position_variance;
   return std::max(of_large, 2.0 * of_large - of_small);
 }
@@ -292,16 +320,17 @@ struct ExcessVariance {
 };
 
 // For values of which about one in `overlap` is independent.
-ExcessVariance variance_of(Excess&& excess, double overlap) {
+ExcessVariance variance_of(Excess&& excess, double overlap, int threads) {
   const double independent = static_cast<double>(excess.values.size()) / overlap;
-  const double total = robust_sigma(std::move(excess.values)), random = median(excess.noise);
+  const double total = robust_sigma(std::move(excess.values), threads);
+  const double random = median(excess.noise);
   return {std::max(0.0, total * total - random * random),
           total * total * std::sqrt(2.0 / independent)};
 }
 
 // Equation (12): over k edges the discrepancy has variance 2 sigma_position^2 + nodes
 // sigma_normal^2 + (sum of sensitivities)^2 bias^2.
-double smooth_bias(const RangeSteps& steps, const WalkFit& noise) {
+double smooth_bias(const RangeSteps& steps, const WalkFit& noise, int threads) {
   constexpr int kLength = 16;
   Excess excess;
   for_each_walk(steps, kLength, std::max(2, thinning(steps)),
@@ -313,7 +342,7 @@ double smooth_bias(const RangeSteps& steps, const WalkFit& noise) {
                                                    sums.node_squares * noise.normal_variance) /
                                          sums.sensitivity);
                 });
-  return std::sqrt(variance_of(std::move(excess), 1.0).value);
+  return std::sqrt(variance_of(std::move(excess), 1.0, threads).value);
 }
 
 // The change of the bias from pixel to pixel, from what second differences over long walks have in
@@ -331,7 +360,7 @@ double bias_gradient(const RangeSteps& steps, const WalkFit& noise, int threads)
           std::sqrt(6.0 * noise.position_variance + d.nodes * noise.normal_variance) / d.area);
     };
     for_each_walk(steps, 2 * k, std::max({k / 4, 2, thinning(steps)}), visit);
-    if (excess.values.size() >= 30) by_length[n] = variance_of(std::move(excess), 16.0);
+    if (excess.values.size() >= 30) by_length[n] = variance_of(std::move(excess), 16.0, 1);
   });
   double sum = 0.0, weights = 0.0;
   for (const ExcessVariance& variance : by_length) {
@@ -352,11 +381,11 @@ NoiseEstimate estimate_noise(const RangeSteps& steps, int threads) {
   if (!estimate.enough()) return estimate;
   estimate.sigma_normal = normal_noise(steps, threads);
   const WalkFit fit =
-      fit_second_differences(differences, estimate.sigma_normal * estimate.sigma_normal);
+      fit_second_differences(differences, estimate.sigma_normal * estimate.sigma_normal, threads);
   estimate.sigma_local = std::sqrt(fit.position_variance);
   estimate.sigma_position = std::sqrt(long_wave_variance(steps, fit.position_variance, threads));
   estimate.bias_gradient = bias_gradient(steps, fit, threads);
-  estimate.bias = smooth_bias(steps, fit);
+  estimate.bias = smooth_bias(steps, fit, threads);
   return estimate;
 }
 

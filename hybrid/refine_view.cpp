@@ -89,7 +89,7 @@ class Refinement {
   // Whether there is something to solve; if not, the status says why.
   bool prepare() {
     RangeView& view = result_.view;
-    edges_ = connect_samples(view, options_.discontinuities);
+    edges_ = connect_samples(view, options_.discontinuities, options_.threads);
     const RangeSteps steps = screen(view);
     NoiseEstimate estimate = estimate_noise(steps, options_.threads);
     if (options_.sigma_position)

@@ -131,12 +131,12 @@ void SlopeConstraints::erase(int axis, std::size_t i) {
   a.step[i] = a.tail_slope[i] = a.head_slope[i] = a.half_length[i] = a.truncation[i] = 0.0f;
 }
 
-bool SlopeConstraints::empty() const {
-  const auto none = [](const Axis& axis) {
-    return std::all_of(axis.half_length.begin(), axis.half_length.end(),
-                       [](float half) { return half == 0.0f; });
-  };
-  return none(axes[0]) && none(axes[1]);
+std::size_t SlopeConstraints::count() const {
+  std::ptrdiff_t count = 0;
+  for (const Axis& axis : axes)
+    count += std::count_if(axis.half_length.begin(), axis.half_length.end(),
+                           [](float half) { return half > 0.0f; });
+  return static_cast<std::size_t>(count);
 }
 
 Eigen::Vector3d surface_step(const Ray& tail, const Ray& head, double t,

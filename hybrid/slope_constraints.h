@@ -50,7 +50,8 @@ struct SlopeConstraints {
   }
   Ends ends(int axis, std::size_t i) const;
   void erase(int axis, std::size_t i);
-  bool empty() const;
+  std::size_t count() const;
+  bool empty() const { return count() == 0; }
 
   /// Calls visit(axis, i) for every constraint, axis by axis, row by row.
   template <typename Visit>

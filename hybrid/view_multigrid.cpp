@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -54,21 +53,25 @@ struct ViewMultigrid::State {
   void each_row(const Body& body) const {
     const auto& spans = stencil.spans();
     parallel_for(spans.size(), kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) body(begin / kRowsAtOnce, spans[v]);
+      for (std::size_t v = begin; v < end; ++v) body(spans[v]);
     });
   }
   template <typename Body>
   void each_pixel(const Body& body) const {
-    each_row([&](std::size_t, const RowSpan& span) {
+    each_row([&](const RowSpan& span) {
       for (std::size_t i = span.begin; i < span.end; ++i) body(i);
     });
   }
-  // Sums of term(row span) by pieces of rows in fixed order: the same for any number of threads.
+  // The sum of term(row span).
   template <typename Term>
   double sum(const Term& term) const {
-    std::vector<double> parts(stencil.spans().size() / kRowsAtOnce + 1, 0.0);
-    each_row([&](std::size_t part, const RowSpan& span) { parts[part] += term(span); });
-    return std::accumulate(parts.begin(), parts.end(), 0.0);
+    const auto& spans = stencil.spans();
+    const auto sum_of = [&](std::size_t begin, std::size_t end) {
+      double part = 0.0;
+      for (std::size_t v = begin; v < end; ++v) part += term(spans[v]);
+      return part;
+    };
+    return parallel_sum(spans.size(), kRowsAtOnce, threads, 0.0, sum_of);
   }
 
   Eigen::Index block() const { return static_cast<Eigen::Index>(problem.size()); }
@@ -103,7 +106,7 @@ struct ViewMultigrid::State {
   // residual -= factor A direction
   void subtract_image(double factor) {
     const StencilView view = stencil.view();
-    each_row([&](std::size_t, const RowSpan& span) {
+    each_row([&](const RowSpan& span) {
       subtract_row(view, factor, std::as_const(direction).view(), span.begin, span.end,
                    residual.view(), single.view());
     });

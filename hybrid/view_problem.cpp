@@ -40,8 +40,18 @@ float usable_confidence(float confidence, float largest) {
   return confidence > 0.0f ? std::max(confidence, 1e-6f * largest) : 0.0f;
 }
 
+// 1 for every pixel (padded) that some constraint moves or takes a normal from.
+std::vector<std::uint8_t> constrained_pixels(const SlopeConstraints& slopes, int threads) {
+  std::vector<std::uint8_t> constrained(slopes.grid.size(), 0);
+  slopes.parallel_for_each(threads, [&](int axis, std::size_t i) {
+    const auto ends = slopes.ends(axis, i);
+    for (const std::size_t end : {ends.tail, ends.head, ends.at0, ends.at1}) constrained[end] = 1;
+  });
+  return constrained;
+}
+
 // 1 for every pixel (padded) whose component of constraints has some confidence to hold it.
-std::vector<std::uint8_t> movable_pixels(const RangeView& view, const SlopeConstraints& slopes) {
+std::vector<std::uint8_t> held_pixels(const RangeView& view, const SlopeConstraints& slopes) {
   const PaddedGrid& grid = slopes.grid;
   Components components(grid.size());
   slopes.for_each([&](int axis, std::size_t i) {
@@ -66,6 +76,29 @@ std::vector<std::uint8_t> movable_pixels(const RangeView& view, const SlopeConst
       movable[end] = held[components.find(static_cast<std::uint32_t>(end))];
   });
   return movable;
+}
+
+bool confident_everywhere(const RangeView& view) {
+  if (view.confidence.empty() && view.deviation.empty()) return true;
+  const PositionConfidence confidence(view);
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      if (view.has_sample(u, v) && !(confidence(u, v) > 0.0f)) return false;
+  return true;
+}
+
+// Samples without confidence hold nothing, neither themselves nor others.
+std::vector<std::uint8_t> movable_pixels(const RangeView& view, const SlopeConstraints& slopes,
+                                         int threads) {
+  return confident_everywhere(view) ? constrained_pixels(slopes, threads)
+                                    : held_pixels(view, slopes);
+}
+
+void erase_unmovable(const std::vector<std::uint8_t>& movable, int threads,
+                     SlopeConstraints& slopes) {
+  slopes.parallel_for_each(threads, [&](int axis, std::size_t i) {
+    if (!movable[slopes.ends(axis, i).tail]) slopes.erase(axis, i);
+  });
 }
 
 void number_samples(const RangeView& view, const std::vector<std::uint8_t>& movable,
@@ -119,14 +152,10 @@ ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Ste
   ViewProblem problem;
   problem.grid = {view.width(), view.height()};
   problem.slopes = slope_constraints(view, edges, stencil, threads);
-  const std::vector<std::uint8_t> movable = movable_pixels(view, problem.slopes);
+  const std::vector<std::uint8_t> movable = movable_pixels(view, problem.slopes, threads);
   number_samples(view, movable, problem);
-  problem.slopes.for_each([&](int axis, std::size_t i) {
-    if (movable[problem.slopes.ends(axis, i).tail])
-      ++problem.constraints;
-    else
-      problem.slopes.erase(axis, i);
-  });
+  erase_unmovable(movable, threads, problem.slopes);
+  problem.constraints = problem.slopes.count();
   if (stencil == Stencil::kPaperCentral) add_central_neighbours(view, edges, problem);
   problem.pinned = view.sample_count() - problem.size();
   return problem;

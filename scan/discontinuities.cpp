@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scan/median.h"
+#include "scan/parallel.h"
 
 namespace relief {
 
@@ -24,11 +25,12 @@ double relative_step(const RangeView& view, int u, int v, int du, int dv) {
   return lateral > 0.0 ? edge.dot(viewing) / lateral : kNoSample;
 }
 
-Grid<float> relative_steps(const RangeView& view, int du, int dv) {
+Grid<float> relative_steps(const RangeView& view, int du, int dv, int threads) {
   Grid<float> steps(view.width(), view.height(), static_cast<float>(kNoSample));
-  for (int v = 0; v + dv < view.height(); ++v)
+  parallel_rows(std::max(0, view.height() - dv), threads, [&](int v) {
     for (int u = 0; u + du < view.width(); ++u)
       steps(u, v) = static_cast<float>(relative_step(view, u, v, du, dv));
+  });
   return steps;
 }
 
@@ -46,8 +48,8 @@ double step_noise(const Grid<float>& steps, int du, int dv) {
 }
 
 Grid<std::uint8_t> connect_direction(const RangeView& view, int du, int dv,
-                                     const DiscontinuityOptions& options) {
-  const Grid<float> steps = relative_steps(view, du, dv);
+                                     const DiscontinuityOptions& options, int threads) {
+  const Grid<float> steps = relative_steps(view, du, dv, threads);
   const double limit = 1.0 / std::tan(options.grazing_angle_deg * std::numbers::pi / 180.0);
   const double free_step =
       std::min(limit, std::max(options.free_step, 4.0 * step_noise(steps, du, dv)));
@@ -56,14 +58,14 @@ Grid<std::uint8_t> connect_direction(const RangeView& view, int du, int dv,
     return steps.contains(u, v) && std::abs(steps(u, v) - step) <= 0.5f * std::abs(step);
   };
   Grid<std::uint8_t> connected(view.width(), view.height(), 0);
-  for (int v = 0; v < view.height(); ++v) {
+  parallel_rows(view.height(), threads, [&](int v) {
     for (int u = 0; u < view.width(); ++u) {
       const float step = steps(u, v);
       if (!(std::abs(step) <= limit)) continue;
       connected(u, v) =
           std::abs(step) <= free_step || alike(u - du, v - dv, step) || alike(u + du, v + dv, step);
     }
-  }
+  });
   return connected;
 }
 
@@ -78,8 +80,9 @@ bool GridEdges::connected(int u, int v, int du, int dv) const {
   return false;
 }
 
-GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options) {
-  return {connect_direction(view, 1, 0, options), connect_direction(view, 0, 1, options)};
+GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options, int threads) {
+  return {connect_direction(view, 1, 0, options, threads),
+          connect_direction(view, 0, 1, options, threads)};
 }
 
 Grid<std::uint8_t> boundary_distance(const RangeView& view, const GridEdges& edges) {

@@ -25,8 +25,10 @@ struct DiscontinuityOptions {
 };
 
 /// Connects neighbouring samples except across occlusion edges: steps along the ray that are large
-/// against the lateral spacing and that no neighbouring slope explains.
-GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options = {});
+/// against the lateral spacing and that no neighbouring slope explains. The same for any number of
+/// `threads`.
+GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options = {},
+                          int threads = 1);
 
 /// Chessboard distance [pixels] of each sample to the nearest pixel that has no sample or is cut
 /// off by an occlusion edge, or to the border of the grid: 0 on such boundary samples themselves

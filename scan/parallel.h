@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 namespace relief {
 
@@ -23,6 +25,20 @@ void parallel_rows(int rows, int threads, const Body& body) {
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t v = begin; v < end; ++v) body(static_cast<int>(v));
                });
+}
+
+/// The sum of `term(begin, end)` over ranges of [0, count) as above, in their order: the same bytes
+/// for any number of threads.
+template <typename T, typename Term>
+T parallel_sum(std::size_t count, std::size_t grain, int threads, const T& zero, const Term& term) {
+  grain = std::max<std::size_t>(grain, 1);
+  std::vector<T> parts((count + grain - 1) / grain, zero);
+  parallel_for(count, grain, threads, [&](std::size_t begin, std::size_t end) {
+    parts[begin / grain] = term(begin, end);
+  });
+  T sum = zero;
+  for (const T& part : parts) sum += part;
+  return sum;
 }
 
 }  // namespace relief
