@@ -5,7 +5,6 @@
 //   cmake --preset bench && cmake --build --preset bench &&
 //   build/bench/bench/relief_refine_scaling [SIDE OF THE VIEW IN PIXELS ...]
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -15,10 +14,10 @@
 
 #include <malloc.h>
 
+#include "bench/wavy_view.h"
 #include "hybrid/refine_view.h"
 #include "hybrid/view_problem.h"
 #include "hybrid/view_solver.h"
-#include "scan/counter_random.h"
 #include "scan/simulation/simulate.h"
 
 namespace relief {
@@ -26,7 +25,7 @@ namespace {
 
 constexpr int kThreads = 2;
 constexpr int kLargestDirect = 1024;  // beyond, its memory is out of the question
-constexpr double kRangeNoise = 0.3, kNormalNoise = 0.026, kBiasStep = 0.028;
+constexpr double kBiasStep = 0.028;
 
 double processor_seconds() {
   timespec time;
@@ -60,39 +59,15 @@ class PeakMemory {
   double before_ = 0.0;
 };
 
-// Waves with slopes up to about a half, one unit per sample, with noise and a smooth bias.
-RangeView wavy_view(int side) {
-  RangeView view;
-  view.camera = Camera::orthographic(side, side, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
-  view.range = Grid<double>(side, side);
-  view.normals = Grid<Eigen::Vector3f>(side, side);
-  const CounterRandom random(1, 0);
-  for (int v = 0; v < side; ++v) {
-    for (int u = 0; u < side; ++u) {
-      const std::uint64_t i = view.range.index(u, v);
-      const double a = 0.06 * u + 0.066 * v, b = 0.31 * u - 0.2 * v, x = 6.28 * u / 256.0;
-      const double slope_u = 0.18 * std::cos(a) + 0.12 * std::cos(b) + 0.1 * std::sin(x + 0.01 * v);
-      const double slope_v = 0.198 * std::cos(a) - 0.08 * std::cos(b) + 0.1 * std::cos(x);
-      view.range(u, v) =
-          1000.0 + 3.0 * std::sin(a) + 0.4 * std::sin(b) + kRangeNoise * random.normal(3 * i);
-      view.normals(u, v) = Eigen::Vector3d(slope_u + kNormalNoise * random.normal(3 * i + 1),
-                                           slope_v + kNormalNoise * random.normal(3 * i + 2), -1.0)
-                               .normalized()
-                               .cast<float>();
-    }
-  }
-  return view;
-}
-
 ViewWeights typical_weights(const ViewProblem& problem) {
   ViewWeights weights;
   weights.position.assign(problem.grid.size(), 0.0f);
   for (const std::uint32_t i : problem.pixels)
-    weights.position[i] = static_cast<float>(1.0 / (kRangeNoise * kRangeNoise));
+    weights.position[i] = static_cast<float>(1.0 / (kWavyRangeNoise * kWavyRangeNoise));
   for (auto& plane : weights.slope) plane.assign(problem.grid.size(), 0.0f);
   problem.slopes.for_each([&](int axis, std::size_t i) {
     const auto a = static_cast<std::size_t>(axis);
-    const double sigma = 2.0 * problem.slopes.axes[a].half_length[i] * kNormalNoise;
+    const double sigma = 2.0 * problem.slopes.axes[a].half_length[i] * kWavyNormalNoise;
     weights.slope[a][i] = static_cast<float>(1.0 / (sigma * sigma));
   });
   weights.bias_step = static_cast<float>(1.0 / (kBiasStep * kBiasStep));

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "scan/range_view.h"
+
+namespace relief {
+
+/// Of wavy views: standard deviations of a range [unit] and of a normal's slope [rad].
+inline constexpr double kWavyRangeNoise = 0.3, kWavyNormalNoise = 0.026;
+
+/// An orthographic view of side x side samples, one unit apart, of waves with slopes up to about a
+/// half, with noise and a smooth bias of the normals.
+RangeView wavy_view(int side);
+
+}  // namespace relief
