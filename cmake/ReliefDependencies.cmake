@@ -4,6 +4,7 @@ find_package(VTK 9.1 REQUIRED COMPONENTS
   IOPLY IOXML)
 set(RELIEF_VTK_LIBRARIES ${VTK_LIBRARIES})
 find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(nlohmann_json 3.9 REQUIRED)
 find_package(PNG REQUIRED)
