@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <numeric>
 #include <tuple>
 #include <vector>
@@ -14,23 +15,21 @@ namespace {
 class UnionFind {
  public:
   explicit UnionFind(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+    std::iota(parent_.begin(), parent_.end(), 0u);
   }
-  std::size_t find(std::size_t i) {
+  std::uint32_t find(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  void unite(std::size_t a, std::size_t b) { parent_[find(a)] = find(b); }
+  void unite(std::uint32_t a, std::uint32_t b) { parent_[find(a)] = find(b); }
 
  private:
-  std::vector<std::size_t> parent_;
+  std::vector<std::uint32_t> parent_;
 };
 
 // One side of a face, as an undirected edge. `corner` is 3 face + k, where the side starts.
 struct HalfEdge {
-  std::uint32_t low, high;
-  std::size_t corner;
-  bool ascending;
+  std::uint32_t low, high, corner;
 
   bool same_edge(const HalfEdge& other) const { return low == other.low && high == other.high; }
   bool operator<(const HalfEdge& other) const {
@@ -43,7 +42,18 @@ bool in_range(const TriangleMesh& mesh, const TriangleMesh::Face& face) {
                      [&](std::uint32_t vertex) { return vertex < mesh.vertices.size(); });
 }
 
-std::size_t next_corner(std::size_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+std::uint32_t corner_of(std::size_t face, std::size_t k) {
+  return static_cast<std::uint32_t>(3 * face + k);
+}
+
+std::uint32_t next_corner(std::uint32_t corner) {
+  return corner % 3 == 2 ? corner - 2 : corner + 1;
+}
+
+// Whether a side runs from its lower to its higher vertex.
+bool ascending(const TriangleMesh& mesh, const HalfEdge& side) {
+  return mesh.faces[side.corner / 3][side.corner % 3] == side.low;
+}
 
 std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
   std::vector<HalfEdge> sides;
@@ -51,7 +61,7 @@ std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = mesh.faces[f][k], b = mesh.faces[f][(k + 1) % 3];
-      if (a != b) sides.push_back({std::min(a, b), std::max(a, b), 3 * f + k, a < b});
+      if (a != b) sides.push_back({std::min(a, b), std::max(a, b), corner_of(f, k)});
     }
   }
   std::sort(sides.begin(), sides.end());
@@ -59,11 +69,11 @@ std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
 }
 
 // Joins the corners at both ends of an edge of two faces: they belong to the same fan.
-void join_fans(const HalfEdge& a, const HalfEdge& b, UnionFind& fans) {
-  const std::array<std::size_t, 2> a_ends{a.corner, next_corner(a.corner)};
-  const std::array<std::size_t, 2> b_ends{b.corner, next_corner(b.corner)};
+void join_fans(const HalfEdge& a, const HalfEdge& b, bool same_direction, UnionFind& fans) {
+  const std::array<std::uint32_t, 2> a_ends{a.corner, next_corner(a.corner)};
+  const std::array<std::uint32_t, 2> b_ends{b.corner, next_corner(b.corner)};
   for (const std::size_t end : {0u, 1u})
-    fans.unite(a_ends[end], b_ends[a.ascending == b.ascending ? end : 1 - end]);
+    fans.unite(a_ends[end], b_ends[same_direction ? end : 1 - end]);
 }
 
 void count_edges(const TriangleMesh& mesh, UnionFind& fans, MeshCheck& check) {
@@ -74,8 +84,10 @@ void count_edges(const TriangleMesh& mesh, UnionFind& fans, MeshCheck& check) {
     check.boundary_edges += end - begin == 1;
     check.non_manifold_edges += end - begin > 2;
     if (end - begin == 2) {
-      check.inconsistent_edges += sides[begin].ascending == sides[begin + 1].ascending;
-      join_fans(sides[begin], sides[begin + 1], fans);
+      const bool same_direction =
+          ascending(mesh, sides[begin]) == ascending(mesh, sides[begin + 1]);
+      check.inconsistent_edges += same_direction;
+      join_fans(sides[begin], sides[begin + 1], same_direction, fans);
     }
   }
 }
@@ -85,11 +97,11 @@ void count_vertices(const TriangleMesh& mesh, UnionFind& fans, MeshCheck& check)
   UnionFind components(mesh.vertices.size());
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     for (std::size_t k = 0; k < 3; ++k) {
-      if (fans.find(3 * f + k) == 3 * f + k) ++fan_count[mesh.faces[f][k]];
+      if (fans.find(corner_of(f, k)) == corner_of(f, k)) ++fan_count[mesh.faces[f][k]];
       components.unite(mesh.faces[f][0], mesh.faces[f][k]);
     }
   }
-  for (std::size_t v = 0; v < fan_count.size(); ++v) {
+  for (std::uint32_t v = 0; v < fan_count.size(); ++v) {
     check.unused_vertices += fan_count[v] == 0;
     check.non_manifold_vertices += fan_count[v] > 1;
     check.components += fan_count[v] > 0 && components.find(v) == v;
@@ -144,6 +156,7 @@ MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options) 
   }
   check.vertices = mesh.vertices.size();
   check.faces = mesh.faces.size();
+  assert(checked->faces.size() <= 0xffffffffu / 3);
   UnionFind fans(3 * checked->faces.size());
   count_edges(*checked, fans, check);
   count_vertices(*checked, fans, check);

@@ -45,7 +45,8 @@ struct MeshCheckOptions {
   int threads = 0;  ///< 0: one per core; no effect on the result.
 };
 
-/// Counts in memory linear and time log-linear in the size of the mesh.
+/// Counts in memory linear (about 120 bytes a vertex of a closed mesh) and time log-linear in the
+/// size of the mesh, which has less than 2^32 / 3 faces.
 MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options = {});
 
 }  // namespace relief
