@@ -16,16 +16,30 @@ struct MergeCommand {
   CommonOptions common;
   ProjectInput input;
   MergeFlags merge;
+  std::size_t memory_mb = 0;
   std::filesystem::path output;
 };
 
-int merge(const MergeCommand& command) {
+Result<MergeStage> in_memory(const MergeCommand& command, const MergeStageOptions& options) {
   const auto project = read_with_notes(command.input, command.common);
-  if (!project) return fail(project.error());
-  if (const auto ready = prepare_folder_of(command.output); !ready) return fail(ready.error());
+  if (!project) return project.error();
+  if (const auto ready = prepare_folder_of(command.output); !ready) return ready.error();
+  return merge_stage(*project, options);
+}
+
+Result<MergeStage> within_limit(const MergeCommand& command, const MergeStageOptions& options) {
+  if (const auto ready = prepare_folder_of(command.output); !ready) return ready.error();
+  return merge_stage_within_limit(command.input, options);
+}
+
+int merge(const MergeCommand& command) {
   MergeStageOptions options = command.merge.resolved();
   options.threads = command.common.threads;
-  const auto stage = merge_stage(*project, options);
+  options.merge.memory = command.memory_mb << 20;
+  options.merge.scratch_folder =
+      command.output.has_parent_path() ? command.output.parent_path() : ".";
+  const auto stage =
+      options.merge.memory > 0 ? within_limit(command, options) : in_memory(command, options);
   if (!stage) return fail(stage.error());
 
   if (const auto written = write_mesh(stage->mesh, command.output); !written)
@@ -48,6 +62,10 @@ void add_merge(CLI::App& app, Action& action) {
       ->required()
       ->check(known_mesh_ending());
   add_merge_options(*sub, command->merge);
+  sub->add_option("--memory", command->memory_mb,
+                  "Memory to keep to [MiB]: views are read one at a time, large fields lie in "
+                  "temporary files beside the output; 0: no limit")
+      ->capture_default_str();
   add_common_options(*sub, command->common);
   sub->callback([command, &action] { action = [command] { return merge(*command); }; });
 }

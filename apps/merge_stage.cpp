@@ -1,12 +1,16 @@
+#include <algorithm>
 #include <chrono>
+#include <memory>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "apps/console.h"
 #include "apps/mesh_report.h"
 #include "apps/stages.h"
+#include "scan/io/view_spec.h"
 
 namespace relief {
 
@@ -80,13 +84,19 @@ Result<void> decimate(const DecimationOptions& options, MergeResult& merged) {
   return {};
 }
 
-}  // namespace
+using SteadyTime = std::chrono::steady_clock::time_point;
 
-Result<MergeStage> merge_stage(const ScanProject& project, const MergeStageOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+MergeOptions merge_options_of(const MergeStageOptions& options) {
   MergeOptions merge_options = options.merge;
   merge_options.threads = options.threads;
-  auto merged = merge_views(project.views, merge_options, console_progress("merge"));
+  return merge_options;
+}
+
+// From the merged mesh to the end of the stage. `load` gives the project with its views when they
+// are needed.
+template <typename LoadProject>
+Result<MergeStage> finish(Result<MergeResult> merged, const MergeStageOptions& options,
+                          SteadyTime start, const LoadProject& load) {
   if (!merged) return merged.error();
   for (const std::string& note : merged->notes) Console::info(note);
 
@@ -94,7 +104,9 @@ Result<MergeStage> merge_stage(const ScanProject& project, const MergeStageOptio
   if (options.polish) {
     PolishOptions polish_options = *options.polish;
     polish_options.threads = options.threads;
-    auto section = polish(project, polish_options, *merged);
+    const auto project = load(*merged);
+    if (!project) return project.error();
+    auto section = polish(**project, polish_options, *merged);
     if (!section) return section.error();
     polish_section = std::move(*section);
   }
@@ -113,6 +125,82 @@ Result<MergeStage> merge_stage(const ScanProject& project, const MergeStageOptio
                   100.0 * merged->filled_area_fraction, stage.report["seconds"].get<double>()));
   stage.mesh = std::move(merged->mesh);
   return stage;
+}
+
+using SharedView = std::shared_ptr<const RangeView>;
+
+// The views of a project, read one at a time.
+class ProjectViews {
+ public:
+  explicit ProjectViews(std::vector<ViewSpec> specs) : specs_(std::move(specs)) {}
+
+  ViewSource source() {
+    return {specs_.size(), [this](std::size_t i) { return load(i); }};
+  }
+  /// Of the largest view so far.
+  std::size_t pixels() const { return pixels_; }
+
+ private:
+  Result<SharedView> load(std::size_t i) {
+    auto loaded = load_view(specs_[i]);
+    if (!loaded) return loaded.error();
+    if (i >= read_) {  // notes once
+      for (const std::string& note : loaded->notes) Console::info(note);
+      read_ = i + 1;
+    }
+    pixels_ = std::max(pixels_, loaded->view.range.size());
+    return SharedView(std::make_shared<const RangeView>(std::move(loaded->view)));
+  }
+
+  std::vector<ViewSpec> specs_;
+  std::size_t read_ = 0, pixels_ = 0;
+};
+
+// What polishing holds: views [bytes a pixel], and the mesh, its graph and the system [bytes a
+// vertex]; see docs/fusion.md.
+constexpr std::size_t kViewPixel = 30, kPolishedVertex = 900;
+
+Result<void> check_room_to_polish(const MergeResult& merged, std::size_t pixels,
+                                  std::size_t limit) {
+  const std::size_t needed = kViewPixel * pixels + kPolishedVertex * merged.mesh.vertices.size();
+  if (needed <= limit) return {};
+  return Error{ErrorKind::kUnsolvable,
+               fmt::format("polishing needs about {} MiB, more than the memory limit of {} MiB: "
+                           "raise the limit or merge with --no-polish",
+                           needed >> 20, limit >> 20)};
+}
+
+}  // namespace
+
+Result<MergeStage> merge_stage(const ScanProject& project, const MergeStageOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  auto merged = merge_views(project.views, merge_options_of(options), console_progress("merge"));
+  return finish(std::move(merged), options, start,
+                [&](const MergeResult&) { return Result<const ScanProject*>(&project); });
+}
+
+Result<MergeStage> merge_stage_within_limit(const ProjectInput& input,
+                                            const MergeStageOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  auto spec = read_project_spec(input.path, input.options.fc_file);
+  if (!spec) return spec.error();
+  for (const std::string& note : spec->notes) Console::info(note);
+  const std::size_t count = spec->views.size();
+  ProjectViews views(std::move(spec->views));
+  auto merged =
+      merge_from_source(views.source(), merge_options_of(options), console_progress("merge"));
+  ScanProject project;
+  const auto load = [&](const MergeResult& mesh) -> Result<const ScanProject*> {
+    const auto room = check_room_to_polish(mesh, count * views.pixels(), options.merge.memory);
+    if (!room) return room.error();
+    ReadProjectOptions read = input.options;
+    read.threads = options.threads;
+    auto all = read_project(input.path, read, console_progress("read"));
+    if (!all) return all.error();
+    project = std::move(*all);
+    return &project;
+  };
+  return finish(std::move(merged), options, start, load);
 }
 
 }  // namespace relief

@@ -43,5 +43,9 @@ struct MergeStage {
   Json report;
 };
 Result<MergeStage> merge_stage(const ScanProject& project, const MergeStageOptions& options);
+/// The same model within `options.merge.memory`: the views are read one at a time. kUnsolvable when
+/// polishing, which holds all views and the mesh in memory, would exceed it.
+Result<MergeStage> merge_stage_within_limit(const ProjectInput& input,
+                                            const MergeStageOptions& options);
 
 }  // namespace relief

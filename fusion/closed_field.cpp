@@ -20,32 +20,35 @@ constexpr int kPaddingCells = 5;
 // Cells round the zero set of a level that the next finer one covers.
 constexpr int kBandCells = 2;
 
-Eigen::AlignedBox3d bounds_of(const std::vector<std::vector<Eigen::Vector3d>>& points) {
+Eigen::AlignedBox3d bounds_of(const std::vector<ViewSampler>& views, MemoryLimit* memory) {
   Eigen::AlignedBox3d box;
-  for (const auto& of_view : points)
-    for (const auto& p : of_view) box.extend(p);
+  for (const ViewSampler& view : views) {
+    relieve(memory, view.bytes());
+    view.for_surface_points([&](const Eigen::Vector3d& p) { box.extend(p); });
+  }
   return box;
 }
 
-// The blocks within `reach` of the points.
-std::vector<NodeKey> blocks_near(const std::vector<std::vector<Eigen::Vector3d>>& points,
-                                 const Lattice& lattice, double reach, int threads) {
-  std::vector<std::vector<NodeKey>> by_view(points.size());
+// The blocks within `reach` of the views' samples.
+std::vector<NodeKey> blocks_near(const std::vector<ViewSampler>& views, const Lattice& lattice,
+                                 double reach, const ClosedFieldOptions& options) {
+  std::vector<std::vector<NodeKey>> by_view(views.size());
   const auto block_at = [&](const Eigen::Vector3d& p) -> Node {
     return (lattice.coordinates(p) / kBlockSide).array().floor().cast<int>();
   };
-  parallel_for(points.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(views.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
+      relieve(options.memory, 2 * views[i].bytes());
       Node last_low = Node::Constant(INT_MAX), last_high = last_low;
-      for (const auto& p : points[i]) {
+      views[i].for_surface_points([&](const Eigen::Vector3d& p) {
         const Node low = block_at(p - Eigen::Vector3d::Constant(reach));
         const Node high = block_at(p + Eigen::Vector3d::Constant(reach));
-        if (low == last_low && high == last_high) continue;
+        if (low == last_low && high == last_high) return;
         last_low = low, last_high = high;
         for (int z = low.z(); z <= high.z(); ++z)
           for (int y = low.y(); y <= high.y(); ++y)
             for (int x = low.x(); x <= high.x(); ++x) by_view[i].push_back(key_of({x, y, z}));
-      }
+      });
       make_sorted_set(by_view[i]);
     }
   });
@@ -87,9 +90,11 @@ bool crossed_cell(const SparseField::Padded& padded, const Node& n) {
 }
 
 // The blocks of the next finer lattice within kBandCells of the zero set of `field`.
-std::vector<NodeKey> finer_blocks_near_zero(const SparseField& field, int threads) {
+std::vector<NodeKey> finer_blocks_near_zero(const SparseField& field,
+                                            const ClosedFieldOptions& options) {
   std::vector<std::vector<NodeKey>> found(field.block_count());
-  parallel_for(field.block_count(), 16, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(field.block_count(), 16, options.threads, [&](std::size_t begin, std::size_t end) {
+    relieve(options.memory);
     SparseField::Padded padded;
     for (std::size_t b = begin; b < end; ++b) {
       if (!field.active(b)) continue;
@@ -122,9 +127,10 @@ Eigen::AlignedBox3d box_of(const SparseField& field, std::size_t b) {
 
 // Sets measured nodes to their distance and bounds the others from below by what is known empty.
 void impose_evidence(SparseField& field, const std::vector<ViewSampler>& views, double truncation,
-                     double limit, std::vector<NodeConstraint>& constraints, int threads) {
-  constraints.assign(field.block_count() * kBlockNodes, {});
-  parallel_for(field.block_count(), 4, threads, [&](std::size_t begin, std::size_t end) {
+                     double limit, PagedArray<NodeConstraint>& constraints,
+                     const ClosedFieldOptions& options) {
+  parallel_for(field.block_count(), 4, options.threads, [&](std::size_t begin, std::size_t end) {
+    relieve(options.memory);
     EvidenceCollector collector(views, truncation, field.lattice().spacing);
     for (std::size_t b = begin; b < end; ++b) {
       if (!field.active(b)) continue;
@@ -134,11 +140,14 @@ void impose_evidence(SparseField& field, const std::vector<ViewSampler>& views, 
         NodeConstraint& constraint = constraints[b * kBlockNodes + static_cast<std::size_t>(i)];
         const Evidence evidence =
             collector.collect(field.lattice().position(field.first_node(b) + node_at_offset(i)));
-        constraint.fixed = evidence.measured;
-        constraint.floor = static_cast<float>(
-            evidence.clearance > 0.0 ? std::min(evidence.clearance, limit) : -limit);
-        values[i] = evidence.measured ? static_cast<float>(evidence.distance)
-                                      : std::max(values[i], constraint.floor);
+        if (evidence.measured) {
+          constraint = kFixedNode;
+          values[i] = static_cast<float>(evidence.distance);
+        } else {
+          constraint.floor = static_cast<float>(
+              evidence.clearance > 0.0 ? std::min(evidence.clearance, limit) : -limit);
+          values[i] = std::max(values[i], constraint.floor);
+        }
       }
     }
   });
@@ -146,14 +155,14 @@ void impose_evidence(SparseField& field, const std::vector<ViewSampler>& views, 
 
 // The border of the domain is outside whatever the views say.
 void fix_outside(SparseField& field, const Node& cells, float outside,
-                 std::vector<NodeConstraint>& constraints) {
+                 PagedArray<NodeConstraint>& constraints) {
   for (std::size_t b = 0; b < field.block_count(); ++b) {
     if (!field.active(b)) continue;
     for (int i = 0; i < kBlockNodes; ++i) {
       const Node node = field.first_node(b) + node_at_offset(i);
       if ((node.array() > 0).all() && (node.array() < cells.array()).all()) continue;
       field.values(b)[i] = outside;
-      constraints[b * kBlockNodes + static_cast<std::size_t>(i)].fixed = true;
+      constraints[b * kBlockNodes + static_cast<std::size_t>(i)] = kFixedNode;
     }
   }
 }
@@ -163,6 +172,7 @@ void fix_outside(SparseField& field, const Node& cells, float outside,
 ObstacleSolverOptions solver_options(bool coarsest, const ClosedFieldOptions& options) {
   ObstacleSolverOptions solver;
   solver.threads = options.threads;
+  solver.memory = options.memory;
   if (coarsest) {
     const double cells = options.coarse_cells + 2.0 * kPaddingCells;
     solver.relaxation = 2.0 / (1.0 + std::sin(std::numbers::pi / cells));
@@ -198,16 +208,13 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
                                          const ClosedFieldOptions& options,
                                          const Progress& progress) {
   const Error interrupted{ErrorKind::kInterrupted, "merging was interrupted"};
-  std::vector<std::vector<Eigen::Vector3d>> points;
-  for (const ViewSampler& view : views) points.push_back(view.surface_points());
-  const Domain domain = domain_of(bounds_of(points), options);
+  const Domain domain = domain_of(bounds_of(views, options.memory), options);
   if (!((domain.coarse_cells.cast<double>() * std::ldexp(1.0, domain.levels)).maxCoeff() <
         kKeyOffset))
     return Error{ErrorKind::kUnsolvable, "the voxel size is too small for the size of the object"};
 
   std::vector<std::vector<NodeKey>> near_samples{
-      blocks_near(points, domain.finest, 2.0 * options.voxel_size, options.threads)};
-  points.clear();
+      blocks_near(views, domain.finest, 2.0 * options.voxel_size, options)};
   while (static_cast<int>(near_samples.size()) < domain.levels)
     near_samples.push_back(parents_of(near_samples.back()));
 
@@ -225,18 +232,20 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
     std::vector<NodeKey> blocks =
         coarsest ? all_blocks(domain.coarse_cells) : std::move(near_samples[l]);
     if (!coarsest) {
-      const auto near_zero = finer_blocks_near_zero(*coarser, options.threads);
+      const auto near_zero = finer_blocks_near_zero(*coarser, options);
       blocks.insert(blocks.end(), near_zero.begin(), near_zero.end());
       make_sorted_set(blocks);
     }
-    result.levels[l] = std::make_unique<SparseField>(lattice, std::move(blocks), coarser, limit);
+    result.levels[l] =
+        std::make_unique<SparseField>(lattice, std::move(blocks), coarser, limit, options.memory);
     SparseField& field = *result.levels[l];
     field.prolong(limit, options.threads);
-    std::vector<NodeConstraint> constraints;
-    impose_evidence(field, views, truncation, limit, constraints, options.threads);
+    PagedArray<NodeConstraint> constraints(field.block_count() * kBlockNodes, options.memory);
+    impose_evidence(field, views, truncation, limit, constraints, options);
     if (coarsest) fix_outside(field, domain.coarse_cells, limit, constraints);
-    solve_obstacle_problem(field, constraints, solver_options(coarsest, options));
+    solve_obstacle_problem(field, constraints.span(), solver_options(coarsest, options));
     field.close_zero_set(limit, options.threads);
+    if (const auto kept = check(options.memory); !kept) return kept.error();
   }
   return result;
 }

@@ -15,6 +15,7 @@ struct ClosedFieldOptions {
   double truncation = 0.0;  ///< Views measure up to this distance from their surface [unit], > 0.
   int coarse_cells = 40;    ///< Cells of the coarsest lattice along the longest side of the object.
   int threads = 0;
+  MemoryLimit* memory = nullptr;  ///< Of the fields; may be null, else it outlives them.
 };
 
 /// A signed function on all of space, positive outside of the object and far away, whose zero set
@@ -26,7 +27,8 @@ struct ClosedField {
 
 /// Computes the field coarse to fine. Where views measured, it is their mean signed distance. In
 /// between it is harmonic, but never less than the clearance that the views saw to be empty. Each
-/// level covers the surroundings of the samples and of the next coarser level's zero set.
+/// level covers the surroundings of the samples and of the next coarser level's zero set. An error
+/// of the memory limit is returned when a level is done.
 Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
                                          const ClosedFieldOptions& options,
                                          const Progress& progress);

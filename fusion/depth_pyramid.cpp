@@ -11,8 +11,9 @@ namespace {
 
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
-Grid<float> halved(const Grid<float>& fine) {
-  Grid<float> coarse((fine.width() + 1) / 2, (fine.height() + 1) / 2, kNothing);
+PagedGrid<float> halved(const PagedGrid<float>& fine, MemoryLimit* memory) {
+  PagedGrid<float> coarse((fine.width() + 1) / 2, (fine.height() + 1) / 2, memory);
+  std::fill(coarse.begin(), coarse.end(), kNothing);
   for (int v = 0; v < fine.height(); ++v)
     for (int u = 0; u < fine.width(); ++u)
       coarse(u / 2, v / 2) = std::max(coarse(u / 2, v / 2), fine(u, v));
@@ -21,15 +22,19 @@ Grid<float> halved(const Grid<float>& fine) {
 
 }  // namespace
 
-DepthPyramid::DepthPyramid(Grid<float> depths) {
-  levels_.push_back(std::move(depths));
-  while (levels_.back().width() > 1 || levels_.back().height() > 1)
-    levels_.push_back(halved(levels_.back()));
+DepthPyramid::DepthPyramid(const Grid<float>& depths, MemoryLimit* memory) {
+  levels_.emplace_back(depths.width(), depths.height(), memory);
+  std::copy(depths.begin(), depths.end(), levels_.back().begin());
+  while (levels_.back().width() > 1 || levels_.back().height() > 1) {
+    // Small levels are not worth a file.
+    const bool large = levels_.back().width() > 256 || levels_.back().height() > 256;
+    levels_.push_back(halved(levels_.back(), large ? memory : nullptr));
+  }
 }
 
 float DepthPyramid::greatest(const Eigen::AlignedBox2i& pixels) const {
   if (levels_.empty()) return kNothing;
-  const Grid<float>& all = levels_.front();
+  const PagedGrid<float>& all = levels_.front();
   Eigen::AlignedBox2i box(
       pixels.min().cwiseMax(0),
       pixels.max().cwiseMin(Eigen::Vector2i(all.width(), all.height()) - Eigen::Vector2i::Ones()));

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include "fusion/paged_array.h"
 #include "scan/grid.h"
 
 namespace relief {
@@ -13,15 +14,15 @@ namespace relief {
 class DepthPyramid {
  public:
   DepthPyramid() = default;
-  /// Depths of the pixels; -infinity where there is nothing.
-  explicit DepthPyramid(Grid<float> depths);
+  /// Depths of the pixels; -infinity where there is nothing. `memory` may be null.
+  explicit DepthPyramid(const Grid<float>& depths, MemoryLimit* memory = nullptr);
 
   /// A depth that none of the pixels in the rectangle (ends included, cropped to the grid) exceeds,
   /// and that some pixel in it or close by has; -infinity where there is nothing.
   float greatest(const Eigen::AlignedBox2i& pixels) const;
 
  private:
-  std::vector<Grid<float>> levels_;
+  std::vector<PagedGrid<float>> levels_;
 };
 
 }  // namespace relief

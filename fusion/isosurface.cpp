@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <compare>
+#include <utility>
 #include <vector>
 
 #include <vtkCellArray.h>
@@ -109,14 +110,30 @@ class BlockContour {
   SparseField::Padded padded_;
 };
 
-// The corners of all triangles, three by three, in the order of the blocks.
-std::vector<VertexKey> triangle_corners(const SparseField& field, int threads) {
+// Consecutive blocks [begin, end).
+struct BlockRange {
+  std::size_t begin = 0, end = 0;
+};
+
+// The next brick from block `begin` on: whole layers of blocks of one z, so that its vertices come
+// before those of all later bricks.
+BlockRange next_brick(const SparseField& field, std::size_t begin) {
+  constexpr std::size_t kBrickBlocks = 4096;
+  std::size_t end = std::min(begin + kBrickBlocks, field.block_count());
+  while (end < field.block_count() && field.block(end).z() == field.block(end - 1).z()) ++end;
+  return {begin, end};
+}
+
+// The corners of a brick's triangles, three by three, in the order of the blocks.
+std::vector<VertexKey> triangle_corners(const SparseField& field, const BlockRange& brick,
+                                        int threads, MemoryLimit* memory) {
   constexpr std::size_t kGrain = 64;
-  const std::size_t blocks = field.block_count();
+  const std::size_t blocks = brick.end - brick.begin;
   std::vector<std::vector<VertexKey>> by_range((blocks + kGrain - 1) / kGrain);
   parallel_for(blocks, kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    relieve(memory);
     BlockContour contour;
-    for (std::size_t b = begin; b < end; ++b)
+    for (std::size_t b = brick.begin + begin; b < brick.begin + end; ++b)
       if (field.active(b)) contour.extract(field, b, by_range[begin / kGrain]);
   });
   std::vector<VertexKey> corners;
@@ -137,29 +154,91 @@ Eigen::Vector3d zero_on_edge(const SparseField& field, const VertexKey& key) {
   return field.lattice().origin + field.lattice().spacing * place;
 }
 
+// Joins bricks, given in their order, to one mesh. Vertices are numbered in the order of their
+// keys, so those on the upper border of a brick get their numbers with the next one, and the
+// brick's faces wait for them.
+class BrickJoiner {
+ public:
+  BrickJoiner(const SparseField& field, int threads, MemoryLimit* memory)
+      : field_(field), threads_(threads), memory_(memory) {}
+
+  // `top`: the layer of nodes from which on vertices belong to the next brick.
+  void add(std::vector<VertexKey> corners, int top) {
+    std::vector<VertexKey> keys = std::move(open_);
+    keys.insert(keys.end(), corners.begin(), corners.end());
+    std::sort(keys.begin(), keys.end());
+    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    const auto split = std::partition_point(keys.begin(), keys.end(), [&](const VertexKey& key) {
+      return node_of(key.node).z() < top;
+    });
+    open_.assign(split, keys.end());
+    keys.erase(split, keys.end());
+    number(std::move(keys));
+    corners_ = std::move(corners);
+  }
+
+  TriangleMesh finish() {
+    number(std::move(open_));
+    return std::move(mesh_);
+  }
+
+ private:
+  // Growing moves everything to a place of twice the size.
+  template <typename T>
+  void extend(std::vector<T>& values, std::size_t count) {
+    const std::size_t size = values.size() + count;
+    if (size > values.capacity()) relieve(memory_, 2 * size * sizeof(T));
+    values.resize(size);
+  }
+
+  // Makes vertices of `keys`, which follow all earlier ones, and the faces that waited for them.
+  void number(std::vector<VertexKey> keys) {
+    const std::size_t first = first_ + keys_.size();
+    keys_.insert(keys_.end(), keys.begin(), keys.end());
+    extend(mesh_.vertices, keys.size());
+    parallel_for(keys.size(), 4096, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v)
+        mesh_.vertices[first + v] = zero_on_edge(field_, keys[v]);
+    });
+    add_faces();
+    keys_ = std::move(keys);
+    first_ = first;
+  }
+
+  void add_faces() {
+    const std::size_t before = mesh_.faces.size(), count = corners_.size() / 3;
+    extend(mesh_.faces, count);
+    parallel_for(count, 4096, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const auto place = std::lower_bound(keys_.begin(), keys_.end(), corners_[3 * f + k]);
+          mesh_.faces[before + f][k] =
+              static_cast<std::uint32_t>(first_ + static_cast<std::size_t>(place - keys_.begin()));
+        }
+      }
+    });
+    corners_.clear();
+  }
+
+  const SparseField& field_;
+  int threads_;
+  MemoryLimit* memory_;
+  TriangleMesh mesh_;
+  std::vector<VertexKey> open_;     // Vertices of the last brick that the next one numbers.
+  std::vector<VertexKey> corners_;  // Of the last brick's triangles.
+  std::vector<VertexKey> keys_;     // The last brick's vertices; the first one's number is
+  std::size_t first_ = 0;           // this.
+};
+
 }  // namespace
 
-TriangleMesh extract_isosurface(const SparseField& field, int threads) {
-  const std::vector<VertexKey> corners = triangle_corners(field, threads);
-  std::vector<VertexKey> keys = corners;
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-
-  TriangleMesh mesh;
-  mesh.vertices.resize(keys.size());
-  parallel_for(keys.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) mesh.vertices[v] = zero_on_edge(field, keys[v]);
-  });
-  mesh.faces.resize(corners.size() / 3);
-  parallel_for(mesh.faces.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto place = std::lower_bound(keys.begin(), keys.end(), corners[3 * f + k]);
-        mesh.faces[f][k] = static_cast<std::uint32_t>(place - keys.begin());
-      }
-    }
-  });
-  return mesh;
+TriangleMesh extract_isosurface(const SparseField& field, int threads, MemoryLimit* memory) {
+  BrickJoiner joiner(field, threads, memory);
+  for (BlockRange brick = next_brick(field, 0); brick.begin < brick.end;
+       brick = next_brick(field, brick.end))
+    joiner.add(triangle_corners(field, brick, threads, memory),
+               kBlockSide * (field.block(brick.end - 1).z() + 1));
+  return joiner.finish();
 }
 
 }  // namespace relief

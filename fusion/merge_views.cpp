@@ -22,43 +22,65 @@ bool usable(const RangeView& view, std::size_t count) {
 }
 
 // The median of the views' median deviations; 0 when no view knows any.
-double typical_deviation(const std::vector<RangeView>& views) {
+Result<double> typical_deviation(const ViewSource& views, MemoryLimit* memory) {
   std::vector<double> medians;
-  for (const RangeView& view : views) {
-    const double known = median_deviation(view);
+  for (std::size_t i = 0; i < views.count; ++i) {
+    const auto view = views.load(i);
+    if (!view) return view.error();
+    const double known = median_deviation(**view);
     if (known > 0.0) medians.push_back(known);
+    if (const auto kept = check(memory); !kept) return kept.error();
   }
   return median(std::move(medians));
 }
 
-Result<std::vector<ViewSampler>> prepare(const std::vector<RangeView>& views,
-                                         const MergeOptions& options, double nominal_deviation,
-                                         std::vector<std::string>& notes) {
-  if (views.empty()) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
-  QuadSurfaceOptions surface_options;
-  surface_options.silhouette_ramp = options.silhouette_ramp;
-  surface_options.threads = options.threads;
-  surface_options.nominal_deviation = nominal_deviation;
-  std::vector<ViewSampler> samplers;
-  std::size_t without_pose = 0;
-  for (const RangeView& view : views) {
-    if (!usable(view, views.size())) {
-      ++without_pose;
+// What preparing a view takes for a while, per pixel of its grid [bytes]: normals, edges, borders.
+constexpr std::size_t kPreparation = 100;
+
+class Preparation {
+ public:
+  Preparation(const MergeOptions& options, double nominal_deviation, MemoryLimit* memory) {
+    options_.silhouette_ramp = options.silhouette_ramp;
+    options_.threads = options.threads;
+    options_.nominal_deviation = nominal_deviation;
+    options_.memory = memory;
+  }
+
+  Result<std::vector<ViewSampler>> operator()(const ViewSource& views,
+                                              std::vector<std::string>& notes) {
+    if (views.count == 0) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
+    for (std::size_t i = 0; i < views.count; ++i)
+      if (const auto added = add(views, i, notes); !added) return added.error();
+    if (!samplers_.empty()) return std::move(samplers_);
+    if (without_pose_ == views.count)
+      return Error{ErrorKind::kUnsolvable, "no view has a pose: align the views before merging"};
+    return Error{ErrorKind::kUnsolvable, "no view with a pose has connected samples to merge"};
+  }
+
+ private:
+  Result<void> add(const ViewSource& views, std::size_t i, std::vector<std::string>& notes) {
+    const auto loaded = views.load(i);
+    if (!loaded) return loaded.error();
+    const RangeView& view = **loaded;
+    if (!usable(view, views.count)) {
+      ++without_pose_;
       notes.push_back("view `" + view.name + "` has no pose and is left out; align it first");
-      continue;
+      return {};
     }
-    auto sampler = ViewSampler::create(view, surface_options);
+    relieve(options_.memory, kPreparation * view.range.size());
+    auto sampler = ViewSampler::create(view, options_);
     if (!sampler) return sampler.error();
     if (sampler->empty())
       notes.push_back("view `" + view.name + "` has no connected samples and is left out");
     else
-      samplers.push_back(std::move(sampler).value());
+      samplers_.push_back(std::move(sampler).value());
+    return check(options_.memory);
   }
-  if (!samplers.empty()) return samplers;
-  if (without_pose == views.size())
-    return Error{ErrorKind::kUnsolvable, "no view has a pose: align the views before merging"};
-  return Error{ErrorKind::kUnsolvable, "no view with a pose has connected samples to merge"};
-}
+
+  QuadSurfaceOptions options_;
+  std::vector<ViewSampler> samplers_;
+  std::size_t without_pose_ = 0;
+};
 
 // Refined views, those that know their deviations, hold detail that a lattice as coarse as the
 // samples blurs; in views as measured there is only noise below the spacing (docs/fusion.md).
@@ -80,6 +102,36 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
           : std::max(3.0 * result.voxel_size, 4.0 * result.view_noise + result.voxel_size);
 }
 
+// Per vertex of the mesh, beyond the mesh itself [bytes].
+constexpr std::size_t kMeshCheck = 120;
+constexpr std::size_t kVertexAttributes = 80;
+
+std::unique_ptr<MemoryLimit> limit_of(const MergeOptions& options,
+                                      std::vector<std::string>& notes) {
+  if (options.memory == 0) return nullptr;
+  auto limit = std::make_unique<MemoryLimit>(options.memory, options.scratch_folder);
+  if (limit->folder_is_memory())
+    notes.push_back("temporary files in " + limit->folder().string() +
+                    " lie in memory themselves: the limit spares the machine nothing");
+  return limit;
+}
+
+// All of the zero set. The field, the largest thing there is, is gone afterwards.
+Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views,
+                                    const MergeOptions& options, const MergeResult& scales,
+                                    MemoryLimit* memory, const Progress& progress) {
+  ClosedFieldOptions field_options;
+  field_options.voxel_size = scales.voxel_size;
+  field_options.truncation = scales.truncation;
+  field_options.threads = options.threads;
+  field_options.memory = memory;
+  const auto field = compute_closed_field(views, field_options, progress);
+  if (!field) return field.error();
+  if (!report_progress(progress, 0.85, "extract"))
+    return Error{ErrorKind::kInterrupted, "merging was interrupted"};
+  return extract_isosurface(field->finest(), options.threads, memory);
+}
+
 bool opens_holes(const MergeOptions& options) {
   return options.keep_holes || options.largest_fill > 0.0;
 }
@@ -96,25 +148,21 @@ Error failed_check(const MeshCheck& check) {
 
 }  // namespace
 
-Result<MergeResult> merge_views(const std::vector<RangeView>& views, const MergeOptions& options,
-                                const Progress& progress) {
+Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOptions& options,
+                                      const Progress& progress) {
   const Error interrupted{ErrorKind::kInterrupted, "merging was interrupted"};
   MergeResult result;
   if (!report_progress(progress, 0.0, "merge")) return interrupted;
-  const double deviation = typical_deviation(views);
-  const auto samplers = prepare(views, options, deviation, result.notes);
+  const std::unique_ptr<MemoryLimit> memory = limit_of(options, result.notes);
+  const auto deviation = typical_deviation(views, memory.get());
+  if (!deviation) return deviation.error();
+  const auto samplers = Preparation(options, *deviation, memory.get())(views, result.notes);
   if (!samplers) return samplers.error();
-  choose_scales(*samplers, options, deviation > 0.0, result);
+  choose_scales(*samplers, options, *deviation > 0.0, result);
 
-  ClosedFieldOptions field_options;
-  field_options.voxel_size = result.voxel_size;
-  field_options.truncation = result.truncation;
-  field_options.threads = options.threads;
-  const auto field = compute_closed_field(*samplers, field_options, progress);
-  if (!field) return field.error();
-
-  if (!report_progress(progress, 0.85, "extract")) return interrupted;
-  result.mesh = extract_isosurface(field->finest(), options.threads);
+  auto mesh = closed_surface(*samplers, options, result, memory.get(), progress);
+  if (!mesh) return mesh.error();
+  result.mesh = std::move(mesh).value();
   if (!options.keep_components) {
     const RemovedComponents removed = keep_largest_component(result.mesh);
     result.components_removed = removed.components;
@@ -123,19 +171,33 @@ Result<MergeResult> merge_views(const std::vector<RangeView>& views, const Merge
   if (result.mesh.faces.empty())
     return Error{ErrorKind::kUnsolvable,
                  "no surface was found: the voxel size is too large for the object"};
+  relieve(memory.get(), kMeshCheck * result.mesh.vertices.size());
+  if (const auto kept = check(memory.get()); !kept) return kept.error();
   result.check = check_mesh(result.mesh);
   if (!result.check.watertight()) return failed_check(result.check);
 
   if (!report_progress(progress, 0.9, "measure the surface")) return interrupted;
-  set_vertex_attributes(result.mesh, *samplers,
-                        {result.truncation, result.voxel_size, result.view_noise, options.threads});
+  relieve(memory.get(), kVertexAttributes * result.mesh.vertices.size());
+  set_vertex_attributes(
+      result.mesh, *samplers,
+      {result.truncation, result.voxel_size, result.view_noise, options.threads, memory.get()});
   result.filled_area_fraction = filled_area_fraction(result.mesh);
   if (opens_holes(options)) {
     open_holes(result.mesh, options.keep_holes ? 0.0 : options.largest_fill);
     result.check = check_mesh(result.mesh);
   }
+  if (const auto kept = check(memory.get()); !kept) return kept.error();
   report_progress(progress, 1.0, "merge");
   return result;
+}
+
+Result<MergeResult> merge_views(const std::vector<RangeView>& views, const MergeOptions& options,
+                                const Progress& progress) {
+  // Pointers that own nothing.
+  const auto load = [&](std::size_t i) -> Result<std::shared_ptr<const RangeView>> {
+    return std::shared_ptr<const RangeView>(std::shared_ptr<void>(), &views[i]);
+  };
+  return merge_from_source({views.size(), load}, options, progress);
 }
 
 }  // namespace relief

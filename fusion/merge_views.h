@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,6 +32,17 @@ struct MergeOptions {
   /// Keep surfaces apart from the largest one.
   bool keep_components = false;
   int threads = 0;  ///< 0: one per core. The result does not depend on it.
+  /// Resident memory of the whole process that merging keeps to [bytes], as MemoryLimit does; 0: no
+  /// limit. The result does not depend on it. It takes more than the result's mesh and its check.
+  std::size_t memory = 0;
+  std::filesystem::path scratch_folder;  ///< For temporary files under a limit; empty: TMPDIR.
+};
+
+/// Views given one at a time, so that they need not all be in memory. `load(i)` is called twice for
+/// each i below `count`; its errors end the merging.
+struct ViewSource {
+  std::size_t count = 0;
+  std::function<Result<std::shared_ptr<const RangeView>>(std::size_t i)> load;
 };
 
 struct MergeResult {
@@ -49,9 +64,12 @@ struct MergeResult {
 /// matter. Views without samples or without a pose are left out, with a note.
 ///
 /// Errors, all kUnsolvable: no views, no view with both a pose and connected samples, a voxel size
-/// far too small or too large for the object, or a surface that fails its final check;
-/// kInterrupted.
+/// far too small or too large for the object, a surface that fails its final check, or a memory
+/// limit that is too low (the message tells what is needed); kCannotWrite when temporary files
+/// cannot be made; kInterrupted.
 Result<MergeResult> merge_views(const std::vector<RangeView>& views,
                                 const MergeOptions& options = {}, const Progress& progress = {});
+Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOptions& options = {},
+                                      const Progress& progress = {});
 
 }  // namespace relief

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "scan/parallel.h"
 
@@ -10,9 +11,11 @@ namespace relief {
 
 namespace {
 
+constexpr std::size_t kBlocksAtOnce = 16;
+
 // Relaxes the free nodes of one colour (parity of x + y + z) in a block; the largest change.
 // Neighbours of one colour have the other, so blocks can be relaxed in any order.
-float relax_block(SparseField& field, const std::vector<NodeConstraint>& constraints, std::size_t b,
+float relax_block(SparseField& field, std::span<const NodeConstraint> constraints, std::size_t b,
                   int colour, float relaxation) {
   float* values = field.values(b);
   const NodeConstraint* constraint = constraints.data() + b * kBlockNodes;
@@ -26,7 +29,7 @@ float relax_block(SparseField& field, const std::vector<NodeConstraint>& constra
     for (int y = 0; y < 8; ++y) {
       for (int x = (y + z + colour) & 1; x < 8; x += 2) {
         const int i = x | y << 3 | z << 6;
-        if (constraint[i].fixed) continue;
+        if (constraint[i].fixed()) continue;
         const float sum = (x > 0 ? values[i - 1] : sides[0][i + 7]) +
                           (x < 7 ? values[i + 1] : sides[1][i - 7]) +
                           (y > 0 ? values[i - 8] : sides[2][i + 56]) +
@@ -44,12 +47,14 @@ float relax_block(SparseField& field, const std::vector<NodeConstraint>& constra
 }
 
 std::vector<std::size_t> blocks_with_free_nodes(const SparseField& field,
-                                                const std::vector<NodeConstraint>& constraints) {
+                                                std::span<const NodeConstraint> constraints,
+                                                MemoryLimit* memory) {
   std::vector<std::size_t> blocks;
   for (std::size_t b = 0; b < field.block_count(); ++b) {
-    const auto begin = constraints.begin() + static_cast<std::ptrdiff_t>(b * kBlockNodes);
-    if (field.active(b) &&
-        std::any_of(begin, begin + kBlockNodes, [](const NodeConstraint& c) { return !c.fixed; }))
+    if (b % kBlocksAtOnce == 0) relieve(memory);
+    const auto of_block = constraints.subspan(b * kBlockNodes, kBlockNodes);
+    if (field.active(b) && std::any_of(of_block.begin(), of_block.end(),
+                                       [](const NodeConstraint& c) { return !c.fixed(); }))
       blocks.push_back(b);
   }
   return blocks;
@@ -57,15 +62,17 @@ std::vector<std::size_t> blocks_with_free_nodes(const SparseField& field,
 
 }  // namespace
 
-int solve_obstacle_problem(SparseField& field, const std::vector<NodeConstraint>& constraints,
+int solve_obstacle_problem(SparseField& field, std::span<const NodeConstraint> constraints,
                            const ObstacleSolverOptions& options) {
-  const std::vector<std::size_t> blocks = blocks_with_free_nodes(field, constraints);
+  const std::vector<std::size_t> blocks =
+      blocks_with_free_nodes(field, constraints, options.memory);
   const auto tolerance = static_cast<float>(options.tolerance * field.lattice().spacing);
   std::vector<float> change(blocks.size());
   for (int sweep = 0; sweep < options.max_sweeps; ++sweep) {
     std::fill(change.begin(), change.end(), 0.0f);
     for (const int colour : {0, 1}) {
-      parallel_for(blocks.size(), 16, options.threads, [&](std::size_t begin, std::size_t end) {
+      parallel_for(blocks.size(), kBlocksAtOnce, options.threads, [&](auto begin, auto end) {
+        relieve(options.memory);
         for (std::size_t k = begin; k < end; ++k)
           change[k] = std::max(change[k], relax_block(field, constraints, blocks[k], colour,
                                                       static_cast<float>(options.relaxation)));

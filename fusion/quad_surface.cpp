@@ -97,7 +97,7 @@ Grid<std::uint8_t> find_quads(const RangeView& view, const GridEdges& edges,
 }
 
 // Crops the surface to its quads and marks them.
-void place_quads(const Grid<std::uint8_t>& quads, QuadSurface& surface) {
+void place_quads(const Grid<std::uint8_t>& quads, MemoryLimit* memory, QuadSurface& surface) {
   int u0 = quads.width(), v0 = quads.height(), u1 = -1, v1 = -1;
   for (int v = 0; v < quads.height(); ++v) {
     for (int u = 0; u < quads.width(); ++u) {
@@ -109,7 +109,7 @@ void place_quads(const Grid<std::uint8_t>& quads, QuadSurface& surface) {
   if (u1 < 0) return;
   surface.first_u = u0;
   surface.first_v = v0;
-  surface.pixels = Grid<SurfacePixel>(u1 - u0 + 1, v1 - v0 + 1);
+  surface.pixels = PagedGrid<SurfacePixel>(u1 - u0 + 1, v1 - v0 + 1, memory);
   for (int v = v0; v < v1; ++v) {
     for (int u = u0; u < u1; ++u) {
       if (!quads(u, v)) continue;
@@ -140,7 +140,7 @@ QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options)
   QuadSurface surface;
   surface.spacing = sample_spacing(view);
   surface.noise = position_noise(view, edges, normals);
-  place_quads(find_quads(view, edges, normals, options.smallest_patch), surface);
+  place_quads(find_quads(view, edges, normals, options.smallest_patch), options.memory, surface);
 
   std::size_t corners = 0;
   const auto for_corners = [&](const auto& visit) {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "scan/grid.h"
+#include "fusion/paged_array.h"
 #include "scan/range_view.h"
 
 namespace relief {
@@ -27,12 +27,13 @@ struct QuadSurfaceOptions {
   /// deviations are ignored.
   double nominal_deviation = 0.0;
   int threads = 0;
+  MemoryLimit* memory = nullptr;  ///< Of the surface's pixels; may be null.
 };
 
 /// The surface a view measured: its samples joined into quads along connected grid edges. A crop of
 /// the view's grid to where there are quads.
 struct QuadSurface {
-  Grid<SurfacePixel> pixels;  ///< Empty when the view has no quad.
+  PagedGrid<SurfacePixel> pixels;  ///< Empty when the view has no quad.
   int first_u = 0, first_v = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< View frame.
   double spacing = 0.0;  ///< Median distance between connected neighbours [unit].

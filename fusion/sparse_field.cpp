@@ -51,15 +51,22 @@ void make_sorted_set(std::vector<NodeKey>& keys) {
 }
 
 SparseField::SparseField(const Lattice& lattice, std::vector<NodeKey> active_blocks,
-                         const SparseField* coarser, float outside_value)
+                         const SparseField* coarser, float outside_value, MemoryLimit* memory)
     : lattice_(lattice),
       coarser_(coarser),
       outside_value_(outside_value),
       keys_(std::move(active_blocks)),
-      active_(keys_.size(), 1) {
+      active_(keys_.size(), 1),
+      memory_(memory) {
   add_border();
-  values_.assign(keys_.size() * kBlockNodes, outside_value_);
+  clear_values();
   link_neighbours();
+}
+
+void SparseField::clear_values() {
+  values_ = PagedArray<float>(keys_.size() * kBlockNodes, memory_);
+  if (coarser_) return;  // prolong() gives all values
+  std::fill(values_.begin(), values_.end(), outside_value_);
 }
 
 void SparseField::add_border() {
@@ -142,6 +149,7 @@ void SparseField::prolong_block(std::size_t b, float limit) {
 void SparseField::prolong(float limit, int threads) {
   if (!coarser_) return;
   parallel_for(keys_.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    relieve(memory_);
     for (std::size_t b = begin; b < end; ++b) prolong_block(b, limit);
   });
 }
@@ -166,6 +174,7 @@ void SparseField::gather(std::size_t b, Padded& padded) const {
 std::vector<NodeKey> SparseField::crossed_border_blocks(int threads) const {
   std::vector<std::uint32_t> crossed(keys_.size(), 0);
   parallel_for(keys_.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    relieve(memory_);
     Padded padded;
     for (std::size_t b = begin; b < end; ++b) {
       if (!active(b)) continue;
@@ -188,16 +197,18 @@ std::vector<NodeKey> SparseField::crossed_border_blocks(int threads) const {
 void SparseField::activate(const std::vector<NodeKey>& blocks, float limit, int threads) {
   for (const NodeKey key : blocks) active_[static_cast<std::size_t>(find(node_of(key)))] = 1;
   const std::vector<NodeKey> old_keys = keys_;
-  const std::vector<float> old_values = std::move(values_);
+  const PagedArray<float> old_values = std::move(values_);
   add_border();
-  values_.assign(keys_.size() * kBlockNodes, outside_value_);
+  clear_values();
   link_neighbours();
   prolong(limit, threads);
-  for (std::size_t b = 0; b < old_keys.size(); ++b) {
-    const auto now = static_cast<std::size_t>(find(node_of(old_keys[b])));
-    std::copy_n(old_values.begin() + static_cast<std::ptrdiff_t>(b * kBlockNodes), kBlockNodes,
-                values(now));
-  }
+  parallel_for(old_keys.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    relieve(memory_);
+    for (std::size_t b = begin; b < end; ++b) {
+      const auto now = static_cast<std::size_t>(find(node_of(old_keys[b])));
+      std::copy_n(old_values.begin() + b * kBlockNodes, kBlockNodes, values(now));
+    }
+  });
 }
 
 void SparseField::close_zero_set(float limit, int threads) {

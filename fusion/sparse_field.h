@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fusion/lattice.h"
+#include "fusion/paged_array.h"
 
 namespace relief {
 
@@ -28,9 +29,10 @@ class SparseField {
  public:
   /// `coarser` (twice the spacing, same origin, or null) gives the values outside the stored blocks
   /// and must outlive this field; without it they are `outside_value`. `active_blocks` is a sorted
-  /// set of block keys.
+  /// set of block keys. A field that has a coarser one gets its values by prolong(). Under a limit
+  /// of memory (may be null) values are paged.
   SparseField(const Lattice& lattice, std::vector<NodeKey> active_blocks,
-              const SparseField* coarser, float outside_value);
+              const SparseField* coarser, float outside_value, MemoryLimit* memory = nullptr);
 
   const Lattice& lattice() const { return lattice_; }
   std::size_t block_count() const { return keys_.size(); }
@@ -69,6 +71,7 @@ class SparseField {
 
  private:
   void add_border();
+  void clear_values();
   void link_neighbours();
   std::vector<NodeKey> crossed_border_blocks(int threads) const;
   void activate(const std::vector<NodeKey>& blocks, float limit, int threads);
@@ -80,7 +83,8 @@ class SparseField {
   std::vector<NodeKey> keys_;
   std::vector<std::uint8_t> active_;
   std::vector<std::array<std::int32_t, 27>> neighbours_;
-  std::vector<float> values_;
+  MemoryLimit* memory_;
+  PagedArray<float> values_;
 };
 
 /// Index of node (x, y, z), each -1 to 8 relative to the block, in a padded copy.

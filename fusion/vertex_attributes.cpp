@@ -62,6 +62,7 @@ void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& v
   mesh.filled.assign(count, 0);
   mesh.quality.assign(count, 0.0f);
   parallel_for(count, 1024, options.threads, [&](std::size_t begin, std::size_t end) {
+    relieve(options.memory);
     EvidenceCollector collector(views, options.truncation, options.voxel_size);
     for (std::size_t v = begin; v < end; ++v) {
       const Evidence evidence = collector.collect(mesh.vertices[v], mesh.normals[v].cast<double>());

@@ -13,6 +13,7 @@ struct VertexAttributeOptions {
   /// Noise of one view's positions along the normal [unit]: what a vertex seen by one view has.
   double view_noise = 0.0;
   int threads = 0;
+  MemoryLimit* memory = nullptr;  ///< May be null.
 };
 
 /// Sets `views`, `filled`, `quality` and `normals` of a merged mesh by asking the views again at

@@ -76,16 +76,9 @@ Result<ViewSampler> ViewSampler::create(const RangeView& view, const QuadSurface
   if (!projection) return projection.error();
   sampler.projection_ = std::move(projection).value();
   sampler.depth_axis_ = mean_direction(view, sampler.surface_);
-  sampler.depths_ = DepthPyramid(depths_along(sampler.depth_axis_, sampler.surface_));
+  sampler.depths_ =
+      DepthPyramid(depths_along(sampler.depth_axis_, sampler.surface_), options.memory);
   return created;
-}
-
-std::vector<Eigen::Vector3d> ViewSampler::surface_points() const {
-  std::vector<Eigen::Vector3d> points;
-  for (const SurfacePixel& pixel : surface_.pixels)
-    if (pixel.corner)
-      points.push_back(world_from_view_ * (surface_.centre + pixel.point.cast<double>()));
-  return points;
 }
 
 std::optional<ViewSampler::Patch> ViewSampler::patch_at(const Eigen::Vector3d& point) const {

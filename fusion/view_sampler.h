@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -47,9 +46,17 @@ class ViewSampler {
   /// all are farther behind the surface than `reach` [unit].
   bool concerns(const Eigen::AlignedBox3d& box_in_world, double reach) const;
 
-  /// The corners of all quads, world frame.
-  std::vector<Eigen::Vector3d> surface_points() const;
+  /// Calls `visit` with the corners of all quads, world frame, row by row.
+  template <typename Visit>
+  void for_surface_points(const Visit& visit) const {
+    for (const SurfacePixel& pixel : surface_.pixels)
+      if (pixel.corner)
+        visit(Eigen::Vector3d(world_from_view_ * (surface_.centre + pixel.point.cast<double>())));
+  }
   bool empty() const { return surface_.pixels.empty(); }
+
+  /// Size of what is paged under a limit of memory.
+  std::size_t bytes() const { return surface_.pixels.size() * sizeof(SurfacePixel); }
 
   double spacing() const { return surface_.spacing; }  ///< See QuadSurface.
   double noise() const { return surface_.noise; }      ///< See QuadSurface.

@@ -153,5 +153,21 @@ TEST(Program, GivesTheSameBytesOnAnyNumberOfThreads) {
   }
 }
 
+TEST(Program, MergesWithinAMemoryLimitToTheSameBytes) {
+  const TemporaryFolder scans, free, limited;
+  simulate(scans, "5", "96");
+  ASSERT_EQ(run_relief({"merge", scans / "scan.json", "-o", free / "model.ply"}).exit_status, 0);
+  const ProgramRun run =
+      run_relief({"merge", scans / "scan.json", "-o", limited / "model.ply", "--memory", "2000"});
+  EXPECT_EQ(run.exit_status, 0) << run.standard_error;
+  EXPECT_EQ(read_text(free / "model.ply"), read_text(limited / "model.ply"));
+
+  const ProgramRun low =
+      run_relief({"merge", scans / "scan.json", "-o", limited / "low.ply", "--memory", "1"});
+  EXPECT_EQ(low.exit_status, 1);
+  EXPECT_THAT(low.standard_error, HasSubstr("limit of 1 MiB"));
+  EXPECT_FALSE(std::filesystem::exists(limited / "low.ply"));
+}
+
 }  // namespace
 }  // namespace relief

@@ -123,7 +123,7 @@ TEST_F(ObstacleSolver, LiesAboveItsFloorAndIsHarmonicWhereItDoesNotTouchIt) {
 
 TEST_F(ObstacleSolver, ThreadsDoNotChangeAByte) {
   const auto rough = [](const Node& n) { return std::sin(3.0 * n.x() + 5.0 * n.y() + n.z()); };
-  SparseField other = field_;
+  SparseField other({Eigen::Vector3d::Zero(), 1.0}, cube_of_blocks(2), nullptr, 0.0f);
   fill(field_, rough);
   fill(other, rough);
   options_.max_sweeps = 20;
