@@ -18,9 +18,9 @@ using testing::SignedDistance;
 constexpr double kRadius = 50.0;
 
 // Filled vertices that lie more than half a voxel in front of what some view measured, by
-// projection into every view.
-std::size_t vertices_in_empty_space(const MergeResult& merged,
-                                    const std::vector<RangeView>& views) {
+// projection into every view, where it has samples for `margin` pixels around.
+std::size_t vertices_in_empty_space(const MergeResult& merged, const std::vector<RangeView>& views,
+                                    int margin) {
   std::size_t count = 0;
   for (std::size_t v = 0; v < merged.mesh.vertices.size(); ++v) {
     if (!merged.mesh.filled[v]) continue;
@@ -30,8 +30,8 @@ std::size_t vertices_in_empty_space(const MergeResult& merged,
       if (!pixel) return false;
       const int u = static_cast<int>(std::lround(pixel->x()));
       const int w = static_cast<int>(std::lround(pixel->y()));
-      for (int dw = -1; dw <= 1; ++dw)
-        for (int du = -1; du <= 1; ++du)
+      for (int dw = -margin; dw <= margin; ++dw)
+        for (int du = -margin; du <= margin; ++du)
           if (!view.has_sample(u + du, w + dw)) return false;
       const double in_front = view.normals(u, w).cast<double>().dot(p - view.point(u, w));
       return in_front > 0.5 * merged.voxel_size;
@@ -70,12 +70,13 @@ double roughness(const TriangleMesh& mesh) {
   return angles[angles.size() / 2];
 }
 
-MergeResult closed(const std::vector<RangeView>& views, const MergeOptions& options = {}) {
+MergeResult closed(const std::vector<RangeView>& views, const MergeOptions& options = {},
+                   int margin = 1) {
   auto merged = merge_views(views, options);
   EXPECT_TRUE(merged.ok()) << (merged.ok() ? "" : merged.error().message);
   if (!merged) return {};
   EXPECT_EQ(merged->check.components, 1u);
-  EXPECT_EQ(vertices_in_empty_space(*merged, views), 0u);
+  EXPECT_EQ(vertices_in_empty_space(*merged, views, margin), 0u);
   return std::move(merged).value();
 }
 
@@ -153,6 +154,50 @@ TEST(Closing, AHoleOfATenthOfTheSurfaceIsSpannedAndMarked) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, 3).normalized();
   const double share = rightly_filled(
       merged, [&](const Eigen::Vector3d& p) { return p.normalized().dot(axis) > 0.8; });
+  EXPECT_GT(share, 0.99);
+}
+
+// A disc of half the thickness `half` round the z axis.
+SignedDistance disc(double radius, double centre, double half) {
+  return [=](const Eigen::Vector3d& p) {
+    const Eigen::Vector2d beyond(p.head<2>().norm() - radius, std::abs(p.z() - centre) - half);
+    return beyond.cwiseMax(0.0).norm() + std::min(beyond.maxCoeff(), 0.0);
+  };
+}
+
+// A boss on a disc: light that goes to and fro between the two spoils the samples beside the edge
+// where they meet, in all views.
+TEST(Closing, ACreaseLostToInterreflectionIsRoundedOffAndMarked) {
+  constexpr double kTop = -8.0, kBoss = 16.0, kLost = 6.0;
+  const SignedDistance base = disc(38.0, kTop - 6.0, 6.0), boss = disc(kBoss, kTop + 8.0, 14.0);
+  const SignedDistance shape = [=](const Eigen::Vector3d& p) { return std::min(base(p), boss(p)); };
+  const auto from_crease = [](const Eigen::Vector3d& p) {
+    return std::hypot(p.head<2>().norm() - kBoss, p.z() - kTop);
+  };
+  auto views = testing::views_around(testing::traced(shape), 20, 110, kRadius);
+  for (RangeView& view : views)
+    for (int v = 0; v < view.height(); ++v)
+      for (int u = 0; u < view.width(); ++u)
+        if (view.has_sample(u, v) && from_crease(view.world_from_view * view.point(u, v)) < kLost)
+          view.range(u, v) = kNoSample;
+
+  // A lattice cannot follow rays that pass a border closer than a voxel and a half.
+  const MergeResult merged = closed(views, {}, 2);
+  EXPECT_TRUE(merged.check.watertight());
+  EXPECT_EQ(merged.check.genus, 0);
+  EXPECT_LT(roughness(merged.mesh), 0.1);
+  double least = kLost, lowest = 0.0;
+  for (std::size_t v = 0; v < merged.mesh.vertices.size(); ++v) {
+    if (!merged.mesh.filled[v]) continue;
+    least = std::min(least, from_crease(merged.mesh.vertices[v]));
+    lowest = std::min(lowest, shape(merged.mesh.vertices[v]));
+  }
+  EXPECT_GT(least, 1.0) << "a fillet";
+  EXPECT_GT(lowest, -0.5 * merged.voxel_size) << "that cuts into nothing";
+  const double share = rightly_filled(merged, [&](const Eigen::Vector3d& p) -> std::optional<bool> {
+    if (std::abs(from_crease(p) - kLost) < 0.5 * merged.voxel_size) return std::nullopt;
+    return from_crease(p) < kLost;
+  });
   EXPECT_GT(share, 0.99);
 }
 
