@@ -79,6 +79,7 @@ def poses_of(path):
     return {view["name"]: view["world_from_view"] for view in json.loads(pathlib.Path(path).read_text())["views"]}
 
 
+SIXTEEN = ("--views", "16", "--seed", "5")
 SIMULATED = ("refine", "align", "merge", "chain")
 
 
@@ -102,6 +103,11 @@ def all_cases(quick):
              truth_poses="bear/truth.json", truth_mesh="bear/reference.ply"),
         Case("bunny", "Stanford bunny, 10 raw Cyberware scans without normals, published poses", ("merge", "chain"),
              "bunny/bun.conf", truth_mesh="bunny/reference.ply", unit="m"),
+        Case("owl16", "built-in object, 16 views of 512x512", ("sixteen",), simulated=True, options=SIXTEEN),
+        Case("lion16", "lion statue, 16 views of 512x512", ("sixteen",), "meshes/lionstatue.obj", simulated=True,
+             options=SIXTEEN),
+        Case("falcon16", "falcon statue, 16 views of 512x512", ("sixteen",), "meshes/falconstatue.obj", simulated=True,
+             options=SIXTEEN),
         Case("panel", "panel of Nehab et al. 2005, one view of 512x384 with measured normals", ("fit",),
              "panel/panel-small-conf.ply", options=("--fc", "panel/panel-small.fc")),
     ]

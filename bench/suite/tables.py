@@ -105,4 +105,21 @@ def chain_table(rows):
     return table(["poses", *MESH_HEADER], rows, cells)
 
 
-TABLES = {"refine": refine_table, "fit": fit_table, "align": align_table, "merge": merge_table, "chain": chain_table}
+def sixteen_table(rows):
+    header = ["case", "poses", "measured RMS", "completeness RMS", "normals", "normals back", "vertices", "filled", "surface",
+              "processor time", "memory"]
+    lines = []
+    for line in rows:
+        start = [line["case"], line["method"].split()[0]]
+        if "failed" in line:
+            lines.append(start + [failure(line["failed"])] + [""] * (len(header) - 3))
+            continue
+        lines.append(start + [
+            number(line["measured"]["rms"]), number(line["completeness"]["rms"]), f"{number(line['measured']['normals'])}°",
+            f"{number(line['completeness']['normals'])}°", f"{line['vertices'] / 1000:.0f} k", percent(line["filled"]),
+            surface(line), f"{number(line['cost']['processor'], 2)} s", f"{line['cost']['peak_mb']:.0f} MB"])
+    return markdown(header, lines)
+
+
+TABLES = {"refine": refine_table, "fit": fit_table, "align": align_table, "merge": merge_table, "chain": chain_table,
+          "sixteen": sixteen_table}
