@@ -1,12 +1,11 @@
 #include "registration/pose_evidence.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
-#include <map>
 #include <vector>
 
+#include "registration/coherent_residual.h"
 #include "registration/search_schedule.h"
 #include "registration/slippage.h"
 
@@ -59,13 +58,63 @@ double directed_agreement(const ViewSurface& source, const ViewSurface& target,
   return score / static_cast<double>(count);
 }
 
-constexpr double kCoherenceRadii = 0.1;  // Side of the cells of samples that should agree.
-constexpr double kStrays = 0.005;        // Part of a view's samples that may be anywhere.
+// The band of distances in which residuals should agree: beyond the reach of the sensor's noise,
+// whose samples share it over a few pixels.
+constexpr double kNoiseReach = 5.0;       // [sample spacings]
+constexpr double kCoherenceRadii = 0.1;   // Over the smaller view's radius,
+constexpr double kCoherenceReach = 10.0;  // but at least as many sample spacings.
+constexpr double kStrays = 0.005;         // Part of a view's samples that may be anywhere,
+constexpr double kLost = 0.02;            // and that the other sensor may have lost.
+constexpr double kFacing = 0.6;           // Cosine at which a sensor should see a surface.
 
-void note_contradiction(double in_front, double overlap, PoseEvidence& evidence) {
-  if (in_front <= 0.0) return;
-  evidence.in_front = std::max(evidence.in_front, in_front);
-  evidence.contradiction = std::max(evidence.contradiction, in_front / (in_front + overlap));
+// What the line of sight from the target to samples of the source tells, as fractions of them.
+struct SightLines {
+  double in_front = 0.0;  // Would have hidden what the target saw.
+  double missing = 0.0;   // Face the target where it saw nothing.
+};
+
+SightLines look_along(const ViewSurface& source, const ViewSurface& target,
+                      const RigidMotion& target_from_source, double margin) {
+  SightLines lines;
+  const std::size_t probes = std::min(kProbes, source.samples().size());
+  if (!target.can_project() || probes == 0) return lines;
+  const double part = 1.0 / static_cast<double>(probes);
+  for (std::size_t i = 0; i < probes; ++i) {
+    const SurfacePoint sample = source.sample(source.samples()[i]);
+    const Eigen::Vector3d point = target_from_source * sample.point;
+    const auto pixel = target.project(point);
+    if (!pixel) continue;
+    if (const auto seen = target.at(*pixel)) {
+      if ((point - seen->point).dot(seen->normal) > margin) lines.in_front += part;
+    } else if (target.blank(*pixel)) {
+      const Eigen::Vector3d normal = target_from_source.linear() * sample.normal;
+      if (-target.sight(*pixel).normalized().dot(normal) > kFacing) lines.missing += part;
+    }
+  }
+  return lines;
+}
+
+void note_sight_lines(const SightLines& lines, double overlap, PoseEvidence& evidence) {
+  const auto note = [&](double part, double& largest, double& largest_ratio) {
+    if (part <= 0.0) return;
+    largest = std::max(largest, part);
+    largest_ratio = std::max(largest_ratio, part / (part + overlap));
+  };
+  note(lines.in_front, evidence.in_front, evidence.contradiction);
+  note(lines.missing, evidence.missing, evidence.absence);
+}
+
+DistanceBand coherence_band(const ViewSurface& a, const ViewSurface& b) {
+  const double spacing = std::max(a.spacing(), b.spacing());
+  return {kNoiseReach * spacing,
+          std::max(kCoherenceReach * spacing, kCoherenceRadii * std::min(a.radius(), b.radius()))};
+}
+
+Eigen::Matrix3Xd points_of(const std::vector<OrientedPoint>& oriented) {
+  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(oriented.size()));
+  for (std::size_t i = 0; i < oriented.size(); ++i)
+    points.col(static_cast<Eigen::Index>(i)) = oriented[i].point;
+  return points;
 }
 
 double root_mean_square(const std::vector<double>& values) {
@@ -74,54 +123,27 @@ double root_mean_square(const std::vector<double>& values) {
   return values.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(values.size()));
 }
 
-// From the products of the distances of different samples in one cell, in which independent noise
-// averages out (C3): (sum of r)^2 - sum of r^2 over the ordered pairs of each cell.
-double coherent_rms(const std::vector<OrientedPoint>& points, const std::vector<double>& distances,
-                    double cell) {
-  if (points.empty()) return 0.0;
-  struct Sums {
-    double count = 0.0, sum = 0.0, squares = 0.0;
-  };
-  std::map<std::array<long, 3>, Sums> cells;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d index = ((points[i].point - points[0].point) / cell).array().floor();
-    Sums& sums = cells[{static_cast<long>(index.x()), static_cast<long>(index.y()),
-                        static_cast<long>(index.z())}];
-    ++sums.count;
-    sums.sum += distances[i];
-    sums.squares += distances[i] * distances[i];
-  }
-  double products = 0.0, pairs = 0.0;
-  for (const auto& [unused, sums] : cells) {
-    products += sums.sum * sums.sum - sums.squares;
-    pairs += sums.count * (sums.count - 1.0);
-  }
-  return pairs > 0.0 ? std::sqrt(std::max(0.0, products / pairs)) : 0.0;
-}
-
 }  // namespace
 
 bool contradicts(const PoseEvidence& evidence, const PlausibleEvidence& limits) {
   return evidence.contradiction > limits.max_contradiction && evidence.in_front > kStrays;
 }
 
-bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
-               const PlausibleEvidence& limits) {
-  const double rms =
-      largest_plausible_rms(std::max(a.spacing(), b.spacing()), std::hypot(a.noise(), b.noise()));
-  return evidence.overlap >= limits.min_overlap && evidence.rms <= limits.max_rms * rms &&
-         evidence.coherent_rms <= limits.max_coherent_rms * std::max(a.spacing(), b.spacing()) &&
-         !contradicts(evidence, limits);
+bool too_much_absent(const PoseEvidence& evidence, const PlausibleEvidence& limits) {
+  return evidence.absence > limits.max_absence && evidence.missing > kLost;
 }
 
-double contradiction(const ViewSurface& source, const ViewSurface& target,
-                     const RigidMotion& target_from_source, double margin) {
-  const std::size_t probes = std::min(kProbes, source.samples().size());
-  if (!target.can_project() || probes == 0) return 0.0;
-  std::size_t in_front = 0;
-  look_from(target, source, target_from_source, probes,
-            [&](const Sighting& s) { in_front += s.distance > margin ? 1 : 0; });
-  return static_cast<double>(in_front) / static_cast<double>(probes);
+double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b) {
+  return evidence.rms / largest_plausible_rms(std::max(a.spacing(), b.spacing()),
+                                              std::hypot(a.noise(), b.noise()));
+}
+
+bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+               const PlausibleEvidence& limits) {
+  return evidence.overlap >= limits.min_overlap && relative_rms(evidence, a, b) <= limits.max_rms &&
+         evidence.normal_rms <= limits.max_normal_rms &&
+         evidence.coherent_rms <= limits.max_coherent_rms * std::max(a.spacing(), b.spacing()) &&
+         !contradicts(evidence, limits);
 }
 
 double rough_agreement(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
@@ -147,22 +169,25 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
   const auto in_b = find_correspondences(a, b, b_from_a, search);
   const auto in_a = find_correspondences(b, a, b_from_a.inverse(), search);
   evidence.overlap = 0.5 * (in_b.overlap() + in_a.overlap());
-  note_contradiction(contradiction(a, b, b_from_a, margin), in_b.overlap(), evidence);
-  note_contradiction(contradiction(b, a, b_from_a.inverse(), margin), in_a.overlap(), evidence);
+  note_sight_lines(look_along(a, b, b_from_a, margin), in_b.overlap(), evidence);
+  note_sight_lines(look_along(b, a, b_from_a.inverse(), margin), in_a.overlap(), evidence);
 
   std::vector<OrientedPoint> shared;
   std::vector<double> distances;  // Of a in front of b.
+  std::vector<double> turns;      // Between the normals.
   for (const auto& c : in_b.items) {
     shared.push_back({c.target.point, c.target.normal});
     distances.push_back(c.distance);
+    turns.push_back((b_from_a.linear() * c.source.normal - c.target.normal).norm());
   }
   for (const auto& c : in_a.items) {
     shared.push_back({b_from_a * c.target.point, b_from_a.linear() * c.target.normal});
     distances.push_back(-c.distance);
+    turns.push_back((c.source.normal - shared.back().normal).norm());
   }
-  const double cell = kCoherenceRadii * std::min(a.radius(), b.radius());
   evidence.rms = root_mean_square(distances);
-  evidence.coherent_rms = coherent_rms(shared, distances, cell);
+  evidence.normal_rms = root_mean_square(turns);
+  evidence.coherent_rms = coherent_rms(points_of(shared), distances, coherence_band(a, b));
   const double threshold = stiffness_threshold(std::max(a.normal_noise(), b.normal_noise()));
   evidence.slides = analyse_stability(shared).stiffness[0] < threshold;
   return evidence;

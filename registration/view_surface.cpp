@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kWantedNormalNoise = 0.035;  // [rad], two degrees
 constexpr int kLargestNormalRadius = 5;
+constexpr int kBlankReach = 2;  // [pixels]
 
 // A bijection of 64-bit integers whose outputs look random (the finaliser of Steele, Lea and Flood
 // 2014): sorting by it scatters indices without a random generator.
@@ -201,6 +202,19 @@ std::optional<SignalPoint> ViewSurface::signal(const SurfacePoint& place, int le
       step_to(place.pixel.x(), place.pixel.y() + 1.0);
   const Eigen::Matrix2d metric = steps.transpose() * steps;
   return SignalPoint{sample->normal, sample->by_pixel * metric.inverse() * steps.transpose()};
+}
+
+bool ViewSurface::blank(const Eigen::Vector2d& pixel) const {
+  const double u = std::round(pixel.x()), v = std::round(pixel.y());
+  if (!(u >= 0.0 && v >= 0.0 && u < range_.width() && v < range_.height())) return false;
+  const int left = std::max(0, static_cast<int>(u) - kBlankReach);
+  const int top = std::max(0, static_cast<int>(v) - kBlankReach);
+  const int right = std::min(range_.width() - 1, static_cast<int>(u) + kBlankReach);
+  const int bottom = std::min(range_.height() - 1, static_cast<int>(v) + kBlankReach);
+  for (int y = top; y <= bottom; ++y)
+    for (int x = left; x <= right; ++x)
+      if (!std::isnan(range_(x, y))) return false;
+  return true;
 }
 
 std::vector<Eigen::Vector2d> ViewSurface::closest(const Eigen::Matrix3Xd& points) const {

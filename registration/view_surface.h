@@ -76,6 +76,13 @@ class ViewSurface {
     return camera_.project(point);
   }
 
+  /// The line of sight through a pixel that project() gave, away from the sensor, not normalised.
+  Eigen::Vector3d sight(const Eigen::Vector2d& pixel) const {
+    return camera_.ray_at(pixel.x(), pixel.y()).direction;
+  }
+  /// Whether the view measured nothing at a place of its grid nor within two pixels of it.
+  bool blank(const Eigen::Vector2d& pixel) const;
+
   bool has_neighbour_index() const { return index_ != nullptr; }
   /// For each column the fractional pixel of the surface point closest to it: the nearest sample,
   /// moved within its tangent plane to the foot of the query. Needs the index and a sample.

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "registration/coarse/pair_search.h"
+#include "registration/robust.h"
 #include "scan/parallel.h"
 
 namespace relief {
@@ -17,8 +18,9 @@ namespace {
 
 constexpr double kSamePlaceRadii = 0.15;  // Poses nearer than this are one, over a view's radius.
 constexpr double kLoopRadii = 0.04, kLoopSpacings = 4.0;  // How well loops of three close.
+constexpr double kTypicalQuantile = 0.25;                 // Of links; wrong ones are among them.
+constexpr double kLeastCoherentLimit = 0.12;              // [sample spacings]
 constexpr double kCountingOverlap = 0.05;                 // Pairs below say little.
-constexpr double kJoinedMisfit = 2.5;  // Allowance for poses that are joined but not refined.
 
 using Motions = std::vector<RigidMotion>;
 
@@ -51,12 +53,57 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
   return loops;
 }
 
+// Of the links between the same two views that which deviates least.
+std::vector<const PoseLink*> best_of_each_pair(const std::vector<ViewSurface>& surfaces,
+                                               const std::vector<PoseLink>& links) {
+  std::map<std::pair<std::size_t, std::size_t>, std::pair<double, const PoseLink*>> best;
+  for (const auto& link : links) {
+    const std::pair found(relative_rms(link.evidence, surfaces[link.a], surfaces[link.b]), &link);
+    const auto [it, added] = best.try_emplace(std::minmax(link.a, link.b), found);
+    if (!added && found.first < it->second.first) it->second = found;
+  }
+  std::vector<const PoseLink*> links_of_pairs;
+  for (const auto& [unused, found] : best) links_of_pairs.push_back(found.second);
+  return links_of_pairs;
+}
+
+// The limits, tightened to what the better links of the project show. Noise that is alike over many
+// pixels and errors of the calibration do not tell from the shape in a single view, but all pairs
+// of a project have them: a pair that deviates much more than others is wrong.
+PlausibleEvidence limits_of_project(const std::vector<ViewSurface>& surfaces,
+                                    const std::vector<PoseLink>& links,
+                                    const ViewGroupOptions& options) {
+  std::vector<double> rms, normal_rms, coherent_rms;
+  for (const PoseLink* link : best_of_each_pair(surfaces, links)) {
+    const ViewSurface &a = surfaces[link->a], &b = surfaces[link->b];
+    rms.push_back(relative_rms(link->evidence, a, b));
+    normal_rms.push_back(link->evidence.normal_rms);
+    coherent_rms.push_back(link->evidence.coherent_rms / std::max(a.spacing(), b.spacing()));
+  }
+  PlausibleEvidence limits = options.limits;
+  const auto tighten = [&](double& limit, std::vector<double> values, double least) {
+    if (values.empty()) return;
+    const double typical = quantile(std::move(values), kTypicalQuantile);
+    limit = std::min(limit, std::max(least, options.largest_excess * typical));
+  };
+  tighten(limits.max_rms, std::move(rms), 0.0);
+  tighten(limits.max_normal_rms, std::move(normal_rms), 0.0);
+  tighten(limits.max_coherent_rms, std::move(coherent_rms), kLeastCoherentLimit);
+  return limits;
+}
+
 // Best supported first, without those that are not believed.
 void sort_by_support(const std::vector<ViewSurface>& surfaces, const ViewGroupOptions& options,
                      std::vector<PoseLink>& links) {
+  std::erase_if(links, [&](const PoseLink& link) {
+    PlausibleEvidence limits = options.limits;
+    limits.max_coherent_rms = options.confirmed_coherent_rms;
+    return !link.given && !plausible(link.evidence, surfaces[link.a], surfaces[link.b], limits);
+  });
   const auto loops = count_loops(surfaces, links);
   const auto firm = [&](const PoseLink& link) {
-    return plausible(link.evidence, surfaces[link.a], surfaces[link.b], options.limits);
+    return plausible(link.evidence, surfaces[link.a], surfaces[link.b], options.limits) &&
+           !too_much_absent(link.evidence, options.limits);
   };
   std::vector<std::size_t> order(links.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -177,7 +224,7 @@ class Joining {
       });
       if (!known) ways.push_back(way);
     }
-    for (Way& way : ways) way.support = support(first, second, way.first_from_second);
+    for (Way& way : ways) way.support = support(first, second, way);
     std::erase_if(ways, [](const Way& way) { return way.support <= 0.0; });
     std::stable_sort(ways.begin(), ways.end(), [](const Way& x, const Way& y) {
       return std::tuple(x.link.given, x.support) > std::tuple(y.link.given, y.support);
@@ -190,27 +237,47 @@ class Joining {
            ways[1].support >= options_.ambiguity * ways[0].support;
   }
 
-  double support(std::size_t first, std::size_t second,
-                 const RigidMotion& first_from_second) const {
+  double support(std::size_t first, std::size_t second, const Way& way) const {
     const auto of_first = members(first), of_second = members(second);
     std::vector<double> parts(of_first.size() * of_second.size(), 0.0);
-    PlausibleEvidence limits = options_.limits;
-    limits.min_overlap = kCountingOverlap;
-    limits.max_rms *= kJoinedMisfit;
-    limits.max_coherent_rms *= kJoinedMisfit;
     parallel_for(parts.size(), 4, options_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const std::size_t i = of_first[k / of_second.size()], j = of_second[k % of_second.size()];
-        const RigidMotion i_from_j =
-            groups_.group_from_view[i].inverse() * first_from_second * groups_.group_from_view[j];
-        const auto evidence = judge_pose(surfaces_[j], surfaces_[i], i_from_j, options_.judge);
-        if (plausible(evidence, surfaces_[j], surfaces_[i], limits))
-          parts[k] = evidence.overlap;
-        else if (contradicts(evidence, limits) || evidence.overlap >= options_.limits.min_overlap)
-          parts[k] = -std::numeric_limits<double>::infinity();
+        parts[k] = support_of_pair(i, j, way);
       }
     });
     return std::max(0.0, std::accumulate(parts.begin(), parts.end(), 0.0));
+  }
+
+  // Pairs of which too much is absent speak a little against a way that the user does not vouch
+  // for.
+  double support_of(const PoseEvidence& evidence, const Way& way) const {
+    if (way.link.given || !too_much_absent(evidence, options_.limits)) return evidence.overlap;
+    return -evidence.missing;
+  }
+
+  // What view j of the second group says for a way, seen from view i of the first: their overlap,
+  // 0 where they hardly meet, or minus infinity when they deny it. Poses that follow from chains of
+  // links are a little off: the pair may settle before it is judged, but not go elsewhere.
+  double support_of_pair(std::size_t i, std::size_t j, const Way& way) const {
+    PlausibleEvidence limits = options_.limits;
+    limits.min_overlap = kCountingOverlap;
+    limits.max_coherent_rms = options_.confirmed_coherent_rms;
+    const ViewSurface &target = surfaces_[i], &source = surfaces_[j];
+    const RigidMotion i_from_j =
+        groups_.group_from_view[i].inverse() * way.first_from_second * groups_.group_from_view[j];
+    PoseEvidence evidence = judge_pose(source, target, i_from_j, options_.judge);
+    if (plausible(evidence, source, target, limits)) return support_of(evidence, way);
+    const bool denies =
+        contradicts(evidence, limits) || evidence.overlap >= options_.limits.min_overlap;
+    if (!denies) return std::min(0.0, support_of(evidence, way));
+    const double reach = kSamePlaceRadii * std::min(source.radius(), target.radius());
+    const auto settled =
+        refine_hypothesis(source, target, i_from_j, reach, options_.judge.association);
+    if (same_place(source, settled.b_from_a, i_from_j) &&
+        plausible(settled.evidence, source, target, limits))
+      return support_of(settled.evidence, way);
+    return -std::numeric_limits<double>::infinity();
   }
 
   void report_ambiguous() {
@@ -247,8 +314,10 @@ ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<Pose
                       const std::vector<std::optional<RigidMotion>>& known,
                       const ViewGroupOptions& options) {
   assert(known.size() == surfaces.size());
-  sort_by_support(surfaces, options, links);
-  return Joining(surfaces, links, known, options).run();
+  ViewGroupOptions adapted = options;
+  adapted.limits = limits_of_project(surfaces, links, options);
+  sort_by_support(surfaces, adapted, links);
+  return Joining(surfaces, links, known, adapted).run();
 }
 
 }  // namespace relief

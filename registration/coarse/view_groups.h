@@ -24,9 +24,12 @@ struct ViewGroupOptions {
   PlausibleEvidence limits;
   /// Links that share less count only when loops of three confirm them; in (0, 1].
   double lone_overlap = 0.3;
-  /// The coherent RMS that is allowed to confirmed links [sample spacings]; above that of `limits`,
-  /// which holds for the others.
-  double confirmed_coherent_rms = 0.4;
+  /// How much larger the RMS of distances and of normals may be than those of the better links of
+  /// the same project; > 1.
+  double largest_excess = 1.5;
+  /// The coherent RMS that is allowed to confirmed links [sample spacings]; at least that of
+  /// `limits`, which holds for the others.
+  double confirmed_coherent_rms = 0.2;
   /// Two ways of joining are told apart when the support of the weaker is below this part of that
   /// of the stronger; in (0, 1].
   double ambiguity = 0.5;

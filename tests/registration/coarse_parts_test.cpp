@@ -1,4 +1,5 @@
 #include <cmath>
+#include <map>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -11,6 +12,7 @@
 #include "registration/coarse/resampled_view.h"
 #include "registration/coarse/robust_motion.h"
 #include "registration/coarse/view_similarity.h"
+#include "registration/coherent_residual.h"
 #include "registration/pose_evidence.h"
 #include "tests/registration/bumpy_object.h"
 
@@ -174,6 +176,46 @@ TEST(PoseEvidence, OfViewsOfASphereSlides) {
   const auto evidence = judge_pose(a, b, second.world_from_view.inverse() * first.world_from_view);
   EXPECT_GT(evidence.overlap, 0.3);
   EXPECT_TRUE(evidence.slides);
+}
+
+TEST(PoseEvidence, MissesWhatTheOtherSensorShouldHaveSeen) {
+  EXPECT_FALSE(too_much_absent(judge_pose(surfaces()[0], surfaces()[1], true_motion(0, 1))));
+  // A view that measured only the middle of its image: nothing there fits badly, but the rest of
+  // the other view faces it and was not seen.
+  RangeView middle = ring()[0];
+  for (int v = 0; v < middle.height(); ++v)
+    for (int u = 0; u < middle.width(); ++u)
+      if (std::hypot(u - 64, v - 64) > 24) middle.range(u, v) = kNoSample;
+  const ViewSurface part(middle);
+  const auto evidence = judge_pose(surfaces()[0], part, RigidMotion::Identity());
+  EXPECT_TRUE(plausible(evidence, surfaces()[0], part));
+  EXPECT_GT(evidence.missing, 0.15);
+  EXPECT_TRUE(too_much_absent(evidence));
+}
+
+TEST(CoherentRms, KeepsWhatIsAlikeBeyondTheNoise) {
+  Eigen::Matrix3Xd points = random_points(2000, 8);
+  points.row(2).setZero();
+  const double extent = points.cwiseAbs().maxCoeff();
+  points *= 50.0 / extent;
+  std::mt19937 generator(4);
+  std::normal_distribution<double> normal;
+  std::vector<double> noise, blocks, smooth;
+  std::map<std::pair<long, long>, double> of_block;  // Alike within squares of side 2.
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    noise.push_back(normal(generator));
+    blocks.push_back(
+        of_block
+            .try_emplace({std::lround(points(0, i) / 2), std::lround(points(1, i) / 2)},
+                         normal(generator))
+            .first->second);
+    smooth.push_back(std::sin(0.1 * points(0, i)));
+  }
+  EXPECT_LT(coherent_rms(points, noise, {3.0, 10.0}), 0.15);
+  EXPECT_LT(coherent_rms(points, blocks, {3.0, 10.0}), 0.25);
+  EXPECT_GT(coherent_rms(points, blocks, {0.0, 2.0}), 0.5);
+  EXPECT_NEAR(coherent_rms(points, smooth, {3.0, 10.0}), std::sqrt(0.5), 0.15);
+  EXPECT_EQ(coherent_rms({}, {}, {1.0, 2.0}), 0.0);
 }
 
 TEST(PairSearch, FindsTheTruePoseOfNeighbours) {
