@@ -88,10 +88,11 @@ Correspondences find_correspondences(const ViewSurface& source, const ViewSurfac
   const auto wanted = static_cast<std::size_t>(options.count);
   const std::size_t limit =
       std::min(source.samples().size(), wanted * static_cast<std::size_t>(options.tries));
+  const std::span<const std::uint32_t> samples(source.samples());
   while (found.tried < limit && found.items.size() < wanted) {
     const std::size_t end = std::min(limit, found.tried + kBatch);
-    append_correspondences(source, target, target_from_source, found.tried, end, options,
-                           found.items);
+    append_correspondences(source, target, target_from_source,
+                           samples.subspan(found.tried, end - found.tried), options, found.items);
     found.tried = end;
   }
   reject_distant(found, options.max_sigmas, kLeastSigma * target.spacing());
@@ -99,13 +100,14 @@ Correspondences find_correspondences(const ViewSurface& source, const ViewSurfac
 }
 
 void append_correspondences(const ViewSurface& source, const ViewSurface& target,
-                            const RigidMotion& target_from_source, std::size_t begin,
-                            std::size_t end, const CorrespondenceOptions& options,
+                            const RigidMotion& target_from_source,
+                            std::span<const std::uint32_t> samples,
+                            const CorrespondenceOptions& options,
                             std::vector<Correspondence>& found) {
   const bool projective = associates_by_projection(target, options.association);
   std::vector<SurfacePoint> batch;
-  batch.reserve(end - begin);
-  for (std::size_t i = begin; i < end; ++i) batch.push_back(source.sample(source.samples()[i]));
+  batch.reserve(samples.size());
+  for (const std::uint32_t index : samples) batch.push_back(source.sample(index));
   match_batch(target, target_from_source, batch, options, projective, found);
 }
 

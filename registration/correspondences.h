@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -57,12 +59,13 @@ Correspondences find_correspondences(const ViewSurface& source, const ViewSurfac
                                      const RigidMotion& target_from_source,
                                      const CorrespondenceOptions& options);
 
-/// The same for samples()[begin, end) of the source, appended to `found`: all of them, however
-/// their point-to-plane distances are distributed. `count`, `tries` and `max_sigmas` mean nothing
-/// here.
+/// The same for the given samples of the source (grid indices), appended to `found`: all of them,
+/// however their point-to-plane distances are distributed. `count`, `tries` and `max_sigmas` mean
+/// nothing here.
 void append_correspondences(const ViewSurface& source, const ViewSurface& target,
-                            const RigidMotion& target_from_source, std::size_t begin,
-                            std::size_t end, const CorrespondenceOptions& options,
+                            const RigidMotion& target_from_source,
+                            std::span<const std::uint32_t> samples,
+                            const CorrespondenceOptions& options,
                             std::vector<Correspondence>& found);
 
 /// Root mean square of the distances [unit]; 0 for none.

@@ -18,7 +18,7 @@ struct DenseRefinementOptions {
   CorrespondenceOptions search;
   /// Samples of the source, per direction of a pair, at most: of the steps, and of the last one,
   /// which determines the precision. 0: all.
-  std::size_t step_samples = 10000, last_samples = 0;
+  std::size_t step_samples = 4000, last_samples = 0;
   double tolerance = 0.0;  ///< The last step follows one that moved no sample by more [unit].
   int max_iterations = 6;
   /// What the normal maps say of each directed pair at the poses given, (a, b) at 2k, (b, a) at

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <unordered_map>
 
 #include <Eigen/Geometry>
@@ -59,6 +60,14 @@ class Accumulator {
   std::unordered_map<std::uint64_t, std::size_t> place_of_;
 };
 
+// The first `count` samples of a view (0: all), neighbours close to each other in memory.
+std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t count) {
+  std::vector<std::uint32_t> samples = view.samples();
+  if (count > 0 && count < samples.size()) samples.resize(count);
+  std::sort(samples.begin(), samples.end());
+  return samples;
+}
+
 }  // namespace
 
 PairInformation pair_information(const std::vector<ViewSurface>& surfaces, std::size_t source,
@@ -77,12 +86,12 @@ PairInformation pair_information(const std::vector<ViewSurface>& surfaces, std::
   const double sigma = find_correspondences(from, to, target_from_source, options.search).sigma;
   if (sigma <= 0.0) return sum;
   Accumulator accumulator(sum, options.patch);
-  const std::size_t all = from.samples().size();
-  const std::size_t count = options.samples == 0 ? all : std::min(all, options.samples);
+  const std::vector<std::uint32_t> samples = in_grid_order(from, options.samples);
   std::vector<Correspondence> batch;
-  for (std::size_t begin = 0; begin < count; begin += kBatch) {
+  for (std::size_t begin = 0; begin < samples.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, samples.size() - begin);
     batch.clear();
-    append_correspondences(from, to, target_from_source, begin, std::min(count, begin + kBatch),
+    append_correspondences(from, to, target_from_source, std::span(samples).subspan(begin, count),
                            options.search, batch);
     for (const auto& c : batch) {
       if (std::abs(c.distance) > options.search.max_sigmas * sigma) continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -63,8 +64,8 @@ TEST(PairInformation, IsTheSumOverItsResiduals) {
       find_correspondences(ring.surfaces[0], ring.surfaces[1], target_from_source, options.search)
           .sigma;
   std::vector<Correspondence> all;
-  append_correspondences(ring.surfaces[0], ring.surfaces[1], target_from_source, 0, 3000,
-                         options.search, all);
+  append_correspondences(ring.surfaces[0], ring.surfaces[1], target_from_source,
+                         std::span(ring.surfaces[0].samples()).first(3000), options.search, all);
   Matrix6d information = Matrix6d::Zero();
   RigidTangent pull = RigidTangent::Zero();
   for (const auto& c : all) {
