@@ -284,6 +284,7 @@ struct Multigrid::Hierarchy {
       coarse.emplace_back(NodeLevel(std::move(product), std::move(next), threads));
     }
     for (Coarse& level : coarse) level.level.drop_bonds();
+    release_freed_memory();
     usable = factorise(coarse.back().level.matrix().matrix, factor);
   }
 

@@ -17,6 +17,10 @@ int thread_count(int requested);
 void parallel_for(std::size_t count, std::size_t grain, int threads,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
 
+/// Gives memory that loops' threads have freed, which the C library keeps for each of them, back to
+/// the system as far as it can. Worth it after loops that made large parts of a result.
+void release_freed_memory();
+
 /// Calls `body(v)` for every row v of [0, rows) of a grid, some rows at a time, as above.
 template <typename Body>
 void parallel_rows(int rows, int threads, const Body& body) {
