@@ -19,8 +19,11 @@ namespace {
 constexpr double kSamePlaceRadii = 0.15;  // Poses nearer than this are one, over a view's radius.
 constexpr double kLoopRadii = 0.04, kLoopSpacings = 4.0;  // How well loops of three close.
 constexpr double kTypicalQuantile = 0.25;                 // Of links; wrong ones are among them.
-constexpr double kLeastCoherentLimit = 0.12;              // [sample spacings]
-constexpr double kCountingOverlap = 0.05;                 // Pairs below say little.
+// Limits are not tightened below these: exact scans differ by what interpolation misses.
+constexpr double kLeastRmsLimit = 0.6;  // Relative to noise and sampling.
+constexpr double kLeastNormalLimit = 0.12;
+constexpr double kLeastCoherentLimit = 0.12;  // [sample spacings]
+constexpr double kCountingOverlap = 0.05;     // Pairs below say little.
 
 using Motions = std::vector<RigidMotion>;
 
@@ -86,8 +89,8 @@ PlausibleEvidence limits_of_project(const std::vector<ViewSurface>& surfaces,
     const double typical = quantile(std::move(values), kTypicalQuantile);
     limit = std::min(limit, std::max(least, options.largest_excess * typical));
   };
-  tighten(limits.max_rms, std::move(rms), 0.0);
-  tighten(limits.max_normal_rms, std::move(normal_rms), 0.0);
+  tighten(limits.max_rms, std::move(rms), kLeastRmsLimit);
+  tighten(limits.max_normal_rms, std::move(normal_rms), kLeastNormalLimit);
   tighten(limits.max_coherent_rms, std::move(coherent_rms), kLeastCoherentLimit);
   return limits;
 }
