@@ -104,6 +104,11 @@ void note_sight_lines(const SightLines& lines, double overlap, PoseEvidence& evi
   note(lines.missing, evidence.missing, evidence.absence);
 }
 
+DistanceBand local_band(const ViewSurface& a, const ViewSurface& b) {
+  return {0.0,
+          std::max({a.spacing(), b.spacing(), kCoherenceRadii * std::min(a.radius(), b.radius())})};
+}
+
 DistanceBand coherence_band(const ViewSurface& a, const ViewSurface& b) {
   const double spacing = std::max(a.spacing(), b.spacing());
   return {kNoiseReach * spacing,
@@ -131,6 +136,11 @@ bool contradicts(const PoseEvidence& evidence, const PlausibleEvidence& limits) 
 
 bool too_much_absent(const PoseEvidence& evidence, const PlausibleEvidence& limits) {
   return evidence.absence > limits.max_absence && evidence.missing > kLost;
+}
+
+bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+                     const PlausibleEvidence& limits) {
+  return evidence.local_rms > limits.max_coherent_rms * std::max(a.spacing(), b.spacing());
 }
 
 double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b) {
@@ -188,6 +198,7 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
   evidence.rms = root_mean_square(distances);
   evidence.normal_rms = root_mean_square(turns);
   evidence.coherent_rms = coherent_rms(points_of(shared), distances, coherence_band(a, b));
+  evidence.local_rms = coherent_rms(points_of(shared), distances, local_band(a, b));
   const double threshold = stiffness_threshold(std::max(a.normal_noise(), b.normal_noise()));
   evidence.slides = analyse_stability(shared).stiffness[0] < threshold;
   return evidence;

@@ -13,6 +13,8 @@ struct PoseEvidence {
   /// The part of it that neighbouring samples share [unit]: noise is not in it, not even noise that
   /// is alike over a few pixels; the systematic misfit of a wrong pose is.
   double coherent_rms = 0.0;
+  /// The same of close neighbours as well, which share noise where the sensor smooths its images.
+  double local_rms = 0.0;
   double normal_rms = 0.0;  ///< Of the differences between corresponding unit normals.
   /// Fraction of a view's samples that would have hidden from the other sensor what it measured
   /// (Huber and Hebert 2003); the larger of both directions. 0 where neither sensor has a
@@ -63,6 +65,11 @@ bool too_much_absent(const PoseEvidence& evidence, const PlausibleEvidence& limi
 
 /// The RMS of the evidence in units of what noise and sampling of the two views explain.
 double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b);
+
+/// Whether close neighbours agree on a misfit. In views that are coarse against what they show that
+/// is where wrong poses show most; it may be noise alike over a few pixels too.
+bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+                     const PlausibleEvidence& limits = {});
 
 /// Whether the evidence is for the pose of the two views. Sliding and absence are not looked at.
 bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,

@@ -96,8 +96,9 @@ PlausibleEvidence limits_of_project(const std::vector<ViewSurface>& surfaces,
 }
 
 // Best supported first, without those that are not believed.
+// `general`: the limits of any project.
 void sort_by_support(const std::vector<ViewSurface>& surfaces, const ViewGroupOptions& options,
-                     std::vector<PoseLink>& links) {
+                     const PlausibleEvidence& general, std::vector<PoseLink>& links) {
   std::erase_if(links, [&](const PoseLink& link) {
     PlausibleEvidence limits = options.limits;
     limits.max_coherent_rms = options.confirmed_coherent_rms;
@@ -107,6 +108,10 @@ void sort_by_support(const std::vector<ViewSurface>& surfaces, const ViewGroupOp
   const auto firm = [&](const PoseLink& link) {
     return plausible(link.evidence, surfaces[link.a], surfaces[link.b], options.limits) &&
            !too_much_absent(link.evidence, options.limits);
+  };
+  const auto stands_alone = [&](const PoseLink& link) {
+    return firm(link) && link.evidence.overlap >= options.lone_overlap &&
+           !misfits_locally(link.evidence, surfaces[link.a], surfaces[link.b], general);
   };
   std::vector<std::size_t> order(links.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -119,9 +124,7 @@ void sort_by_support(const std::vector<ViewSurface>& surfaces, const ViewGroupOp
   });
   std::vector<PoseLink> sorted;
   for (const std::size_t k : order)
-    if (links[k].given || loops[k] > 0 ||
-        (firm(links[k]) && links[k].evidence.overlap >= options.lone_overlap))
-      sorted.push_back(links[k]);
+    if (links[k].given || loops[k] > 0 || stands_alone(links[k])) sorted.push_back(links[k]);
   links = std::move(sorted);
 }
 
@@ -319,7 +322,7 @@ ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<Pose
   assert(known.size() == surfaces.size());
   ViewGroupOptions adapted = options;
   adapted.limits = limits_of_project(surfaces, links, options);
-  sort_by_support(surfaces, adapted, links);
+  sort_by_support(surfaces, adapted, options.limits, links);
   return Joining(surfaces, links, known, adapted).run();
 }
 
