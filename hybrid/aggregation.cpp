@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "scan/disjoint_sets.h"
 #include "scan/parallel.h"
 
 namespace relief {
@@ -200,25 +201,6 @@ void count_on(const EdgeStencil& stencil, const std::vector<std::vector<Node>>& 
                });
 }
 
-// Sets of nodes; the representative of a set is its smallest member.
-class NodeSets {
- public:
-  explicit NodeSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t i, std::uint32_t j) {
-    const std::uint32_t a = find(i), b = find(j);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 std::pair<int, int> block_of(const Node& node) { return {node.row / kBlock, node.column / kBlock}; }
 
 // The bonds that make groups.
@@ -304,7 +286,7 @@ Aggregates aggregate_nodes(const Aggregates& below) {
   for (const Bond& bond : below.bonds)
     for (const std::uint32_t i : {bond.a, bond.b}) largest[i] = std::max(largest[i], bond.strength);
   std::vector<Bond> inside = strong_bonds_in_blocks(below, largest);
-  NodeSets sets(below.nodes.size());
+  DisjointSets sets(below.nodes.size());
   for (const Bond& bond : inside) sets.join(bond.a, bond.b);
   std::vector<std::uint32_t> root(below.nodes.size());
   for (std::uint32_t i = 0; i < root.size(); ++i) root[i] = sets.find(i);

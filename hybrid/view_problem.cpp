@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <utility>
 
+#include "scan/disjoint_sets.h"
 #include "scan/median_deviation.h"
 #include "scan/parallel.h"
 
@@ -13,26 +13,6 @@ namespace relief {
 namespace {
 
 constexpr std::uint32_t kPinned = std::numeric_limits<std::uint32_t>::max();
-
-// Disjoint sets of pixels; the representative of a set is its smallest member.
-class Components {
- public:
-  explicit Components(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 // Positive confidences are kept within six orders of magnitude of the largest: beyond that they
 // only cost precision.
@@ -53,7 +33,7 @@ std::vector<std::uint8_t> constrained_pixels(const SlopeConstraints& slopes, int
 // 1 for every pixel (padded) whose component of constraints has some confidence to hold it.
 std::vector<std::uint8_t> held_pixels(const RangeView& view, const SlopeConstraints& slopes) {
   const PaddedGrid& grid = slopes.grid;
-  Components components(grid.size());
+  DisjointSets components(grid.size());
   slopes.for_each([&](int axis, std::size_t i) {
     const auto ends = slopes.ends(axis, i);
     const auto join = [&](std::size_t a, std::size_t b) {

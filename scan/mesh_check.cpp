@@ -3,29 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <numeric>
 #include <tuple>
 #include <vector>
+
+#include "scan/disjoint_sets.h"
 
 namespace relief {
 
 namespace {
-
-// Disjoint sets with path halving.
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::uint32_t a, std::uint32_t b) { parent_[find(a)] = find(b); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 // One side of a face, as an undirected edge. `corner` is 3 face + k, where the side starts.
 struct HalfEdge {
@@ -69,14 +54,14 @@ std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
 }
 
 // Joins the corners at both ends of an edge of two faces: they belong to the same fan.
-void join_fans(const HalfEdge& a, const HalfEdge& b, bool same_direction, UnionFind& fans) {
+void join_fans(const HalfEdge& a, const HalfEdge& b, bool same_direction, DisjointSets& fans) {
   const std::array<std::uint32_t, 2> a_ends{a.corner, next_corner(a.corner)};
   const std::array<std::uint32_t, 2> b_ends{b.corner, next_corner(b.corner)};
   for (const std::size_t end : {0u, 1u})
-    fans.unite(a_ends[end], b_ends[same_direction ? end : 1 - end]);
+    fans.join(a_ends[end], b_ends[same_direction ? end : 1 - end]);
 }
 
-void count_edges(const TriangleMesh& mesh, UnionFind& fans, MeshCheck& check) {
+void count_edges(const TriangleMesh& mesh, DisjointSets& fans, MeshCheck& check) {
   const std::vector<HalfEdge> sides = sorted_half_edges(mesh);
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
     while (end < sides.size() && sides[end].same_edge(sides[begin])) ++end;
@@ -92,13 +77,13 @@ void count_edges(const TriangleMesh& mesh, UnionFind& fans, MeshCheck& check) {
   }
 }
 
-void count_vertices(const TriangleMesh& mesh, UnionFind& fans, MeshCheck& check) {
+void count_vertices(const TriangleMesh& mesh, DisjointSets& fans, MeshCheck& check) {
   std::vector<std::uint32_t> fan_count(mesh.vertices.size(), 0);
-  UnionFind components(mesh.vertices.size());
+  DisjointSets components(mesh.vertices.size());
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     for (std::size_t k = 0; k < 3; ++k) {
       if (fans.find(corner_of(f, k)) == corner_of(f, k)) ++fan_count[mesh.faces[f][k]];
-      components.unite(mesh.faces[f][0], mesh.faces[f][k]);
+      components.join(mesh.faces[f][0], mesh.faces[f][k]);
     }
   }
   for (std::uint32_t v = 0; v < fan_count.size(); ++v) {
@@ -157,7 +142,7 @@ MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options) 
   check.vertices = mesh.vertices.size();
   check.faces = mesh.faces.size();
   assert(checked->faces.size() <= 0xffffffffu / 3);
-  UnionFind fans(3 * checked->faces.size());
+  DisjointSets fans(3 * checked->faces.size());
   count_edges(*checked, fans, check);
   count_vertices(*checked, fans, check);
   check.duplicate_vertices = duplicate_vertices(*checked);
