@@ -62,14 +62,17 @@ class MovingPairs {
   /// The pairs at the present poses, in both directions.
   std::vector<PairInformation> compress(std::size_t samples, double patch) const {
     PairInformationOptions compression = compression_;
-    compression.samples = samples;
     compression.patch = patch;
+    std::vector<std::vector<std::uint32_t>> of_view(surfaces_.size());
+    parallel_for(of_view.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) of_view[i] = in_grid_order(surfaces_[i], samples);
+    });
     std::vector<PairInformation> all(2 * pairs_.size());
     parallel_for(all.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t source = i % 2 == 0 ? pairs_[i / 2].a : pairs_[i / 2].b;
         const std::size_t target = i % 2 == 0 ? pairs_[i / 2].b : pairs_[i / 2].a;
-        all[i] = pair_information(surfaces_, source, target, poses_, compression);
+        all[i] = pair_information(surfaces_, source, target, of_view[source], poses_, compression);
         if (!options_.normals.empty())
           add_normals(options_.normals[i], start_[target], compression_.centre,
                       since_[source] - since_[target], all[i]);

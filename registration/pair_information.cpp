@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <unordered_map>
 
 #include <Eigen/Geometry>
@@ -60,7 +59,8 @@ class Accumulator {
   std::unordered_map<std::uint64_t, std::size_t> place_of_;
 };
 
-// The first `count` samples of a view (0: all), neighbours close to each other in memory.
+}  // namespace
+
 std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t count) {
   std::vector<std::uint32_t> samples = view.samples();
   if (count > 0 && count < samples.size()) samples.resize(count);
@@ -68,10 +68,8 @@ std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t co
   return samples;
 }
 
-}  // namespace
-
 PairInformation pair_information(const std::vector<ViewSurface>& surfaces, std::size_t source,
-                                 std::size_t target,
+                                 std::size_t target, std::span<const std::uint32_t> samples,
                                  const std::vector<RigidMotion>& world_from_view,
                                  const PairInformationOptions& options) {
   const ViewSurface &from = surfaces[source], &to = surfaces[target];
@@ -86,12 +84,11 @@ PairInformation pair_information(const std::vector<ViewSurface>& surfaces, std::
   const double sigma = find_correspondences(from, to, target_from_source, options.search).sigma;
   if (sigma <= 0.0) return sum;
   Accumulator accumulator(sum, options.patch);
-  const std::vector<std::uint32_t> samples = in_grid_order(from, options.samples);
   std::vector<Correspondence> batch;
   for (std::size_t begin = 0; begin < samples.size(); begin += kBatch) {
     const std::size_t count = std::min(kBatch, samples.size() - begin);
     batch.clear();
-    append_correspondences(from, to, target_from_source, std::span(samples).subspan(begin, count),
+    append_correspondences(from, to, target_from_source, samples.subspan(begin, count),
                            options.search, batch);
     for (const auto& c : batch) {
       if (std::abs(c.distance) > options.search.max_sigmas * sigma) continue;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -38,15 +39,17 @@ struct PairInformation {
 
 struct PairInformationOptions {
   CorrespondenceOptions search;
-  /// Samples of the source to use at most; 0: all.
-  std::size_t samples = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< See PairInformation; world frame.
   /// Edge of the cubes that cut the surface into patches [unit]; 0: no patches.
   double patch = 0.0;
 };
 
+/// The first `count` samples of a view (0: all), neighbours close to each other in memory.
+std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t count);
+
+/// Of the given samples of the source (grid indices).
 PairInformation pair_information(const std::vector<ViewSurface>& surfaces, std::size_t source,
-                                 std::size_t target,
+                                 std::size_t target, std::span<const std::uint32_t> samples,
                                  const std::vector<RigidMotion>& world_from_view,
                                  const PairInformationOptions& options);
 

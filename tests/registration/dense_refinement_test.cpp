@@ -54,10 +54,10 @@ TEST(PairInformation, IsTheSumOverItsResiduals) {
   const auto poses = poses_of(ring.truth);
   PairInformationOptions options;
   options.search.max_distance = 5.0 * ring.spacing();
-  options.samples = 3000;
   options.patch = 8.0 * ring.spacing();
   options.centre = Eigen::Vector3d(3.0, -2.0, 1.0);
-  const auto compressed = pair_information(ring.surfaces, 0, 1, poses, options);
+  const auto compressed =
+      pair_information(ring.surfaces, 0, 1, in_grid_order(ring.surfaces[0], 3000), poses, options);
 
   const RigidMotion target_from_source = poses[1].inverse() * poses[0];
   const double sigma =
