@@ -104,15 +104,19 @@ void note_sight_lines(const SightLines& lines, double overlap, PoseEvidence& evi
   note(lines.missing, evidence.missing, evidence.absence);
 }
 
-DistanceBand local_band(const ViewSurface& a, const ViewSurface& b) {
-  return {0.0,
-          std::max({a.spacing(), b.spacing(), kCoherenceRadii * std::min(a.radius(), b.radius())})};
+double coarser_spacing(const ViewSurface& a, const ViewSurface& b) {
+  return std::max(a.spacing(), b.spacing());
 }
 
-DistanceBand coherence_band(const ViewSurface& a, const ViewSurface& b) {
-  const double spacing = std::max(a.spacing(), b.spacing());
-  return {kNoiseReach * spacing,
-          std::max(kCoherenceReach * spacing, kCoherenceRadii * std::min(a.radius(), b.radius()))};
+double joint_noise(const ViewSurface& a, const ViewSurface& b) {
+  return std::hypot(a.noise(), b.noise());
+}
+
+// Pairs of samples up to a part of the smaller view's radius, but at least `spacings` apart.
+DistanceBand band(const ViewSurface& a, const ViewSurface& b, double nearest, double spacings) {
+  const double spacing = coarser_spacing(a, b);
+  return {nearest * spacing,
+          std::max(spacings * spacing, kCoherenceRadii * std::min(a.radius(), b.radius()))};
 }
 
 Eigen::Matrix3Xd points_of(const std::vector<OrientedPoint>& oriented) {
@@ -140,19 +144,18 @@ bool too_much_absent(const PoseEvidence& evidence, const PlausibleEvidence& limi
 
 bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
                      const PlausibleEvidence& limits) {
-  return evidence.local_rms > limits.max_coherent_rms * std::max(a.spacing(), b.spacing());
+  return evidence.local_rms > limits.max_coherent_rms * coarser_spacing(a, b);
 }
 
 double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b) {
-  return evidence.rms / largest_plausible_rms(std::max(a.spacing(), b.spacing()),
-                                              std::hypot(a.noise(), b.noise()));
+  return evidence.rms / largest_plausible_rms(coarser_spacing(a, b), joint_noise(a, b));
 }
 
 bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
                const PlausibleEvidence& limits) {
   return evidence.overlap >= limits.min_overlap && relative_rms(evidence, a, b) <= limits.max_rms &&
          evidence.normal_rms <= limits.max_normal_rms &&
-         evidence.coherent_rms <= limits.max_coherent_rms * std::max(a.spacing(), b.spacing()) &&
+         evidence.coherent_rms <= limits.max_coherent_rms * coarser_spacing(a, b) &&
          !contradicts(evidence, limits);
 }
 
@@ -168,8 +171,7 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
   assert(options.probes > 0);
   PoseEvidence evidence;
   if (a.samples().empty() || b.samples().empty()) return evidence;
-  const double margin =
-      finest_search_distance(std::max(a.spacing(), b.spacing()), std::hypot(a.noise(), b.noise()));
+  const double margin = finest_search_distance(coarser_spacing(a, b), joint_noise(a, b));
   CorrespondenceOptions search;
   search.count = options.probes;
   search.tries = 1;
@@ -197,8 +199,9 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
   }
   evidence.rms = root_mean_square(distances);
   evidence.normal_rms = root_mean_square(turns);
-  evidence.coherent_rms = coherent_rms(points_of(shared), distances, coherence_band(a, b));
-  evidence.local_rms = coherent_rms(points_of(shared), distances, local_band(a, b));
+  const Eigen::Matrix3Xd points = points_of(shared);
+  evidence.coherent_rms = coherent_rms(points, distances, band(a, b, kNoiseReach, kCoherenceReach));
+  evidence.local_rms = coherent_rms(points, distances, band(a, b, 0.0, 1.0));
   const double threshold = stiffness_threshold(std::max(a.normal_noise(), b.normal_noise()));
   evidence.slides = analyse_stability(shared).stiffness[0] < threshold;
   return evidence;
