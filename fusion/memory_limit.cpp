@@ -8,10 +8,11 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <malloc.h>
 #include <sys/mman.h>
 #include <sys/vfs.h>
 #include <unistd.h>
+
+#include "scan/parallel.h"
 
 namespace relief {
 
@@ -62,7 +63,7 @@ void MemoryLimit::relieve(std::size_t needed) {
   if (resident_() + needed <= limit_) return;  // another thread was first
   // The content of shared mappings stays in their files.
   for (const auto& [address, bytes] : blocks_) ::madvise(address, bytes, MADV_DONTNEED);
-  ::malloc_trim(0);
+  release_freed_memory();
   ++releases_;
   const std::size_t left = resident_();
   if (left + needed > limit_)
