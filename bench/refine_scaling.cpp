@@ -12,12 +12,11 @@
 #include <string>
 #include <vector>
 
-#include <malloc.h>
-
 #include "bench/wavy_view.h"
 #include "hybrid/refine_view.h"
 #include "hybrid/view_problem.h"
 #include "hybrid/view_solver.h"
+#include "scan/parallel.h"
 #include "scan/simulation/simulate.h"
 
 namespace relief {
@@ -49,7 +48,7 @@ double memory(const std::string& field) {
 class PeakMemory {
  public:
   PeakMemory() {
-    malloc_trim(0);
+    release_freed_memory();
     std::ofstream("/proc/self/clear_refs") << "5";  // resets the high-water mark
     before_ = memory("VmRSS:");
   }
@@ -58,22 +57,6 @@ class PeakMemory {
  private:
   double before_ = 0.0;
 };
-
-ViewWeights typical_weights(const ViewProblem& problem) {
-  ViewWeights weights;
-  weights.position.assign(problem.grid.size(), 0.0f);
-  for (const std::uint32_t i : problem.pixels)
-    weights.position[i] = static_cast<float>(1.0 / (kWavyRangeNoise * kWavyRangeNoise));
-  for (auto& plane : weights.slope) plane.assign(problem.grid.size(), 0.0f);
-  problem.slopes.for_each([&](int axis, std::size_t i) {
-    const auto a = static_cast<std::size_t>(axis);
-    const double sigma = 2.0 * problem.slopes.axes[a].half_length[i] * kWavyNormalNoise;
-    weights.slope[a][i] = static_cast<float>(1.0 / (sigma * sigma));
-  });
-  weights.bias_step = static_cast<float>(1.0 / (kBiasStep * kBiasStep));
-  weights.bias_size = 8.0f;
-  return weights;
-}
 
 struct Timed {
   Eigen::VectorXd y;
@@ -86,7 +69,7 @@ Timed solve(const ViewProblem& problem, Solver kind) {
   Timed timed;
   const double wall = wall_seconds(), start = processor_seconds();
   const auto solver = make_view_solver(problem, true, kind, kThreads);
-  if (!solver->set_weights(typical_weights(problem))) std::abort();
+  if (!solver->set_weights(wavy_weights(problem, kWavyNormalNoise, kBiasStep))) std::abort();
   const double ready = processor_seconds();
   timed.y = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(problem.size()));
   timed.iterations = solver->minimise(timed.y, RefineOptions().tolerance, 100).iterations;

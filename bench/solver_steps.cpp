@@ -47,22 +47,15 @@ RangeView with_holes(double share) {
 }
 
 ViewWeights weights_of(const ViewProblem& problem, const Lengths& lengths, double jumps) {
-  const double sigma_position = kWavyRangeNoise, sigma_normal = sigma_position / lengths.position;
+  const double sigma_normal = kWavyRangeNoise / lengths.position;
+  ViewWeights weights = wavy_weights(problem, sigma_normal, sigma_normal / lengths.bias);
+  if (jumps == 0.0) return weights;
   std::mt19937 generator(11);
-  ViewWeights weights;
-  weights.position.assign(problem.grid.size(), 0.0f);
-  for (const std::uint32_t i : problem.pixels)
-    weights.position[i] = static_cast<float>(1.0 / (sigma_position * sigma_position));
-  for (auto& plane : weights.slope) plane.assign(problem.grid.size(), 0.0f);
   problem.slopes.for_each([&](int axis, std::size_t i) {
-    const auto a = static_cast<std::size_t>(axis);
-    const double sigma = 2.0 * problem.slopes.axes[a].half_length[i] * sigma_normal;
-    const double share =
-        std::pow(10.0, -jumps * std::pow(static_cast<double>(generator()) * 0x1p-32, 4));
-    weights.slope[a][i] = static_cast<float>(share / (sigma * sigma));
+    const double uniform = static_cast<double>(generator()) * 0x1p-32;
+    weights.slope[static_cast<std::size_t>(axis)][i] *=
+        static_cast<float>(std::pow(10.0, -jumps * std::pow(uniform, 4)));
   });
-  weights.bias_step = static_cast<float>(std::pow(lengths.bias / sigma_normal, 2));
-  weights.bias_size = 8.0f;
   return weights;
 }
 

@@ -31,4 +31,20 @@ RangeView wavy_view(int side) {
   return view;
 }
 
+ViewWeights wavy_weights(const ViewProblem& problem, double sigma_normal, double sigma_bias_step) {
+  ViewWeights weights;
+  weights.position.assign(problem.grid.size(), 0.0f);
+  for (const std::uint32_t i : problem.pixels)
+    weights.position[i] = static_cast<float>(1.0 / (kWavyRangeNoise * kWavyRangeNoise));
+  for (auto& plane : weights.slope) plane.assign(problem.grid.size(), 0.0f);
+  problem.slopes.for_each([&](int axis, std::size_t i) {
+    const auto a = static_cast<std::size_t>(axis);
+    const double sigma = 2.0 * problem.slopes.axes[a].half_length[i] * sigma_normal;
+    weights.slope[a][i] = static_cast<float>(1.0 / (sigma * sigma));
+  });
+  weights.bias_step = static_cast<float>(1.0 / (sigma_bias_step * sigma_bias_step));
+  weights.bias_size = 8.0f;
+  return weights;
+}
+
 }  // namespace relief

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "hybrid/view_problem.h"
 #include "scan/range_view.h"
 
 namespace relief {
@@ -10,5 +11,9 @@ inline constexpr double kWavyRangeNoise = 0.3, kWavyNormalNoise = 0.026;
 /// An orthographic view of side x side samples, one unit apart, of waves with slopes up to about a
 /// half, with noise and a smooth bias of the normals.
 RangeView wavy_view(int side);
+
+/// The weights of (7a) in such a view: its range noise, and standard deviations of a normal's slope
+/// and of the bias from sample to sample [rad].
+ViewWeights wavy_weights(const ViewProblem& problem, double sigma_normal, double sigma_bias_step);
 
 }  // namespace relief
