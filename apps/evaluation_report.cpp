@@ -45,6 +45,7 @@ Json to_json(const ViewErrors& view) {
           {"depth", to_json(view.depth)},
           {"depth_bias", view.depth_bias},
           {"geometry_normals_deg", to_json(view.position_normals_deg)},
+          {"sampled_normals_deg", to_json(view.sampled_normals_deg)},
           {"map_normals_deg", to_json(view.map_normals_deg)},
           {"missing", view.missing},
           {"extra", view.extra}};
@@ -205,6 +206,7 @@ void print_table(const ViewErrorReport& report, const std::string& unit) {
   print_row("normals of the geometry [deg]", all.position_normals_deg.all);
   print_row("  away from edges", all.position_normals_deg.inner);
   print_row("  at edges", all.position_normals_deg.edge);
+  print_row("  against exact samples'", all.sampled_normals_deg.all);
   print_row("normal maps [deg]", all.map_normals_deg.all);
 }
 

@@ -13,6 +13,7 @@ def figures_of(case, relief, project, log):
             "depth_inner_rms": report["depth"]["inner"]["rms"] / case.spacing,
             "geometry_normals": report["geometry_normals_deg"]["mean"],
             "geometry_normals_inner": report["geometry_normals_deg"]["inner"]["mean"],
+            "sampled_normals": report["sampled_normals_deg"]["mean"],
             "map_normals": report["map_normals_deg"]["mean"]}
 
 
@@ -20,7 +21,7 @@ def measure(case, context):
     relief = context.relief
     variants = {"relief": ("refined-by-relief", ())}
     variants["published, lambda 0.1"] = ("refined-as-published", (*PUBLISHED, "--lambda", "0.1"))
-    if case.slow_peers and not context.quick:
+    if not context.quick:
         for value in LAMBDAS:
             variants[f"published, lambda {value}"] = (f"refined-lambda-{value}", (*PUBLISHED, "--lambda", value))
 

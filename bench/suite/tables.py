@@ -53,10 +53,11 @@ def failure(message):
 
 
 def refine_table(rows):
-    header = ["depth RMS", "inside", "geometry normals", "inside", "normal maps"]
+    header = ["depth RMS", "inside", "geometry normals", "inside", "against exact samples'", "normal maps"]
+    angle = lambda line, key: f"{number(line[key])}°"
     return table(header, rows, lambda line: [
-        number(line["depth_rms"]), number(line["depth_inner_rms"]), f"{number(line['geometry_normals'])}°",
-        f"{number(line['geometry_normals_inner'])}°", f"{number(line['map_normals'])}°"])
+        number(line["depth_rms"]), number(line["depth_inner_rms"]), angle(line, "geometry_normals"),
+        angle(line, "geometry_normals_inner"), angle(line, "sampled_normals"), angle(line, "map_normals")])
 
 
 def fit_table(rows):

@@ -30,12 +30,13 @@ struct SplitErrors {
 
 // The errors of all samples of one view or of several.
 struct ErrorList {
-  SplitErrors depth, position_normals, map_normals;
+  SplitErrors depth, position_normals, sampled_normals, map_normals;
   std::size_t missing = 0, extra = 0;
 
   void append(const ErrorList& other) {
     depth.append(other.depth);
     position_normals.append(other.position_normals);
+    sampled_normals.append(other.sampled_normals);
     map_normals.append(other.map_normals);
     missing += other.missing;
     extra += other.extra;
@@ -51,6 +52,7 @@ struct ErrorList {
     if (errors.depth.all.count > 0)
       errors.depth_bias = sum / static_cast<double>(errors.depth.all.count);
     errors.position_normals_deg = position_normals.statistics();
+    errors.sampled_normals_deg = sampled_normals.statistics();
     errors.map_normals_deg = map_normals.statistics();
     errors.missing = missing;
     errors.extra = extra;
@@ -64,8 +66,8 @@ ErrorList compare(const ViewAndTruth& pair, int edge_pixels) {
   const GridEdges edges = connect_samples(truth);
   const Grid<std::uint8_t> to_boundary = boundary_distance(truth, edges);
   const Grid<Eigen::Vector3f> position_normals = finite_difference_normals(view, edges);
-  const Grid<Eigen::Vector3f> true_normals =
-      truth.has_normals() ? truth.normals : finite_difference_normals(truth, edges);
+  const Grid<Eigen::Vector3f> sampled_normals = finite_difference_normals(truth, edges);
+  const Grid<Eigen::Vector3f>& true_normals = truth.has_normals() ? truth.normals : sampled_normals;
   ErrorList list;
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
@@ -74,12 +76,14 @@ ErrorList compare(const ViewAndTruth& pair, int edge_pixels) {
       if (!view.has_sample(u, v) || !truth.has_sample(u, v)) continue;
       const bool at_edge = to_boundary(u, v) <= edge_pixels;
       list.depth.add(depth_error(pair, u, v), at_edge);
-      const Eigen::Vector3f& true_normal = true_normals(u, v);
-      if (!true_normal.allFinite()) continue;
-      if (position_normals(u, v).allFinite())
-        list.position_normals.add(angle_between_deg(position_normals(u, v), true_normal), at_edge);
-      if (view.has_normal(u, v))
-        list.map_normals.add(angle_between_deg(view.normals(u, v), true_normal), at_edge);
+      const auto compare_normals = [&](const Grid<Eigen::Vector3f>& normals,
+                                       const Grid<Eigen::Vector3f>& exact, SplitErrors& errors) {
+        if (normals(u, v).allFinite() && exact(u, v).allFinite())
+          errors.add(angle_between_deg(normals(u, v), exact(u, v)), at_edge);
+      };
+      compare_normals(position_normals, true_normals, list.position_normals);
+      compare_normals(position_normals, sampled_normals, list.sampled_normals);
+      if (view.has_normal(u, v)) compare_normals(view.normals, true_normals, list.map_normals);
     }
   }
   return list;

@@ -32,7 +32,10 @@ struct ViewErrors {
   /// Angle to the true normal [degrees] of the normals that the positions have: cross products of
   /// central differences, without any smoothing.
   SplitStatistics position_normals_deg;
-  /// The same of the view's normal map; counts are 0 where it has none.
+  /// Angle between those and the same cross products of the true positions [degrees]: free of what
+  /// central differences of exact samples err by, where relief is a few samples long.
+  SplitStatistics sampled_normals_deg;
+  /// Angle to the true normal [degrees] of the view's normal map; counts are 0 where it has none.
   SplitStatistics map_normals_deg;
   std::size_t missing = 0;  ///< Samples that only the truth has.
   std::size_t extra = 0;    ///< Samples that only the result has; they enter no statistics.

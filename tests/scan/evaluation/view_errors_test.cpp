@@ -32,6 +32,10 @@ TEST(EvaluateViews, TheTruthHasNoErrors) {
   EXPECT_EQ(report->overall.depth.all.count, sphere_view().sample_count());
   EXPECT_LT(report->overall.map_normals_deg.all.max, 1e-3);
   EXPECT_LT(report->overall.position_normals_deg.inner.median, 0.1);  // central differences
+  EXPECT_GT(report->overall.position_normals_deg.all.max, 0.0);
+  EXPECT_EQ(report->overall.sampled_normals_deg.all.max, 0.0);  // the same ones
+  EXPECT_EQ(report->overall.sampled_normals_deg.all.count,
+            report->overall.position_normals_deg.all.count);
   EXPECT_EQ(report->overall.missing + report->overall.extra, 0u);
 }
 
@@ -66,6 +70,8 @@ TEST(EvaluateViews, ReportsTheNoiseThatWasAdded) {
   // Central differences over two spacings of 1/15: slope noise sigma / (sqrt 2 spacing) an axis.
   EXPECT_NEAR(report->overall.position_normals_deg.inner.rms,
               0.002 / (10.0 / 150.0) * 180.0 / std::numbers::pi, 0.25);
+  EXPECT_NEAR(report->overall.sampled_normals_deg.inner.rms,
+              report->overall.position_normals_deg.inner.rms, 1e-3);  // exact on a plane
 }
 
 TEST(EvaluateViews, SeparatesDiscontinuitiesFromTheInside) {
