@@ -61,8 +61,10 @@ Eigen::VectorXd perturbation(const Context& context, const MeasurementNoise& noi
     const SlopeConstraints::Ends ends = problem.slopes.ends(axis, i);
     const double half_length = plane.half_length[i];
     const PixelErrors here(random, i), at0(random, ends.at0), at1(random, ends.at1);
-    const double error = half_length * noise.sigma_normal * (at0.slope(axis) + at1.slope(axis)) +
-                         plane.truncation[i] * here.truncation(axis);
+    const double error =
+        half_length * noise.sigma_normal * (at0.slope(axis) + at1.slope(axis)) +
+        std::sqrt(problem.slopes.truncation_variance(axis, i, noise.sigma_normal)) *
+            here.truncation(axis);
     const double weighted = context.weights.slope[a][i] * error;
     rhs[context.number[ends.tail]] += weighted * plane.tail_slope[i];
     rhs[context.number[ends.head]] -= weighted * plane.head_slope[i];

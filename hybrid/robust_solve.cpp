@@ -36,9 +36,10 @@ ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
     const double length =
         equal_slopes ? noise.spacing : 2.0 * problem.slopes.axes[a].half_length[i];
     const double sigma = length * noise.sigma_normal;
-    const double truncation = equal_slopes ? 0.0 : problem.slopes.axes[a].truncation[i];
+    const double truncation =
+        equal_slopes ? 0.0 : problem.slopes.truncation_variance(axis, i, noise.sigma_normal);
     weights.slope[a][i] =
-        static_cast<float>(1.0 / (noise.slope_share * sigma * sigma + truncation * truncation));
+        static_cast<float>(1.0 / (noise.slope_share * sigma * sigma + truncation));
   });
   weights.bias_step = static_cast<float>(1.0 / (noise.sigma_bias_step * noise.sigma_bias_step));
   weights.bias_size = static_cast<float>(1.0 / (kBiasSize * kBiasSize));

@@ -1,6 +1,7 @@
 #include "hybrid/slope_constraints.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "scan/parallel.h"
@@ -26,29 +27,43 @@ struct Constraint {
 // The trapezoidal rule (6) errs by a twelfth of the length times the second difference of the
 // slope, which a circle does not have and relief near the sampling has plenty of. There higher
 // differences are as large: in all, about three times as much (measured, see docs/hybrid.md).
-constexpr double kTruncation = 3.0 / 12.0;
+constexpr double kOfSecondDifference = 3.0 / 12.0;
 
-// About the second difference of the slope along the line through the compact constraint from p to
-// q, from the normals of up to four samples [rad].
-double bend_of(const RangeView& view, const GridEdges& edges, Pixel p, Pixel q) {
+// A kink anywhere between the two samples has a third difference of twice its angle, and the mean
+// of the two slopes errs by the angle over the root of twelve: by about an eighth of the
+// difference.
+constexpr double kOfThirdDifference = 1.0 / 8.0;
+
+// The rim of a patch of wrong normals turns like a crease, too. So that its neighbours still hold
+// such a patch, no crease counts for more than this [rad].
+constexpr double kMostOfCrease = 0.06;
+
+// Variance of both together per variance of a normal: a quarter of (1, -1, -1, 1) / 2 and an eighth
+// of (1, -3, 3, -1).
+constexpr double kNoiseOfDifferences = 4.0 / (4.0 * 16.0) + 20.0 / 64.0;
+
+// The error [rad] that the turning of the surface along the line through the compact constraint
+// from p to q lets its slope have, from the normals of up to four samples.
+double truncation_of(const RangeView& view, const GridEdges& edges, Pixel p, Pixel q) {
   const int du = q.u - p.u, dv = q.v - p.v;
   const auto normal = [&](Pixel x) { return view.normals(x.u, x.v).cast<double>().eval(); };
   const Eigen::Vector3d turn = normal(q) - normal(p), mean = (normal(q) + normal(p)).normalized();
   const Eigen::Vector3d step = view.point(q.u, q.v) - view.point(p.u, p.v);
   const Eigen::Vector3d tangent = (step - mean * mean.dot(step)).normalized();
-  double sum = 0.0;
-  int sides = 0;
-  const auto add = [&](Pixel end, int direction) {
+  // How the turning changes from the step before to this one, or from this one to the next.
+  const auto change = [&](Pixel end, int direction) -> std::optional<double> {
     const Pixel next{end.u + direction * du, end.v + direction * dv};
     if (!edges.connected(end.u, end.v, direction * du, direction * dv) ||
         !view.has_normal(next.u, next.v))
-      return;
-    sum += tangent.dot(direction * (normal(next) - normal(end)) - turn) * direction;
-    ++sides;
+      return std::nullopt;
+    return tangent.dot(direction * (normal(next) - normal(end)) - turn) * direction;
   };
-  add(p, -1);
-  add(q, 1);
-  return sides > 0 ? sum / sides : 0.0;
+  const std::optional<double> before = change(p, -1), after = change(q, 1);
+  if (!before && !after) return 0.0;
+  const double second = 0.5 * (before.value_or(*after) + after.value_or(*before));
+  const double third = before && after ? *after - *before : second;
+  const double crease = kMostOfCrease * std::tanh(kOfThirdDifference * third / kMostOfCrease);
+  return std::hypot(kOfSecondDifference * second, crease);
 }
 
 std::optional<Constraint> constraint_between(const RangeView& view, Pixel tail, Pixel head,
@@ -111,8 +126,8 @@ void constrain_row(const RangeView& view, const GridEdges& edges, int v,
       axis.head_slope[i] = found->head_slope;
       axis.half_length[i] = 0.5f * found->length;
       if (constraints.stencil == Stencil::kCompactEdge)
-        axis.truncation[i] = static_cast<float>(kTruncation * found->length *
-                                                bend_of(view, edges, {u, v}, {u + du, v + dv}));
+        axis.truncation[i] = static_cast<float>(
+            found->length * truncation_of(view, edges, {u, v}, {u + du, v + dv}));
     }
   }
 }
@@ -124,6 +139,13 @@ SlopeConstraints::Ends SlopeConstraints::ends(int axis, std::size_t i) const {
   if (stencil == Stencil::kCompactEdge) return {i, i + step, i, i + step};
   const std::uint8_t sides = axes[static_cast<std::size_t>(axis)].sides[i];
   return {sides & 1 ? i - step : i, sides & 2 ? i + step : i, i, i};
+}
+
+double SlopeConstraints::truncation_variance(int axis, std::size_t i, double sigma_normal) const {
+  const Axis& plane = axes[static_cast<std::size_t>(axis)];
+  const double truncation = plane.truncation[i];
+  const double noise = 2.0 * plane.half_length[i] * sigma_normal;
+  return std::max(0.0, truncation * truncation - 2.0 * kNoiseOfDifferences * noise * noise);
 }
 
 void SlopeConstraints::erase(int axis, std::size_t i) {

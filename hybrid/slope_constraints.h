@@ -30,8 +30,8 @@ struct SlopeConstraints {
     std::vector<float> step;                    ///< N . (P_head - P_tail) as measured [unit].
     std::vector<float> tail_slope, head_slope;  ///< N . d / |d| at either end, both negative.
     std::vector<float> half_length;             ///< Of the step on the surface, halved [unit].
-    /// Standard deviation of what the compact stencil errs by even with exact normals [unit], seen
-    /// from how their turning changes along the line; zero for the central one.
+    /// Standard deviation of what the compact stencil errs by even with exact normals [unit], from
+    /// how the measured ones turn along the line, noise and all; zero for the central one.
     std::vector<float> truncation;
     std::vector<std::uint8_t> sides;  ///< Central: bit 0 reaches back, bit 1 ahead.
   };
@@ -49,6 +49,9 @@ struct SlopeConstraints {
     return axes[static_cast<std::size_t>(axis)].half_length[i] > 0.0f;
   }
   Ends ends(int axis, std::size_t i) const;
+  /// Variance of that error [unit^2]: what of `truncation` exceeds twice the noise of the normals,
+  /// of standard deviation `sigma_normal` [rad].
+  double truncation_variance(int axis, std::size_t i, double sigma_normal) const;
   void erase(int axis, std::size_t i);
   std::size_t count() const;
   bool empty() const { return count() == 0; }

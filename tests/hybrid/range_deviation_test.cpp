@@ -92,7 +92,9 @@ Eigen::VectorXd dense_deviation(const ViewProblem& problem, const ViewWeights& w
     auto column = new_column();
     const auto ends = problem.slopes.ends(axis, i);
     const auto& plane = problem.slopes.axes[static_cast<std::size_t>(axis)];
-    const double error = weights.slope[static_cast<std::size_t>(axis)][i] * plane.truncation[i];
+    const double error =
+        weights.slope[static_cast<std::size_t>(axis)][i] *
+        std::sqrt(problem.slopes.truncation_variance(axis, i, kNoise.sigma_normal));
     column(number[ends.tail]) += error * plane.tail_slope[i];
     column(number[ends.head]) -= error * plane.head_slope[i];
     if (!with_bias) return;
@@ -219,11 +221,54 @@ TEST(RangeDeviation, KnowsWhatTheStencilErrsByOnReliefNearTheSampling) {
     double errors = 0.0, expected = 0.0;
     problem.slopes.for_each([&](int axis, std::size_t i) {
       errors += std::pow(problem.slopes.axes[static_cast<std::size_t>(axis)].step[i], 2);
-      expected += std::pow(problem.slopes.axes[static_cast<std::size_t>(axis)].truncation[i], 2);
+      expected += problem.slopes.truncation_variance(axis, i, 0.0);
     });
     EXPECT_LT(errors, expected) << wavelength;
     EXPECT_GT(errors, 0.02 * expected) << wavelength;
   }
+}
+
+// A roof of the slopes +-`slope`, its ridge anywhere between two samples in each row.
+RangeView roof_view(double slope) {
+  RangeView view = plane_view(64);
+  for (int v = 0; v < 64; ++v) {
+    const double ridge = 31.0 + (v + 0.5) / 64.0;
+    for (int u = 0; u < 64; ++u) {
+      view.range(u, v) = 100.0 + slope * std::abs(u - ridge);
+      view.normals(u, v) =
+          Eigen::Vector3d(u < ridge ? -slope : slope, 0.0, -1.0).normalized().cast<float>();
+    }
+  }
+  return view;
+}
+
+TEST(RangeDeviation, KnowsWhatTheStencilErrsByAtCreases) {
+  for (const double slope : {0.02, 0.05, 0.1}) {
+    const RangeView view = roof_view(slope);
+    const ViewProblem problem =
+        make_view_problem(view, connect_samples(view), Stencil::kCompactEdge);
+    double errors = 0.0, expected = 0.0;
+    for (int v = 0; v < 64; ++v) {
+      const std::size_t i = problem.grid.index(31, v);
+      errors += std::pow(problem.slopes.axes[0].step[i], 2);
+      expected += problem.slopes.truncation_variance(0, i, 0.0);
+    }
+    EXPECT_NEAR(std::sqrt(expected / errors), 1.0, 0.3) << slope;
+  }
+}
+
+TEST(RangeDeviation, TakesNoNoiseForRelief) {
+  const double sigma = 0.02;
+  RangeView view = plane_view(64);
+  testing::add_normal_noise(view, sigma, 5);
+  const ViewProblem problem = make_view_problem(view, connect_samples(view), Stencil::kCompactEdge);
+  double taken = 0.0, noise = 0.0;
+  problem.slopes.for_each([&](int axis, std::size_t i) {
+    const double half = problem.slopes.axes[static_cast<std::size_t>(axis)].half_length[i];
+    taken += problem.slopes.truncation_variance(axis, i, sigma);
+    noise += std::pow(2.0 * half * sigma, 2);
+  });
+  EXPECT_LT(taken, 0.1 * noise);
 }
 
 TEST(RangeDeviation, HoldsForEveryModelOfTheBiasAndWeight) {
