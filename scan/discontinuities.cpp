@@ -71,15 +71,6 @@ Grid<std::uint8_t> connect_direction(const RangeView& view, int du, int dv,
 
 }  // namespace
 
-bool GridEdges::connected(int u, int v, int du, int dv) const {
-  if (!right.contains(u, v) || !right.contains(u + du, v + dv)) return false;
-  if (du == 1 && dv == 0) return right(u, v) != 0;
-  if (du == -1 && dv == 0) return right(u - 1, v) != 0;
-  if (du == 0 && dv == 1) return down(u, v) != 0;
-  if (du == 0 && dv == -1) return down(u, v - 1) != 0;
-  return false;
-}
-
 GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options, int threads) {
   return {connect_direction(view, 1, 0, options, threads),
           connect_direction(view, 0, 1, options, threads)};
@@ -87,25 +78,25 @@ GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& opt
 
 Grid<std::uint8_t> boundary_distance(const RangeView& view, const GridEdges& edges) {
   const int width = view.width(), height = view.height();
+  // Pixels on the border of the grid have distance 0, so the others have all their neighbours.
   Grid<std::uint8_t> distance(width, height, 0);
-  for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      const bool inner = edges.connected(u, v, 1, 0) && edges.connected(u, v, -1, 0) &&
-                         edges.connected(u, v, 0, 1) && edges.connected(u, v, 0, -1);
-      if (inner) distance(u, v) = 255;
-    }
-  }
+  for (int v = 1; v + 1 < height; ++v)
+    for (int u = 1; u + 1 < width; ++u)
+      if (edges.right(u, v) && edges.right(u - 1, v) && edges.down(u, v) && edges.down(u, v - 1))
+        distance(u, v) = 255;
   const auto relax = [&](int u, int v, int du, int dv) {
-    const int next = distance.contains(u + du, v + dv) ? distance(u + du, v + dv) + 1 : 0;
+    const int next = distance(u + du, v + dv) + 1;
     distance(u, v) = static_cast<std::uint8_t>(std::min<int>(distance(u, v), next));
   };
-  for (int v = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u)
-      for (const auto& [du, dv] : {std::pair{-1, 0}, {-1, -1}, {0, -1}, {1, -1}})
-        relax(u, v, du, dv);
-  for (int v = height - 1; v >= 0; --v)
-    for (int u = width - 1; u >= 0; --u)
-      for (const auto& [du, dv] : {std::pair{1, 0}, {1, 1}, {0, 1}, {-1, 1}}) relax(u, v, du, dv);
+  for (int v = 1; v + 1 < height; ++v)
+    for (int u = 1; u + 1 < width; ++u)
+      if (distance(u, v) > 0)
+        for (const auto& [du, dv] : {std::pair{-1, 0}, {-1, -1}, {0, -1}, {1, -1}})
+          relax(u, v, du, dv);
+  for (int v = height - 2; v >= 1; --v)
+    for (int u = width - 2; u >= 1; --u)
+      if (distance(u, v) > 0)
+        for (const auto& [du, dv] : {std::pair{1, 0}, {1, 1}, {0, 1}, {-1, 1}}) relax(u, v, du, dv);
   return distance;
 }
 

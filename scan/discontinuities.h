@@ -13,7 +13,14 @@ struct GridEdges {
   Grid<std::uint8_t> down;   ///< 1: samples (u,v) and (u,v+1) are connected.
 
   /// Whether the sample at (u,v) is connected to its horizontal or vertical neighbour (u+du, v+dv).
-  bool connected(int u, int v, int du, int dv) const;
+  bool connected(int u, int v, int du, int dv) const {
+    if (!right.contains(u, v) || !right.contains(u + du, v + dv)) return false;
+    if (du == 1 && dv == 0) return right(u, v) != 0;
+    if (du == -1 && dv == 0) return right(u - 1, v) != 0;
+    if (du == 0 && dv == 1) return down(u, v) != 0;
+    if (du == 0 && dv == -1) return down(u, v - 1) != 0;
+    return false;
+  }
 };
 
 struct DiscontinuityOptions {

@@ -1,5 +1,6 @@
 #include "scan/grid_normals.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <vector>
@@ -20,6 +21,37 @@ Eigen::Vector3f facing_sensor(const Eigen::Vector3d& normal, const Ray& ray) {
   return (normal.dot(ray.direction) > 0.0 ? (-normal).eval() : normal).cast<float>();
 }
 
+// Sums over points, of their coordinates and the products of these.
+struct Moments {
+  double count = 0.0, x = 0.0, y = 0.0, z = 0.0;
+  double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
+
+  void add(const Eigen::Vector3d& p) {
+    count += 1.0;
+    x += p.x();
+    y += p.y();
+    z += p.z();
+    xx += p.x() * p.x();
+    xy += p.x() * p.y();
+    xz += p.x() * p.z();
+    yy += p.y() * p.y();
+    yz += p.y() * p.z();
+    zz += p.z() * p.z();
+  }
+  void add(const Moments& m) {
+    count += m.count;
+    x += m.x;
+    y += m.y;
+    z += m.z;
+    xx += m.xx;
+    xy += m.xy;
+    xz += m.xz;
+    yy += m.yy;
+    yz += m.yz;
+    zz += m.zz;
+  }
+};
+
 // The samples of the window round (u,v) that are connected to it inside the window.
 class ConnectedWindow {
  public:
@@ -29,14 +61,15 @@ class ConnectedWindow {
         radius_(radius),
         reached_(2 * radius + 1, 2 * radius + 1, 0) {}
 
-  const std::vector<Eigen::Vector3d>& collect(int u, int v) {
+  // Their moments relative to the one at (u,v).
+  Moments collect(int u, int v) {
     std::fill(reached_.begin(), reached_.end(), std::uint8_t{0});
     queue_.assign(1, {u, v});
-    members_.clear();
+    Moments sum;
     reached_(radius_, radius_) = 1;
     for (std::size_t next = 0; next < queue_.size(); ++next) {
       const auto [pu, pv] = queue_[next];
-      members_.push_back(points_(pu, pv));
+      sum.add(points_(pu, pv) - points_(u, v));
       for (const auto& [du, dv] : kNeighbours) {
         const int wu = pu + du - u + radius_, wv = pv + dv - v + radius_;
         if (!reached_.contains(wu, wv) || reached_(wu, wv) || !edges_.connected(pu, pv, du, dv))
@@ -45,7 +78,7 @@ class ConnectedWindow {
         queue_.emplace_back(pu + du, pv + dv);
       }
     }
-    return members_;
+    return sum;
   }
 
  private:
@@ -54,16 +87,51 @@ class ConnectedWindow {
   int radius_;
   Grid<std::uint8_t> reached_;
   std::vector<std::pair<int, int>> queue_;
-  std::vector<Eigen::Vector3d> members_;
 };
 
-Eigen::Vector3f plane_normal(const std::vector<Eigen::Vector3d>& members, const Ray& ray) {
-  if (members.size() < 3) return kNoNormal;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& p : members) mean += p;
-  mean /= static_cast<double>(members.size());
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const auto& p : members) covariance += (p - mean) * (p - mean).transpose();
+// Moments of whole windows along one row of the grid, from sums over columns that neighbours share.
+class RowOfWindows {
+ public:
+  RowOfWindows(const Grid<Eigen::Vector3d>& points, int radius)
+      : points_(points), radius_(radius), columns_(static_cast<std::size_t>(points.width())) {}
+
+  // Goes to row v.
+  void start(int v) {
+    v_ = v;
+    next_ = 0;
+  }
+
+  // Of the window round column u, which lies in the grid and has all samples, relative to a point
+  // of the row. Columns are asked for from left to right.
+  Moments at(int u) {
+    if (next_ == 0) origin_ = points_(u, v_);
+    next_ = std::max(next_, u - radius_);
+    for (; next_ <= u + radius_; ++next_) columns_[static_cast<std::size_t>(next_)] = column(next_);
+    Moments sum;
+    for (int x = u - radius_; x <= u + radius_; ++x) sum.add(columns_[static_cast<std::size_t>(x)]);
+    return sum;
+  }
+
+ private:
+  Moments column(int u) const {
+    Moments sum;
+    for (int v = v_ - radius_; v <= v_ + radius_; ++v) sum.add(points_(u, v) - origin_);
+    return sum;
+  }
+
+  const Grid<Eigen::Vector3d>& points_;
+  int radius_;
+  int v_ = 0, next_ = 0;  // The row, and the first column without a sum.
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
+  std::vector<Moments> columns_;
+};
+
+Eigen::Vector3f plane_normal(const Moments& sum, const Ray& ray) {
+  if (sum.count < 3.0) return kNoNormal;
+  const Eigen::Vector3d mean = Eigen::Vector3d(sum.x, sum.y, sum.z) / sum.count;
+  Eigen::Matrix3d covariance;
+  covariance << sum.xx, sum.xy, sum.xz, sum.xy, sum.yy, sum.yz, sum.xz, sum.yz, sum.zz;
+  covariance -= sum.count * mean * mean.transpose();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
   eigen.computeDirect(covariance);
   if (!(eigen.eigenvalues()[1] > 1e-6 * eigen.eigenvalues()[2])) return kNoNormal;  // collinear
@@ -84,14 +152,20 @@ Eigen::Vector3d tangent(const Grid<Eigen::Vector3d>& points, const GridEdges& ed
 Grid<Eigen::Vector3f> estimate_normals(const RangeView& view, const GridEdges& edges,
                                        const GridNormalOptions& options) {
   const Grid<Eigen::Vector3d> points = points_of(view);
+  const Grid<std::uint8_t> boundary = boundary_distance(view, edges);
   Grid<Eigen::Vector3f> normals(view.width(), view.height(), kNoNormal);
   const auto rows = [&](std::size_t begin, std::size_t end) {
-    ConnectedWindow window(points, edges, options.radius);
+    ConnectedWindow connected(points, edges, options.radius);
+    RowOfWindows whole(points, options.radius);
     for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
       if (v % options.stride != 0) continue;
-      for (int u = 0; u < view.width(); u += options.stride)
-        if (view.has_sample(u, v))
-          normals(u, v) = plane_normal(window.collect(u, v), view.camera.ray(u, v));
+      whole.start(v);
+      for (int u = 0; u < view.width(); u += options.stride) {
+        if (!view.has_sample(u, v)) continue;
+        const bool inside = boundary(u, v) > options.radius;
+        normals(u, v) =
+            plane_normal(inside ? whole.at(u) : connected.collect(u, v), view.camera.ray(u, v));
+      }
     }
   };
   parallel_for(static_cast<std::size_t>(view.height()), 16, options.threads, rows);

@@ -21,8 +21,9 @@ Grid<Eigen::Vector3d> points_of(const RangeView& view) {
   return points;
 }
 
-double sample_spacing(const RangeView& view) {
-  const GridEdges edges = connect_samples(view);
+double sample_spacing(const RangeView& view) { return sample_spacing(view, connect_samples(view)); }
+
+double sample_spacing(const RangeView& view, const GridEdges& edges) {
   const Grid<Eigen::Vector3d> points = points_of(view);
   std::vector<double> lengths;
   for (int v = 0; v < view.height(); ++v) {

@@ -11,6 +11,8 @@
 
 namespace relief {
 
+struct GridEdges;
+
 /// What is known about a view's pose before alignment.
 enum class PoseKind {
   kAbsent,  ///< None given; `world_from_view` is the identity.
@@ -62,5 +64,7 @@ Grid<Eigen::Vector3d> points_of(const RangeView& view);
 /// Median distance between samples that are neighbours along a row or column and on one surface
 /// [unit]; 0 when no two samples are.
 double sample_spacing(const RangeView& view);
+/// The same where the edges are at hand, those of connect_samples.
+double sample_spacing(const RangeView& view, const GridEdges& edges);
 
 }  // namespace relief

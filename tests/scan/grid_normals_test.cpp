@@ -1,7 +1,9 @@
 #include "scan/grid_normals.h"
 
 #include <cmath>
+#include <vector>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "tests/support/synthetic_views.h"
@@ -43,6 +45,45 @@ TEST(GridNormals, NeverReachAcrossAnOcclusionEdge) {
   const GridEdges edges = connect_samples(view);
   EXPECT_LT(largest_angle_deg(estimate_normals(view, edges, {.radius = 3}), view.normals), 1e-3);
   EXPECT_LT(largest_angle_deg(finite_difference_normals(view, edges), view.normals), 1e-3);
+}
+
+// The direction of least scatter of the samples in a window, none of which is across an edge.
+Eigen::Vector3d brute_force_normal(const RangeView& view, int u, int v, int radius) {
+  std::vector<Eigen::Vector3d> points;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (int y = v - radius; y <= v + radius; ++y)
+    for (int x = u - radius; x <= u + radius; ++x)
+      if (view.has_sample(x, y)) points.push_back(view.point(x, y));
+  for (const auto& p : points) mean += p / static_cast<double>(points.size());
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const auto& p : points) scatter += (p - mean) * (p - mean).transpose();
+  const Eigen::Vector3d normal =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
+  return normal.dot(view.camera.ray(u, v).direction) > 0.0 ? Eigen::Vector3d(-normal) : normal;
+}
+
+// Windows inside the surface are summed along rows, those at its boundary sample by sample.
+TEST(GridNormals, AreThoseOfThePlaneThroughTheWindowFarFromTheOriginToo) {
+  for (const double offset : {0.0, 1e5}) {
+    const Camera camera =
+        Camera::orthographic(60, 50, {offset, -offset, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 1});
+    RangeView view =
+        testing::render(testing::sphere({offset + 3.0, -offset + 2.5, 10.0}, 2.0), camera);
+    testing::add_range_noise(view, 0.02, 7);
+    const GridEdges edges = connect_samples(view);
+    const auto boundary = boundary_distance(view, edges);
+    const auto normals = estimate_normals(view, edges, {.radius = 3});
+    int inside = 0;
+    for (int v = 0; v < 50; ++v) {
+      for (int u = 0; u < 60; ++u) {
+        if (boundary(u, v) <= 3) continue;
+        const Eigen::Vector3d expected = brute_force_normal(view, u, v, 3);
+        EXPECT_LT((normals(u, v).cast<double>() - expected).norm(), 1e-5) << u << ' ' << v;
+        ++inside;
+      }
+    }
+    EXPECT_GT(inside, 300);
+  }
 }
 
 TEST(GridNormals, DoNotDependOnTheThreadCount) {
