@@ -21,7 +21,7 @@ constexpr double kLeastSigma = 1e-3;
 std::optional<SurfacePoint> projected(const ViewSurface& target, const Eigen::Vector3d& point) {
   const auto pixel = target.project(point);
   if (!pixel) return std::nullopt;
-  const auto first = target.at(*pixel);
+  const auto first = target.roughly_at(*pixel);
   if (!first) return std::nullopt;
   const double distance = first->normal.dot(point - first->point);
   const auto foot_pixel = target.project(point - distance * first->normal);

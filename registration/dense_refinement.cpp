@@ -15,19 +15,19 @@ namespace relief {
 namespace {
 
 // The mean of the views' centres.
-Eigen::Vector3d common_centre(const std::vector<ViewSurface>& surfaces,
+Eigen::Vector3d common_centre(const std::vector<const ViewSurface*>& surfaces,
                               const std::vector<RigidMotion>& world_from_view) {
-  const Eigen::Vector3d first = world_from_view.front() * surfaces.front().centre();
+  const Eigen::Vector3d first = world_from_view.front() * surfaces.front()->centre();
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < surfaces.size(); ++i)
-    offset += world_from_view[i] * surfaces[i].centre() - first;
+    offset += world_from_view[i] * surfaces[i]->centre() - first;
   return first + offset / static_cast<double>(surfaces.size());
 }
 
-double median_spacing(const std::vector<ViewSurface>& surfaces) {
+double median_spacing(const std::vector<const ViewSurface*>& surfaces) {
   std::vector<double> spacings;
-  for (const auto& surface : surfaces)
-    if (!surface.samples().empty()) spacings.push_back(surface.spacing());
+  for (const ViewSurface* surface : surfaces)
+    if (!surface->samples().empty()) spacings.push_back(surface->spacing());
   return quantile(spacings, 0.5);
 }
 
@@ -44,7 +44,7 @@ RigidMotion moved(const RigidMotion& world_from_view, const RigidTangent& tangen
 // The pairs of views while their poses move by small steps about one centre.
 class MovingPairs {
  public:
-  MovingPairs(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair>& pairs,
+  MovingPairs(const std::vector<const ViewSurface*>& surfaces, const std::vector<ViewPair>& pairs,
               const DenseRefinementOptions& options, std::vector<RigidMotion> world_from_view)
       : surfaces_(surfaces),
         pairs_(pairs),
@@ -65,17 +65,21 @@ class MovingPairs {
     compression.patch = patch;
     std::vector<std::vector<std::uint32_t>> of_view(surfaces_.size());
     parallel_for(of_view.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) of_view[i] = in_grid_order(surfaces_[i], samples);
+      for (std::size_t i = begin; i < end; ++i) of_view[i] = in_grid_order(*surfaces_[i], samples);
     });
     std::vector<PairInformation> all(2 * pairs_.size());
     parallel_for(all.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t source = i % 2 == 0 ? pairs_[i / 2].a : pairs_[i / 2].b;
         const std::size_t target = i % 2 == 0 ? pairs_[i / 2].b : pairs_[i / 2].a;
-        all[i] = pair_information(surfaces_, source, target, of_view[source], poses_, compression);
+        all[i] = pair_information(*surfaces_[source], *surfaces_[target], poses_[source],
+                                  poses_[target], of_view[source], compression);
+        all[i].source = source;
+        all[i].target = target;
         if (!options_.normals.empty())
           add_normals(options_.normals[i], start_[target], compression_.centre,
                       since_[source] - since_[target], all[i]);
+        ignore_motions(options_.ignored, compression_.centre, all[i]);
       }
     });
     return all;
@@ -94,7 +98,7 @@ class MovingPairs {
   }
 
  private:
-  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<const ViewSurface*>& surfaces_;
   const std::vector<ViewPair>& pairs_;
   const DenseRefinementOptions& options_;
   PairInformationOptions compression_;
@@ -103,7 +107,7 @@ class MovingPairs {
 };
 
 // What a step of one standard deviation changes, relative to what Gauss-Newton expects.
-double response_at(const MovingPairs& views, const std::vector<ViewSurface>& surfaces,
+double response_at(const MovingPairs& views, const std::vector<const ViewSurface*>& surfaces,
                    const std::vector<bool>& held, std::size_t samples) {
   const auto here = views.compress(samples, 0.0);
   const PoseNetwork network(surfaces, here, held, views.centre());
@@ -115,7 +119,7 @@ double response_at(const MovingPairs& views, const std::vector<ViewSurface>& sur
 
 }  // namespace
 
-DenseRefinement refine_densely(const std::vector<ViewSurface>& surfaces,
+DenseRefinement refine_densely(const std::vector<const ViewSurface*>& surfaces,
                                const std::vector<ViewPair>& pairs, const std::vector<bool>& held,
                                const DenseRefinementOptions& options,
                                std::vector<RigidMotion>& world_from_view) {
@@ -140,15 +144,21 @@ DenseRefinement refine_densely(const std::vector<ViewSurface>& surfaces,
   return result;
 }
 
-double largest_motion(const std::vector<ViewSurface>& surfaces,
+std::vector<const ViewSurface*> pointers_to(const std::vector<ViewSurface>& surfaces) {
+  std::vector<const ViewSurface*> pointers;
+  for (const ViewSurface& surface : surfaces) pointers.push_back(&surface);
+  return pointers;
+}
+
+double largest_motion(const std::vector<const ViewSurface*>& surfaces,
                       const std::vector<RigidMotion>& before,
                       const std::vector<RigidMotion>& after) {
   double largest = 0.0;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    const Eigen::Vector3d centre = surfaces[i].centre();
+    const Eigen::Vector3d centre = surfaces[i]->centre();
     const double turn = rotation_angle(after[i] * before[i].inverse());
     largest = std::max(
-        largest, (after[i] * centre - before[i] * centre).norm() + turn * surfaces[i].radius());
+        largest, (after[i] * centre - before[i] * centre).norm() + turn * surfaces[i]->radius());
   }
   return largest;
 }

@@ -26,6 +26,9 @@ struct DenseRefinementOptions {
   std::vector<NormalMatches> normals;
   /// Edge of the patches within which residuals may depend on each other [sample spacings].
   double patch = 8.0;
+  /// For two views: relative motions that they do not determine, and that steps leave alone. World
+  /// frame.
+  std::vector<DegenerateDirection> ignored;
   int threads = 0;  ///< 0: one per core. Never changes the result.
 };
 
@@ -39,13 +42,16 @@ struct DenseRefinement {
 /// (R3) of thousands of samples a pair and at last of all, each pair compressed to its 6x6
 /// information while its correspondences are found (R11), so that nothing is kept per residual.
 /// `held` views do not move.
-DenseRefinement refine_densely(const std::vector<ViewSurface>& surfaces,
+DenseRefinement refine_densely(const std::vector<const ViewSurface*>& surfaces,
                                const std::vector<ViewPair>& pairs, const std::vector<bool>& held,
                                const DenseRefinementOptions& options,
                                std::vector<RigidMotion>& world_from_view);
 
+/// The views as refine_densely() takes them.
+std::vector<const ViewSurface*> pointers_to(const std::vector<ViewSurface>& surfaces);
+
 /// The largest distance [unit] that a sample moves between two sets of poses, from above.
-double largest_motion(const std::vector<ViewSurface>& surfaces,
+double largest_motion(const std::vector<const ViewSurface*>& surfaces,
                       const std::vector<RigidMotion>& before,
                       const std::vector<RigidMotion>& after);
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "registration/dense_refinement.h"
 #include "registration/plane_step.h"
 #include "registration/robust.h"
 #include "registration/search_schedule.h"
@@ -15,6 +16,8 @@ namespace relief {
 namespace {
 
 constexpr double kSearchRadii = 0.2;
+// Correspondences that tell the deviation of a direction to a few percent.
+constexpr int kDeviationSamples = 1000;
 
 struct Matches {
   std::vector<PlanePair> pairs;  // In the target frame.
@@ -119,56 +122,104 @@ double largest_motion(const RigidMotion& step, const ViewSurface& source,
   return (step * centre - centre).norm() + rotation_angle(step) * source.radius();
 }
 
-void describe_solution(const PlaneStep& step, double rms, double threshold, IcpResult& result) {
-  result.degenerate_directions = degenerate_directions(step.stability, threshold);
-  result.covariance_centre = step.stability.centre;
-  // A prior of one radian and one radius keeps directions without information finite.
-  Vector6d prior = Vector6d::Ones();
-  prior.tail<3>() /= step.stability.radius * step.stability.radius;
-  const double variance = rms * rms;
-  Matrix6d information = variance * prior.asDiagonal().toDenseMatrix() + step.information;
-  result.covariance = variance * information.inverse();
-}
+// Brings one view to another.
+class PairAlignment {
+ public:
+  PairAlignment(const ViewSurface& source, const ViewSurface& target,
+                const RigidMotion& target_from_source, const IcpOptions& options)
+      : source_(source),
+        target_(target),
+        options_(options),
+        threshold_(stiffness_threshold(std::max(source.normal_noise(), target.normal_noise()))),
+        signal_levels_(signal_levels_for(source, target, target_from_source, options, threshold_)) {
+    result_.target_from_source = target_from_source;
+  }
+
+  IcpResult run() {
+    const auto levels = levels_for(source_, target_, options_, signal_levels_);
+    for (const SearchLevel& level : levels) {
+      iterate(level);
+      if (!result_.usable()) return result_;
+    }
+    result_.degenerate_directions = degenerate_directions(stability_, threshold_);
+    if (options_.final_samples > 0) finish(levels.back());
+    return result_;
+  }
+
+ private:
+  // Renews the correspondences until the pose stands still.
+  void iterate(const SearchLevel& level) {
+    const CorrespondenceOptions search = search_at(level, options_);
+    result_.termination = IcpTermination::kIterationLimit;
+    for (int i = 0; i < options_.max_iterations; ++i) {
+      const Matches matches = match_both_ways(source_, target_, result_.target_from_source, search,
+                                              signal_levels_ > 0 ? level.signal_level : -1);
+      result_.correspondences = matches.pairs.size();
+      result_.overlap = matches.overlap;
+      result_.rms = matches.rms;
+      result_.normal_sigma = matches.normals.matches.sigma;
+      if (matches.pairs.size() < static_cast<std::size_t>(options_.min_correspondences)) {
+        result_.termination = IcpTermination::kNoOverlap;
+        return;
+      }
+      const PlaneStep step =
+          solve_plane_step(matches.pairs, matches.normals, options_.objective, threshold_);
+      stability_ = step.stability;
+      const double motion = largest_motion(step.motion, source_, result_.target_from_source);
+      result_.target_from_source = step.motion * result_.target_from_source;
+      ++result_.iterations;
+      if (motion < level.tolerance) {
+        result_.termination = IcpTermination::kConverged;
+        return;
+      }
+    }
+  }
+
+  // The last steps of the joint refinement, of two views the second of which is held.
+  void finish(const SearchLevel& level) {
+    DenseRefinementOptions dense;
+    dense.search = search_at(level, options_);
+    dense.search.count = std::min(dense.search.count, kDeviationSamples);
+    dense.last_samples = static_cast<std::size_t>(options_.final_samples);
+    dense.step_samples = dense.last_samples / 4 + 1;
+    dense.max_iterations = 1;
+    dense.threads = 1;
+    dense.ignored = result_.degenerate_directions;
+    std::vector<RigidMotion> poses = {result_.target_from_source, RigidMotion::Identity()};
+    if (signal_levels_ > 0) {
+      for (const bool forward : {true, false}) {
+        const ViewSurface &from = forward ? source_ : target_, &to = forward ? target_ : source_;
+        const RigidMotion to_from_from = forward ? poses[0] : poses[0].inverse();
+        const auto found = find_correspondences(from, to, to_from_from, search_at(level, options_));
+        dense.normals.push_back(match_normals(from, to, to_from_from, found, level.signal_level));
+      }
+    }
+    const auto refined =
+        refine_densely({&source_, &target_}, {{0, 1}}, {false, true}, dense, poses);
+    result_.iterations += refined.iterations;
+    result_.target_from_source = poses[0];
+    result_.covariance = refined.covariance.topLeftCorner<6, 6>();
+    result_.covariance_centre = poses[0] * source_.centre();
+  }
+
+  const ViewSurface &source_, &target_;
+  const IcpOptions& options_;
+  double threshold_;
+  int signal_levels_;
+  Stability stability_;
+  IcpResult result_;
+};
 
 }  // namespace
 
 IcpResult align_pair(const ViewSurface& source, const ViewSurface& target,
                      const RigidMotion& target_from_source, const IcpOptions& options) {
-  assert(options.min_correspondences >= 6 && options.levels >= 1);
+  assert(options.min_correspondences >= 6 && options.levels >= 1 && options.final_samples >= 0);
+  if (!source.samples().empty() && !target.samples().empty() &&
+      std::max(source.spacing(), target.spacing()) > 0.0)
+    return PairAlignment(source, target, target_from_source, options).run();
   IcpResult result;
   result.target_from_source = target_from_source;
-  if (source.samples().empty() || target.samples().empty()) return result;
-  if (!(std::max(source.spacing(), target.spacing()) > 0.0)) return result;
-  const double threshold =
-      stiffness_threshold(std::max(source.normal_noise(), target.normal_noise()));
-  const int signal_levels =
-      signal_levels_for(source, target, target_from_source, options, threshold);
-  PlaneStep step;
-  for (const SearchLevel& level : levels_for(source, target, options, signal_levels)) {
-    const CorrespondenceOptions search = search_at(level, options);
-    result.termination = IcpTermination::kIterationLimit;
-    for (int i = 0; i < options.max_iterations; ++i) {
-      const Matches matches = match_both_ways(source, target, result.target_from_source, search,
-                                              signal_levels > 0 ? level.signal_level : -1);
-      result.correspondences = matches.pairs.size();
-      result.overlap = matches.overlap;
-      result.rms = matches.rms;
-      if (matches.pairs.size() < static_cast<std::size_t>(options.min_correspondences)) {
-        result.termination = IcpTermination::kNoOverlap;
-        return result;
-      }
-      result.normal_sigma = matches.normals.matches.sigma;
-      step = solve_plane_step(matches.pairs, matches.normals, options.objective, threshold);
-      const double motion = largest_motion(step.motion, source, result.target_from_source);
-      result.target_from_source = step.motion * result.target_from_source;
-      ++result.iterations;
-      if (motion < level.tolerance) {
-        result.termination = IcpTermination::kConverged;
-        break;
-      }
-    }
-  }
-  describe_solution(step, result.rms, threshold, result);
   return result;
 }
 

@@ -20,6 +20,9 @@ struct IcpOptions {
   Association association = Association::kAuto;
   /// Correspondences per direction at the finest level; >= 6.
   int correspondences = 2000;
+  /// Samples of either view in the last steps, which determine the precision and give the
+  /// covariance; 0: no such steps. >= 0.
+  int final_samples = 8000;
   /// Levels from coarse (few correspondences, wide search) to fine; >= 1.
   int levels = 3;
   /// How far apart corresponding points may be at first [unit]. 0: a fifth of the smaller view's
@@ -48,8 +51,9 @@ struct IcpResult {
   double overlap = 0.0;  ///< Fraction of samples seen by the other view, mean of both directions.
   double rms = 0.0;      ///< Of the point-to-plane distances [unit].
   /// Of the pose, for tangents (rotation [rad], translation [unit]) of the motion about
-  /// `covariance_centre` (target frame). From the residuals as if independent: it knows nothing of
-  /// systematic errors. Along degenerate directions it is huge.
+  /// `covariance_centre`, the source's centre (target frame), by (R12): it knows what neighbouring
+  /// residuals share and nothing of calibration errors. Along degenerate directions it is huge.
+  /// Zero without last steps.
   Matrix6d covariance = Matrix6d::Zero();
   Eigen::Vector3d covariance_centre = Eigen::Vector3d::Zero();
   /// Standard deviation of the differences of the normal maps [rad]; 0 where none were used.

@@ -272,7 +272,8 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
   if (std::find(sliding.begin(), sliding.end(), true) != sliding.end())
     for (auto& directed : match(surfaces, result.world_from_view, pairs, level, options, sliding))
       dense.normals.push_back(std::move(directed.normals));
-  const auto refined = refine_densely(surfaces, pairs, result.held, dense, result.world_from_view);
+  const auto refined =
+      refine_densely(pointers_to(surfaces), pairs, result.held, dense, result.world_from_view);
   result.iterations += refined.iterations;
   result.last_motion = refined.last_motion;
   if (refined.last_motion > level.tolerance)
@@ -336,7 +337,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
       const auto before = result.world_from_view;
       solve_poses(surfaces, matches, result.held, {}, result.world_from_view);
       ++result.iterations;
-      result.last_motion = largest_motion(surfaces, before, result.world_from_view);
+      result.last_motion = largest_motion(pointers_to(surfaces), before, result.world_from_view);
       if (result.last_motion <= levels[l].tolerance) {
         result.termination = RefinementTermination::kConverged;
         break;

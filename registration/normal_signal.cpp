@@ -14,6 +14,7 @@ namespace {
 
 // Of the four cells that a coarser one covers.
 constexpr int kLeastCells = 3;
+constexpr int kMostLevels = 5;
 
 Grid<Eigen::Vector3f> halved(const Grid<Eigen::Vector3f>& fine) {
   Grid<Eigen::Vector3f> coarse(fine.width() / 2, fine.height() / 2,
@@ -36,13 +37,17 @@ Grid<Eigen::Vector3f> halved(const Grid<Eigen::Vector3f>& fine) {
 
 }  // namespace
 
-NormalSignal::NormalSignal(Grid<Eigen::Vector3f> normals, int largest_cell) {
-  if (normals.empty()) return;
-  levels_.push_back(std::move(normals));
-  for (int cell = 2; cell <= largest_cell; cell *= 2) {
-    if (std::min(levels_.back().width(), levels_.back().height()) < 8) break;
-    levels_.push_back(halved(levels_.back()));
-  }
+NormalSignal::NormalSignal(Grid<Eigen::Vector3f> normals) {
+  const int levels = levels_of(normals.width(), normals.height());
+  if (levels > 0) levels_.push_back(std::move(normals));
+  while (this->levels() < levels) levels_.push_back(halved(levels_.back()));
+}
+
+int NormalSignal::levels_of(int width, int height) {
+  if (width == 0 || height == 0) return 0;
+  int levels = 1;
+  for (int side = std::min(width, height); levels < kMostLevels && side >= 8; side /= 2) ++levels;
+  return levels;
 }
 
 std::optional<NormalSample> NormalSignal::at(const Eigen::Vector2d& pixel, int level) const {

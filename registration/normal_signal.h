@@ -20,9 +20,12 @@ struct NormalSample {
 class NormalSignal {
  public:
   NormalSignal() = default;
-  /// `normals` are unit vectors, NaN where there is none; coarser levels end where cells would be
-  /// larger than `largest_cell` [pixels].
-  explicit NormalSignal(Grid<Eigen::Vector3f> normals, int largest_cell = 16);
+  /// `normals` are unit vectors, NaN where there is none.
+  explicit NormalSignal(Grid<Eigen::Vector3f> normals);
+
+  /// How many a grid of that size has: coarser levels end where cells would be larger than 16
+  /// pixels or the level smaller than 4.
+  static int levels_of(int width, int height);
 
   bool empty() const { return levels_.empty(); }
   int levels() const { return static_cast<int>(levels_.size()); }  ///< 0: no signal.

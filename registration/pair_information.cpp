@@ -4,7 +4,7 @@
 #include <cmath>
 #include <unordered_map>
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 
 #include "registration/robust.h"
 
@@ -68,27 +68,25 @@ std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t co
   return samples;
 }
 
-PairInformation pair_information(const std::vector<ViewSurface>& surfaces, std::size_t source,
-                                 std::size_t target, std::span<const std::uint32_t> samples,
-                                 const std::vector<RigidMotion>& world_from_view,
+PairInformation pair_information(const ViewSurface& source, const ViewSurface& target,
+                                 const RigidMotion& world_from_source,
+                                 const RigidMotion& world_from_target,
+                                 std::span<const std::uint32_t> samples,
                                  const PairInformationOptions& options) {
-  const ViewSurface &from = surfaces[source], &to = surfaces[target];
   PairInformation sum;
-  sum.source = source;
-  sum.target = target;
-  const RigidMotion target_from_source =
-      world_from_view[target].inverse() * world_from_view[source];
-  RigidMotion centred_from_target = world_from_view[target];
+  const RigidMotion target_from_source = world_from_target.inverse() * world_from_source;
+  RigidMotion centred_from_target = world_from_target;
   centred_from_target.translation() -= options.centre;
 
-  const double sigma = find_correspondences(from, to, target_from_source, options.search).sigma;
+  const double sigma =
+      find_correspondences(source, target, target_from_source, options.search).sigma;
   if (sigma <= 0.0) return sum;
   Accumulator accumulator(sum, options.patch);
   std::vector<Correspondence> batch;
   for (std::size_t begin = 0; begin < samples.size(); begin += kBatch) {
     const std::size_t count = std::min(kBatch, samples.size() - begin);
     batch.clear();
-    append_correspondences(from, to, target_from_source, samples.subspan(begin, count),
+    append_correspondences(source, target, target_from_source, samples.subspan(begin, count),
                            options.search, batch);
     for (const auto& c : batch) {
       if (std::abs(c.distance) > options.search.max_sigmas * sigma) continue;
@@ -126,6 +124,32 @@ void add_normals(const NormalMatches& normals, const RigidMotion& world_from_tar
   sum.information += information;
   sum.independent += information;
   sum.pull += pull + information * since;
+}
+
+void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen::Vector3d& centre,
+                    PairInformation& sum) {
+  if (motions.empty() || sum.count == 0) return;
+  Eigen::MatrixXd ignored(6, motions.size());
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    const RigidTangent& motion = motions[k].motion;
+    const Eigen::Vector3d turn = motion.head<3>();
+    ignored.col(static_cast<Eigen::Index>(k)) << turn,
+        motion.tail<3>() + turn.cross(centre - motions[k].centre);
+  }
+  // What is left of a motion without its part along those that are ignored; rotations count by the
+  // lever that they have.
+  const Vector6d diagonal = sum.information.diagonal();
+  const double lever = diagonal.head<3>().sum() / std::max(diagonal.tail<3>().sum(), 1e-300);
+  Vector6d weight = Vector6d::Ones();
+  weight.head<3>().setConstant(std::max(lever, 1e-300));
+  const Eigen::MatrixXd weighted = weight.asDiagonal() * ignored;
+  const Matrix6d rest =
+      Matrix6d::Identity() -
+      ignored * (ignored.transpose() * weighted).ldlt().solve(weighted.transpose());
+  sum.information = rest.transpose() * sum.information * rest;
+  sum.independent = rest.transpose() * sum.independent * rest;
+  sum.pull = rest.transpose() * sum.pull;
+  for (PatchPull& patch : sum.patches) patch.pull = rest.transpose() * patch.pull;
 }
 
 }  // namespace relief

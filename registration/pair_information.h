@@ -47,15 +47,22 @@ struct PairInformationOptions {
 /// The first `count` samples of a view (0: all), neighbours close to each other in memory.
 std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t count);
 
-/// Of the given samples of the source (grid indices).
-PairInformation pair_information(const std::vector<ViewSurface>& surfaces, std::size_t source,
-                                 std::size_t target, std::span<const std::uint32_t> samples,
-                                 const std::vector<RigidMotion>& world_from_view,
+/// Of the given samples of the source (grid indices). Leaves it to the caller to say which views
+/// these are.
+PairInformation pair_information(const ViewSurface& source, const ViewSurface& target,
+                                 const RigidMotion& world_from_source,
+                                 const RigidMotion& world_from_target,
+                                 std::span<const std::uint32_t> samples,
                                  const PairInformationOptions& options);
 
 /// Adds what the normal maps of the pair, matched at `world_from_target`, say of a relative motion
 /// `since`, a tangent about `centre`: quadratic, (R9) linearised where they were matched.
 void add_normals(const NormalMatches& normals, const RigidMotion& world_from_target,
                  const Eigen::Vector3d& centre, const RigidTangent& since, PairInformation& sum);
+
+/// Makes the pair indifferent to motions of one view relative to the other. `centre`: that of the
+/// pair's tangents.
+void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen::Vector3d& centre,
+                    PairInformation& sum);
 
 }  // namespace relief

@@ -90,17 +90,6 @@ Vector6d solve_within(const Matrix6d& matrix, const Matrix6d& safe, const Vector
   return -(basis * (basis.transpose() * safe * basis).ldlt().solve(reduced));
 }
 
-// (R4) without what noise contributes to undetermined directions, in radians and units.
-Matrix6d determined_information(const Matrix6d& scaled, const Stability& stability,
-                                double threshold) {
-  const auto free = static_cast<Eigen::Index>((stability.stiffness.array() >= threshold).count());
-  const Eigen::MatrixXd basis = stability.directions.rightCols(free);
-  const Matrix6d projector = basis * basis.transpose();
-  Vector6d scale = Vector6d::Ones();
-  scale.head<3>().setConstant(stability.radius);
-  return scale.asDiagonal() * (projector * scaled * projector) * scale.asDiagonal();
-}
-
 RigidMotion about(const Eigen::Vector3d& centre, const RigidMotion& motion) {
   return Eigen::Translation3d(centre) * motion * Eigen::Translation3d(-centre);
 }
@@ -143,11 +132,6 @@ PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, const NormalTerm
   const Vector6d x = solve_within(planes.matrix + common.matrix, planes.matrix + mean.matrix,
                                   planes.gradient + mean.gradient, step.stability, threshold);
   step.motion = about(step.stability.centre, motion_of(x, objective, step.stability.radius));
-
-  const Matrix6d information =
-      linearise(pairs, IcpObjective::kPointToPlane, step.stability).matrix +
-      linearise(normals, step.stability, Vector6d::Ones(), Gradients::kCommon).matrix;
-  step.information = determined_information(information, step.stability, threshold);
   return step;
 }
 

@@ -34,9 +34,6 @@ Stability analyse_stability(const std::vector<PlanePair>& pairs);
 /// One linearised least-squares step of pairwise alignment.
 struct PlaneStep {
   RigidMotion motion = RigidMotion::Identity();  ///< To apply to the moving points.
-  /// sum of weight j j^T over tangents about the centre of `stability`, (R4), of the
-  /// determined directions only.
-  Matrix6d information = Matrix6d::Zero();
   Stability stability;
 };
 

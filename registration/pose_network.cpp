@@ -52,12 +52,12 @@ struct ViewPull {
 
 }  // namespace
 
-PoseNetwork::PoseNetwork(const std::vector<ViewSurface>& surfaces,
+PoseNetwork::PoseNetwork(const std::vector<const ViewSurface*>& surfaces,
                          const std::vector<PairInformation>& pairs, const std::vector<bool>& held,
                          const Eigen::Vector3d& centre)
     : surfaces_(surfaces), pairs_(pairs), centre_(centre) {
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    prior_.push_back(prior_precision(surfaces[i]));
+    prior_.push_back(prior_precision(*surfaces[i]));
     for (Eigen::Index k = 0; k < 6 && !held[i]; ++k) free_.push_back(row_of(i) + k);
   }
 }
@@ -138,7 +138,10 @@ std::vector<RigidTangent> PoseNetwork::probe() const {
   for (const Eigen::Index row : free_) {
     bits = bits * 6364136223846793005U + 1442695040888963407U;
     const double sign = (bits >> 63) != 0 ? 1.0 : -1.0;
-    tangents[static_cast<std::size_t>(row / 6)][row % 6] = sign / std::sqrt(information_of[row]);
+    const auto view = static_cast<std::size_t>(row / 6);
+    // What nothing but the prior holds is not probed.
+    if (information_of[row] > 2.0 * prior_[view][row % 6])
+      tangents[view][row % 6] = sign / std::sqrt(information_of[row]);
   }
   return tangents;
 }
@@ -169,7 +172,7 @@ Eigen::MatrixXd PoseNetwork::covariance(const std::vector<RigidMotion>& world_fr
   const Eigen::MatrixXd covariance = solve_scaled(a, half.transpose());
   result(free_, free_) = 0.5 * (covariance + covariance.transpose());
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
-    const Matrix6d change = about_point(world_from_view[i] * surfaces_[i].centre() - centre_);
+    const Matrix6d change = about_point(world_from_view[i] * surfaces_[i]->centre() - centre_);
     const Eigen::Index row = row_of(i);
     result.middleRows<6>(row) = (change * result.middleRows<6>(row)).eval();
     result.middleCols<6>(row) = (result.middleCols<6>(row) * change.transpose()).eval();

@@ -16,8 +16,9 @@ namespace relief {
 class PoseNetwork {
  public:
   /// `held` views do not move. `centre`: that of the pairs' tangents, world frame.
-  PoseNetwork(const std::vector<ViewSurface>& surfaces, const std::vector<PairInformation>& pairs,
-              const std::vector<bool>& held, const Eigen::Vector3d& centre);
+  PoseNetwork(const std::vector<const ViewSurface*>& surfaces,
+              const std::vector<PairInformation>& pairs, const std::vector<bool>& held,
+              const Eigen::Vector3d& centre);
 
   /// The Gauss-Newton step of every view, a tangent about the centre; zero for held views.
   std::vector<RigidTangent> step() const;
@@ -43,7 +44,7 @@ class PoseNetwork {
   Eigen::VectorXd pull_of(const std::vector<PairInformation>& pairs) const;
   Eigen::MatrixXd scatter() const;
 
-  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<const ViewSurface*>& surfaces_;
   const std::vector<PairInformation>& pairs_;
   Eigen::Vector3d centre_;
   std::vector<Eigen::Index> free_;   // The rows of views that are not held.

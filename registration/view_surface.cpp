@@ -19,15 +19,26 @@ namespace relief {
 namespace {
 
 constexpr double kWantedNormalNoise = 0.035;  // [rad], two degrees
-constexpr int kLargestNormalRadius = 5;
+constexpr int kSmallestNormalRadius = 2, kLargestNormalRadius = 5;
+constexpr int kNoiseStride = 2;
 constexpr int kBlankReach = 2;  // [pixels]
 
 // A bijection of 64-bit integers whose outputs look random (the finaliser of Steele, Lea and Flood
-// 2014): sorting by it scatters indices without a random generator.
-std::uint64_t scatter(std::uint64_t x) {
+// 2014).
+std::uint64_t scattered(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
   return x ^ (x >> 31);
+}
+
+// Sorts indices by the upper half of what they scatter to, without a random generator.
+void scatter(std::vector<std::uint32_t>& indices) {
+  std::vector<std::uint64_t> keys;
+  keys.reserve(indices.size());
+  for (const std::uint32_t i : indices) keys.push_back((scattered(i) & ~0xffffffffull) | i);
+  std::sort(keys.begin(), keys.end());
+  std::transform(keys.begin(), keys.end(), indices.begin(),
+                 [](std::uint64_t key) { return static_cast<std::uint32_t>(key); });
 }
 
 // Third differences of the range along (du, dv), turned into distances along the normal and scaled
@@ -66,10 +77,11 @@ double slope_noise(double noise, double spacing, int radius) {
 }
 
 // What each sample counts for: its confidence, or, where deviations are known, which have the
-// confidence in them, the inverse of its variance relative to the view's median one.
+// confidence in them, the inverse of its variance relative to the view's median one. Empty: the
+// confidence.
 Grid<float> sample_weights(const RangeView& view) {
   const float typical = median_deviation(view);
-  if (!(typical > 0.0f)) return view.confidence;
+  if (!(typical > 0.0f)) return {};
   Grid<float> weights(view.width(), view.height(), 0.0f);
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
@@ -84,51 +96,63 @@ Grid<float> sample_weights(const RangeView& view) {
 }  // namespace
 
 ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& options)
-    : camera_(view.camera), range_(view.range), confidence_(sample_weights(view)) {
+    : view_(&view), weights_(sample_weights(view)) {
   assert(options.boundary_margin >= 1);
-  spacing_ = sample_spacing(view);
-  smooth_normals(view, options);
+  if (options.normal_signal && view.has_normals())
+    signal_levels_ = NormalSignal::levels_of(view.width(), view.height());
+  smooth_normals(options);
   select_samples();
-  if (samples_.empty() || (camera_.can_project() && !options.neighbour_index)) return;
+  if (samples_.empty() || (can_project() && !options.neighbour_index)) return;
   Eigen::Matrix3Xd points(3, samples_.size());
   for (std::size_t i = 0; i < samples_.size(); ++i)
     points.col(static_cast<Eigen::Index>(i)) = sample(samples_[i]).point;
   index_ = std::make_unique<NeighbourIndex>(points);
 }
 
-void ViewSurface::smooth_normals(const RangeView& view, const ViewSurfaceOptions& options) {
-  const GridEdges edges = connect_samples(view);
-  int radius = options.normal_radius > 0 ? options.normal_radius : 2;
-  normals_ = estimate_normals(view, edges, {.radius = radius, .threads = options.threads});
-  noise_ = position_noise(view, edges, normals_);
+void ViewSurface::smooth_normals(const ViewSurfaceOptions& options) {
+  const RangeView& view = *view_;
+  const GridEdges edges = connect_samples(view, {}, options.threads);
+  spacing_ = sample_spacing(view, edges);
+  // The noise needs to know only roughly, and not everywhere, how the surface is inclined.
+  noise_ = position_noise(
+      view, edges,
+      estimate_normals(view, edges, {.stride = kNoiseStride, .threads = options.threads}));
+  int radius = options.normal_radius > 0 ? options.normal_radius : kSmallestNormalRadius;
   if (options.normal_radius == 0) {
     while (radius < kLargestNormalRadius &&
            slope_noise(noise_, spacing_, radius) > kWantedNormalNoise)
       ++radius;
-    if (radius != 2)
-      normals_ = estimate_normals(view, edges, {.radius = radius, .threads = options.threads});
   }
   normal_noise_ = slope_noise(noise_, spacing_, radius);
-  if (options.normal_signal && view.has_normals())
-    signal_ = NormalSignal(unbiased_normals(view, edges, {.noise = noise_, .spacing = spacing_}));
+  normals_ = estimate_normals(view, edges, {.radius = radius, .threads = options.threads});
   if (options.normals == NormalSource::kMeasured && view.has_normals()) {
     for (std::size_t i = 0; i < normals_.size(); ++i)
       if (view.normals[i].allFinite()) normals_[i] = view.normals[i];
   }
   const auto boundary = boundary_distance(view, edges);
   for (std::size_t i = 0; i < normals_.size(); ++i) {
-    const bool trusted = confidence_.empty() || confidence_[i] > 0.0f;
-    if (boundary[i] < options.boundary_margin || !trusted)
+    if (boundary[i] < options.boundary_margin || !(weight(i) > 0.0))
       normals_[i].setConstant(std::numeric_limits<float>::quiet_NaN());
   }
+}
+
+double ViewSurface::weight(std::size_t index) const {
+  if (!weights_.empty()) return weights_[index];
+  return view_->confidence.empty() ? 1.0 : view_->confidence[index];
+}
+
+const NormalSignal& ViewSurface::prepared_signal() const {
+  std::call_once(signal_->once, [this] {
+    const UnbiasedNormalOptions options{.noise = noise_, .spacing = spacing_};
+    signal_->signal = NormalSignal(unbiased_normals(*view_, connect_samples(*view_), options));
+  });
+  return signal_->signal;
 }
 
 void ViewSurface::select_samples() {
   for (std::size_t i = 0; i < normals_.size(); ++i)
     if (normals_[i].allFinite()) samples_.push_back(static_cast<std::uint32_t>(i));
   if (samples_.empty()) return;
-  std::sort(samples_.begin(), samples_.end(),
-            [](std::uint32_t a, std::uint32_t b) { return scatter(a) < scatter(b); });
   // Relative to one sample, so that a view far from its own origin loses nothing.
   const Eigen::Vector3d first = sample(samples_.front()).point;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -141,59 +165,81 @@ void ViewSurface::select_samples() {
   centre_ = first + sum / static_cast<double>(samples_.size());
   for (const std::uint32_t i : samples_)
     radius_ = std::max(radius_, (sample(i).point - centre_).norm());
+  scatter(samples_);
 }
 
 SurfacePoint ViewSurface::sample(std::uint32_t index) const {
-  const int u = static_cast<int>(index) % range_.width();
-  const int v = static_cast<int>(index) / range_.width();
-  return {camera_.ray(u, v).at(range_[index]), normals_[index].cast<double>().normalized(),
-          confidence_.empty() ? 1.0 : confidence_[index], Eigen::Vector2d(u, v)};
+  const int u = static_cast<int>(index) % view_->width();
+  const int v = static_cast<int>(index) / view_->width();
+  return {view_->point(u, v), normals_[index].cast<double>().normalized(), weight(index),
+          Eigen::Vector2d(u, v)};
 }
 
-// Bilinear interpolation follows the chords of a curved surface. The normals tell its sag: the mean
-// height of the chord point over the tangent planes at the corners is twice that of a quadratic
-// surface. Noise of the corners cancels in it; only the differences of the normals count.
-double ViewSurface::sag(const Eigen::Vector3d& chord_point, int u, int v,
-                        const std::array<double, 4>& weights) const {
+// The four samples round a place of the grid, and what each counts for.
+struct ViewSurface::Corners {
+  int u, v;  // The first; the others are right of it, below it, and both.
+  std::array<double, 4> weights;
+};
+
+std::optional<ViewSurface::Corners> ViewSurface::corners_of(const Eigen::Vector2d& pixel) const {
+  const double u_floor = std::floor(pixel.x()), v_floor = std::floor(pixel.y());
+  if (!(u_floor >= 0.0 && v_floor >= 0.0 && u_floor + 1.0 < view_->width() &&
+        v_floor + 1.0 < view_->height()))
+    return std::nullopt;
+  const double a = pixel.x() - u_floor, b = pixel.y() - v_floor;
+  return Corners{static_cast<int>(u_floor),
+                 static_cast<int>(v_floor),
+                 {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
+}
+
+std::optional<SurfacePoint> ViewSurface::on_chords(const Eigen::Vector2d& pixel,
+                                                   const Corners& corners) const {
+  double range = 0.0, confidence = 0.0;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 4; ++k) {
+    const std::size_t i = normals_.index(corners.u + k % 2, corners.v + k / 2);
+    const double share = corners.weights[static_cast<std::size_t>(k)];
+    range += share * view_->range[i];
+    normal += share * normals_[i].cast<double>();
+    confidence += share * weight(i);
+  }
+  // One corner that is not usable makes the normal NaN.
+  if (!(normal.squaredNorm() > 0.0)) return std::nullopt;
+  return SurfacePoint{view_->camera.ray_at(pixel.x(), pixel.y()).at(range), normal.normalized(),
+                      confidence, pixel};
+}
+
+// The normals tell the sag of the chords: the mean height of the chord point over the tangent
+// planes at the corners is twice that of a quadratic surface. Noise of the corners cancels in it;
+// only the differences of the normals count.
+double ViewSurface::sag(const Eigen::Vector3d& chord_point, const Corners& corners) const {
   double height = 0.0;
   for (int k = 0; k < 4; ++k) {
-    const int x = u + k % 2, y = v + k / 2;
-    const std::size_t i = range_.index(x, y);
-    height += weights[static_cast<std::size_t>(k)] *
-              normals_[i].cast<double>().dot(chord_point - camera_.ray(x, y).at(range_[i]));
+    const int u = corners.u + k % 2, v = corners.v + k / 2;
+    height += corners.weights[static_cast<std::size_t>(k)] *
+              normals_(u, v).cast<double>().dot(chord_point - view_->point(u, v));
   }
   return 0.5 * height;
 }
 
 std::optional<SurfacePoint> ViewSurface::at(const Eigen::Vector2d& pixel) const {
-  const double u_floor = std::floor(pixel.x()), v_floor = std::floor(pixel.y());
-  if (!(u_floor >= 0.0 && v_floor >= 0.0 && u_floor + 1.0 < range_.width() &&
-        v_floor + 1.0 < range_.height()))
-    return std::nullopt;
-  const int u = static_cast<int>(u_floor), v = static_cast<int>(v_floor);
-  const double a = pixel.x() - u_floor, b = pixel.y() - v_floor;
-  const std::array<double, 4> weights = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
-  double range = 0.0, confidence = 0.0;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < 4; ++k) {
-    const std::size_t i = range_.index(u + static_cast<int>(k % 2), v + static_cast<int>(k / 2));
-    range += weights[k] * range_[i];
-    normal += weights[k] * normals_[i].cast<double>();
-    confidence += confidence_.empty() ? weights[k] : weights[k] * confidence_[i];
-  }
-  // One corner that is not usable makes the normal NaN.
-  if (!(normal.squaredNorm() > 0.0)) return std::nullopt;
-  normal.normalize();
-  const Eigen::Vector3d point = camera_.ray_at(pixel.x(), pixel.y()).at(range);
-  return SurfacePoint{point - sag(point, u, v, weights) * normal, normal, confidence, pixel};
+  const auto corners = corners_of(pixel);
+  auto place = corners ? on_chords(pixel, *corners) : std::nullopt;
+  if (place) place->point -= sag(place->point, *corners) * place->normal;
+  return place;
+}
+
+std::optional<SurfacePoint> ViewSurface::roughly_at(const Eigen::Vector2d& pixel) const {
+  const auto corners = corners_of(pixel);
+  return corners ? on_chords(pixel, *corners) : std::nullopt;
 }
 
 std::optional<SignalPoint> ViewSurface::signal(const SurfacePoint& place, int level) const {
-  const auto sample = signal_.at(place.pixel, level);
+  const auto sample = prepared_signal().at(place.pixel, level);
   if (!sample) return std::nullopt;
   // Where the rays of the next pixels meet the tangent plane: steps free of the noise of samples.
   const auto step_to = [&](double u, double v) -> Eigen::Vector3d {
-    const Ray ray = camera_.ray_at(u, v);
+    const Ray ray = view_->camera.ray_at(u, v);
     const double t = place.normal.dot(place.point - ray.origin) / place.normal.dot(ray.direction);
     return ray.at(t) - place.point;
   };
@@ -206,14 +252,14 @@ std::optional<SignalPoint> ViewSurface::signal(const SurfacePoint& place, int le
 
 bool ViewSurface::blank(const Eigen::Vector2d& pixel) const {
   const double u = std::round(pixel.x()), v = std::round(pixel.y());
-  if (!(u >= 0.0 && v >= 0.0 && u < range_.width() && v < range_.height())) return false;
+  if (!(u >= 0.0 && v >= 0.0 && u < view_->width() && v < view_->height())) return false;
   const int left = std::max(0, static_cast<int>(u) - kBlankReach);
   const int top = std::max(0, static_cast<int>(v) - kBlankReach);
-  const int right = std::min(range_.width() - 1, static_cast<int>(u) + kBlankReach);
-  const int bottom = std::min(range_.height() - 1, static_cast<int>(v) + kBlankReach);
+  const int right = std::min(view_->width() - 1, static_cast<int>(u) + kBlankReach);
+  const int bottom = std::min(view_->height() - 1, static_cast<int>(v) + kBlankReach);
   for (int y = top; y <= bottom; ++y)
     for (int x = left; x <= right; ++x)
-      if (!std::isnan(range_(x, y))) return false;
+      if (!std::isnan(view_->range(x, y))) return false;
   return true;
 }
 
@@ -223,10 +269,10 @@ std::vector<Eigen::Vector2d> ViewSurface::closest(const Eigen::Matrix3Xd& points
   std::vector<Eigen::Vector2d> pixels(nearest.size());
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     const std::uint32_t index = samples_[static_cast<std::size_t>(nearest[i])];
-    const int u = static_cast<int>(index) % range_.width();
-    const int v = static_cast<int>(index) / range_.width();
+    const int u = static_cast<int>(index) % view_->width();
+    const int v = static_cast<int>(index) / view_->width();
     // Usable samples are off the boundary, so their neighbours exist and are connected.
-    const auto point = [&](int x, int y) { return camera_.ray(x, y).at(range_(x, y)); };
+    const auto point = [&](int x, int y) { return view_->point(x, y); };
     Eigen::Matrix<double, 3, 2> tangents;
     tangents.col(0) = 0.5 * (point(u + 1, v) - point(u - 1, v));
     tangents.col(1) = 0.5 * (point(u, v + 1) - point(u, v - 1));

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -53,7 +53,9 @@ struct SignalPoint {
 /// the two ways of finding the place in it that is closest to a point. Movable, not copyable.
 class ViewSurface {
  public:
+  /// The view outlives the surface with its grids unchanged: ranges are not copied.
   explicit ViewSurface(const RangeView& view, const ViewSurfaceOptions& options = {});
+  explicit ViewSurface(const RangeView&& view, const ViewSurfaceOptions& options = {}) = delete;
 
   /// Grid indices of the usable samples (normal, positive confidence, off the boundary) in a
   /// scattered order: every prefix is spread over the whole surface.
@@ -64,21 +66,24 @@ class ViewSurface {
   /// The surface at fractional pixel coordinates, bilinear between samples and bent by their
   /// normals: exact to second order. Nothing unless the four samples around are usable.
   std::optional<SurfacePoint> at(const Eigen::Vector2d& pixel) const;
+  /// The same on the chords between samples: cheaper, and a little inside of convex surfaces.
+  std::optional<SurfacePoint> roughly_at(const Eigen::Vector2d& pixel) const;
 
-  /// Resolutions of the normal map kept, each half as fine as the one before; 0: none is kept.
-  int signal_levels() const { return signal_.levels(); }
-  /// The normal map at a point of this surface; nothing where it has gaps.
+  /// Resolutions of the normal map, each half as fine as the one before; 0: there is none.
+  int signal_levels() const { return signal_levels_; }
+  /// The normal map at a point of this surface; nothing where it has gaps. The first call prepares
+  /// the map: most shapes need none.
   std::optional<SignalPoint> signal(const SurfacePoint& place, int level) const;
 
-  bool can_project() const { return camera_.can_project(); }
+  bool can_project() const { return view_->camera.can_project(); }
   /// Constant-time association: the pixel that sees `point`.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point) const {
-    return camera_.project(point);
+    return view_->camera.project(point);
   }
 
   /// The line of sight through a pixel that project() gave, away from the sensor, not normalised.
   Eigen::Vector3d sight(const Eigen::Vector2d& pixel) const {
-    return camera_.ray_at(pixel.x(), pixel.y()).direction;
+    return view_->camera.ray_at(pixel.x(), pixel.y()).direction;
   }
   /// Whether the view measured nothing at a place of its grid nor within two pixels of it.
   bool blank(const Eigen::Vector2d& pixel) const;
@@ -102,16 +107,26 @@ class ViewSurface {
   }  ///< Of the sphere about centre() that holds all samples.
 
  private:
-  void smooth_normals(const RangeView& view, const ViewSurfaceOptions& options);
+  void smooth_normals(const ViewSurfaceOptions& options);
   void select_samples();
-  double sag(const Eigen::Vector3d& chord_point, int u, int v,
-             const std::array<double, 4>& weights) const;
+  struct Corners;
+  std::optional<Corners> corners_of(const Eigen::Vector2d& pixel) const;
+  std::optional<SurfacePoint> on_chords(const Eigen::Vector2d& pixel, const Corners& corners) const;
+  double sag(const Eigen::Vector3d& chord_point, const Corners& corners) const;
 
-  Camera camera_;
-  Grid<double> range_;
+  double weight(std::size_t index) const;
+  const NormalSignal& prepared_signal() const;
+
+  struct LazySignal {
+    std::once_flag once;
+    NormalSignal signal;
+  };
+
+  const RangeView* view_;
   Grid<Eigen::Vector3f> normals_;  // NaN where a sample is not usable.
-  Grid<float> confidence_;
-  NormalSignal signal_;
+  Grid<float> weights_;            // Empty: the view's confidences.
+  int signal_levels_ = 0;
+  std::unique_ptr<LazySignal> signal_ = std::make_unique<LazySignal>();
   std::vector<std::uint32_t> samples_;
   std::unique_ptr<NeighbourIndex> index_;
   double spacing_ = 0.0, noise_ = 0.0, normal_noise_ = 0.0, radius_ = 0.0;

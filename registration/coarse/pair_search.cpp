@@ -111,6 +111,7 @@ PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
   icp.tolerance = 0.05;
   icp.max_iterations = 12;
   icp.normal_maps = false;
+  icp.final_samples = 0;
   const IcpResult fit = align_pair(a, b, b_from_a, icp);
   PoseHypothesis hypothesis{fit.target_from_source, {}};
   JudgeOptions judge;

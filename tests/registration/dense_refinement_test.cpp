@@ -56,8 +56,8 @@ TEST(PairInformation, IsTheSumOverItsResiduals) {
   options.search.max_distance = 5.0 * ring.spacing();
   options.patch = 8.0 * ring.spacing();
   options.centre = Eigen::Vector3d(3.0, -2.0, 1.0);
-  const auto compressed =
-      pair_information(ring.surfaces, 0, 1, in_grid_order(ring.surfaces[0], 3000), poses, options);
+  const auto compressed = pair_information(ring.surfaces[0], ring.surfaces[1], poses[0], poses[1],
+                                           in_grid_order(ring.surfaces[0], 3000), options);
 
   const RigidMotion target_from_source = poses[1].inverse() * poses[0];
   const double sigma =
@@ -86,11 +86,42 @@ TEST(PairInformation, IsTheSumOverItsResiduals) {
   EXPECT_LT((of_patches - pull).norm(), 1e-9 * pull.norm());
 }
 
+TEST(PairInformation, IsIndifferentToMotionsThatAreIgnored) {
+  const Ring ring(1);
+  const auto poses = poses_of(ring.truth);
+  PairInformationOptions options;
+  options.search.max_distance = 5.0 * ring.spacing();
+  options.patch = 8.0 * ring.spacing();
+  options.centre = Eigen::Vector3d(3.0, -2.0, 1.0);
+  const auto all = pair_information(ring.surfaces[0], ring.surfaces[1], poses[0], poses[1],
+                                    in_grid_order(ring.surfaces[0], 3000), options);
+  DegenerateDirection slide;
+  slide.motion << 0.0, 0.0, 0.0, 0.6, 0.8, 0.0;
+  DegenerateDirection turn;
+  turn.centre = Eigen::Vector3d(20.0, 10.0, -5.0);
+  turn.motion << 0.0, 0.6, 0.8, 2.0, 1.0, 0.0;
+  auto rest = all;
+  ignore_motions({slide, turn}, options.centre, rest);
+  // A turn about another point moves the centre, too.
+  RigidTangent turn_about_centre = turn.motion;
+  turn_about_centre.tail<3>() += turn.motion.head<3>().cross(options.centre - turn.centre);
+  const double size = all.information.norm(), pull = all.pull.norm();
+  for (const RigidTangent& motion : {slide.motion, turn_about_centre}) {
+    EXPECT_LT((rest.information * motion).norm(), 1e-9 * size * motion.norm());
+    EXPECT_LT(std::abs(rest.pull.dot(motion)), 1e-9 * pull * motion.norm());
+    for (const PatchPull& patch : rest.patches)
+      EXPECT_LT(std::abs(patch.pull.dot(motion)), 1e-9 * pull * motion.norm());
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(rest.information);
+  EXPECT_GT(eigen.eigenvalues()[2], 1e-6 * eigen.eigenvalues()[5]);  // The other four are held.
+}
+
 TEST(DenseRefinement, FindsExactPosesOfExactViews) {
   const Ring ring(1, 0.0);
   auto poses =
       poses_of(perturbed(ring.truth, Eigen::Vector3d::Zero(), 0.005, 0.3 * ring.spacing()));
-  refine_densely(ring.surfaces, pairs_of(ring), first_held(poses.size()), options_for(ring), poses);
+  refine_densely(pointers_to(ring.surfaces), pairs_of(ring), first_held(poses.size()),
+                 options_for(ring), poses);
   for (const double error : mean_displacements(ring.truth, poses, poses_of(ring.truth)))
     EXPECT_LT(error, 0.005 * ring.spacing());
 }
@@ -107,7 +138,7 @@ TEST(DenseRefinement, DoesNotDependOnTheThreadCountNorTheHeldView) {
     std::vector<bool> is_held(poses.size(), false);
     is_held[held] = true;
     options.threads = threads;
-    refine_densely(ring.surfaces, pairs_of(ring), is_held, options, poses);
+    refine_densely(pointers_to(ring.surfaces), pairs_of(ring), is_held, options, poses);
     return poses;
   };
   const auto one = refine(0, 1), two = refine(0, 2), other = refine(4, 2);
@@ -119,8 +150,8 @@ TEST(DenseRefinement, DoesNotDependOnTheThreadCountNorTheHeldView) {
 TEST(DenseRefinement, LeavesHeldViewsWithoutVariance) {
   const Ring ring(3);
   auto poses = poses_of(ring.truth);
-  const auto refined = refine_densely(ring.surfaces, pairs_of(ring), first_held(poses.size()),
-                                      options_for(ring), poses);
+  const auto refined = refine_densely(pointers_to(ring.surfaces), pairs_of(ring),
+                                      first_held(poses.size()), options_for(ring), poses);
   EXPECT_TRUE(poses[0].matrix() == ring.truth[0].world_from_view.matrix());
   EXPECT_TRUE(refined.covariance.topRows<6>().isZero());
   EXPECT_TRUE(refined.covariance.leftCols<6>().isZero());

@@ -13,7 +13,8 @@ const Camera kCamera = Camera::pinhole(80, 60, {100, 100, 39.5, 29.5});
 
 TEST(ViewSurface, InterpolatesAPlaneExactly) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.2, -1).normalized();
-  const ViewSurface surface(testing::render(testing::plane({0, 0, 10}, normal), kCamera));
+  const RangeView view = testing::render(testing::plane({0, 0, 10}, normal), kCamera);
+  const ViewSurface surface(view);
   const auto found = surface.at({31.3, 22.8});
   ASSERT_TRUE(found.has_value());
   // The range is interpolated, whose inverse is what is linear on a plane.
@@ -24,11 +25,16 @@ TEST(ViewSurface, InterpolatesAPlaneExactly) {
 TEST(ViewSurface, BendsBetweenSamplesAsTheSurfaceDoes) {
   constexpr double kRadius = 1.0;  // Ten samples: the chord's sag is 1/800 of it.
   const Eigen::Vector3d centre(0, 0, 10);
-  const ViewSurface surface(testing::render(testing::sphere(centre, kRadius), kCamera));
+  const RangeView view = testing::render(testing::sphere(centre, kRadius), kCamera);
+  const ViewSurface surface(view);
   for (const auto& pixel : {Eigen::Vector2d(39.0, 29.0), Eigen::Vector2d(36.5, 31.5)}) {
     const auto found = surface.at(pixel);
     ASSERT_TRUE(found.has_value());
     EXPECT_NEAR((found->point - centre).norm(), kRadius, 2e-4);
+    // Chords lie inside, by at most the sag of a cell's diagonal.
+    const auto rough = surface.roughly_at(pixel);
+    EXPECT_LE((rough->point - centre).norm(), kRadius + 1e-9);
+    EXPECT_NEAR((rough->point - centre).norm(), kRadius, 3e-3);
   }
 }
 
@@ -78,7 +84,8 @@ TEST(ViewSurface, MeasuresTheNoiseOfAView) {
 }
 
 TEST(ViewSurface, EveryPrefixOfTheSamplesCoversTheSurface) {
-  const ViewSurface surface(testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera));
+  const RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  const ViewSurface surface(view);
   int quadrants[4] = {};
   for (std::size_t i = 0; i < 400; ++i) {
     const Eigen::Vector3d p = surface.sample(surface.samples()[i]).point;
