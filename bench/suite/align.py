@@ -67,6 +67,13 @@ def pcl(case, folder):
     return along_tree(folder, register)
 
 
+def pcl_planes(case, folder):
+    """PCL's point-to-plane ICP, for which it has no program, as Open3D's is called."""
+    output = case.folder / "pcl-planes.json"
+    cost, _ = run([PCL_PLANES, folder, output], case.folder / "pcl-planes.log")
+    return cost, motions_of(output)
+
+
 def cloudcompare(case, folder):
     """The overlap, which its users have to state, is that of the starting poses, rounded down to 10 %."""
     def register(source, target, overlap):
@@ -80,7 +87,8 @@ def cloudcompare(case, folder):
     return along_tree(folder, register)
 
 
-PAIRWISE = ROOT / "build/bench/bench/relief_pairwise_icp"  # cmake --preset bench && cmake --build --preset bench
+PROGRAMS = ROOT / "build/bench/bench"  # cmake --preset bench && cmake --build --preset bench
+PAIRWISE, PCL_PLANES = PROGRAMS / "relief_pairwise_icp", PROGRAMS / "relief_pcl_align"
 PEERS = {"Open3D, multiway": ("Open3D", open3d("multiway")),
          "Open3D, ICP along the tree": ("Open3D", open3d("pairwise")),
          "PCL, ICP along the tree": ("PCL", pcl),
@@ -99,9 +107,11 @@ def measure(case, context):
     relief, output = context.relief, case.folder / "aligned-by-relief.json"
     peers = {name: peer for name, peer in PEERS.items() if case.slow_peers or name not in SLOW}
     installed = {name: peer for name, (program, peer) in peers.items() if context.programs.has(program)}
-    if PAIRWISE.exists():
-        peers = {"relief, ICP along the tree": ("relief", relief_pairwise), **peers}
-        installed = {"relief, ICP along the tree": relief_pairwise, **installed}
+    ours = {"relief, ICP along the tree": (PAIRWISE, relief_pairwise),
+            "PCL, point-to-plane ICP along the tree": (PCL_PLANES, pcl_planes)}
+    for name, (program, peer) in ours.items():
+        if program.exists():
+            peers[name], installed[name] = (program.name, peer), peer
     folder = start_clouds(case, relief) if installed else None
     motions = {}
 
