@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -17,6 +19,18 @@ std::vector<Eigen::Index> spread_keys(Eigen::Index size, int keys) {
   return indices;
 }
 
+// Points nearer to a key than `least_shift` look infinitely different.
+void exclude_near(const Eigen::Matrix3Xd& points, const std::vector<Eigen::Index>& keys,
+                  double least_shift, Eigen::MatrixXf& distances) {
+  const double least = least_shift * least_shift;
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    const Eigen::Vector3d key = points.col(keys[k]);
+    for (Eigen::Index i = 0; i < points.cols(); ++i)
+      if ((points.col(i) - key).squaredNorm() < least)
+        distances(i, static_cast<Eigen::Index>(k)) = std::numeric_limits<float>::infinity();
+  }
+}
+
 // (column of `from`, similar column of `to`).
 std::vector<std::pair<Eigen::Index, Eigen::Index>> most_similar(
     const LocalFeatures& from, const LocalFeatures& to, const FeatureMatchOptions& options) {
@@ -27,6 +41,7 @@ std::vector<std::pair<Eigen::Index, Eigen::Index>> most_similar(
   // Squared distances less the constant of each query.
   Eigen::MatrixXf distances = -2.0f * to.transpose() * queries;
   distances.colwise() += to.colwise().squaredNorm().transpose();
+  if (options.own_points) exclude_near(*options.own_points, keys, options.least_shift, distances);
 
   const auto wanted = std::min<std::size_t>(static_cast<std::size_t>(options.candidates),
                                             static_cast<std::size_t>(to.cols()));
@@ -39,7 +54,8 @@ std::vector<std::pair<Eigen::Index, Eigen::Index>> most_similar(
                       order.end(), [&](Eigen::Index x, Eigen::Index y) {
                         return std::pair(column[x], x) < std::pair(column[y], y);
                       });
-    for (std::size_t c = 0; c < wanted; ++c) pairs.emplace_back(keys[k], order[c]);
+    for (std::size_t c = 0; c < wanted; ++c)
+      if (std::isfinite(column[order[c]])) pairs.emplace_back(keys[k], order[c]);
   }
   return pairs;
 }

@@ -16,6 +16,10 @@ struct FeatureMatch {
 struct FeatureMatchOptions {
   int keys = 400;  ///< Points of each view that are looked for in the other, evenly spread; > 0.
   int candidates = 3;  ///< Most similar points that are taken for each; > 0.
+  /// For a view with itself: the points of its columns, and how far apart matched ones are at least
+  /// [unit].
+  const Eigen::Matrix3Xd* own_points = nullptr;
+  double least_shift = 0.0;
 };
 
 /// Matches both ways between the columns of two sets of features, each once, in a fixed order. Most

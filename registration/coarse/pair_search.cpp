@@ -89,6 +89,29 @@ std::vector<RoughPose> promising(const ViewSurface& a, const ViewSurface& b,
   return kept;
 }
 
+// The poses that matches lead to, refined and judged, the best overlap first.
+std::vector<PoseHypothesis> pursue(const CoarseView& a, const CoarseView& b,
+                                   const std::vector<FeatureMatch>& matches,
+                                   const CoarseScale& scale, const PairSearchOptions& options) {
+  const auto motions = consistent_motions(a, b, matches, scale.cell, options.seeds);
+  const double reach = kReach * scale.cell;
+  std::vector<PoseHypothesis> hypotheses;
+  for (const auto& pose : promising(*a.surface, *b.surface, motions, reach, options.candidates)) {
+    const auto refined =
+        refine_hypothesis(*a.surface, *b.surface, pose.b_from_a, reach, options.association);
+    const bool known =
+        std::any_of(hypotheses.begin(), hypotheses.end(), [&](const PoseHypothesis& other) {
+          return same_pose(*a.surface, refined.b_from_a, other.b_from_a, reach);
+        });
+    if (!known) hypotheses.push_back(refined);
+  }
+  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                   [](const PoseHypothesis& x, const PoseHypothesis& y) {
+                     return x.evidence.overlap > y.evidence.overlap;
+                   });
+  return hypotheses;
+}
+
 }  // namespace
 
 CoarseView prepare_coarse_view(const ViewSurface& surface, const CoarseScale& scale) {
@@ -130,24 +153,23 @@ bool same_pose(const ViewSurface& view, const RigidMotion& x, const RigidMotion&
 std::vector<PoseHypothesis> search_pair(const CoarseView& a, const CoarseView& b,
                                         const CoarseScale& scale,
                                         const PairSearchOptions& options) {
-  const auto matches = match_features(a.features, b.features);
-  const auto motions = consistent_motions(a, b, matches, scale.cell, options.seeds);
-  const double reach = kReach * scale.cell;
-  std::vector<PoseHypothesis> hypotheses;
-  for (const auto& pose : promising(*a.surface, *b.surface, motions, reach, options.candidates)) {
-    const auto refined =
-        refine_hypothesis(*a.surface, *b.surface, pose.b_from_a, reach, options.association);
-    const bool known =
-        std::any_of(hypotheses.begin(), hypotheses.end(), [&](const PoseHypothesis& other) {
-          return same_pose(*a.surface, refined.b_from_a, other.b_from_a, reach);
-        });
-    if (!known) hypotheses.push_back(refined);
-  }
-  std::stable_sort(hypotheses.begin(), hypotheses.end(),
-                   [](const PoseHypothesis& x, const PoseHypothesis& y) {
-                     return x.evidence.overlap > y.evidence.overlap;
-                   });
-  return hypotheses;
+  return pursue(a, b, match_features(a.features, b.features), scale, options);
+}
+
+bool fits_itself(const CoarseView& view, const CoarseScale& scale, const PlausibleEvidence& limits,
+                 const PairSearchOptions& options) {
+  FeatureMatchOptions elsewhere;
+  elsewhere.own_points = &view.points.points;
+  elsewhere.least_shift = kLeastDistance * scale.cell;
+  const auto matches = match_features(view.features, view.features, elsewhere);
+  const auto hypotheses = pursue(view, view, matches, scale, options);
+  return std::any_of(hypotheses.begin(), hypotheses.end(), [&](const PoseHypothesis& hypothesis) {
+    return plausible(hypothesis.evidence, *view.surface, *view.surface, limits) &&
+           !too_much_absent(hypothesis.evidence, limits) &&
+           !misfits_locally(hypothesis.evidence, *view.surface, *view.surface, limits) &&
+           !same_pose(*view.surface, hypothesis.b_from_a, RigidMotion::Identity(),
+                      kReach * scale.cell);
+  });
 }
 
 }  // namespace relief

@@ -117,6 +117,7 @@ class Placing {
   bool search_by_shape() {
     const CoarseScale scale = coarse_scale(surfaces_);
     std::vector<CoarseView> views(surfaces_.size());
+    repeats_.assign(surfaces_.size(), std::nullopt);
     if (!go_on(0.0, "describing views")) return false;
     parallel_for(views.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) views[i] = prepare_coarse_view(surfaces_[i], scale);
@@ -163,12 +164,29 @@ class Placing {
       });
       for (std::size_t k = 0; k < count; ++k) {
         const auto [a, b] = pairs[begin + k];
+        std::erase_if(found[k], [&](const PoseHypothesis& hypothesis) {
+          return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits);
+        });
+        if (found[k].empty()) continue;
+        const bool ambiguous = repeats_itself(a, views[a], scale, limits) ||
+                               repeats_itself(b, views[b], scale, limits);
         for (const auto& hypothesis : found[k])
-          if (plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits))
-            links_.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence});
+          links_.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, false, ambiguous});
       }
     }
     return true;
+  }
+
+  // Whether a view fits itself at a second place: so do then others that show the same shape, and
+  // nothing tells at which.
+  bool repeats_itself(std::size_t i, const CoarseView& view, const CoarseScale& scale,
+                      const PlausibleEvidence& limits) {
+    if (!repeats_[i]) {
+      PlausibleEvidence alone = limits;
+      alone.min_overlap = grouping_.lone_overlap;
+      repeats_[i] = fits_itself(view, scale, alone, {options_.association, 150, 20});
+    }
+    return *repeats_[i];
   }
 
   bool go_on(double fraction, std::string_view step) const {
@@ -182,6 +200,7 @@ class Placing {
   ViewGroupOptions grouping_;
   std::vector<std::optional<RigidMotion>> known_;
   std::vector<PoseLink> links_;
+  std::vector<std::optional<bool>> repeats_;  // Whether views fit themselves, where it matters.
   ViewGroups groups_;
 };
 

@@ -31,6 +31,11 @@ bool same_place(const ViewSurface& view, const RigidMotion& x, const RigidMotion
   return same_pose(view, x, y, kSamePlaceRadii * view.radius());
 }
 
+// Whether the two views could as well lie otherwise.
+bool undetermined(const PoseLink& link) {
+  return !link.given && (link.evidence.slides || link.ambiguous);
+}
+
 // How many views c confirm a link by two others: a - c - b leads to the same pose.
 std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
                              const std::vector<PoseLink>& links) {
@@ -117,7 +122,7 @@ void sort_by_support(const std::vector<ViewSurface>& surfaces, const ViewGroupOp
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
     const auto key = [&](std::size_t k) {
-      return std::tuple(links[k].given, !links[k].evidence.slides, firm(links[k]), loops[k] > 0,
+      return std::tuple(links[k].given, !undetermined(links[k]), firm(links[k]), loops[k] > 0,
                         links[k].evidence.overlap);
     };
     return key(x) > key(y);
@@ -194,7 +199,7 @@ class Joining {
     const auto ways = possible_ways(first, second);
     if (ways.empty() || ambiguous(ways)) return false;
     const Way& best = ways.front();
-    if (best.link.evidence.slides && !best.link.given) return false;
+    if (undetermined(best.link)) return false;
     // The group of known views keeps its frame, else the one of the first view.
     const bool move_first = holds_known(second) && !holds_known(first);
     const RigidMotion motion =
@@ -297,7 +302,7 @@ class Joining {
       if (ambiguous(ways))
         groups_.ambiguous.push_back(
             {best.a, best.b, best.evidence.overlap, ways[1].link.evidence.overlap});
-      else if (best.evidence.slides)
+      else if (undetermined(best))
         groups_.ambiguous.push_back({best.a, best.b, best.evidence.overlap, best.evidence.overlap});
     }
   }

@@ -18,6 +18,8 @@ struct PoseLink {
   PoseEvidence evidence;
   /// From the user's poses, which choose among places that shape alone does not tell apart.
   bool given = false;
+  /// A view of it fits itself at a second place, and so perhaps the other view at a second pose.
+  bool ambiguous = false;
 };
 
 struct ViewGroupOptions {

@@ -19,10 +19,12 @@ using DistanceFunction = double (*)(const Eigen::Vector3d&);
 // A hemispherical shell, open at the top.
 double bowl(const Eigen::Vector3d& p) { return std::max(std::abs(p.norm() - 40.0) - 3.0, p.z()); }
 
-double box(const Eigen::Vector3d& p) {
-  const Eigen::Vector3d outside = p.cwiseAbs() - Eigen::Vector3d(34.0, 30.0, 26.0);
+double cuboid(const Eigen::Vector3d& p, const Eigen::Vector3d& half_sides) {
+  const Eigen::Vector3d outside = p.cwiseAbs() - half_sides;
   return outside.cwiseMax(0.0).norm() + std::min(outside.maxCoeff(), 0.0);
 }
+double box(const Eigen::Vector3d& p) { return cuboid(p, {34.0, 30.0, 26.0}); }
+double cube(const Eigen::Vector3d& p) { return cuboid(p, {30.0, 30.0, 30.0}); }
 
 Eigen::Vector3d gradient(DistanceFunction distance, const Eigen::Vector3d& p) {
   constexpr double kStep = 1e-4;
@@ -89,6 +91,16 @@ TEST(PlainShapes, UnrelatedObjectsAreNotForced) {
 // Opposite sides of a box look alike and share nothing.
 TEST(PlainShapes, OppositeSidesOfABoxAreNotForced) {
   expect_none_aligned_and_all_told_why(views_without_poses(surface_of(box), 2, 3.14159, 20.0));
+}
+
+// All corners of a cube are alike: each view fits the others at several places, and itself.
+TEST(PlainShapes, NeighbouringSidesOfACubeAreNotForced) {
+  expect_none_aligned_and_all_told_why(views_without_poses(surface_of(cube), 6, 0.7854, 140.0));
+}
+
+// Views that show other sides of much the same lengths.
+TEST(PlainShapes, NeighbouringSidesOfABoxAreNotForced) {
+  expect_none_aligned_and_all_told_why(views_without_poses(surface_of(box), 3, 1.2, 140.0));
 }
 
 }  // namespace
