@@ -14,6 +14,9 @@ namespace relief {
 
 namespace {
 
+// Directed pairs whose patches are held in memory at a time.
+constexpr std::size_t kPairsAtOnce = 64;
+
 // The mean of the views' centres.
 Eigen::Vector3d common_centre(const std::vector<const ViewSurface*>& surfaces,
                               const std::vector<RigidMotion>& world_from_view) {
@@ -60,29 +63,17 @@ class MovingPairs {
   const Eigen::Vector3d& centre() const { return compression_.centre; }
 
   /// The pairs at the present poses, in both directions.
-  std::vector<PairInformation> compress(std::size_t samples, double patch) const {
-    PairInformationOptions compression = compression_;
-    compression.patch = patch;
-    std::vector<std::vector<std::uint32_t>> of_view(surfaces_.size());
-    parallel_for(of_view.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) of_view[i] = in_grid_order(*surfaces_[i], samples);
+  std::vector<PairInformation> compress(std::size_t samples) const {
+    return compress_all(samples, 0.0, [](PairInformation&) {});
+  }
+
+  /// The same; what patches of edge `patch` [unit] pull is added up and not kept pair by pair.
+  std::vector<PairInformation> compress(std::size_t samples, double patch,
+                                        PatchPulls& pulls) const {
+    return compress_all(samples, patch, [&](PairInformation& pair) {
+      pulls.add(pair);
+      pair.patches = {};
     });
-    std::vector<PairInformation> all(2 * pairs_.size());
-    parallel_for(all.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::size_t source = i % 2 == 0 ? pairs_[i / 2].a : pairs_[i / 2].b;
-        const std::size_t target = i % 2 == 0 ? pairs_[i / 2].b : pairs_[i / 2].a;
-        all[i] = pair_information(*surfaces_[source], *surfaces_[target], poses_[source],
-                                  poses_[target], of_view[source], compression);
-        all[i].source = source;
-        all[i].target = target;
-        if (!options_.normals.empty())
-          add_normals(options_.normals[i], start_[target], compression_.centre,
-                      since_[source] - since_[target], all[i]);
-        ignore_motions(options_.ignored, compression_.centre, all[i]);
-      }
-    });
-    return all;
   }
 
   /// Moves views by tangents about the centre; those with a zero one stay to the bit. The largest
@@ -98,6 +89,44 @@ class MovingPairs {
   }
 
  private:
+  // Calls visit(pair) in the order of the pairs.
+  template <typename Visit>
+  std::vector<PairInformation> compress_all(std::size_t samples, double patch,
+                                            const Visit& visit) const {
+    std::vector<std::vector<std::uint32_t>> of_view(surfaces_.size());
+    parallel_for(of_view.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) of_view[i] = in_grid_order(*surfaces_[i], samples);
+    });
+    std::vector<PairInformation> all(2 * pairs_.size());
+    for (std::size_t first = 0; first < all.size(); first += kPairsAtOnce) {
+      const std::size_t count = std::min(kPairsAtOnce, all.size() - first);
+      parallel_for(count, 1, options_.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = first + begin; i < first + end; ++i) {
+          const ViewPair& pair = pairs_[i / 2];
+          const std::size_t source = i % 2 == 0 ? pair.a : pair.b;
+          all[i] = compress_pair(i, source, i % 2 == 0 ? pair.b : pair.a, of_view[source], patch);
+        }
+      });
+      for (std::size_t i = first; i < first + count; ++i) visit(all[i]);
+    }
+    return all;
+  }
+
+  PairInformation compress_pair(std::size_t i, std::size_t source, std::size_t target,
+                                const std::vector<std::uint32_t>& samples, double patch) const {
+    PairInformationOptions compression = compression_;
+    compression.patch = patch;
+    PairInformation sum = pair_information(*surfaces_[source], *surfaces_[target], poses_[source],
+                                           poses_[target], samples, compression);
+    sum.source = source;
+    sum.target = target;
+    if (!options_.normals.empty())
+      add_normals(options_.normals[i], start_[target], compression_.centre,
+                  since_[source] - since_[target], sum);
+    ignore_motions(options_.ignored, compression_.centre, sum);
+    return sum;
+  }
+
   const std::vector<const ViewSurface*>& surfaces_;
   const std::vector<ViewPair>& pairs_;
   const DenseRefinementOptions& options_;
@@ -109,12 +138,12 @@ class MovingPairs {
 // What a step of one standard deviation changes, relative to what Gauss-Newton expects.
 double response_at(const MovingPairs& views, const std::vector<const ViewSurface*>& surfaces,
                    const std::vector<bool>& held, std::size_t samples) {
-  const auto here = views.compress(samples, 0.0);
+  const auto here = views.compress(samples);
   const PoseNetwork network(surfaces, here, held, views.centre());
   const auto probe = network.probe();
   MovingPairs beside = views;
   beside.move(probe);
-  return network.response(beside.compress(samples, 0.0), probe);
+  return network.response(beside.compress(samples), probe);
 }
 
 }  // namespace
@@ -126,15 +155,17 @@ DenseRefinement refine_densely(const std::vector<const ViewSurface*>& surfaces,
   DenseRefinement result;
   MovingPairs views(surfaces, pairs, options, world_from_view);
   do {
-    const auto few = views.compress(options.step_samples, 0.0);
+    const auto few = views.compress(options.step_samples);
     result.last_motion = views.move(PoseNetwork(surfaces, few, held, views.centre()).step());
     ++result.iterations;
   } while (result.last_motion > options.tolerance && result.iterations < options.max_iterations);
 
   const double response = response_at(views, surfaces, held, options.step_samples);
-  const auto all = views.compress(options.last_samples, options.patch * median_spacing(surfaces));
+  PatchPulls pulls(surfaces.size());
+  const auto all =
+      views.compress(options.last_samples, options.patch * median_spacing(surfaces), pulls);
   const PoseNetwork network(surfaces, all, held, views.centre());
-  result.covariance = network.covariance(views.poses(), response);
+  result.covariance = network.covariance(views.poses(), pulls, response);
   // A Newton step: where renewed correspondences give way, Gauss-Newton falls short.
   auto last = network.step();
   for (auto& tangent : last) tangent /= response;

@@ -17,8 +17,11 @@ namespace {
 
 constexpr double kSearchRadii = 0.2;
 // Of all pairs at a time, some two thirds of a kilobyte each; and of one direction of a pair.
-constexpr std::size_t kMostCorrespondences = 2'000'000;
+constexpr std::size_t kMostCorrespondences = 1'000'000;
 constexpr std::size_t kFewestCorrespondences = 60;
+// All pairs of hundreds of views would get so few each, and still need gigabytes. The last steps,
+// which keep nothing for a residual, use all.
+constexpr int kMostPairsOfAView = 24;
 // Pairs that share fewer samples or less of the views than this are thin.
 constexpr double kThinSamples = 200.0;
 constexpr double kThinOverlap = 0.1;
@@ -168,7 +171,9 @@ SearchPlan plan_search(const std::vector<ViewSurface>& surfaces,
   for (const auto& surface : surfaces)
     signal_levels = std::max(signal_levels, surface.signal_levels());
   if (signal_levels == 0) return plan;
-  const auto pairs = pairs_at(surfaces, world_from_view, roles, plan.levels.front(), options);
+  const auto pairs = largest_overlaps(
+      surfaces.size(), pairs_at(surfaces, world_from_view, roles, plan.levels.front(), options),
+      kMostPairsOfAView);
   const auto matches =
       match(surfaces, world_from_view, pairs, plan.levels.front(), options, plan.sliding);
   plan.sliding = sliding_views(surfaces, world_from_view, matches);
@@ -328,12 +333,13 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
     result.group = connected_groups(surfaces.size(), pairs);
     result.held = hold_one_per_group(result.group, roles);
     result.termination = RefinementTermination::kIterationLimit;
+    const auto strongest = largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView);
     for (int i = 0; i < options.max_iterations; ++i) {
       const double fraction = (l + static_cast<double>(i) / options.max_iterations) / levels.size();
       if (!report_progress(progress, fraction, "refining poses"))
         return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
       const auto matches =
-          match(surfaces, result.world_from_view, pairs, levels[l], options, sliding);
+          match(surfaces, result.world_from_view, strongest, levels[l], options, sliding);
       const auto before = result.world_from_view;
       solve_poses(surfaces, matches, result.held, {}, result.world_from_view);
       ++result.iterations;

@@ -62,8 +62,9 @@ class Accumulator {
 }  // namespace
 
 std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t count) {
-  std::vector<std::uint32_t> samples = view.samples();
-  if (count > 0 && count < samples.size()) samples.resize(count);
+  const std::span<const std::uint32_t> all(view.samples());
+  const auto first = all.first(count > 0 ? std::min(count, all.size()) : all.size());
+  std::vector<std::uint32_t> samples(first.begin(), first.end());
   std::sort(samples.begin(), samples.end());
   return samples;
 }

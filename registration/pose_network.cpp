@@ -44,12 +44,6 @@ void add_edge(const Matrix6d& block, const PairInformation& pair, Eigen::MatrixX
   sum.block<6, 6>(t, s) -= block;
 }
 
-struct ViewPull {
-  std::uint64_t patch;
-  std::size_t view;
-  RigidTangent pull;
-};
-
 }  // namespace
 
 PoseNetwork::PoseNetwork(const std::vector<const ViewSurface*>& surfaces,
@@ -72,37 +66,20 @@ Eigen::MatrixXd PoseNetwork::information(double factor) const {
   return sum;
 }
 
-Eigen::MatrixXd PoseNetwork::scatter() const {
-  std::vector<ViewPull> pulls;
-  for (const auto& pair : pairs_) {
-    for (const auto& patch : pair.patches) {
-      pulls.push_back({patch.patch, pair.source, patch.pull});
-      pulls.push_back({patch.patch, pair.target, -patch.pull});
-    }
-  }
-  std::stable_sort(pulls.begin(), pulls.end(), [](const ViewPull& a, const ViewPull& b) {
-    return a.patch != b.patch ? a.patch < b.patch : a.view < b.view;
-  });
+Eigen::MatrixXd PoseNetwork::scatter(const PatchPulls& pulls) const {
   const Eigen::Index size = row_of(surfaces_.size());
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
     sum.diagonal().segment<6>(row_of(i)) = prior_[i];
-  std::vector<ViewPull> of_patch;  // One for each view.
+  const auto entries = pulls.sorted();
   std::size_t patches = 0;
-  for (std::size_t begin = 0; begin < pulls.size();) {
-    of_patch.clear();
-    std::size_t end = begin;
-    for (; end < pulls.size() && pulls[end].patch == pulls[begin].patch; ++end) {
-      if (!of_patch.empty() && of_patch.back().view == pulls[end].view)
-        of_patch.back().pull += pulls[end].pull;
-      else
-        of_patch.push_back(pulls[end]);
-    }
-    for (const auto& a : of_patch)
-      for (const auto& b : of_patch)
-        sum.block<6, 6>(row_of(a.view), row_of(b.view)) += a.pull * b.pull.transpose();
+  for (auto begin = entries.begin(); begin != entries.end(); ++patches) {
+    const auto end = std::find_if(begin, entries.end(),
+                                  [&](const auto& entry) { return entry.patch != begin->patch; });
+    for (auto a = begin; a != end; ++a)
+      for (auto b = begin; b != end; ++b)
+        sum.block<6, 6>(row_of(a->view), row_of(b->view)) += a->pull * b->pull.transpose();
     begin = end;
-    ++patches;
   }
   // The poses were fitted to these pulls, which took as many degrees of freedom from them.
   const auto count = static_cast<double>(patches), fitted = static_cast<double>(free_.size());
@@ -162,13 +139,13 @@ double PoseNetwork::response(const std::vector<PairInformation>& moved,
 }
 
 Eigen::MatrixXd PoseNetwork::covariance(const std::vector<RigidMotion>& world_from_view,
-                                        double response) const {
+                                        const PatchPulls& pulls, double response) const {
   const Eigen::Index size = row_of(surfaces_.size());
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
   if (free_.empty()) return result;
   // (R12): A^-1 B A^-1.
   const Eigen::MatrixXd a = information(response)(free_, free_);
-  const Eigen::MatrixXd half = solve_scaled(a, scatter()(free_, free_));
+  const Eigen::MatrixXd half = solve_scaled(a, scatter(pulls)(free_, free_));
   const Eigen::MatrixXd covariance = solve_scaled(a, half.transpose());
   result(free_, free_) = 0.5 * (covariance + covariance.transpose());
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {

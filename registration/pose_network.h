@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "registration/pair_information.h"
+#include "registration/patch_pulls.h"
 #include "registration/view_surface.h"
 #include "scan/rigid_motion.h"
 
@@ -35,14 +36,15 @@ class PoseNetwork {
   /// The covariance of all poses (6V x 6V), as tangents (rotation [rad], translation [unit]) about
   /// each view's own centre in world axes; zero rows and columns for held views (R12). Residuals
   /// of one patch of the surface may depend on each other in any way, so a sample that takes part
-  /// in many pairs counts once; those of different patches count as independent. Needs patches.
+  /// in many pairs counts once; those of different patches count as independent. `pulls`: of the
+  /// same pairs.
   Eigen::MatrixXd covariance(const std::vector<RigidMotion>& world_from_view,
-                             double response) const;
+                             const PatchPulls& pulls, double response) const;
 
  private:
   Eigen::MatrixXd information(double factor) const;
   Eigen::VectorXd pull_of(const std::vector<PairInformation>& pairs) const;
-  Eigen::MatrixXd scatter() const;
+  Eigen::MatrixXd scatter(const PatchPulls& pulls) const;
 
   const std::vector<const ViewSurface*>& surfaces_;
   const std::vector<PairInformation>& pairs_;

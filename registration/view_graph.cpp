@@ -53,6 +53,33 @@ std::vector<ViewPair> find_overlapping_pairs(const std::vector<ViewSurface>& sur
   return pairs;
 }
 
+std::vector<ViewPair> largest_overlaps(std::size_t views, const std::vector<ViewPair>& pairs,
+                                       int per_view) {
+  std::vector<std::size_t> order(pairs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
+    return pairs[x].overlap > pairs[y].overlap;
+  });
+  std::vector<int> kept_of(views, 0);
+  std::vector<std::size_t> group(views);
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  std::vector<bool> keep(pairs.size(), false);
+  for (const std::size_t k : order) {
+    const auto [a, b, unused] = pairs[k];
+    keep[k] = kept_of[a] < per_view || kept_of[b] < per_view || group[a] != group[b];
+    if (!keep[k]) continue;
+    ++kept_of[a];
+    ++kept_of[b];
+    const std::size_t joined = std::min(group[a], group[b]);
+    const std::size_t absorbed = std::max(group[a], group[b]);
+    std::replace(group.begin(), group.end(), absorbed, joined);
+  }
+  std::vector<ViewPair> kept;
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (keep[k]) kept.push_back(pairs[k]);
+  return kept;
+}
+
 std::vector<std::size_t> connected_groups(std::size_t views, const std::vector<ViewPair>& pairs) {
   std::vector<std::size_t> group(views);
   std::iota(group.begin(), group.end(), std::size_t{0});

@@ -30,6 +30,11 @@ std::vector<ViewPair> find_overlapping_pairs(const std::vector<ViewSurface>& sur
                                              const std::vector<RigidMotion>& world_from_view,
                                              const ViewGraphOptions& options);
 
+/// Of pairs in lexicographic order those that are among the `per_view` largest overlaps of either
+/// view, and what else keeps groups connected; in the same order.
+std::vector<ViewPair> largest_overlaps(std::size_t views, const std::vector<ViewPair>& pairs,
+                                       int per_view);
+
 /// Connected groups of views: for each view the smallest index of a view that it is linked to,
 /// directly or through others.
 std::vector<std::size_t> connected_groups(std::size_t views, const std::vector<ViewPair>& pairs);

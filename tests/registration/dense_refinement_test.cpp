@@ -116,6 +116,29 @@ TEST(PairInformation, IsIndifferentToMotionsThatAreIgnored) {
   EXPECT_GT(eigen.eigenvalues()[2], 1e-6 * eigen.eigenvalues()[5]);  // The other four are held.
 }
 
+TEST(PatchPulls, AddUpOverThePairsOfAView) {
+  PairInformation first, second;
+  first.source = 0;
+  first.target = 1;
+  first.patches = {{7, RigidTangent::Constant(1.0)}, {9, RigidTangent::Constant(2.0)}};
+  second.source = 1;
+  second.target = 2;
+  second.patches = {{7, RigidTangent::Constant(4.0)}};
+  PatchPulls pulls(3);
+  pulls.add(first);
+  pulls.add(second);
+  const auto entries = pulls.sorted();
+  ASSERT_EQ(entries.size(), 5u);
+  const std::uint64_t patches[] = {7, 7, 7, 9, 9};
+  const std::size_t views[] = {0, 1, 2, 0, 1};
+  const double expected[] = {1.0, 3.0, -4.0, 2.0, -2.0};
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(entries[i].patch, patches[i]);
+    EXPECT_EQ(entries[i].view, views[i]);
+    EXPECT_TRUE(entries[i].pull == RigidTangent::Constant(expected[i]));
+  }
+}
+
 TEST(DenseRefinement, FindsExactPosesOfExactViews) {
   const Ring ring(1, 0.0);
   auto poses =

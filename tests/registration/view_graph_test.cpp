@@ -25,6 +25,18 @@ TEST(ViewGraph, LinksNeighboursOfARingAndNotOppositeViews) {
   EXPECT_EQ(connected_groups(8, pairs), std::vector<std::size_t>(8, 0));
 }
 
+TEST(ViewGraph, KeepsTheLargestOverlapsOfEachViewAndItsGroupsTogether) {
+  // Two groups of three that share little.
+  const std::vector<ViewPair> pairs = {{0, 1, 0.9}, {0, 2, 0.5}, {1, 2, 0.8}, {1, 4, 0.1},
+                                       {2, 3, 0.2}, {3, 4, 0.9}, {3, 5, 0.4}, {4, 5, 0.7}};
+  const auto kept = largest_overlaps(6, pairs, 1);
+  std::vector<std::pair<std::size_t, std::size_t>> names;
+  for (const auto& pair : kept) names.emplace_back(pair.a, pair.b);
+  EXPECT_EQ(names, (std::vector<std::pair<std::size_t, std::size_t>>{
+                       {0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}}));
+  EXPECT_EQ(largest_overlaps(6, pairs, 10).size(), pairs.size());
+}
+
 TEST(ViewGraph, GroupsFollowChainsInAnyOrder) {
   EXPECT_EQ(connected_groups(6, {{2, 5, 1}, {0, 1, 1}, {3, 5, 1}}),
             (std::vector<std::size_t>{0, 0, 2, 2, 4, 2}));
