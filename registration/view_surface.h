@@ -27,7 +27,7 @@ struct ViewSurfaceOptions {
   int normal_radius = 0;
   /// Samples nearer than this [pixels] to a silhouette, an occlusion edge or the border of the grid
   /// are not used: they are the least accurate, and there overlap ends. >= 1.
-  int boundary_margin = 1;
+  int boundary_margin = 2;
   /// Keep the view's normal map, freed of its smooth bias, as a signal to align by.
   bool normal_signal = true;
   /// Build the nearest-neighbour index even where the camera can project.
