@@ -59,14 +59,18 @@ class NormalSampler {
 
     const double a = pixel->x() - u, b = pixel->y() - v;
     const std::array<double, 4> share{(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero(), place = Eigen::Vector3d::Zero();
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 4; ++k)
+      place += share[static_cast<std::size_t>(k)] * view_.point(u + (k & 1), v + (k >> 1));
+    // Most views see something else there: of these nothing more is looked up.
+    if (!((point - place).norm() < 2.0 * max_distance)) return std::nullopt;
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     double confidence = 0.0, border = 0.0;
     for (int k = 0; k < 4; ++k) {
       const int uk = u + (k & 1), vk = v + (k >> 1);
       if (!view_.has_normal(uk, vk)) return std::nullopt;
       const double s = share[static_cast<std::size_t>(k)];
       normal += s * view_.normals(uk, vk).cast<double>();
-      place += s * view_.point(uk, vk);
       confidence += s * view_.confidence_at(uk, vk);
       border += s * border_(uk, vk);
     }
@@ -75,8 +79,7 @@ class NormalSampler {
     const Vote vote{view_.world_from_view.linear() * normal,
                     confidence * cosine * std::min(1.0, (border + 0.1) / (ramp_ + 0.1))};
     const bool sees = cosine > kLeastCosine && vote.normal.dot(mesh_normal) > kLeastAgreement &&
-                      std::abs(normal.dot(point - place)) < max_distance &&
-                      (point - place).norm() < 2.0 * max_distance && vote.weight > 0.0;
+                      std::abs(normal.dot(point - place)) < max_distance && vote.weight > 0.0;
     return sees ? std::optional(vote) : std::nullopt;
   }
 
@@ -113,16 +116,30 @@ Result<std::vector<NormalSampler>> prepare(const std::vector<RangeView>& views,
   return samplers;
 }
 
-// Sorted, so that the order of the views does not change a bit of the sums.
-void collect(const std::vector<NormalSampler>& samplers, const Eigen::Vector3d& vertex,
-             const Eigen::Vector3d& mesh_normal, double max_distance, std::vector<Vote>& votes) {
+// Which views may have a say somewhere: bit i for view i, i + 64, ...
+using Voters = std::uint64_t;
+constexpr Voters kAll = ~Voters{0};
+
+// The votes at a vertex of those among the views that may have one; returns which did. Sorted, so
+// that the order of the views does not change a bit of the sums.
+Voters collect(const std::vector<NormalSampler>& samplers, const Eigen::Vector3d& vertex,
+               const Eigen::Vector3d& mesh_normal, double max_distance, Voters asked,
+               std::vector<Vote>& votes) {
   votes.clear();
-  for (const NormalSampler& sampler : samplers)
-    if (const auto vote = sampler.at(vertex, mesh_normal, max_distance)) votes.push_back(*vote);
+  Voters voters = 0;
+  for (std::size_t i = 0; i < samplers.size(); ++i) {
+    const Voters bit = Voters{1} << (i % 64);
+    if (!(asked & bit)) continue;
+    const auto vote = samplers[i].at(vertex, mesh_normal, max_distance);
+    if (!vote) continue;
+    votes.push_back(*vote);
+    voters |= bit;
+  }
   std::sort(votes.begin(), votes.end(), [](const Vote& a, const Vote& b) {
     return std::tie(a.weight, a.normal.x(), a.normal.y(), a.normal.z()) >
            std::tie(b.weight, b.normal.x(), b.normal.y(), b.normal.z());
   });
+  return voters;
 }
 
 struct Blend {
@@ -190,7 +207,8 @@ double scatter(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mes
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t i = k * stride;
       if (!mesh.filled.empty() && mesh.filled[i]) continue;
-      collect(samplers, mesh.vertices[i], mesh_normals[i].cast<double>(), max_distance, votes);
+      collect(samplers, mesh.vertices[i], mesh_normals[i].cast<double>(), max_distance, kAll,
+              votes);
       if (votes.size() >= 2) differences[k] = (votes[0].normal - votes[1].normal).squaredNorm();
     }
   });
@@ -207,9 +225,10 @@ double standard_error(const Blend& blend, double sigma) {
   return std::sqrt(variance / blend.effective);
 }
 
+// Asked are the views that had a say at either end.
 void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
-                 const std::vector<NormalSampler>& samplers, double max_distance, int threads,
-                 MeshNormals& blended) {
+                 const std::vector<NormalSampler>& samplers, const std::vector<Voters>& voters,
+                 double max_distance, int threads, MeshNormals& blended) {
   const MeshGraph graph = mesh_graph(mesh, threads);
   blended.edges.assign(graph.neighbour.size(), Eigen::Vector3f::Zero());
   const auto has = [&](std::size_t i) { return blended.views[i] > 0; };
@@ -221,7 +240,7 @@ void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& m
         if (j < i || !has(i) || !has(j)) continue;
         collect(samplers, 0.5 * (mesh.vertices[i] + mesh.vertices[j]),
                 (mesh_normals[i] + mesh_normals[j]).cast<double>().normalized(), max_distance,
-                votes);
+                voters[i] | voters[j], votes);
         const Blend blend = blend_votes(votes, blended.sigma_view);
         if (blend.views == 0) continue;
         blended.edges[k] = blend.normal.cast<float>();
@@ -259,11 +278,13 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
   blended.sigma_view = options.sigma_view > 0.0
                            ? options.sigma_view
                            : scatter(mesh, mesh_normals, *samplers, max_distance, options.threads);
+  std::vector<Voters> voters(count, 0);
   parallel_for(count, kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Vote> votes;
     for (std::size_t i = begin; i < end; ++i) {
       if (!mesh.filled.empty() && mesh.filled[i]) continue;
-      collect(*samplers, mesh.vertices[i], mesh_normals[i].cast<double>(), max_distance, votes);
+      voters[i] = collect(*samplers, mesh.vertices[i], mesh_normals[i].cast<double>(), max_distance,
+                          kAll, votes);
       const Blend blend = blend_votes(votes, blended.sigma_view);
       if (blend.views == 0) continue;
       blended.normals[i] = blend.normal.cast<float>();
@@ -272,7 +293,7 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
     }
   });
   if (options.edges)
-    blend_edges(mesh, mesh_normals, *samplers, max_distance, options.threads, blended);
+    blend_edges(mesh, mesh_normals, *samplers, voters, max_distance, options.threads, blended);
   blended.measured = static_cast<std::size_t>(
       std::count_if(blended.views.begin(), blended.views.end(), [](auto n) { return n > 0; }));
   if (!report_progress(progress, 1.0, "blend normals")) return interrupted;
