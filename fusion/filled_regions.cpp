@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <numeric>
 #include <vector>
 
+#include "scan/disjoint_sets.h"
 #include "scan/mesh_components.h"
 
 namespace relief {
@@ -15,27 +15,21 @@ bool has_filled(const TriangleMesh& mesh, const TriangleMesh::Face& face) {
   return std::any_of(face.begin(), face.end(), [&](std::uint32_t v) { return mesh.filled[v]; });
 }
 
-// For each filled vertex the first one of its region; others stand alone.
-std::vector<std::uint32_t> regions_of(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> first(mesh.vertices.size());
-  std::iota(first.begin(), first.end(), 0u);
-  const auto find = [&](std::uint32_t v) {
-    while (first[v] != v) v = first[v] = first[first[v]];
-    return v;
-  };
+}  // namespace
+
+std::vector<std::uint32_t> regions_of(const TriangleMesh& mesh,
+                                      const std::vector<std::uint8_t>& set) {
+  DisjointSets regions(mesh.vertices.size());
   for (const auto& face : mesh.faces) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = face[k], b = face[(k + 1) % 3];
-      if (!mesh.filled[a] || !mesh.filled[b]) continue;
-      const std::uint32_t low = std::min(find(a), find(b)), high = std::max(find(a), find(b));
-      first[high] = low;
+      if (set[a] && set[b]) regions.join(a, b);
     }
   }
-  for (std::uint32_t v = 0; v < first.size(); ++v) first[v] = find(v);
+  std::vector<std::uint32_t> first(mesh.vertices.size());
+  for (std::uint32_t v = 0; v < first.size(); ++v) first[v] = regions.find(v);
   return first;
 }
-
-}  // namespace
 
 double filled_area_fraction(const TriangleMesh& mesh) {
   double filled = 0.0;
@@ -45,7 +39,7 @@ double filled_area_fraction(const TriangleMesh& mesh) {
 }
 
 void open_holes(TriangleMesh& mesh, double largest) {
-  const std::vector<std::uint32_t> region = regions_of(mesh);
+  const std::vector<std::uint32_t> region = regions_of(mesh, mesh.filled);
   std::vector<std::uint8_t> open(mesh.vertices.size(), 0);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (mesh.filled[v] && static_cast<double>(mesh.quality[v]) > largest) open[region[v]] = 1;

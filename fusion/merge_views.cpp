@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "fusion/closed_field.h"
+#include "fusion/fair_fill.h"
 #include "fusion/filled_regions.h"
 #include "fusion/isosurface.h"
 #include "fusion/vertex_attributes.h"
@@ -146,6 +147,28 @@ Error failed_check(const MeshCheck& check) {
   return {ErrorKind::kUnsolvable, message.str()};
 }
 
+// Moves filled vertices, unless that would break the guarantee.
+void fair_fill(const FairFillOptions& options, const std::vector<ViewSampler>& views,
+               MergeResult& result) {
+  FairFill fair = fair_filled_regions(result.mesh, views, options);
+  if (fair.too_large > 0)
+    result.notes.push_back(std::to_string(fair.too_large) +
+                           (fair.too_large == 1 ? " filled region is" : " filled regions are") +
+                           " too large to continue the slope of the surface around");
+  if (fair.places.empty()) return;
+  result.mesh.vertices.swap(fair.places);
+  relieve(options.memory, kMeshCheck * result.mesh.vertices.size());
+  const MeshCheck check = check_mesh(result.mesh);
+  if (check.watertight()) {
+    result.check = check;
+    result.mesh.normals = vertex_normals(result.mesh);
+  } else {
+    result.mesh.vertices.swap(fair.places);
+    result.notes.push_back(
+        "filled regions are left as membranes: faired they were no closed manifold");
+  }
+}
+
 }  // namespace
 
 Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOptions& options,
@@ -181,6 +204,9 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
   set_vertex_attributes(
       result.mesh, *samplers,
       {result.truncation, result.voxel_size, result.view_noise, options.threads, memory.get()});
+  fair_fill({result.truncation, result.voxel_size, options.threads, memory.get()}, *samplers,
+            result);
+  set_filled_quality(result.mesh);
   result.filled_area_fraction = filled_area_fraction(result.mesh);
   if (opens_holes(options)) {
     open_holes(result.mesh, options.keep_holes ? 0.0 : options.largest_fill);

@@ -23,8 +23,29 @@ float standard_error(const Evidence& evidence, double view_noise) {
   return static_cast<float>(std::sqrt(variance / std::max(1.0, evidence.effective_views)));
 }
 
-// Distance along mesh edges to the nearest vertex that is not filled (Dijkstra).
-void measure_filled(TriangleMesh& mesh) {
+}  // namespace
+
+void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+                           const VertexAttributeOptions& options) {
+  const std::size_t count = mesh.vertices.size();
+  mesh.normals = vertex_normals(mesh);
+  mesh.views.assign(count, 0);
+  mesh.filled.assign(count, 0);
+  mesh.quality.assign(count, 0.0f);
+  parallel_for(count, 1024, options.threads, [&](std::size_t begin, std::size_t end) {
+    relieve(options.memory);
+    EvidenceCollector collector(views, options.truncation, options.voxel_size);
+    for (std::size_t v = begin; v < end; ++v) {
+      const Evidence evidence = collector.collect(mesh.vertices[v], mesh.normals[v].cast<double>());
+      mesh.filled[v] = !evidence.measured || std::abs(evidence.distance) > 0.5 * options.voxel_size;
+      if (mesh.filled[v]) continue;
+      mesh.views[v] = static_cast<std::uint16_t>(std::min(evidence.views, 65535));
+      mesh.quality[v] = standard_error(evidence, options.view_noise);
+    }
+  });
+}
+
+void set_filled_quality(TriangleMesh& mesh) {
   std::vector<std::vector<std::uint32_t>> beside(mesh.vertices.size());
   for (const auto& face : mesh.faces)
     for (std::size_t k = 0; k < 3; ++k)
@@ -50,29 +71,6 @@ void measure_filled(TriangleMesh& mesh) {
   }
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (mesh.filled[v]) mesh.quality[v] = static_cast<float>(distance[v]);
-}
-
-}  // namespace
-
-void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& views,
-                           const VertexAttributeOptions& options) {
-  const std::size_t count = mesh.vertices.size();
-  mesh.normals = vertex_normals(mesh);
-  mesh.views.assign(count, 0);
-  mesh.filled.assign(count, 0);
-  mesh.quality.assign(count, 0.0f);
-  parallel_for(count, 1024, options.threads, [&](std::size_t begin, std::size_t end) {
-    relieve(options.memory);
-    EvidenceCollector collector(views, options.truncation, options.voxel_size);
-    for (std::size_t v = begin; v < end; ++v) {
-      const Evidence evidence = collector.collect(mesh.vertices[v], mesh.normals[v].cast<double>());
-      mesh.filled[v] = !evidence.measured || std::abs(evidence.distance) > 0.5 * options.voxel_size;
-      if (mesh.filled[v]) continue;
-      mesh.views[v] = static_cast<std::uint16_t>(std::min(evidence.views, 65535));
-      mesh.quality[v] = standard_error(evidence, options.view_noise);
-    }
-  });
-  measure_filled(mesh);
 }
 
 }  // namespace relief

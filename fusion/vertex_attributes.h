@@ -23,4 +23,7 @@ struct VertexAttributeOptions {
 void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& views,
                            const VertexAttributeOptions& options);
 
+/// Sets the quality of filled vertices to the distance along the mesh to the nearest measured one.
+void set_filled_quality(TriangleMesh& mesh);
+
 }  // namespace relief

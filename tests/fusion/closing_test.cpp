@@ -155,6 +155,10 @@ TEST(Closing, AHoleOfATenthOfTheSurfaceIsSpannedAndMarked) {
   const double share = rightly_filled(
       merged, [&](const Eigen::Vector3d& p) { return p.normalized().dot(axis) > 0.8; });
   EXPECT_GT(share, 0.99);
+  double deepest = 0.0;
+  for (const Eigen::Vector3d& p : merged.mesh.vertices)
+    deepest = std::max(deepest, std::abs(p.norm() - kRadius));
+  EXPECT_LT(deepest, 1.6) << "the sphere goes on; a flat lid would be 10 deep";
 }
 
 // A disc of half the thickness `half` round the z axis.

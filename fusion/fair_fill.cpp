@@ -1,0 +1,167 @@
+#include "fusion/fair_fill.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <utility>
+
+#include "fusion/evidence.h"
+#include "fusion/moved_faces.h"
+#include "fusion/thin_plate.h"
+#include "scan/parallel.h"
+
+namespace relief {
+
+namespace {
+
+// How far a filled vertex may come into space seen empty, if it was not farther already: what the
+// lattice resolves.
+constexpr double kIntrusion = 0.25;  // [voxels]
+
+// Rounds of finding what a plate must not do, and of holding it there.
+constexpr int kRounds = 3;
+
+// Memory for each vertex of the mesh, and for each that may move besides [bytes].
+constexpr std::size_t kVertex = 60, kMoving = 900;
+
+// How far the work on a region has come.
+struct Settling {
+  std::map<std::uint32_t, Eigen::Vector3d> pinned;  // Filled vertices that are held.
+  bool settled = false;
+  bool stays = false;  // As the closed field has it.
+};
+
+class Fairing {
+ public:
+  Fairing(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+          const FairFillOptions& options)
+      : mesh_(mesh),
+        views_(views),
+        options_(options),
+        regions_(mesh, views, options),
+        work_(regions_.all().size()),
+        places_(mesh.vertices) {}
+
+  FairFill run() {
+    if (work_.empty()) return {{}, regions_.too_large()};
+    for (int round = 0; round <= kRounds; ++round) settle_all(round == kRounds);
+    changed_.resize(places_.size());
+    for (std::size_t v = 0; v < places_.size(); ++v) changed_[v] = places_[v] != mesh_.vertices[v];
+    for (int round = 0; mend(round < kRounds); ++round) {
+    }
+    return {std::move(places_), regions_.too_large()};
+  }
+
+ private:
+  // Under a limit one region at a time: only so is it known what all take together.
+  void settle_all(bool last) {
+    parallel_for(work_.size(), 1, options_.memory ? 1 : options_.threads,
+                 [&](std::size_t begin, std::size_t end) {
+                   for (std::size_t r = begin; r < end; ++r)
+                     if (!work_[r].settled) settle(r, last);
+                 });
+  }
+
+  // Lets the region come to rest, and pins what would then be in space seen empty.
+  void settle(std::size_t r, bool last) {
+    relieve(options_.memory);
+    Settling& work = work_[r];
+    PlatePatch patch;
+    patch.held = regions_.all()[r].border;
+    for (const PlateVertex& vertex : regions_.all()[r].vertices) {
+      const auto pin = work.pinned.find(vertex.vertex);
+      if (pin == work.pinned.end())
+        patch.free.push_back(vertex);
+      else
+        patch.held.push_back({vertex.vertex, pin->second});
+    }
+    work.settled = true;
+    if (patch.free.empty()) return;
+    const std::vector<Eigen::Vector3d> rest =
+        rest_plate(mesh_, regions_.around(), patch, options_.memory);
+    if (rest.empty()) return restore(r);
+    EvidenceCollector collector(views_, options_.truncation, options_.voxel_size);
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+      const std::uint32_t v = patch.free[k].vertex;
+      places_[v] = allowed(v, rest[k], collector);
+      if (places_[v] == rest[k] || last) continue;
+      work.pinned.emplace(v, places_[v]);
+      work.settled = false;
+    }
+  }
+
+  bool in_empty_space(const Eigen::Vector3d& point, EvidenceCollector& collector) const {
+    return collector.collect(point).clearance > kIntrusion * options_.voxel_size;
+  }
+
+  // The farthest point on a vertex's way to `end` that is in no space seen empty.
+  Eigen::Vector3d allowed(std::uint32_t v, const Eigen::Vector3d& end,
+                          EvidenceCollector& collector) const {
+    if (!mesh_.filled[v] || !in_empty_space(end, collector)) return end;
+    const Eigen::Vector3d& start = mesh_.vertices[v];
+    double sound = 0.0, beyond = 1.0;
+    for (int step = 0; step < 6; ++step) {
+      const double middle = 0.5 * (sound + beyond);
+      (in_empty_space(start + middle * (end - start), collector) ? beyond : sound) = middle;
+    }
+    return start + sound * (end - start);
+  }
+
+  void restore(std::size_t r) {
+    for (const PlateVertex& free : regions_.all()[r].vertices) {
+      places_[free.vertex] = mesh_.vertices[free.vertex];
+      if (!changed_.empty()) changed_[free.vertex] = 1;
+    }
+    work_[r].stays = work_[r].settled = true;
+  }
+
+  // Faces that intersect have slipped along the surface, as slivers do. Where letting their
+  // vertices move along the normal only does not help, the region goes back. False: there was none.
+  bool mend(bool patient) {
+    const std::vector<std::uint32_t> spoiled =
+        spoiled_faces(mesh_, places_, changed_, 2.0 * options_.voxel_size, options_.threads);
+    std::fill(changed_.begin(), changed_.end(), 0);
+    EvidenceCollector collector(views_, options_.truncation, options_.voxel_size);
+    bool any = false;
+    for (const std::uint32_t f : spoiled) {
+      for (const std::uint32_t v : mesh_.faces[f]) {
+        const std::uint32_t r = regions_.region_of(v);
+        if (r == FairRegions::kNone || work_[r].stays) continue;
+        any = true;
+        if (patient)
+          keep_from_slipping(v, collector);
+        else
+          restore(r);
+      }
+    }
+    return any;
+  }
+
+  void keep_from_slipping(std::uint32_t v, EvidenceCollector& collector) {
+    const Eigen::Vector3d normal = regions_.normals().at(v), start = mesh_.vertices[v];
+    places_[v] = allowed(v, start + normal.dot(places_[v] - start) * normal, collector);
+    changed_[v] = 1;
+  }
+
+  const TriangleMesh& mesh_;
+  const std::vector<ViewSampler>& views_;
+  const FairFillOptions& options_;
+  const FairRegions regions_;
+  std::vector<Settling> work_;
+  std::vector<Eigen::Vector3d> places_;  // Of the vertices, as far as they have been moved.
+  std::vector<std::uint8_t> changed_;    // Vertices whose faces are still to be looked at.
+};
+
+}  // namespace
+
+FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+                             const FairFillOptions& options) {
+  const auto filled = static_cast<std::size_t>(std::count_if(
+      mesh.filled.begin(), mesh.filled.end(), [](std::uint8_t flag) { return flag != 0; }));
+  if (filled == 0) return {};
+  relieve(options.memory, kVertex * mesh.vertices.size() + kMoving * filled);
+  if (!check(options.memory)) return {};
+  return Fairing(mesh, views, options).run();
+}
+
+}  // namespace relief

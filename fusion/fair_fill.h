@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fusion/fair_regions.h"
+#include "fusion/view_sampler.h"
+#include "scan/triangle_mesh.h"
+
+namespace relief {
+
+struct FairFill {
+  std::vector<Eigen::Vector3d> places;  ///< Of all vertices; empty when none moves.
+  std::size_t too_large = 0;            ///< Regions that stay as they are for their size.
+};
+
+/// Places for the filled vertices of a merged mesh (`filled` and `normals` set), with which the
+/// surface goes on across the border of what was measured with the slope it arrives with, or, where
+/// the closed field left it at a sharp angle, spans the border plainly. It stays out of space that
+/// a view saw empty, as far as it was, and intersects itself nowhere it did not.
+FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+                             const FairFillOptions& options);
+
+}  // namespace relief

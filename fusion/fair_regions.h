@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "fusion/side_normals.h"
+#include "fusion/thin_plate.h"
+#include "fusion/view_sampler.h"
+#include "scan/triangle_mesh.h"
+
+namespace relief {
+
+struct FairFillOptions {
+  double truncation = 0.0;  ///< As used for the field [unit].
+  double voxel_size = 0.0;  ///< As used for the field [unit].
+  int threads = 0;
+  MemoryLimit* memory = nullptr;  ///< May be null.
+  /// Regions with more vertices keep the closed field's surface: for one as large a solve takes 0.3
+  /// GB and some seconds.
+  std::size_t largest_region = 150000;
+};
+
+/// A connected set of vertices that may move: filled ones and a margin of what was measured.
+struct FairRegion {
+  /// Filled vertices are where the mesh has them; the margin's places are where the views measured
+  /// the surface, to which it is drawn the more the farther it is from what was filled.
+  std::vector<PlateVertex> vertices;
+  std::vector<PlateVertex> border;  ///< Measured vertices beside these. They stay.
+};
+
+/// The regions of a merged mesh (`filled` and `normals` set) whose shape can be improved: those
+/// with filled vertices that have only filled neighbours, and with a border.
+class FairRegions {
+ public:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  FairRegions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+              const FairFillOptions& options);
+
+  const std::vector<FairRegion>& all() const { return regions_; }
+  std::uint32_t region_of(std::uint32_t vertex) const { return region_of_[vertex]; }  ///< Or kNone.
+  const FacesAround& around() const { return around_; }
+  const SideNormals& normals() const { return normals_; }
+  std::size_t too_large() const { return too_large_; }  ///< Regions left out for their size.
+
+ private:
+  void find(const FairFillOptions& options);
+  bool is_deep(const FairRegion& region) const;
+  void add_border(FairRegion& region) const;
+  void prepare(FairRegion& region, const std::vector<ViewSampler>& views,
+               const FairFillOptions& options) const;
+
+  const TriangleMesh& mesh_;
+  std::vector<std::uint8_t> rings_;  // Edges to the nearest filled vertex, up to a few.
+  FacesAround around_;
+  SideNormals normals_;
+  std::vector<FairRegion> regions_;
+  std::vector<std::uint32_t> region_of_;
+  std::size_t too_large_ = 0;
+};
+
+}  // namespace relief

@@ -1,0 +1,177 @@
+// Filled regions that take another shape, and what must not come of it.
+
+#include "fusion/fair_fill.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "fusion/closed_field.h"
+#include "fusion/evidence.h"
+#include "fusion/isosurface.h"
+#include "fusion/merge_views.h"
+#include "fusion/moved_faces.h"
+#include "fusion/vertex_attributes.h"
+#include "scan/mesh_components.h"
+#include "tests/fusion/scenes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace relief {
+namespace {
+
+constexpr double kVoxel = 1.6, kTruncation = 4.8;
+
+// What merging has before it moves filled vertices.
+struct Merged {
+  std::vector<ViewSampler> samplers;
+  TriangleMesh mesh;
+};
+
+Merged merged(const std::vector<RangeView>& views) {
+  Merged result;
+  for (const RangeView& view : views) {
+    auto sampler = ViewSampler::create(view, {});
+    if (sampler && !sampler->empty()) result.samplers.push_back(std::move(sampler).value());
+  }
+  ClosedFieldOptions options;
+  options.voxel_size = kVoxel;
+  options.truncation = kTruncation;
+  const auto field = compute_closed_field(result.samplers, options, {});
+  EXPECT_TRUE(field.ok());
+  result.mesh = extract_isosurface(field->finest(), 1, nullptr);
+  keep_largest_component(result.mesh);
+  set_vertex_attributes(result.mesh, result.samplers, {kTruncation, kVoxel, 0.1, 1, nullptr});
+  return result;
+}
+
+FairFillOptions options_of(int threads = 1) {
+  FairFillOptions options;
+  options.truncation = kTruncation;
+  options.voxel_size = kVoxel;
+  options.threads = threads;
+  return options;
+}
+
+// A sphere seen by some of the views around it.
+std::vector<RangeView> sphere_from(int views, int of) {
+  auto all = testing::views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), of, 60, 50.0);
+  all.resize(static_cast<std::size_t>(views));
+  return all;
+}
+
+TEST(FairFill, WhereNothingIsFilledNothingMoves) {
+  const Merged sphere = merged(sphere_from(14, 14));
+  EXPECT_TRUE(fair_filled_regions(sphere.mesh, sphere.samplers, options_of()).places.empty());
+}
+
+TEST(FairFill, RegionsAboveTheLargestStayAndAreCounted) {
+  const Merged sphere = merged(sphere_from(3, 14));
+  FairFillOptions options = options_of();
+  options.largest_region = 100;
+  const FairFill fair = fair_filled_regions(sphere.mesh, sphere.samplers, options);
+  EXPECT_TRUE(fair.places.empty());
+  EXPECT_GE(fair.too_large, 1u);
+}
+
+// Of random scenes, where views contradict each other.
+TEST(FairFill, NoFilledVertexComesFartherIntoSpaceSeenEmpty) {
+  const testing::RandomScenes scenes;
+  std::size_t moved = 0;
+  for (std::uint32_t seed = 0; seed < 12; ++seed) {
+    const Merged scene = merged(scenes.scene(seed));
+    const auto places = fair_filled_regions(scene.mesh, scene.samplers, options_of()).places;
+    EvidenceCollector collector(scene.samplers, kTruncation, kVoxel);
+    for (std::size_t v = 0; v < places.size(); ++v) {
+      if (!scene.mesh.filled[v] || places[v] == scene.mesh.vertices[v]) continue;
+      ++moved;
+      EXPECT_LE(collector.collect(places[v]).clearance,
+                std::max(0.25 * kVoxel, collector.collect(scene.mesh.vertices[v]).clearance))
+          << "scene " << seed << ", vertex " << v;
+    }
+  }
+  EXPECT_GT(moved, 1000u);
+}
+
+TEST(FairFill, TheRestOfTheSurfaceStaysWhereItIs) {
+  const Merged sphere = merged(sphere_from(3, 14));
+  const auto places = fair_filled_regions(sphere.mesh, sphere.samplers, options_of()).places;
+  ASSERT_FALSE(places.empty());
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    if (sphere.mesh.filled[v]) continue;
+    EXPECT_LT((places[v] - sphere.mesh.vertices[v]).norm(), kVoxel);
+  }
+}
+
+std::size_t scarce() { return std::size_t{90} << 20; }
+
+TEST(FairFill, ThreadsAndALimitOfMemoryDoNotChangeAByte) {
+  const Merged sphere = merged(sphere_from(3, 14));
+  const auto reference = fair_filled_regions(sphere.mesh, sphere.samplers, options_of()).places;
+  ASSERT_FALSE(reference.empty());
+  for (const int threads : {2, 4}) {
+    const auto places =
+        fair_filled_regions(sphere.mesh, sphere.samplers, options_of(threads)).places;
+    EXPECT_EQ(places, reference);
+  }
+  FairFillOptions options = options_of();
+  for (const std::size_t limit : {1000, 94}) {
+    MemoryLimit memory(limit << 20, {}, scarce);
+    options.memory = &memory;
+    const auto places = fair_filled_regions(sphere.mesh, sphere.samplers, options).places;
+    EXPECT_EQ(memory.check().ok(), limit == 1000) << "the factor does not fit into 4 MiB";
+    if (memory.check()) {
+      EXPECT_EQ(places, reference);
+    }
+  }
+}
+
+// A sheet of two rows of quads, and one above it.
+TriangleMesh two_sheets(double distance) {
+  TriangleMesh mesh;
+  for (const double z : {0.0, distance}) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (int y = 0; y < 3; ++y)
+      for (int x = 0; x < 9; ++x) mesh.vertices.emplace_back(x, y, z);
+    for (std::uint32_t y = 0; y < 2; ++y) {
+      for (std::uint32_t x = 0; x < 8; ++x) {
+        const std::uint32_t v = first + 9 * y + x;
+        mesh.faces.push_back({v, v + 1, v + 10});
+        mesh.faces.push_back({v, v + 10, v + 9});
+      }
+    }
+  }
+  return mesh;
+}
+
+TEST(MovedFaces, FindsFacesThatCrossOthers) {
+  const TriangleMesh mesh = two_sheets(1.0);
+  std::vector<Eigen::Vector3d> places = mesh.vertices;
+  std::vector<std::uint8_t> moved(places.size(), 0);
+  moved[13] = 1;
+  EXPECT_TRUE(spoiled_faces(mesh, places, moved, 1.0, 1).empty());
+  places[13].z() = 1.5;
+  const auto spoiled = spoiled_faces(mesh, places, moved, 1.0, 1);
+  ASSERT_FALSE(spoiled.empty());
+  TriangleMesh after = mesh;
+  after.vertices = places;
+  EXPECT_EQ(spoiled, find_self_intersections(after).faces()) << "with those of the sheet above";
+  moved[13] = 0;
+  moved[9] = 1;
+  EXPECT_TRUE(spoiled_faces(mesh, places, moved, 1.0, 1).empty()) << "far away";
+}
+
+TEST(MovedFaces, FindsFacesWithoutWidth) {
+  const TriangleMesh mesh = two_sheets(1.0);
+  std::vector<Eigen::Vector3d> places = mesh.vertices;
+  std::vector<std::uint8_t> moved(places.size(), 0);
+  moved[1] = 1;
+  places[1] = Eigen::Vector3d(0.5, 0.5 + 1e-9, 0.0);  // on the diagonal of the first quad
+  const auto spoiled = spoiled_faces(mesh, places, moved, 1.0, 1);
+  EXPECT_TRUE(std::binary_search(spoiled.begin(), spoiled.end(), 0u));
+}
+
+}  // namespace
+}  // namespace relief
