@@ -33,6 +33,10 @@ constexpr double kFootReach = 1.5;  // [lattice spacings]
 // except next to the surface: or there would be no sign change there.
 constexpr double kLeastDepth = 1.0;  // [lattice spacings]
 
+// Nor there, where another view has seen this much empty space around the point: at a corner that
+// few views see the sign changes before.
+constexpr double kSeenThrough = 0.25;  // [lattice spacings]
+
 bool measures(const Observation& seen, double truncation, double spacing) {
   const double depth = std::min(truncation, std::max(seen.matter_depth, kLeastDepth * spacing));
   return seen.distance < truncation && seen.distance > -depth &&
@@ -80,12 +84,14 @@ Evidence EvidenceCollector::combine(const Eigen::Vector3d& point, const Eigen::V
     const auto seen = view->observe(point, kFootReach * spacing_);
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
     if (measures(*seen, truncation_, spacing_))
-      near_.push_back(
-          {seen->distance, seen->weight * nearness(seen->distance / truncation_), seen->normal});
+      near_.push_back({seen->distance, seen->weight * nearness(seen->distance / truncation_),
+                       seen->normal, seen->distance < -seen->matter_depth});
     else if (seen->clearance > 0.5 * truncation_)
-      empty_.push_back({seen->distance, seen->weight, seen->normal});
+      empty_.push_back({seen->distance, seen->weight, seen->normal, false});
     evidence.clearance = std::max(evidence.clearance, seen->clearance);
   }
+  if (evidence.clearance > kSeenThrough * spacing_)
+    std::erase_if(near_, [](const Vote& vote) { return vote.presumed; });
   // Sums in the order of the values: the order of the views does not matter, not even by rounding.
   std::sort(near_.begin(), near_.end());
   std::sort(empty_.begin(), empty_.end());

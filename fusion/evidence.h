@@ -44,6 +44,7 @@ class EvidenceCollector {
   struct Vote {
     double distance, weight;
     Eigen::Vector3d normal;
+    bool presumed;  // Behind the surface, deeper than the view knows of matter.
     bool operator<(const Vote& other) const;
   };
 

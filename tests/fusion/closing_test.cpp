@@ -130,17 +130,21 @@ TEST(Closing, ABlockNeverSeenFromBelowGetsAPlainBase) {
   EXPECT_GT(share, 0.99) << "but for the rim of the base";
 }
 
+// Takes samples away from all views.
+void lose(std::vector<RangeView>& views, const std::function<bool(const Eigen::Vector3d&)>& lost) {
+  for (RangeView& view : views)
+    for (int v = 0; v < view.height(); ++v)
+      for (int u = 0; u < view.width(); ++u)
+        if (view.has_sample(u, v) && lost(view.world_from_view * view.point(u, v)))
+          view.range(u, v) = kNoSample;
+}
+
 // A tenth of a sphere masked in all views.
 std::vector<RangeView> views_with_hole(int size) {
   auto views =
       testing::views_around(testing::sphere(Eigen::Vector3d::Zero(), kRadius), 12, size, kRadius);
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, 3).normalized();
-  for (RangeView& view : views)
-    for (int v = 0; v < view.height(); ++v)
-      for (int u = 0; u < view.width(); ++u)
-        if (view.has_sample(u, v) &&
-            (view.world_from_view * view.point(u, v)).normalized().dot(axis) > 0.8)
-          view.range(u, v) = kNoSample;
+  lose(views, [&](const Eigen::Vector3d& p) { return p.normalized().dot(axis) > 0.8; });
   return views;
 }
 
@@ -179,11 +183,7 @@ TEST(Closing, ACreaseLostToInterreflectionIsRoundedOffAndMarked) {
     return std::hypot(p.head<2>().norm() - kBoss, p.z() - kTop);
   };
   auto views = testing::views_around(testing::traced(shape), 20, 110, kRadius);
-  for (RangeView& view : views)
-    for (int v = 0; v < view.height(); ++v)
-      for (int u = 0; u < view.width(); ++u)
-        if (view.has_sample(u, v) && from_crease(view.world_from_view * view.point(u, v)) < kLost)
-          view.range(u, v) = kNoSample;
+  lose(views, [&](const Eigen::Vector3d& p) { return from_crease(p) < kLost; });
 
   // A lattice cannot follow rays that pass a border closer than a voxel and a half.
   const MergeResult merged = closed(views, {}, 2);
@@ -205,16 +205,28 @@ TEST(Closing, ACreaseLostToInterreflectionIsRoundedOffAndMarked) {
   EXPECT_GT(share, 0.99);
 }
 
+// A step across a block, open at both ends: the gap along its crease ends in free space. Twelve
+// views see some corners at grazing angles only.
+TEST(Closing, ACreaseOpenAtItsEndsLeavesSpaceSeenEmptyAlone) {
+  constexpr double kTop = -5.0, kLost = 6.0;
+  const SignedDistance low = testing::box_distance({30.0, 25.0, 15.0});
+  const SignedDistance high = testing::box_distance({15.0, 25.0, 15.0});
+  const SignedDistance shape = [=](const Eigen::Vector3d& p) {
+    return std::min(low(p + Eigen::Vector3d(0.0, 0.0, 15.0 - kTop)),
+                    high(p - Eigen::Vector3d(-15.0, 0.0, kTop)));
+  };
+  auto views = testing::views_around(testing::traced(shape), 12, 80, kRadius);
+  lose(views, [&](const Eigen::Vector3d& p) { return std::hypot(p.x(), p.z() - kTop) < kLost; });
+  const MergeResult merged = closed(views);
+  EXPECT_TRUE(merged.check.watertight());
+  EXPECT_EQ(merged.check.genus, 0);
+}
+
 TEST(Closing, OnlySmallHolesAreFilledOnRequest) {
   auto views = views_with_hole(80);
   // A hole of three pixels besides: near the pole away from the large one.
   const Eigen::Vector3d spot = -Eigen::Vector3d(1, 2, 3).normalized();
-  for (RangeView& view : views)
-    for (int v = 0; v < view.height(); ++v)
-      for (int u = 0; u < view.width(); ++u)
-        if (view.has_sample(u, v) &&
-            (view.world_from_view * view.point(u, v) - kRadius * spot).norm() < 4.0)
-          view.range(u, v) = kNoSample;
+  lose(views, [&](const Eigen::Vector3d& p) { return (p - kRadius * spot).norm() < 4.0; });
   MergeOptions options;
   options.largest_fill = 10.0;
   const MergeResult merged = closed(views, options);

@@ -80,7 +80,7 @@ TEST(FairFill, RegionsAboveTheLargestStayAndAreCounted) {
 TEST(FairFill, NoFilledVertexComesFartherIntoSpaceSeenEmpty) {
   const testing::RandomScenes scenes;
   std::size_t moved = 0;
-  for (std::uint32_t seed = 0; seed < 12; ++seed) {
+  for (std::uint32_t seed = 0; seed < 6; ++seed) {
     const Merged scene = merged(scenes.scene(seed));
     const auto places = fair_filled_regions(scene.mesh, scene.samplers, options_of()).places;
     EvidenceCollector collector(scene.samplers, kTruncation, kVoxel);
