@@ -12,6 +12,7 @@ std::string invalid_option(const AlignOptions& options) {
   const auto& starting = options.starting_poses;
   if (options.surface.normal_radius < 0) return "surface.normal_radius must be >= 0";
   if (options.surface.boundary_margin < 1) return "surface.boundary_margin must be >= 1";
+  if (options.surface.final_margin < 1) return "surface.final_margin must be >= 1";
   if (refinement.correspondences < 6) return "refinement.correspondences must be >= 6";
   if (refinement.levels < 1) return "refinement.levels must be >= 1";
   if (!(refinement.search_distance >= 0.0)) return "refinement.search_distance must be >= 0";

@@ -18,23 +18,24 @@ constexpr double kLeastSigma = 1e-3;
 
 // The target's surface where it sees `point`. The foot of the point on the tangent plane there is
 // looked up once more: at oblique incidence the first pixel is far from the closest one.
-std::optional<SurfacePoint> projected(const ViewSurface& target, const Eigen::Vector3d& point) {
+std::optional<SurfacePoint> projected(const ViewSurface& target, const Eigen::Vector3d& point,
+                                      SurfacePart part) {
   const auto pixel = target.project(point);
   if (!pixel) return std::nullopt;
-  const auto first = target.roughly_at(*pixel);
+  const auto first = target.roughly_at(*pixel, part);
   if (!first) return std::nullopt;
   const double distance = first->normal.dot(point - first->point);
   const auto foot_pixel = target.project(point - distance * first->normal);
-  return foot_pixel ? target.at(*foot_pixel) : std::nullopt;
+  return foot_pixel ? target.at(*foot_pixel, part) : std::nullopt;
 }
 
 std::vector<std::optional<SurfacePoint>> counterparts(const ViewSurface& target,
                                                       const Eigen::Matrix3Xd& points,
-                                                      bool projective) {
+                                                      bool projective, SurfacePart part) {
   std::vector<std::optional<SurfacePoint>> found(static_cast<std::size_t>(points.cols()));
   if (projective) {
     for (std::size_t i = 0; i < found.size(); ++i)
-      found[i] = projected(target, points.col(static_cast<Eigen::Index>(i)));
+      found[i] = projected(target, points.col(static_cast<Eigen::Index>(i)), part);
   } else {
     const auto pixels = target.closest(points);
     for (std::size_t i = 0; i < found.size(); ++i) found[i] = target.at(pixels[i]);
@@ -56,7 +57,7 @@ void match_batch(const ViewSurface& target, const RigidMotion& target_from_sourc
   Eigen::Matrix3Xd points(3, batch.size());
   for (std::size_t i = 0; i < batch.size(); ++i)
     points.col(static_cast<Eigen::Index>(i)) = target_from_source * batch[i].point;
-  const auto found = counterparts(target, points, projective);
+  const auto found = counterparts(target, points, projective, options.part);
   const double least_cosine = std::cos(options.max_normal_angle_deg * std::numbers::pi / 180.0);
   for (std::size_t i = 0; i < batch.size(); ++i) {
     if (!found[i]) continue;

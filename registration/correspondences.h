@@ -30,6 +30,8 @@ struct CorrespondenceOptions {
   /// Pairs of normals that differ by more than this are rejected [deg].
   double max_normal_angle_deg = 40.0;
   Association association = Association::kAuto;
+  /// Of the target, where association is projective; the nearest point is sought on the inner part.
+  SurfacePart part = SurfacePart::kInner;
 };
 
 /// A sample of the source view and the point of the target's surface that it should lie on, each in

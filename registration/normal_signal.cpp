@@ -37,10 +37,15 @@ Grid<Eigen::Vector3f> halved(const Grid<Eigen::Vector3f>& fine) {
 
 }  // namespace
 
-NormalSignal::NormalSignal(Grid<Eigen::Vector3f> normals) {
+NormalSignal::NormalSignal(const Grid<Eigen::Vector3f>& normals) {
   const int levels = levels_of(normals.width(), normals.height());
-  if (levels > 0) levels_.push_back(std::move(normals));
-  while (this->levels() < levels) levels_.push_back(halved(levels_.back()));
+  if (levels == 0) return;
+  levels_.emplace_back(normals);
+  Grid<Eigen::Vector3f> coarse;
+  while (this->levels() < levels) {
+    coarse = halved(coarse.empty() ? normals : coarse);
+    levels_.emplace_back(coarse);
+  }
 }
 
 int NormalSignal::levels_of(int width, int height) {
@@ -52,7 +57,7 @@ int NormalSignal::levels_of(int width, int height) {
 
 std::optional<NormalSample> NormalSignal::at(const Eigen::Vector2d& pixel, int level) const {
   assert(level >= 0 && level < levels());
-  const Grid<Eigen::Vector3f>& grid = levels_[static_cast<std::size_t>(level)];
+  const PackedNormals& grid = levels_[static_cast<std::size_t>(level)];
   const double cell = std::ldexp(1.0, level);
   // The centre of cell 0 lies in the middle of the pixels 0 to cell - 1.
   const Eigen::Vector2d place = (pixel.array() - 0.5 * (cell - 1.0)) / cell;
@@ -61,20 +66,22 @@ std::optional<NormalSample> NormalSignal::at(const Eigen::Vector2d& pixel, int l
         v_floor + 2.0 < grid.height()))
     return std::nullopt;
   const int u = static_cast<int>(u_floor), v = static_cast<int>(v_floor);
+  if (!grid.holds(u - 1, v - 1, u + 2, v + 2)) return std::nullopt;
   const double a = place.x() - u_floor, b = place.y() - v_floor;
   const double weights[4] = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
   Eigen::Vector3d value = Eigen::Vector3d::Zero(), by_u = value, by_v = value;
   for (int k = 0; k < 4; ++k) {
     const int x = u + k % 2, y = v + k / 2;
-    value += weights[k] * grid(x, y).cast<double>();
-    by_u += weights[k] * (grid(x + 1, y) - grid(x - 1, y)).cast<double>();
-    by_v += weights[k] * (grid(x, y + 1) - grid(x, y - 1)).cast<double>();
+    for (const auto& [du, dv] : {std::pair{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+      if (!grid(x + du, y + dv).exists()) return std::nullopt;
+    value += weights[k] * grid(x, y).scaled();
+    by_u += weights[k] * (grid(x + 1, y).scaled() - grid(x - 1, y).scaled());
+    by_v += weights[k] * (grid(x, y + 1).scaled() - grid(x, y - 1).scaled());
   }
-  // One cell without a normal makes all NaN.
-  if (!(value.squaredNorm() > 0.0) || !by_u.allFinite() || !by_v.allFinite()) return std::nullopt;
   NormalSample sample;
   sample.normal = value.normalized();
-  sample.by_pixel << 0.5 / cell * by_u, 0.5 / cell * by_v;
+  const double per_pixel = 0.5 / (cell * PackedNormal::kUnit);
+  sample.by_pixel << per_pixel * by_u, per_pixel * by_v;
   return sample;
 }
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "registration/packed_normals.h"
 #include "scan/grid.h"
 
 namespace relief {
@@ -21,7 +22,7 @@ class NormalSignal {
  public:
   NormalSignal() = default;
   /// `normals` are unit vectors, NaN where there is none.
-  explicit NormalSignal(Grid<Eigen::Vector3f> normals);
+  explicit NormalSignal(const Grid<Eigen::Vector3f>& normals);
 
   /// How many a grid of that size has: coarser levels end where cells would be larger than 16
   /// pixels or the level smaller than 4.
@@ -36,7 +37,7 @@ class NormalSignal {
   std::optional<NormalSample> at(const Eigen::Vector2d& pixel, int level) const;
 
  private:
-  std::vector<Grid<Eigen::Vector3f>> levels_;
+  std::vector<PackedNormals> levels_;
 };
 
 }  // namespace relief

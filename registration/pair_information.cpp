@@ -62,9 +62,17 @@ class Accumulator {
 }  // namespace
 
 std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t count) {
-  const std::span<const std::uint32_t> all(view.samples());
-  const auto first = all.first(count > 0 ? std::min(count, all.size()) : all.size());
-  std::vector<std::uint32_t> samples(first.begin(), first.end());
+  const auto &inner = view.samples(), &edge = view.edge_samples();
+  const std::size_t total = inner.size() + edge.size();
+  const std::size_t wanted = count > 0 ? std::min(count, total) : total;
+  const std::size_t of_edge = total > 0 ? wanted * edge.size() / total : 0;
+  std::vector<std::uint32_t> samples;
+  samples.reserve(wanted);
+  const auto append = [&](const std::vector<std::uint32_t>& part, std::size_t first) {
+    samples.insert(samples.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(first));
+  };
+  append(inner, wanted - of_edge);
+  append(edge, of_edge);
   std::sort(samples.begin(), samples.end());
   return samples;
 }
@@ -82,13 +90,15 @@ PairInformation pair_information(const ViewSurface& source, const ViewSurface& t
   const double sigma =
       find_correspondences(source, target, target_from_source, options.search).sigma;
   if (sigma <= 0.0) return sum;
+  CorrespondenceOptions everywhere = options.search;
+  everywhere.part = SurfacePart::kWhole;
   Accumulator accumulator(sum, options.patch);
   std::vector<Correspondence> batch;
   for (std::size_t begin = 0; begin < samples.size(); begin += kBatch) {
     const std::size_t count = std::min(kBatch, samples.size() - begin);
     batch.clear();
     append_correspondences(source, target, target_from_source, samples.subspan(begin, count),
-                           options.search, batch);
+                           everywhere, batch);
     for (const auto& c : batch) {
       if (std::abs(c.distance) > options.search.max_sigmas * sigma) continue;
       accumulator.add(centred_from_target * c.target.point,

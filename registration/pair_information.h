@@ -38,17 +38,17 @@ struct PairInformation {
 };
 
 struct PairInformationOptions {
-  CorrespondenceOptions search;
+  CorrespondenceOptions search;  ///< Its part is that of the samples that tell the deviation.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< See PairInformation; world frame.
   /// Edge of the cubes that cut the surface into patches [unit]; 0: no patches.
   double patch = 0.0;
 };
 
-/// The first `count` samples of a view (0: all), neighbours close to each other in memory.
+/// `count` samples of a view's whole surface (0: all), neighbours close to each other in memory.
 std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t count);
 
-/// Of the given samples of the source (grid indices). Leaves it to the caller to say which views
-/// these are.
+/// Of the given samples of the source (grid indices) on the whole target. Leaves it to the caller
+/// to say which views these are.
 PairInformation pair_information(const ViewSurface& source, const ViewSurface& target,
                                  const RigidMotion& world_from_source,
                                  const RigidMotion& world_from_target,

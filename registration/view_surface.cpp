@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <utility>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Dense>
 
-#include "registration/robust.h"
 #include "registration/unbiased_normals.h"
+#include "registration/view_noise.h"
 #include "scan/discontinuities.h"
 #include "scan/grid_normals.h"
 #include "scan/median_deviation.h"
@@ -20,7 +20,6 @@ namespace {
 
 constexpr double kWantedNormalNoise = 0.035;  // [rad], two degrees
 constexpr int kSmallestNormalRadius = 2, kLargestNormalRadius = 5;
-constexpr int kNoiseStride = 2;
 constexpr int kBlankReach = 2;  // [pixels]
 
 // A bijection of 64-bit integers whose outputs look random (the finaliser of Steele, Lea and Flood
@@ -39,41 +38,6 @@ void scatter(std::vector<std::uint32_t>& indices) {
   std::sort(keys.begin(), keys.end());
   std::transform(keys.begin(), keys.end(), indices.begin(),
                  [](std::uint64_t key) { return static_cast<std::uint32_t>(key); });
-}
-
-// Third differences of the range along (du, dv), turned into distances along the normal and scaled
-// to the standard deviation of one sample: (1, -3, 3, -1) has variance 20 sigma^2. A surface that
-// is quadratic over four samples contributes nothing.
-void third_differences(const RangeView& view, const GridEdges& edges,
-                       const Grid<Eigen::Vector3f>& normals, int du, int dv,
-                       std::vector<double>& out) {
-  for (int v = 0; v + 3 * dv < view.height(); ++v) {
-    for (int u = 0; u + 3 * du < view.width(); ++u) {
-      bool connected = normals(u, v).allFinite();
-      for (int k = 0; k < 3 && connected; ++k)
-        connected = edges.connected(u + k * du, v + k * dv, du, dv);
-      if (!connected) continue;
-      const auto t = [&](int k) { return view.range(u + k * du, v + k * dv); };
-      const double along_normal = view.camera.ray(u, v).direction.dot(normals(u, v).cast<double>());
-      out.push_back((t(0) - 3 * t(1) + 3 * t(2) - t(3)) * along_normal / std::sqrt(20.0));
-    }
-  }
-}
-
-double position_noise(const RangeView& view, const GridEdges& edges,
-                      const Grid<Eigen::Vector3f>& normals) {
-  std::vector<double> differences;
-  third_differences(view, edges, normals, 1, 0, differences);
-  third_differences(view, edges, normals, 0, 1, differences);
-  return robust_sigma(std::move(differences));
-}
-
-// The error of the slope of a plane fitted to a square window of half width `radius` [pixels]:
-// sigma / (spacing sqrt(sum of u^2 over the window)).
-double slope_noise(double noise, double spacing, int radius) {
-  const double side = 2.0 * radius + 1.0;
-  const double moment = side * side * radius * (radius + 1.0) / 3.0;
-  return spacing > 0.0 ? noise / (spacing * std::sqrt(moment)) : 0.0;
 }
 
 // What each sample counts for: its confidence, or, where deviations are known, which have the
@@ -97,11 +61,12 @@ Grid<float> sample_weights(const RangeView& view) {
 
 ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& options)
     : view_(&view), weights_(sample_weights(view)) {
-  assert(options.boundary_margin >= 1);
+  assert(options.boundary_margin >= 1 && options.final_margin >= 1);
   if (options.normal_signal && view.has_normals())
     signal_levels_ = NormalSignal::levels_of(view.width(), view.height());
-  smooth_normals(options);
-  select_samples();
+  const ConnectedGrid grid = connect_grid(view, options.threads);
+  smooth_normals(grid, options);
+  select_samples(grid.points);
   if (samples_.empty() || (can_project() && !options.neighbour_index)) return;
   Eigen::Matrix3Xd points(3, samples_.size());
   for (std::size_t i = 0; i < samples_.size(); ++i)
@@ -109,14 +74,10 @@ ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& option
   index_ = std::make_unique<NeighbourIndex>(points);
 }
 
-void ViewSurface::smooth_normals(const ViewSurfaceOptions& options) {
+void ViewSurface::smooth_normals(const ConnectedGrid& grid, const ViewSurfaceOptions& options) {
   const RangeView& view = *view_;
-  const GridEdges edges = connect_samples(view, {}, options.threads);
-  spacing_ = sample_spacing(view, edges);
-  // The noise needs to know only roughly, and not everywhere, how the surface is inclined.
-  noise_ = position_noise(
-      view, edges,
-      estimate_normals(view, edges, {.stride = kNoiseStride, .threads = options.threads}));
+  spacing_ = sample_spacing(grid.points, grid.edges);
+  noise_ = position_noise(view, grid, options.threads);
   int radius = options.normal_radius > 0 ? options.normal_radius : kSmallestNormalRadius;
   if (options.normal_radius == 0) {
     while (radius < kLargestNormalRadius &&
@@ -124,16 +85,20 @@ void ViewSurface::smooth_normals(const ViewSurfaceOptions& options) {
       ++radius;
   }
   normal_noise_ = slope_noise(noise_, spacing_, radius);
-  normals_ = estimate_normals(view, edges, {.radius = radius, .threads = options.threads});
+  auto normals = estimate_normals(view, grid, {.radius = radius, .threads = options.threads});
   if (options.normals == NormalSource::kMeasured && view.has_normals()) {
-    for (std::size_t i = 0; i < normals_.size(); ++i)
-      if (view.normals[i].allFinite()) normals_[i] = view.normals[i];
+    for (std::size_t i = 0; i < normals.size(); ++i)
+      if (view.normals[i].allFinite()) normals[i] = view.normals[i];
   }
-  const auto boundary = boundary_distance(view, edges);
-  for (std::size_t i = 0; i < normals_.size(); ++i) {
-    if (boundary[i] < options.boundary_margin || !(weight(i) > 0.0))
-      normals_[i].setConstant(std::numeric_limits<float>::quiet_NaN());
+  const int outermost = std::min(options.boundary_margin, options.final_margin);
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (grid.boundary[i] < outermost || !(weight(i) > 0.0))
+      normals[i].setConstant(std::numeric_limits<float>::quiet_NaN());
   }
+  normals_ = PackedNormals(normals);
+  normals_.for_each([&](int u, int v, PackedNormal& normal) {
+    normal.note = grid.boundary(u, v) < options.boundary_margin ? kEdge : kInner;
+  });
 }
 
 double ViewSurface::weight(std::size_t index) const {
@@ -149,29 +114,28 @@ const NormalSignal& ViewSurface::prepared_signal() const {
   return signal_->signal;
 }
 
-void ViewSurface::select_samples() {
-  for (std::size_t i = 0; i < normals_.size(); ++i)
-    if (normals_[i].allFinite()) samples_.push_back(static_cast<std::uint32_t>(i));
+void ViewSurface::select_samples(const Grid<Eigen::Vector3d>& points) {
+  normals_.for_each([&](int u, int v, const PackedNormal& normal) {
+    const bool inner = normal.note == kInner;
+    (inner ? samples_ : edge_samples_).push_back(static_cast<std::uint32_t>(points.index(u, v)));
+    if (inner) mean_normal_ += normal.scaled();
+  });
+  scatter(edge_samples_);
   if (samples_.empty()) return;
   // Relative to one sample, so that a view far from its own origin loses nothing.
-  const Eigen::Vector3d first = sample(samples_.front()).point;
+  const Eigen::Vector3d& first = points[samples_.front()];
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const std::uint32_t i : samples_) {
-    const SurfacePoint s = sample(i);
-    sum += s.point - first;
-    mean_normal_ += s.normal;
-  }
+  for (const std::uint32_t i : samples_) sum += points[i] - first;
   mean_normal_.normalize();
   centre_ = first + sum / static_cast<double>(samples_.size());
-  for (const std::uint32_t i : samples_)
-    radius_ = std::max(radius_, (sample(i).point - centre_).norm());
+  for (const std::uint32_t i : samples_) radius_ = std::max(radius_, (points[i] - centre_).norm());
   scatter(samples_);
 }
 
 SurfacePoint ViewSurface::sample(std::uint32_t index) const {
   const int u = static_cast<int>(index) % view_->width();
   const int v = static_cast<int>(index) / view_->width();
-  return {view_->point(u, v), normals_[index].cast<double>().normalized(), weight(index),
+  return {view_->point(u, v), normals_(u, v).scaled().normalized(), weight(index),
           Eigen::Vector2d(u, v)};
 }
 
@@ -181,32 +145,36 @@ struct ViewSurface::Corners {
   std::array<double, 4> weights;
 };
 
-std::optional<ViewSurface::Corners> ViewSurface::corners_of(const Eigen::Vector2d& pixel) const {
+std::optional<ViewSurface::Corners> ViewSurface::corners_of(const Eigen::Vector2d& pixel,
+                                                            SurfacePart part) const {
   const double u_floor = std::floor(pixel.x()), v_floor = std::floor(pixel.y());
   if (!(u_floor >= 0.0 && v_floor >= 0.0 && u_floor + 1.0 < view_->width() &&
         v_floor + 1.0 < view_->height()))
     return std::nullopt;
+  const int u = static_cast<int>(u_floor), v = static_cast<int>(v_floor);
+  if (!normals_.holds(u, v, u + 1, v + 1)) return std::nullopt;
+  for (int k = 0; k < 4; ++k) {
+    const PackedNormal& normal = normals_(u + k % 2, v + k / 2);
+    if (!normal.exists() || (part == SurfacePart::kInner && normal.note != kInner))
+      return std::nullopt;
+  }
   const double a = pixel.x() - u_floor, b = pixel.y() - v_floor;
-  return Corners{static_cast<int>(u_floor),
-                 static_cast<int>(v_floor),
-                 {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
+  return Corners{u, v, {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
 }
 
-std::optional<SurfacePoint> ViewSurface::on_chords(const Eigen::Vector2d& pixel,
-                                                   const Corners& corners) const {
+SurfacePoint ViewSurface::on_chords(const Eigen::Vector2d& pixel, const Corners& corners) const {
   double range = 0.0, confidence = 0.0;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   for (int k = 0; k < 4; ++k) {
-    const std::size_t i = normals_.index(corners.u + k % 2, corners.v + k / 2);
+    const int u = corners.u + k % 2, v = corners.v + k / 2;
+    const std::size_t i = view_->range.index(u, v);
     const double share = corners.weights[static_cast<std::size_t>(k)];
     range += share * view_->range[i];
-    normal += share * normals_[i].cast<double>();
+    normal += share * normals_(u, v).scaled();
     confidence += share * weight(i);
   }
-  // One corner that is not usable makes the normal NaN.
-  if (!(normal.squaredNorm() > 0.0)) return std::nullopt;
-  return SurfacePoint{view_->camera.ray_at(pixel.x(), pixel.y()).at(range), normal.normalized(),
-                      confidence, pixel};
+  return {view_->camera.ray_at(pixel.x(), pixel.y()).at(range), normal.normalized(), confidence,
+          pixel};
 }
 
 // The normals tell the sag of the chords: the mean height of the chord point over the tangent
@@ -217,21 +185,24 @@ double ViewSurface::sag(const Eigen::Vector3d& chord_point, const Corners& corne
   for (int k = 0; k < 4; ++k) {
     const int u = corners.u + k % 2, v = corners.v + k / 2;
     height += corners.weights[static_cast<std::size_t>(k)] *
-              normals_(u, v).cast<double>().dot(chord_point - view_->point(u, v));
+              normals_(u, v).scaled().dot(chord_point - view_->point(u, v));
   }
-  return 0.5 * height;
+  return 0.5 / PackedNormal::kUnit * height;
 }
 
-std::optional<SurfacePoint> ViewSurface::at(const Eigen::Vector2d& pixel) const {
-  const auto corners = corners_of(pixel);
-  auto place = corners ? on_chords(pixel, *corners) : std::nullopt;
-  if (place) place->point -= sag(place->point, *corners) * place->normal;
+std::optional<SurfacePoint> ViewSurface::at(const Eigen::Vector2d& pixel, SurfacePart part) const {
+  const auto corners = corners_of(pixel, part);
+  if (!corners) return std::nullopt;
+  SurfacePoint place = on_chords(pixel, *corners);
+  place.point -= sag(place.point, *corners) * place.normal;
   return place;
 }
 
-std::optional<SurfacePoint> ViewSurface::roughly_at(const Eigen::Vector2d& pixel) const {
-  const auto corners = corners_of(pixel);
-  return corners ? on_chords(pixel, *corners) : std::nullopt;
+std::optional<SurfacePoint> ViewSurface::roughly_at(const Eigen::Vector2d& pixel,
+                                                    SurfacePart part) const {
+  const auto corners = corners_of(pixel, part);
+  if (!corners) return std::nullopt;
+  return on_chords(pixel, *corners);
 }
 
 std::optional<SignalPoint> ViewSurface::signal(const SurfacePoint& place, int level) const {

@@ -10,9 +10,12 @@
 
 #include "registration/neighbour_index.h"
 #include "registration/normal_signal.h"
+#include "registration/packed_normals.h"
 #include "scan/range_view.h"
 
 namespace relief {
+
+struct ConnectedGrid;
 
 enum class NormalSource {
   kGeometric,  ///< Of the measured surface, smoothed: right on average whatever the normal maps
@@ -26,13 +29,23 @@ struct ViewSurfaceOptions {
   /// to two degrees at the view's noise.
   int normal_radius = 0;
   /// Samples nearer than this [pixels] to a silhouette, an occlusion edge or the border of the grid
-  /// are not used: they are the least accurate, and there overlap ends. >= 1.
+  /// are not used to search and to judge by: they are the least accurate, and there overlap ends.
+  /// >= 1.
   int boundary_margin = 2;
+  /// The same for the last steps of refining poses, which want all that is of any use. >= 1; no
+  /// effect from boundary_margin up.
+  int final_margin = 1;
   /// Keep the view's normal map, freed of its smooth bias, as a signal to align by.
   bool normal_signal = true;
   /// Build the nearest-neighbour index even where the camera can project.
   bool neighbour_index = false;
   int threads = 0;  ///< 0: one per core.
+};
+
+/// How far a view's surface goes.
+enum class SurfacePart {
+  kInner,  ///< Up to ViewSurfaceOptions::boundary_margin.
+  kWhole,  ///< Up to ViewSurfaceOptions::final_margin.
 };
 
 /// A point of a view's surface and its unit normal towards the sensor, in the view frame.
@@ -60,14 +73,18 @@ class ViewSurface {
   /// Grid indices of the usable samples (normal, positive confidence, off the boundary) in a
   /// scattered order: every prefix is spread over the whole surface.
   const std::vector<std::uint32_t>& samples() const { return samples_; }
-  /// The sample at a grid index of samples().
+  /// Those between the two margins, scattered too.
+  const std::vector<std::uint32_t>& edge_samples() const { return edge_samples_; }
+  /// The sample at a grid index of samples() or edge_samples().
   SurfacePoint sample(std::uint32_t index) const;
 
   /// The surface at fractional pixel coordinates, bilinear between samples and bent by their
   /// normals: exact to second order. Nothing unless the four samples around are usable.
-  std::optional<SurfacePoint> at(const Eigen::Vector2d& pixel) const;
+  std::optional<SurfacePoint> at(const Eigen::Vector2d& pixel,
+                                 SurfacePart part = SurfacePart::kInner) const;
   /// The same on the chords between samples: cheaper, and a little inside of convex surfaces.
-  std::optional<SurfacePoint> roughly_at(const Eigen::Vector2d& pixel) const;
+  std::optional<SurfacePoint> roughly_at(const Eigen::Vector2d& pixel,
+                                         SurfacePart part = SurfacePart::kInner) const;
 
   /// Resolutions of the normal map, each half as fine as the one before; 0: there is none.
   int signal_levels() const { return signal_levels_; }
@@ -89,8 +106,8 @@ class ViewSurface {
   bool blank(const Eigen::Vector2d& pixel) const;
 
   bool has_neighbour_index() const { return index_ != nullptr; }
-  /// For each column the fractional pixel of the surface point closest to it: the nearest sample,
-  /// moved within its tangent plane to the foot of the query. Needs the index and a sample.
+  /// For each column the fractional pixel of the inner surface's point closest to it: the nearest
+  /// sample, moved within its tangent plane to the foot of the query. Needs the index and a sample.
   std::vector<Eigen::Vector2d> closest(const Eigen::Matrix3Xd& points) const;
 
   double spacing() const { return spacing_; }  ///< Median sample spacing [unit].
@@ -107,15 +124,17 @@ class ViewSurface {
   }  ///< Of the sphere about centre() that holds all samples.
 
  private:
-  void smooth_normals(const ViewSurfaceOptions& options);
-  void select_samples();
+  void smooth_normals(const ConnectedGrid& grid, const ViewSurfaceOptions& options);
+  void select_samples(const Grid<Eigen::Vector3d>& points);
   struct Corners;
-  std::optional<Corners> corners_of(const Eigen::Vector2d& pixel) const;
-  std::optional<SurfacePoint> on_chords(const Eigen::Vector2d& pixel, const Corners& corners) const;
+  std::optional<Corners> corners_of(const Eigen::Vector2d& pixel, SurfacePart part) const;
+  SurfacePoint on_chords(const Eigen::Vector2d& pixel, const Corners& corners) const;
   double sag(const Eigen::Vector3d& chord_point, const Corners& corners) const;
 
   double weight(std::size_t index) const;
   const NormalSignal& prepared_signal() const;
+
+  static constexpr std::uint16_t kEdge = 0, kInner = 1;
 
   struct LazySignal {
     std::once_flag once;
@@ -123,11 +142,11 @@ class ViewSurface {
   };
 
   const RangeView* view_;
-  Grid<Eigen::Vector3f> normals_;  // NaN where a sample is not usable.
-  Grid<float> weights_;            // Empty: the view's confidences.
+  PackedNormals normals_;  // Of usable samples, noting whether kInner or kEdge.
+  Grid<float> weights_;    // Empty: the view's confidences.
   int signal_levels_ = 0;
   std::unique_ptr<LazySignal> signal_ = std::make_unique<LazySignal>();
-  std::vector<std::uint32_t> samples_;
+  std::vector<std::uint32_t> samples_, edge_samples_;
   std::unique_ptr<NeighbourIndex> index_;
   double spacing_ = 0.0, noise_ = 0.0, normal_noise_ = 0.0, radius_ = 0.0;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), mean_normal_ = Eigen::Vector3d::Zero();

@@ -17,11 +17,13 @@ namespace {
 double relative_step(const RangeView& view, int u, int v, int du, int dv) {
   if (!view.has_sample(u, v) || !view.has_sample(u + du, v + dv)) return kNoSample;
   const Ray a = view.camera.ray(u, v), b = view.camera.ray(u + du, v + dv);
-  const Eigen::Vector3d viewing = (a.direction + b.direction).normalized();
+  const Eigen::Vector3d viewing = a.direction + b.direction;
   const Eigen::Vector3d edge = b.at(view.range(u + du, v + dv)) - a.at(view.range(u, v));
   const double t_near = std::min(view.range(u, v), view.range(u + du, v + dv));
   const Eigen::Vector3d across = b.at(t_near) - a.at(t_near);
-  const double lateral = (across - across.dot(viewing) * viewing).norm();
+  // Both components of what is not normalised have the length of `viewing` as factor.
+  const double along = across.dot(viewing);
+  const double lateral = std::sqrt(across.squaredNorm() * viewing.squaredNorm() - along * along);
   return lateral > 0.0 ? edge.dot(viewing) / lateral : kNoSample;
 }
 
@@ -98,6 +100,14 @@ Grid<std::uint8_t> boundary_distance(const RangeView& view, const GridEdges& edg
       if (distance(u, v) > 0)
         for (const auto& [du, dv] : {std::pair{1, 0}, {1, 1}, {0, 1}, {-1, 1}}) relax(u, v, du, dv);
   return distance;
+}
+
+ConnectedGrid connect_grid(const RangeView& view, int threads) {
+  ConnectedGrid grid;
+  grid.points = points_of(view);
+  grid.edges = connect_samples(view, {}, threads);
+  grid.boundary = boundary_distance(view, grid.edges);
+  return grid;
 }
 
 }  // namespace relief

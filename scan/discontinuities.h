@@ -42,4 +42,13 @@ GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& opt
 /// and where there is no sample, capped at 255.
 Grid<std::uint8_t> boundary_distance(const RangeView& view, const GridEdges& edges);
 
+/// A view's samples with how they hang together, found once for several uses.
+struct ConnectedGrid {
+  Grid<Eigen::Vector3d> points;  ///< See points_of.
+  GridEdges edges;               ///< See connect_samples.
+  Grid<std::uint8_t> boundary;   ///< See boundary_distance.
+};
+
+ConnectedGrid connect_grid(const RangeView& view, int threads = 1);
+
 }  // namespace relief

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Dense>
 
 #include "scan/parallel.h"
 
@@ -38,17 +40,17 @@ struct Moments {
     yz += p.y() * p.z();
     zz += p.z() * p.z();
   }
-  void add(const Moments& m) {
-    count += m.count;
-    x += m.x;
-    y += m.y;
-    z += m.z;
-    xx += m.xx;
-    xy += m.xy;
-    xz += m.xz;
-    yy += m.yy;
-    yz += m.yz;
-    zz += m.zz;
+  void add(const Moments& m, double times = 1.0) {
+    count += times * m.count;
+    x += times * m.x;
+    y += times * m.y;
+    z += times * m.z;
+    xx += times * m.xx;
+    xy += times * m.xy;
+    xz += times * m.xz;
+    yy += times * m.yy;
+    yz += times * m.yz;
+    zz += times * m.zz;
   }
 };
 
@@ -90,6 +92,8 @@ class ConnectedWindow {
 };
 
 // Moments of whole windows along one row of the grid, from sums over columns that neighbours share.
+// A window is the one before with a column more and one less; since all are relative to one point
+// of the row, rounding stays far below what the samples are known to.
 class RowOfWindows {
  public:
   RowOfWindows(const Grid<Eigen::Vector3d>& points, int radius)
@@ -99,6 +103,7 @@ class RowOfWindows {
   void start(int v) {
     v_ = v;
     next_ = 0;
+    before_ = -2;
   }
 
   // Of the window round column u, which lies in the grid and has all samples, relative to a point
@@ -107,9 +112,16 @@ class RowOfWindows {
     if (next_ == 0) origin_ = points_(u, v_);
     next_ = std::max(next_, u - radius_);
     for (; next_ <= u + radius_; ++next_) columns_[static_cast<std::size_t>(next_)] = column(next_);
-    Moments sum;
-    for (int x = u - radius_; x <= u + radius_; ++x) sum.add(columns_[static_cast<std::size_t>(x)]);
-    return sum;
+    if (u == before_ + 1) {
+      sum_.add(columns_[static_cast<std::size_t>(u + radius_)]);
+      sum_.add(columns_[static_cast<std::size_t>(u - radius_ - 1)], -1.0);
+    } else {
+      sum_ = {};
+      for (int x = u - radius_; x <= u + radius_; ++x)
+        sum_.add(columns_[static_cast<std::size_t>(x)]);
+    }
+    before_ = u;
+    return sum_;
   }
 
  private:
@@ -122,9 +134,43 @@ class RowOfWindows {
   const Grid<Eigen::Vector3d>& points_;
   int radius_;
   int v_ = 0, next_ = 0;  // The row, and the first column without a sum.
+  int before_ = -2;       // The last window's middle,
+  Moments sum_;           // and its moments.
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   std::vector<Moments> columns_;
 };
+
+// The eigenvector of a covariance's least eigenvalue; nothing if the second is no larger than
+// rounding makes it, as of collinear points.
+std::optional<Eigen::Vector3d> least_direction(const Eigen::Matrix3d& c) {
+  // Newton's method from 0 on det(C - x I), which falls and is convex up to its least root. The
+  // trigonometric solution costs several times as much.
+  constexpr int kMostSteps = 30;
+  const double trace = c.trace();
+  const double minors = c(0, 0) * c(1, 1) - c(0, 1) * c(0, 1) + c(0, 0) * c(2, 2) -
+                        c(0, 2) * c(0, 2) + c(1, 1) * c(2, 2) - c(1, 2) * c(1, 2);
+  const double determinant = c.determinant();
+  double x = 0.0;
+  for (int i = 0; i < kMostSteps; ++i) {
+    const double value = determinant - x * (minors - x * (trace - x));
+    const double slope = minors - x * (2.0 * trace - 3.0 * x);
+    const double step = slope > 0.0 ? value / slope : 0.0;
+    x += step;
+    if (!(std::abs(step) > 1e-12 * trace)) break;
+  }
+  // The others' product and sum.
+  const double product = minors - x * (trace - x), sum = trace - x;
+  if (!(product > 1e-6 * sum * sum)) return std::nullopt;
+  Eigen::Matrix3d shifted = c;
+  shifted.diagonal().array() -= x;
+  // Rows of the shifted matrix lie in the plane across the direction.
+  Eigen::Vector3d best = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d across = shifted.col(k).cross(shifted.col((k + 1) % 3));
+    if (across.squaredNorm() > best.squaredNorm()) best = across;
+  }
+  return best.normalized();
+}
 
 Eigen::Vector3f plane_normal(const Moments& sum, const Ray& ray) {
   if (sum.count < 3.0) return kNoNormal;
@@ -132,10 +178,8 @@ Eigen::Vector3f plane_normal(const Moments& sum, const Ray& ray) {
   Eigen::Matrix3d covariance;
   covariance << sum.xx, sum.xy, sum.xz, sum.xy, sum.yy, sum.yz, sum.xz, sum.yz, sum.zz;
   covariance -= sum.count * mean * mean.transpose();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-  eigen.computeDirect(covariance);
-  if (!(eigen.eigenvalues()[1] > 1e-6 * eigen.eigenvalues()[2])) return kNoNormal;  // collinear
-  return facing_sensor(eigen.eigenvectors().col(0), ray);
+  const auto normal = least_direction(covariance);
+  return normal ? facing_sensor(*normal, ray) : kNoNormal;
 }
 
 // The tangent along (du,dv) from the connected neighbours on either side; zero where there is none.
@@ -151,18 +195,21 @@ Eigen::Vector3d tangent(const Grid<Eigen::Vector3d>& points, const GridEdges& ed
 
 Grid<Eigen::Vector3f> estimate_normals(const RangeView& view, const GridEdges& edges,
                                        const GridNormalOptions& options) {
-  const Grid<Eigen::Vector3d> points = points_of(view);
-  const Grid<std::uint8_t> boundary = boundary_distance(view, edges);
+  return estimate_normals(view, {points_of(view), edges, boundary_distance(view, edges)}, options);
+}
+
+Grid<Eigen::Vector3f> estimate_normals(const RangeView& view, const ConnectedGrid& grid,
+                                       const GridNormalOptions& options) {
   Grid<Eigen::Vector3f> normals(view.width(), view.height(), kNoNormal);
   const auto rows = [&](std::size_t begin, std::size_t end) {
-    ConnectedWindow connected(points, edges, options.radius);
-    RowOfWindows whole(points, options.radius);
+    ConnectedWindow connected(grid.points, grid.edges, options.radius);
+    RowOfWindows whole(grid.points, options.radius);
     for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
       if (v % options.stride != 0) continue;
       whole.start(v);
       for (int u = 0; u < view.width(); u += options.stride) {
         if (!view.has_sample(u, v)) continue;
-        const bool inside = boundary(u, v) > options.radius;
+        const bool inside = grid.boundary(u, v) > options.radius;
         normals(u, v) =
             plane_normal(inside ? whole.at(u) : connected.collect(u, v), view.camera.ray(u, v));
       }

@@ -23,6 +23,9 @@ struct GridNormalOptions {
 /// normal.
 Grid<Eigen::Vector3f> estimate_normals(const RangeView& view, const GridEdges& edges,
                                        const GridNormalOptions& options = {});
+/// The same where all that it needs to know of the view's grid is at hand.
+Grid<Eigen::Vector3f> estimate_normals(const RangeView& view, const ConnectedGrid& grid,
+                                       const GridNormalOptions& options = {});
 
 /// Normals from the cross product of the tangents between direct neighbours (central differences
 /// inside, one-sided at boundaries): no smoothing at all. Same conventions as estimate_normals.

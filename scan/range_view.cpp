@@ -21,13 +21,14 @@ Grid<Eigen::Vector3d> points_of(const RangeView& view) {
   return points;
 }
 
-double sample_spacing(const RangeView& view) { return sample_spacing(view, connect_samples(view)); }
+double sample_spacing(const RangeView& view) {
+  return sample_spacing(points_of(view), connect_samples(view));
+}
 
-double sample_spacing(const RangeView& view, const GridEdges& edges) {
-  const Grid<Eigen::Vector3d> points = points_of(view);
+double sample_spacing(const Grid<Eigen::Vector3d>& points, const GridEdges& edges) {
   std::vector<double> lengths;
-  for (int v = 0; v < view.height(); ++v) {
-    for (int u = 0; u < view.width(); ++u) {
+  for (int v = 0; v < points.height(); ++v) {
+    for (int u = 0; u < points.width(); ++u) {
       if (edges.right(u, v)) lengths.push_back((points(u + 1, v) - points(u, v)).norm());
       if (edges.down(u, v)) lengths.push_back((points(u, v + 1) - points(u, v)).norm());
     }

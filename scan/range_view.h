@@ -64,7 +64,7 @@ Grid<Eigen::Vector3d> points_of(const RangeView& view);
 /// Median distance between samples that are neighbours along a row or column and on one surface
 /// [unit]; 0 when no two samples are.
 double sample_spacing(const RangeView& view);
-/// The same where the edges are at hand, those of connect_samples.
-double sample_spacing(const RangeView& view, const GridEdges& edges);
+/// The same where the points and edges of the view are at hand.
+double sample_spacing(const Grid<Eigen::Vector3d>& points, const GridEdges& edges);
 
 }  // namespace relief

@@ -49,6 +49,23 @@ std::vector<bool> first_held(std::size_t views) {
   return held;
 }
 
+TEST(PairInformation, TakesInnerAndEdgeSamplesInProportion) {
+  const Ring ring(1);
+  const ViewSurface& view = ring.surfaces[0];
+  const auto &inner = view.samples(), &edge = view.edge_samples();
+  ASSERT_FALSE(edge.empty());
+  EXPECT_EQ(in_grid_order(view, 0).size(), inner.size() + edge.size());
+  const auto some = in_grid_order(view, 3000);
+  EXPECT_EQ(some.size(), 3000u);
+  EXPECT_TRUE(std::is_sorted(some.begin(), some.end()));
+  const auto from_edge = std::count_if(some.begin(), some.end(), [&](std::uint32_t i) {
+    return std::find(edge.begin(), edge.end(), i) != edge.end();
+  });
+  const double part =
+      static_cast<double>(edge.size()) / static_cast<double>(inner.size() + edge.size());
+  EXPECT_NEAR(static_cast<double>(from_edge), 3000.0 * part, 1.0);
+}
+
 TEST(PairInformation, IsTheSumOverItsResiduals) {
   const Ring ring(1);
   const auto poses = poses_of(ring.truth);
@@ -64,8 +81,10 @@ TEST(PairInformation, IsTheSumOverItsResiduals) {
       find_correspondences(ring.surfaces[0], ring.surfaces[1], target_from_source, options.search)
           .sigma;
   std::vector<Correspondence> all;
+  CorrespondenceOptions whole = options.search;
+  whole.part = SurfacePart::kWhole;
   append_correspondences(ring.surfaces[0], ring.surfaces[1], target_from_source,
-                         std::span(ring.surfaces[0].samples()).first(3000), options.search, all);
+                         in_grid_order(ring.surfaces[0], 3000), whole, all);
   Matrix6d information = Matrix6d::Zero();
   RigidTangent pull = RigidTangent::Zero();
   for (const auto& c : all) {

@@ -68,8 +68,9 @@ TEST(NormalSignal, InterpolatesAtEveryLevel) {
     ASSERT_TRUE(sample.has_value());
     const Eigen::Vector3d expected = Eigen::Vector3d(0.0303, -0.0454, -1.0).normalized();
     EXPECT_LT((sample->normal - expected).norm(), 1e-4);
-    EXPECT_NEAR(sample->by_pixel(0, 0), 0.001, 1e-5);
-    EXPECT_NEAR(sample->by_pixel(1, 1), -0.002, 1e-5);
+    // As far as normals are kept.
+    EXPECT_NEAR(sample->by_pixel(0, 0), 0.001, 3e-5);
+    EXPECT_NEAR(sample->by_pixel(1, 1), -0.002, 3e-5);
   }
 }
 

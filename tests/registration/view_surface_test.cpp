@@ -1,6 +1,7 @@
 #include "registration/view_surface.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -47,6 +48,46 @@ TEST(ViewSurface, EndsBeforeBoundariesAndTheGridsBorder) {
   EXPECT_FALSE(surface.at({0.5, 30.0}).has_value());
   EXPECT_FALSE(surface.at({-5.0, 30.0}).has_value());
   EXPECT_FALSE(surface.at({1e9, 30.0}).has_value());
+}
+
+TEST(ViewSurface, GoesFartherWhenAskedForTheWhole) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  for (int v = 0; v < 60; ++v) view.range(40, v) = kNoSample;
+  const ViewSurface surface(view, {.boundary_margin = 3, .final_margin = 1});
+  EXPECT_TRUE(surface.at({37.5, 30.0}, SurfacePart::kWhole).has_value());
+  EXPECT_TRUE(surface.roughly_at({37.5, 30.0}, SurfacePart::kWhole).has_value());
+  EXPECT_FALSE(surface.at({37.5, 30.0}).has_value());
+  EXPECT_FALSE(surface.roughly_at({37.5, 30.0}).has_value());
+  EXPECT_FALSE(surface.at({38.5, 30.0}, SurfacePart::kWhole).has_value());
+  // Pixels 1 to 38 and 42 to 78 of rows 1 to 58, of which those off boundaries by three are inner.
+  EXPECT_EQ(surface.samples().size(), (34u + 33u) * 54u);
+  EXPECT_EQ(surface.edge_samples().size(), (38u + 37u) * 58u - (34u + 33u) * 54u);
+  for (const std::uint32_t i : surface.edge_samples()) {
+    const int u = static_cast<int>(i % 80), v = static_cast<int>(i / 80);
+    EXPECT_NEAR((surface.sample(i).point - view.point(u, v)).norm(), 0.0, 1e-12);
+  }
+}
+
+TEST(PackedNormals, KeepNormalsToTheirPrecisionWhereTheyAre) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  Grid<Eigen::Vector3f> normals(7, 6, Eigen::Vector3f::Constant(nan));
+  EXPECT_FALSE(PackedNormals(normals).holds(3, 3, 3, 3));
+  normals(2, 1) = Eigen::Vector3f(0.6f, 0.0f, -0.8f);
+  normals(4, 3) = Eigen::Vector3f(1.0f, -2.0f, -3.0f).normalized();
+  const PackedNormals packed(normals);
+  EXPECT_TRUE(packed.holds(2, 1, 4, 3));
+  EXPECT_FALSE(packed.holds(1, 1, 4, 3));
+  EXPECT_FALSE(packed.holds(2, 1, 5, 3));
+  EXPECT_FALSE(packed.holds(2, 0, 4, 3));
+  EXPECT_FALSE(packed.holds(2, 1, 4, 4));
+  for (int v = 1; v <= 3; ++v) {
+    for (int u = 2; u <= 4; ++u) {
+      ASSERT_EQ(packed(u, v).exists(), normals(u, v).allFinite());
+      if (!packed(u, v).exists()) continue;
+      const Eigen::Vector3d unit = packed(u, v).scaled() / PackedNormal::kUnit;
+      EXPECT_LT((unit - normals(u, v).cast<double>()).norm(), 3e-5);
+    }
+  }
 }
 
 TEST(ViewSurface, DropsSamplesWithoutConfidence) {
