@@ -24,12 +24,17 @@ TriangleMesh concatenate(const ScanProject& project) {
   const bool all_have_normals =
       std::all_of(project.views.begin(), project.views.end(),
                   [](const RangeView& view) { return view.has_normals(); });
+  const bool all_have_colours =
+      std::all_of(project.views.begin(), project.views.end(),
+                  [](const RangeView& view) { return !view.colours.empty(); });
   for (const RangeView& view : project.views) {
     const TriangleMesh mesh = mesh_from_view(view);
     const auto offset = static_cast<std::uint32_t>(all.vertices.size());
     all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
     if (all_have_normals)
       all.normals.insert(all.normals.end(), mesh.normals.begin(), mesh.normals.end());
+    if (all_have_colours)
+      all.colours.insert(all.colours.end(), mesh.colours.begin(), mesh.colours.end());
     for (const auto& face : mesh.faces)
       all.faces.push_back({face[0] + offset, face[1] + offset, face[2] + offset});
   }

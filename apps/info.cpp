@@ -48,6 +48,7 @@ Json view_info(const RangeView& view) {
                {"samples", view.sample_count()},
                {"normals", normal_count(view)},
                {"confidence", !view.confidence.empty()},
+               {"colour", !view.colours.empty()},
                {"deviation", !view.deviation.empty()},
                {"pose", to_string(view.pose)},
                {"spacing", sample_spacing(view)}};

@@ -1,6 +1,7 @@
 #include "fusion/evidence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 
@@ -76,6 +77,23 @@ Evidence EvidenceCollector::collect(const Eigen::Vector3d& point, const Eigen::V
   return combine(point, &normal);
 }
 
+std::optional<Eigen::Vector3d> EvidenceCollector::colour(const Eigen::Vector3d& point) const {
+  // Weight and colour. In an order of their own: views that agree in all else may differ here.
+  std::vector<std::array<double, 4>> seen;
+  for (const Vote& vote : near_)
+    if (const auto colour = vote.view->colour(point); colour && vote.weight > 0.0)
+      seen.push_back({vote.weight, colour->x(), colour->y(), colour->z()});
+  if (seen.empty()) return std::nullopt;
+  std::sort(seen.begin(), seen.end());
+  double weights = 0.0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& [weight, red, green, blue] : seen) {
+    weights += weight;
+    sum += weight * Eigen::Vector3d(red, green, blue);
+  }
+  return sum / weights;
+}
+
 Evidence EvidenceCollector::combine(const Eigen::Vector3d& point, const Eigen::Vector3d* normal) {
   near_.clear();
   empty_.clear();
@@ -85,9 +103,9 @@ Evidence EvidenceCollector::combine(const Eigen::Vector3d& point, const Eigen::V
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
     if (measures(*seen, truncation_, spacing_))
       near_.push_back({seen->distance, seen->weight * nearness(seen->distance / truncation_),
-                       seen->normal, seen->distance < -seen->matter_depth});
+                       seen->normal, seen->distance < -seen->matter_depth, view});
     else if (seen->clearance > 0.5 * truncation_)
-      empty_.push_back({seen->distance, seen->weight, seen->normal, false});
+      empty_.push_back({seen->distance, seen->weight, seen->normal, false, view});
     evidence.clearance = std::max(evidence.clearance, seen->clearance);
   }
   if (evidence.clearance > kSeenThrough * spacing_)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -38,6 +39,10 @@ class EvidenceCollector {
   /// The same from the views only that see the surface from the side `normal` points to.
   Evidence collect(const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
 
+  /// The mean colour, 0 to 255, of the views that measured the point collected last, by the weights
+  /// of their distances; nothing when none of them has colours.
+  std::optional<Eigen::Vector3d> colour(const Eigen::Vector3d& point) const;
+
  private:
   Evidence combine(const Eigen::Vector3d& point, const Eigen::Vector3d* normal);
 
@@ -45,6 +50,7 @@ class EvidenceCollector {
     double distance, weight;
     Eigen::Vector3d normal;
     bool presumed;  // Behind the surface, deeper than the view knows of matter.
+    const ViewSampler* view;
     bool operator<(const Vote& other) const;
   };
 

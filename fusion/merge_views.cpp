@@ -8,6 +8,7 @@
 #include "fusion/filled_regions.h"
 #include "fusion/isosurface.h"
 #include "fusion/vertex_attributes.h"
+#include "fusion/vertex_colours.h"
 #include "fusion/view_sampler.h"
 #include "scan/median.h"
 #include "scan/median_deviation.h"
@@ -201,12 +202,13 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
 
   if (!report_progress(progress, 0.9, "measure the surface")) return interrupted;
   relieve(memory.get(), kVertexAttributes * result.mesh.vertices.size());
-  set_vertex_attributes(
-      result.mesh, *samplers,
-      {result.truncation, result.voxel_size, result.view_noise, options.threads, memory.get()});
+  const VertexAttributeOptions measure{result.truncation, result.voxel_size, result.view_noise,
+                                       options.threads, memory.get()};
+  set_vertex_attributes(result.mesh, *samplers, measure);
   fair_fill({result.truncation, result.voxel_size, options.threads, memory.get()}, *samplers,
             result);
   set_filled_quality(result.mesh);
+  set_vertex_colours(result.mesh, *samplers, measure);
   result.filled_area_fraction = filled_area_fraction(result.mesh);
   if (opens_holes(options)) {
     open_holes(result.mesh, options.keep_holes ? 0.0 : options.largest_fill);

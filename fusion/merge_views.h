@@ -47,7 +47,7 @@ struct ViewSource {
 
 struct MergeResult {
   /// With quality (expected error; for filled vertices the distance to the nearest measured one),
-  /// number of views, filled flag and normal of each vertex.
+  /// number of views, filled flag and normal of each vertex, and its colour if views have colours.
   TriangleMesh mesh;
   MeshCheck check;                    ///< Of `mesh`.
   double filled_area_fraction = 0.0;  ///< Of the area before holes are opened.

@@ -160,6 +160,12 @@ QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options)
     pixel.border = border(u, v);
     pixel.weight = sample_weight(view, u, v, normals(u, v), border(u, v), options);
   });
+  if (view.colours.empty()) return surface;
+  surface.colours =
+      PagedGrid<Colour>(surface.pixels.width(), surface.pixels.height(), options.memory);
+  for (int v = 0; v < surface.colours.height(); ++v)
+    for (int u = 0; u < surface.colours.width(); ++u)
+      surface.colours(u, v) = view.colours(u + surface.first_u, v + surface.first_v);
   return surface;
 }
 

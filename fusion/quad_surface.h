@@ -34,6 +34,7 @@ struct QuadSurfaceOptions {
 /// the view's grid to where there are quads.
 struct QuadSurface {
   PagedGrid<SurfacePixel> pixels;  ///< Empty when the view has no quad.
+  PagedGrid<Colour> colours;       ///< Of the same samples; empty when the view has none.
   int first_u = 0, first_v = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< View frame.
   double spacing = 0.0;  ///< Median distance between connected neighbours [unit].

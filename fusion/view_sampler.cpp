@@ -50,6 +50,19 @@ std::array<Eigen::Vector3d, 8> corners_of(const Eigen::AlignedBox3d& box) {
 
 }  // namespace
 
+// The quad that the ray of a point meets, by its upper left corner in the crop, and what each
+// corner counts for.
+struct ViewSampler::Quad {
+  Eigen::Vector2d pixel;
+  int u = 0, v = 0;
+  std::array<double, 4> share;
+
+  template <typename T>
+  const T& corner(const PagedGrid<T>& grid, int k) const {
+    return grid(u + (k & 1), v + (k >> 1));
+  }
+};
+
 // The surface where the ray of a point meets it, interpolated in a quad. View frame, relative to
 // the centre of the surface.
 struct ViewSampler::Patch {
@@ -81,7 +94,7 @@ Result<ViewSampler> ViewSampler::create(const RangeView& view, const QuadSurface
   return created;
 }
 
-std::optional<ViewSampler::Patch> ViewSampler::patch_at(const Eigen::Vector3d& point) const {
+std::optional<ViewSampler::Quad> ViewSampler::quad_at(const Eigen::Vector3d& point) const {
   const auto projected = projection_.pixel_of(point);
   if (!projected) return std::nullopt;
   const double x = projected->x() - surface_.first_u, y = projected->y() - surface_.first_v;
@@ -92,12 +105,17 @@ std::optional<ViewSampler::Patch> ViewSampler::patch_at(const Eigen::Vector3d& p
   if (!surface_.pixels(u, v).quad) return std::nullopt;
 
   const double a = x - u, b = y - v;
-  const std::array<double, 4> share{(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
+  return Quad{*projected, u, v, {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
+}
+
+std::optional<ViewSampler::Patch> ViewSampler::patch_at(const Eigen::Vector3d& point) const {
+  const auto quad = quad_at(point);
+  if (!quad) return std::nullopt;
   Patch patch;
-  patch.pixel = *projected;
+  patch.pixel = quad->pixel;
   for (int k = 0; k < 4; ++k) {
-    const SurfacePixel& corner = surface_.pixels(u + (k & 1), v + (k >> 1));
-    const double s = share[static_cast<std::size_t>(k)];
+    const SurfacePixel& corner = quad->corner(surface_.pixels, k);
+    const double s = quad->share[static_cast<std::size_t>(k)];
     const Eigen::Vector3d n = corner.normal.cast<double>(), p = corner.point.cast<double>();
     patch.normal += s * n;
     patch.place += s * p;
@@ -134,6 +152,18 @@ std::optional<Observation> ViewSampler::observe(const Eigen::Vector3d& point_in_
       seen.distance = foot->distance(local);
   }
   return seen;
+}
+
+std::optional<Eigen::Vector3d> ViewSampler::colour(const Eigen::Vector3d& point_in_world) const {
+  if (!has_colours()) return std::nullopt;
+  const auto quad = quad_at(view_from_world_ * point_in_world);
+  if (!quad) return std::nullopt;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 4; ++k) {
+    const auto& [red, green, blue] = quad->corner(surface_.colours, k);
+    sum += quad->share[static_cast<std::size_t>(k)] * Eigen::Vector3d(red, green, blue);
+  }
+  return sum;
 }
 
 bool ViewSampler::concerns(const Eigen::AlignedBox3d& box_in_world, double reach) const {

@@ -42,6 +42,11 @@ class ViewSampler {
   std::optional<Observation> observe(const Eigen::Vector3d& point_in_world,
                                      double foot_reach) const;
 
+  /// Colour of the surface where the point's ray meets it, 0 to 255; nothing where it meets no quad
+  /// or the view has no colours.
+  std::optional<Eigen::Vector3d> colour(const Eigen::Vector3d& point_in_world) const;
+  bool has_colours() const { return !surface_.colours.empty(); }
+
   /// False when the view can say nothing of any point of the box: none has a quad on its ray, or
   /// all are farther behind the surface than `reach` [unit].
   bool concerns(const Eigen::AlignedBox3d& box_in_world, double reach) const;
@@ -56,13 +61,17 @@ class ViewSampler {
   bool empty() const { return surface_.pixels.empty(); }
 
   /// Size of what is paged under a limit of memory.
-  std::size_t bytes() const { return surface_.pixels.size() * sizeof(SurfacePixel); }
+  std::size_t bytes() const {
+    return surface_.pixels.size() * sizeof(SurfacePixel) + surface_.colours.size() * sizeof(Colour);
+  }
 
   double spacing() const { return surface_.spacing; }  ///< See QuadSurface.
   double noise() const { return surface_.noise; }      ///< See QuadSurface.
 
  private:
+  struct Quad;
   struct Patch;
+  std::optional<Quad> quad_at(const Eigen::Vector3d& point) const;
   std::optional<Patch> patch_at(const Eigen::Vector3d& point) const;
 
   ViewProjection projection_;

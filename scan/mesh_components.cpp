@@ -53,6 +53,7 @@ void drop_unused_vertices(TriangleMesh& mesh) {
   compact(mesh.quality, new_index);
   compact(mesh.views, new_index);
   compact(mesh.filled, new_index);
+  compact(mesh.colours, new_index);
 }
 
 RemovedComponents keep_largest_component(TriangleMesh& mesh) {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "scan/camera.h"
+#include "scan/colour.h"
 #include "scan/grid.h"
 #include "scan/rigid_motion.h"
 
@@ -24,7 +25,7 @@ enum class PoseKind {
 inline constexpr double kNoSample = std::numeric_limits<double>::quiet_NaN();
 
 /// One range scan on its sensor's grid, with what was measured at each pixel. All grids have the
-/// size of `camera`; `normals`, `confidence` and `deviation` may be empty.
+/// size of `camera`; `normals`, `confidence`, `deviation` and `colours` may be empty.
 struct RangeView {
   std::string name;
   Camera camera;
@@ -34,6 +35,7 @@ struct RangeView {
   /// Standard deviation of each sample's position along its ray [unit], confidence included; NaN
   /// where unknown; empty: unknown everywhere.
   Grid<float> deviation;
+  Grid<Colour> colours;  ///< Empty: none known; without meaning where there is no sample.
   RigidMotion world_from_view = RigidMotion::Identity();
   PoseKind pose = PoseKind::kAbsent;
 

@@ -80,6 +80,7 @@ TriangleMesh mesh_from_view(const RangeView& view) {
       mesh.vertices.push_back(view.world_from_view * view.point(u, v));
       if (view.has_normals())
         mesh.normals.push_back((rotation * view.normals(u, v).cast<double>()).cast<float>());
+      if (!view.colours.empty()) mesh.colours.push_back(view.colours(u, v));
     }
   }
   for (int v = 0; v + 1 < view.height(); ++v) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "scan/colour.h"
 #include "scan/range_view.h"
 
 namespace relief {
@@ -21,6 +22,7 @@ struct TriangleMesh {
   std::vector<float> quality;            ///< Expected error of the position [unit].
   std::vector<std::uint16_t> views;      ///< How many views measured the vertex.
   std::vector<std::uint8_t> filled;      ///< 1: no view measured here, the surface was closed.
+  std::vector<Colour> colours;
 
   Eigen::Vector3d corner(std::size_t face, int k) const { return vertices[faces[face][k]]; }
 };
@@ -37,7 +39,7 @@ std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh);
 
 /// The samples of a view as a mesh in the world frame, triangulated along its connected grid edges,
 /// faces towards the sensor. Every sample is a vertex, in row order; `normals` are the measured
-/// ones if any.
+/// ones if any, `colours` its own.
 TriangleMesh mesh_from_view(const RangeView& view);
 
 }  // namespace relief

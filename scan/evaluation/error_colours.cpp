@@ -11,9 +11,9 @@ namespace {
 // The ends and the middle of the diverging map of Moreland (2009).
 constexpr std::array<double, 3> kLow{59, 76, 192}, kMiddle{221, 221, 221}, kHigh{180, 4, 38};
 
-Rgb colour_of(double share) {
+Colour colour_of(double share) {
   const auto& end = share < 0.0 ? kLow : kHigh;
-  Rgb colour;
+  Colour colour;
   for (std::size_t k = 0; k < 3; ++k)
     colour[k] = static_cast<std::uint8_t>(
         std::lround(kMiddle[k] + std::abs(share) * (end[k] - kMiddle[k])));
@@ -22,13 +22,13 @@ Rgb colour_of(double share) {
 
 }  // namespace
 
-std::vector<Rgb> colours_of_errors(const std::vector<double>& errors, double scale) {
+std::vector<Colour> colours_of_errors(const std::vector<double>& errors, double scale) {
   assert(scale > 0.0);
-  std::vector<Rgb> colours;
+  std::vector<Colour> colours;
   colours.reserve(errors.size());
   for (const double error : errors)
     colours.push_back(std::isfinite(error) ? colour_of(std::clamp(error / scale, -1.0, 1.0))
-                                           : Rgb{0, 0, 0});
+                                           : Colour{0, 0, 0});
   return colours;
 }
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,10 +9,9 @@
 
 namespace relief {
 
-/// Writes a mesh as binary PLY like write_mesh, with a colour (red, green, blue) for each vertex
-/// and a comment of one line in the header that says what the colours mean.
-Result<void> write_coloured_mesh(const TriangleMesh& mesh,
-                                 const std::vector<std::array<std::uint8_t, 3>>& colours,
+/// Writes a mesh as binary PLY like write_mesh, with other colours of its vertices and a comment of
+/// one line in the header that says what the colours mean.
+Result<void> write_coloured_mesh(const TriangleMesh& mesh, const std::vector<Colour>& colours,
                                  const std::string& comment, const std::filesystem::path& path);
 
 }  // namespace relief

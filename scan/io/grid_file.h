@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "scan/colour.h"
 #include "scan/grid.h"
 #include "scan/result.h"
 
@@ -14,6 +15,7 @@ struct GridFile {
   Grid<Eigen::Vector3d> points;   ///< File's own frame and unit; NaN where there is no sample.
   Grid<Eigen::Vector3f> normals;  ///< As measured, any length; NaN where none. May be empty.
   Grid<float> confidence;         ///< As stored; may be empty.
+  Grid<Colour> colours;           ///< May be empty.
 };
 
 /// Reads an organized grid: .ply with `range_grid` or with one vertex per grid place, organized

@@ -88,6 +88,25 @@ double value_at(const pcl::PCLPointCloud2& cloud, std::size_t point,
   return value;
 }
 
+// PCL packs colours into the bits of a float or of an integer.
+const pcl::PCLPointField* find_colour(const pcl::PCLPointCloud2& cloud) {
+  for (const auto& field : cloud.fields)
+    if ((field.name == "rgb" || field.name == "rgba") &&
+        (field.datatype == pcl::PCLPointField::FLOAT32 ||
+         field.datatype == pcl::PCLPointField::UINT32 ||
+         field.datatype == pcl::PCLPointField::INT32))
+      return &field;
+  return nullptr;
+}
+
+Colour colour_at(const pcl::PCLPointCloud2& cloud, std::size_t point,
+                 const pcl::PCLPointField& field) {
+  std::uint32_t packed;
+  std::memcpy(&packed, cloud.data.data() + point * cloud.point_step + field.offset, sizeof packed);
+  return {static_cast<std::uint8_t>(packed >> 16), static_cast<std::uint8_t>(packed >> 8),
+          static_cast<std::uint8_t>(packed)};
+}
+
 struct VectorField {
   const pcl::PCLPointField *x, *y, *z;
   bool complete() const { return x && y && z; }
@@ -104,6 +123,7 @@ Result<GridFile> grid_from_cloud(const pcl::PCLPointCloud2& cloud,
   const VectorField normal{find_field(cloud, "normal_x"), find_field(cloud, "normal_y"),
                            find_field(cloud, "normal_z")};
   const pcl::PCLPointField* confidence = find_field(cloud, "confidence");
+  const pcl::PCLPointField* colour = find_colour(cloud);
   const int width = static_cast<int>(cloud.width), height = static_cast<int>(cloud.height);
   GridFile grid;
   grid.points = Grid<Eigen::Vector3d>(width, height, Eigen::Vector3d::Constant(kNoSample));
@@ -112,12 +132,14 @@ Result<GridFile> grid_from_cloud(const pcl::PCLPointCloud2& cloud,
   const Eigen::Vector3f no_normal = Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
   if (normal.complete()) grid.normals = Grid<Eigen::Vector3f>(width, height, no_normal);
   if (confidence) grid.confidence = Grid<float>(width, height, 0.0f);
+  if (colour) grid.colours = Grid<Colour>(width, height, Colour{});
   for (std::size_t i = 0; i < grid.points.size(); ++i) {
     const Eigen::Vector3d point = position.at(cloud, i);
     if (!point.allFinite()) continue;
     grid.points[i] = point;
     if (normal.complete()) grid.normals[i] = normal.at(cloud, i).cast<float>();
     if (confidence) grid.confidence[i] = static_cast<float>(value_at(cloud, i, *confidence));
+    if (colour) grid.colours[i] = colour_at(cloud, i, *colour);
   }
   return grid;
 }

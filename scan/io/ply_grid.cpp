@@ -82,6 +82,19 @@ Result<Grid<std::int64_t>> read_places(const PlyFile& ply, std::size_t vertices,
   return vertex;
 }
 
+Result<Colour> colour_at(const Columns& columns, std::size_t i, const std::filesystem::path& path) {
+  const Eigen::Vector3d values = vector_at(columns, i);
+  Colour colour{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double value = values[static_cast<Eigen::Index>(k)];
+    if (!(value >= 0.0 && value <= 255.0) || value != std::floor(value))
+      return bad_input(path, "vertex " + std::to_string(i) +
+                                 ": red, green and blue are whole numbers from 0 to 255");
+    colour[k] = static_cast<std::uint8_t>(value);
+  }
+  return colour;
+}
+
 }  // namespace
 
 Result<GridFile> read_ply_grid(const std::filesystem::path& path) {
@@ -98,6 +111,7 @@ Result<GridFile> read_ply_grid(const std::filesystem::path& path) {
   if (!places) return places.error();
 
   const auto normal = find_columns(*vertex, {"nx", "ny", "nz"});
+  const auto rgb = find_columns(*vertex, {"red", "green", "blue"});
   const PlyProperty* confidence = vertex->find("confidence");
   if (confidence && confidence->is_list) confidence = nullptr;
   GridFile grid;
@@ -105,6 +119,7 @@ Result<GridFile> read_ply_grid(const std::filesystem::path& path) {
   const Eigen::Vector3f no_normal = Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
   if (normal) grid.normals = Grid<Eigen::Vector3f>(*width, *height, no_normal);
   if (confidence) grid.confidence = Grid<float>(*width, *height, 0.0f);
+  if (rgb) grid.colours = Grid<Colour>(*width, *height, Colour{});
   for (std::size_t i = 0; i < places->size(); ++i) {
     if ((*places)[i] < 0) continue;
     const auto v = static_cast<std::size_t>((*places)[i]);
@@ -113,6 +128,10 @@ Result<GridFile> read_ply_grid(const std::filesystem::path& path) {
     grid.points[i] = point;
     if (normal) grid.normals[i] = vector_at(*normal, v).cast<float>();
     if (confidence) grid.confidence[i] = static_cast<float>(confidence->values[v]);
+    if (!rgb) continue;
+    const auto colour = colour_at(*rgb, v, path);
+    if (!colour) return colour.error();
+    grid.colours[i] = *colour;
   }
   return grid;
 }

@@ -13,6 +13,8 @@ std::string header(const RangeView& view, std::size_t samples) {
                      "\nproperty double x\nproperty double y\nproperty double z\n";
   if (view.has_normals()) text += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!view.confidence.empty()) text += "property float confidence\n";
+  if (!view.colours.empty())
+    text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   return text + "element range_grid " + std::to_string(view.range.size()) +
          "\nproperty list uchar int vertex_indices\nend_header\n";
 }
@@ -28,6 +30,8 @@ std::string encode_ply_grid(const RangeView& view) {
       if (view.has_normals())
         for (const float value : view.normals(u, v)) append_little_endian(bytes, value);
       if (!view.confidence.empty()) append_little_endian(bytes, view.confidence(u, v));
+      if (!view.colours.empty())
+        for (const std::uint8_t value : view.colours(u, v)) append_little_endian(bytes, value);
     }
   }
   std::int32_t next = 0;

@@ -1,4 +1,3 @@
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
@@ -50,6 +49,12 @@ void read_attributes(const PlyElement& element, TriangleMesh& mesh) {
   if (const auto* filled = scalars(element, "filled"))
     for (const double value : *filled)
       mesh.filled.push_back(static_cast<std::uint8_t>(whole(value, 1)));
+  const auto *red = scalars(element, "red"), *green = scalars(element, "green"),
+             *blue = scalars(element, "blue");
+  const auto byte = [&](double value) { return static_cast<std::uint8_t>(whole(value, 255)); };
+  if (red && green && blue)
+    for (std::size_t i = 0; i < element.count; ++i)
+      mesh.colours.push_back({byte((*red)[i]), byte((*green)[i]), byte((*blue)[i])});
 }
 
 const PlyProperty* face_list(const PlyElement& element) {
@@ -84,30 +89,26 @@ Result<void> read_faces(const PlyElement& element, TriangleMesh& mesh,
   return {};
 }
 
-struct Colours {
-  std::vector<std::array<std::uint8_t, 3>> of_vertices;  // empty: none
-  std::string comment;
-};
-
-std::string ply_header(const TriangleMesh& mesh, const Colours& colours, bool doubles) {
+std::string ply_header(const TriangleMesh& mesh, const std::vector<Colour>& colours,
+                       const std::string& comment, bool doubles) {
   const std::string real = doubles ? "double" : "float";
   std::string text = "ply\nformat binary_little_endian 1.0\n";
-  if (!colours.comment.empty()) text += "comment " + colours.comment + "\n";
+  if (!comment.empty()) text += "comment " + comment + "\n";
   text += "element vertex " + std::to_string(mesh.vertices.size()) + "\n";
   for (const char* axis : {"x", "y", "z"}) text += "property " + real + " " + axis + "\n";
   if (!mesh.normals.empty()) text += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!mesh.quality.empty()) text += "property float quality\n";
   if (!mesh.views.empty()) text += "property ushort views\n";
   if (!mesh.filled.empty()) text += "property uchar filled\n";
-  if (!colours.of_vertices.empty())
-    text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (!colours.empty()) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   return text + "element face " + std::to_string(mesh.faces.size()) +
          "\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
-std::string encode(const TriangleMesh& mesh, const Colours& colours) {
+std::string encode(const TriangleMesh& mesh, const std::vector<Colour>& colours,
+                   const std::string& comment) {
   const bool doubles = needs_doubles(mesh);
-  std::string bytes = ply_header(mesh, colours, doubles);
+  std::string bytes = ply_header(mesh, colours, comment, doubles);
   bytes.reserve(bytes.size() + mesh.vertices.size() * 43 + mesh.faces.size() * 13);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     for (const double value : mesh.vertices[i]) {
@@ -121,8 +122,8 @@ std::string encode(const TriangleMesh& mesh, const Colours& colours) {
     if (!mesh.quality.empty()) append_little_endian(bytes, mesh.quality[i]);
     if (!mesh.views.empty()) append_little_endian(bytes, mesh.views[i]);
     if (!mesh.filled.empty()) append_little_endian(bytes, mesh.filled[i]);
-    if (!colours.of_vertices.empty())
-      for (const std::uint8_t value : colours.of_vertices[i]) append_little_endian(bytes, value);
+    if (!colours.empty())
+      for (const std::uint8_t value : colours[i]) append_little_endian(bytes, value);
   }
   for (const auto& face : mesh.faces) {
     append_little_endian(bytes, std::uint8_t{3});
@@ -149,13 +150,14 @@ Result<TriangleMesh> read_ply_mesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-Result<std::string> encode_ply_mesh(const TriangleMesh& mesh) { return encode(mesh, {}); }
+Result<std::string> encode_ply_mesh(const TriangleMesh& mesh) {
+  return encode(mesh, mesh.colours, "");
+}
 
-Result<void> write_coloured_mesh(const TriangleMesh& mesh,
-                                 const std::vector<std::array<std::uint8_t, 3>>& colours,
+Result<void> write_coloured_mesh(const TriangleMesh& mesh, const std::vector<Colour>& colours,
                                  const std::string& comment, const std::filesystem::path& path) {
   assert(colours.size() == mesh.vertices.size());
-  return write_file(path, encode(mesh, {colours, comment}));
+  return write_file(path, encode(mesh, colours, comment));
 }
 
 }  // namespace relief

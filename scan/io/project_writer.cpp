@@ -126,6 +126,20 @@ Result<void> write_tiff(const Image& image, const fs::path& path) {
   return write_file(path, *bytes);
 }
 
+Result<void> write_colours(const RangeView& view, const fs::path& folder, const std::string& stem,
+                           json& entry) {
+  if (view.colours.empty()) return {};
+  Image image(view.width(), view.height(), 3, 255.0);
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      for (int c = 0; c < 3; ++c) image(u, v, c) = view.colours(u, v)[static_cast<std::size_t>(c)];
+  const fs::path path = folder / (stem + "_color.png");
+  entry["color"] = {{"file", path.filename().string()}};
+  const auto bytes = encode_png(image);
+  if (!bytes) return cannot_write(path, bytes.error().message);
+  return write_file(path, *bytes);
+}
+
 Result<void> write_depth_view(const RangeView& view, const fs::path& folder,
                               const std::string& stem, json& entry) {
   const bool orthographic = view.camera.model() == Camera::Model::kOrthographic;
@@ -143,6 +157,7 @@ Result<void> write_depth_view(const RangeView& view, const fs::path& folder,
                         {"space", "camera"}};
     if (auto n = write_tiff(normal_image(view), folder / (stem + "_normal.tiff")); !n) return n;
   }
+  if (auto colours = write_colours(view, folder, stem, entry); !colours) return colours;
   if (view.confidence.empty()) return {};
   Image confidence(view.width(), view.height(), 1);
   std::copy(view.confidence.begin(), view.confidence.end(), confidence.samples.begin());
@@ -234,7 +249,8 @@ Result<json> updated_document(const ScanProject& project, const fs::path& source
   for (json& entry : document["views"]) {
     const RangeView* view = find_view(project, entry["name"].get<std::string>());
     if (!view) continue;
-    for (const char* key : {"depth", "grid", "normals", "mask", "confidence", "deviation"}) {
+    for (const char* key :
+         {"depth", "grid", "normals", "mask", "confidence", "color", "deviation"}) {
       if (!entry.contains(key)) continue;
       json& name = entry[key]["file"];
       name = relative_to(folder_of(source) / name.get<std::string>(), folder_of(file)).string();

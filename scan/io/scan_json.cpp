@@ -144,6 +144,7 @@ ViewSpec read_view(JsonObject view, const std::filesystem::path& project) {
   if (view.has("normals")) spec.normals = read_normals(view.object("normals"), project);
   if (view.has("mask")) spec.mask = read_file_name(view.object("mask"), project);
   if (view.has("confidence")) spec.confidence = read_file_name(view.object("confidence"), project);
+  if (view.has("color")) spec.colour = read_file_name(view.object("color"), project);
   if (view.has("deviation")) spec.deviation = read_deviation(view.object("deviation"), project);
   read_pose(view, spec);
   view.finish();

@@ -120,6 +120,7 @@ Result<void> load_grid(const ViewSpec& spec, LoadedView& loaded) {
   loaded.view.camera = std::move(fitted.camera);
   loaded.view.range = std::move(fitted.range);
   loaded.view.confidence = std::move(grid->confidence);
+  loaded.view.colours = std::move(grid->colours);
   if (!grid->normals.empty() && !spec.normals) {
     NormalMap map = clean_normals(std::move(grid->normals), loaded.view, spec.grid->string());
     loaded.view.normals = std::move(map.normals);
@@ -152,6 +153,22 @@ Result<void> load_confidence(const ViewSpec& spec, RangeView& view) {
   view.confidence = Grid<float>(view.width(), view.height());
   for (std::size_t i = 0; i < view.confidence.size(); ++i)
     view.confidence[i] = static_cast<float>(image->samples[i] * scale);
+  return {};
+}
+
+// Images of 16 bits keep the upper eight; grey ones get three equal channels.
+Result<void> load_colours(const ViewSpec& spec, RangeView& view) {
+  const auto image = read_matching(*spec.colour, spec, view);
+  if (!image) return image.error();
+  if (!(image->max_value > 0.0))
+    return bad_input(*spec.colour, "colours need an image of integers, 8 or 16 bits a channel");
+  const double scale = 255.0 / image->max_value;
+  view.colours = Grid<Colour>(view.width(), view.height());
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      for (int c = 0; c < 3; ++c)
+        view.colours(u, v)[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(
+            std::lround((*image)(u, v, image->channels == 3 ? c : 0) * scale));
   return {};
 }
 
@@ -195,6 +212,7 @@ Result<LoadedView> load_view(const ViewSpec& spec) {
   Result<void> step = spec.depth ? load_depth(spec, loaded) : load_grid(spec, loaded);
   if (step && spec.mask) step = apply_mask(spec, loaded.view);
   if (step && spec.confidence) step = load_confidence(spec, loaded.view);
+  if (step && spec.colour) step = load_colours(spec, loaded.view);
   if (step && spec.deviation) step = load_deviation(spec, loaded.view);
   if (!step) return step.error();
   if (loaded.view.sample_count() == 0)

@@ -55,7 +55,7 @@ struct ViewSpec {
   std::optional<std::filesystem::path> grid;  ///< or this is set.
   std::optional<CameraSpec> camera;
   std::optional<NormalSpec> normals;
-  std::optional<std::filesystem::path> mask, confidence;
+  std::optional<std::filesystem::path> mask, confidence, colour;
   std::optional<DeviationSpec> deviation;
   RigidMotion world_from_view = RigidMotion::Identity();
   PoseKind pose = PoseKind::kAbsent;

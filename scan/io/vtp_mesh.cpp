@@ -79,6 +79,9 @@ vtkSmartPointer<vtkPolyData> poly_data_of(const TriangleMesh& mesh) {
                                        [&](std::size_t i, int) { return mesh.views[i]; });
   add_attribute<vtkUnsignedCharArray>(data, "filled", 1, mesh.filled.size(),
                                       [&](std::size_t i, int) { return mesh.filled[i]; });
+  add_attribute<vtkUnsignedCharArray>(
+      data, "RGB", 3, mesh.colours.size(),
+      [&](std::size_t i, int c) { return mesh.colours[i][static_cast<std::size_t>(c)]; });
   if (!mesh.normals.empty()) data->GetPointData()->SetActiveNormals("normals");
   return data;
 }

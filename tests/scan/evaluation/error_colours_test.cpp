@@ -19,7 +19,8 @@ TEST(ColoursOfErrors, GoFromBlueOverGreyToRed) {
 }
 
 TEST(ColoursOfErrors, MarkWhatIsNoNumber) {
-  EXPECT_EQ(colours_of_errors({std::numeric_limits<double>::quiet_NaN()}, 1.0)[0], (Rgb{0, 0, 0}));
+  EXPECT_EQ(colours_of_errors({std::numeric_limits<double>::quiet_NaN()}, 1.0)[0],
+            (Colour{0, 0, 0}));
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ TriangleMesh with_attributes(TriangleMesh mesh) {
   mesh.quality = {0.5f, 1.5f, 2.5f, 3.5f};
   mesh.views = {1, 2, 300, 0};
   mesh.filled = {0, 1, 0, 1};
+  mesh.colours = {{1, 2, 3}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}};
   return mesh;
 }
 
@@ -52,6 +53,7 @@ TEST(MeshIo, PlyKeepsEverything) {
     EXPECT_EQ(read->quality, mesh.quality);
     EXPECT_EQ(read->views, mesh.views);
     EXPECT_EQ(read->filled, mesh.filled);
+    EXPECT_EQ(read->colours, mesh.colours);
   }
 }
 
@@ -100,7 +102,7 @@ TEST(MeshIo, VtpHoldsTheAttributes) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_mesh(with_attributes(tetrahedron()), folder / "a.vtp").ok());
   const std::string text = *read_file(folder / "a.vtp");
-  for (const char* name : {"normals", "quality", "views", "filled", "NumberOfPolys=\"4\""})
+  for (const char* name : {"normals", "quality", "views", "filled", "RGB", "NumberOfPolys=\"4\""})
     EXPECT_THAT(text, HasSubstr(name));
 }
 
@@ -162,6 +164,7 @@ TEST(ColouredMesh, KeepsTheMeshAndSaysWhatColoursMean) {
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_EQ(back->faces, mesh.faces);
   EXPECT_EQ(back->quality, mesh.quality);
+  EXPECT_EQ(back->colours[3], (Colour{1, 2, 3})) << "instead of the mesh's own";
   EXPECT_LT(largest_distance(*back, mesh), 1e-6);
 }
 

@@ -45,6 +45,29 @@ TEST(PcdGrid, ReadsAsciiAndBinary) {
   EXPECT_EQ(binary->points(0, 1), Eigen::Vector3d(18, 19, 20));
 }
 
+TEST(PcdGrid, UnpacksColours) {
+  const TemporaryFolder folder;
+  for (const char* type : {"F", "U"}) {
+    std::string bytes;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const float xyz[] = {static_cast<float>(i % 2), static_cast<float>(i / 2), 1.0f};
+      const std::uint32_t packed = 0x0a141e + i;
+      bytes.append(reinterpret_cast<const char*>(xyz), 12);
+      bytes.append(reinterpret_cast<const char*>(&packed), 4);
+    }
+    const auto grid = read_grid_file(folder.write(
+        "a.pcd",
+        std::string("# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F ") +
+            type +
+            "\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA "
+            "binary\n" +
+            bytes));
+    ASSERT_TRUE(grid.ok()) << grid.error().message;
+    EXPECT_EQ(grid->colours(0, 0), (Colour{10, 20, 30})) << type;
+    EXPECT_EQ(grid->colours(1, 1), (Colour{10, 20, 33})) << type;
+  }
+}
+
 TEST(PcdGrid, RefusesWhatIsNoGrid) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& content) {

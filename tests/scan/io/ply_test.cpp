@@ -159,6 +159,27 @@ TEST(PlyGrid, ErrorsSayWhatDoesNotFit) {
               HasSubstr("no scan grid"));
 }
 
+TEST(PlyGrid, ColoursAreWholeNumbersUpTo255) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& colour) {
+    return read_grid_file(folder.write(
+        "a.ply", "ply\nformat ascii 1.0\n" + kSize +
+                     "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                     "property float red\nproperty float green\nproperty float blue\nend_header\n"
+                     "0 0 1 10 20 255\n1 0 1 0 0 0\n2 0 1 " +
+                     colour + "\n"));
+  };
+  const auto grid = read("1 2 3");
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_EQ(grid->colours(0, 0), (Colour{10, 20, 255}));
+  EXPECT_EQ(grid->colours(2, 0), (Colour{1, 2, 3}));
+  for (const char* wrong : {"256 0 0", "0 -1 0", "0 0 0.5", "nan 0 0"}) {
+    const auto refused = read(wrong);
+    ASSERT_FALSE(refused.ok()) << wrong;
+    EXPECT_THAT(refused.error().message, HasSubstr("vertex 2: red, green and blue"));
+  }
+}
+
 TEST(PlyGrid, OneVertexPerPlaceNeedsNoRangeGrid) {
   const TemporaryFolder folder;
   const auto read = read_grid_file(folder.write(

@@ -45,6 +45,11 @@ ScanProject all_cameras() {
     view.confidence = Grid<float>(view.width(), view.height(), 0.25f);
     view.deviation = Grid<float>(view.width(), view.height(), 0.125f);
     view.deviation(view.width() / 2, view.height() / 2) = static_cast<float>(kNoSample);
+    view.colours = Grid<Colour>(view.width(), view.height());
+    for (int v = 0; v < view.height(); ++v)
+      for (int u = 0; u < view.width(); ++u)
+        view.colours(u, v) = {static_cast<std::uint8_t>(5 * u), static_cast<std::uint8_t>(6 * v),
+                              200};
     view.normals(view.width() / 2, view.height() / 2).setConstant(static_cast<float>(kNoSample));
   }
   return project;
@@ -59,6 +64,7 @@ void expect_same_view(const RangeView& read, const RangeView& written) {
   ASSERT_EQ(read.height(), written.height());
   ASSERT_EQ(read.sample_count(), written.sample_count());
   ASSERT_EQ(read.has_normals(), written.has_normals());
+  ASSERT_EQ(read.colours.empty(), written.colours.empty());
   for (int v = 0; v < read.height(); ++v) {
     for (int u = 0; u < read.width(); ++u) {
       ASSERT_EQ(read.has_sample(u, v), written.has_sample(u, v));
@@ -69,6 +75,9 @@ void expect_same_view(const RangeView& read, const RangeView& written) {
       ASSERT_EQ(read.deviation_at(u, v) > 0.0f, written.deviation_at(u, v) > 0.0f);
       if (written.deviation_at(u, v) > 0.0f) {
         ASSERT_EQ(read.deviation_at(u, v), written.deviation_at(u, v));
+      }
+      if (!written.colours.empty()) {
+        ASSERT_EQ(read.colours(u, v), written.colours(u, v));
       }
       if (!written.has_normals()) continue;
       ASSERT_EQ(read.has_normal(u, v), written.has_normal(u, v)) << u << " " << v;
@@ -263,6 +272,25 @@ TEST_F(DepthProject, DeviationsAreScaledAndUnknownWhereNotPositive) {
   EXPECT_NEAR(view.deviation_at(4, 4), 0.05, 1e-8);
   for (const auto& [u, v] : {std::pair{1, 1}, {2, 1}, {3, 1}, {5, 5}})
     EXPECT_TRUE(std::isnan(view.deviation_at(u, v))) << u << " " << v;
+}
+
+TEST_F(DepthProject, ColoursComeFromImagesOfIntegers) {
+  Image rgb(8, 6, 3, 65535), grey(8, 6, 1, 255);
+  rgb(2, 1, 0) = 65535;
+  rgb(2, 1, 2) = 257;
+  grey(2, 1) = 77;
+  folder_.write("rgb.png", *encode_png(rgb));
+  folder_.write("grey.png", *encode_png(grey));
+  const auto coloured = read(R"(,"color":{"file":"rgb.png"})");
+  ASSERT_TRUE(coloured.ok()) << coloured.error().message;
+  EXPECT_EQ(coloured->views[0].colours(2, 1), (Colour{255, 0, 1}));
+  EXPECT_EQ(read(R"(,"color":{"file":"grey.png"})")->views[0].colours(2, 1), (Colour{77, 77, 77}));
+  EXPECT_TRUE(read()->views[0].colours.empty());
+  folder_.write("small.png", *encode_png(Image(7, 6, 3, 255)));
+  folder_.write("float.tiff", *encode_tiff(Image(8, 6, 3)));
+  EXPECT_THAT(error(R"(,"color":{"file":"small.png"})"), HasSubstr("small.png: is 7x6"));
+  EXPECT_THAT(error(R"(,"color":{"file":"float.tiff"})"), HasSubstr("image of integers"));
+  EXPECT_THAT(error(R"(,"color":"rgb.png")"), HasSubstr("color"));
 }
 
 TEST_F(DepthProject, AViewWithoutSamplesIsNamed) {
