@@ -108,6 +108,15 @@ TEST(RefineView, WithoutNormalsTheViewIsAsMeasured) {
   EXPECT_EQ(result.kept, view.sample_count());
 }
 
+TEST(RefineView, ColoursStayWithTheirSamples) {
+  RangeView view = noisy_view(0.3, 1.0, 0.0, 48);
+  view.colours = Grid<Colour>(view.width(), view.height(), Colour{1, 2, 3});
+  view.colours(20, 30) = {4, 5, 6};
+  const RefinedView result = refined(view);
+  EXPECT_EQ(result.view.colours.size(), view.colours.size());
+  EXPECT_EQ(result.view.colours(20, 30), (Colour{4, 5, 6}));
+}
+
 TEST(RefineView, SamplesWithoutNormalsKeepTheirRange) {
   RangeView view = noisy_view(0.3, 1.0, 0.0, 64);
   for (int v = 20; v < 40; ++v)
