@@ -85,12 +85,13 @@ void ViewSurface::smooth_normals(const ConnectedGrid& grid, const ViewSurfaceOpt
       ++radius;
   }
   normal_noise_ = slope_noise(noise_, spacing_, radius);
-  auto normals = estimate_normals(view, grid, {.radius = radius, .threads = options.threads});
+  const int outermost = std::min(options.boundary_margin, options.final_margin);
+  auto normals = estimate_normals(
+      view, grid, {.radius = radius, .margin = outermost, .threads = options.threads});
   if (options.normals == NormalSource::kMeasured && view.has_normals()) {
     for (std::size_t i = 0; i < normals.size(); ++i)
       if (view.normals[i].allFinite()) normals[i] = view.normals[i];
   }
-  const int outermost = std::min(options.boundary_margin, options.final_margin);
   for (std::size_t i = 0; i < normals.size(); ++i) {
     if (grid.boundary[i] < outermost || !(weight(i) > 0.0))
       normals[i].setConstant(std::numeric_limits<float>::quiet_NaN());

@@ -1,7 +1,6 @@
 #include "scan/grid_normals.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -17,7 +16,6 @@ namespace {
 
 const Eigen::Vector3f kNoNormal =
     Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
-constexpr std::array<std::pair<int, int>, 4> kNeighbours{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
 Eigen::Vector3f facing_sensor(const Eigen::Vector3d& normal, const Ray& ray) {
   return (normal.dot(ray.direction) > 0.0 ? (-normal).eval() : normal).cast<float>();
@@ -72,13 +70,15 @@ class ConnectedWindow {
     for (std::size_t next = 0; next < queue_.size(); ++next) {
       const auto [pu, pv] = queue_[next];
       sum.add(points_(pu, pv) - points_(u, v));
-      for (const auto& [du, dv] : kNeighbours) {
-        const int wu = pu + du - u + radius_, wv = pv + dv - v + radius_;
-        if (!reached_.contains(wu, wv) || reached_(wu, wv) || !edges_.connected(pu, pv, du, dv))
-          continue;
-        reached_(wu, wv) = 1;
-        queue_.emplace_back(pu + du, pv + dv);
-      }
+      const auto reach = [&, to_u = radius_ - u, to_v = radius_ - v](int qu, int qv) {
+        if (!reached_.contains(qu + to_u, qv + to_v) || reached_(qu + to_u, qv + to_v)) return;
+        reached_(qu + to_u, qv + to_v) = 1;
+        queue_.emplace_back(qu, qv);
+      };
+      if (edges_.right(pu, pv)) reach(pu + 1, pv);
+      if (pu > 0 && edges_.right(pu - 1, pv)) reach(pu - 1, pv);
+      if (edges_.down(pu, pv)) reach(pu, pv + 1);
+      if (pv > 0 && edges_.down(pu, pv - 1)) reach(pu, pv - 1);
     }
     return sum;
   }
@@ -208,7 +208,7 @@ Grid<Eigen::Vector3f> estimate_normals(const RangeView& view, const ConnectedGri
       if (v % options.stride != 0) continue;
       whole.start(v);
       for (int u = 0; u < view.width(); u += options.stride) {
-        if (!view.has_sample(u, v)) continue;
+        if (!view.has_sample(u, v) || grid.boundary(u, v) < options.margin) continue;
         const bool inside = grid.boundary(u, v) > options.radius;
         normals(u, v) =
             plane_normal(inside ? whole.at(u) : connected.collect(u, v), view.camera.ray(u, v));

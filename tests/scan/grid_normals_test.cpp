@@ -96,17 +96,21 @@ TEST(GridNormals, DoNotDependOnTheThreadCount) {
     EXPECT_TRUE(one[i] == four[i] || !one[i].allFinite());
 }
 
-TEST(GridNormals, AStrideGivesTheSameNormalsAtFewerPixels) {
-  const RangeView view = testing::render(testing::sphere({0, 0, 10}, 4.0), kCamera);
-  const GridEdges edges = connect_samples(view);
-  const auto all = estimate_normals(view, edges),
-             some = estimate_normals(view, edges, {.stride = 3});
-  for (int v = 0; v < view.height(); ++v) {
-    for (int u = 0; u < view.width(); ++u) {
-      const bool chosen = u % 3 == 0 && v % 3 == 0 && all(u, v).allFinite();
-      EXPECT_EQ(some(u, v).allFinite(), chosen);
-      if (chosen) {
-        EXPECT_EQ(some(u, v), all(u, v));
+TEST(GridNormals, AStrideAndAMarginGiveTheSameNormalsAtFewerPixels) {
+  const RangeView view = testing::render(testing::sphere({0, 0, 10}, 2.0), kCamera);
+  const ConnectedGrid grid = connect_grid(view);
+  const auto all = estimate_normals(view, grid);
+  for (const GridNormalOptions& options :
+       {GridNormalOptions{.stride = 3}, GridNormalOptions{.margin = 2}}) {
+    const auto some = estimate_normals(view, grid, options);
+    for (int v = 0; v < view.height(); ++v) {
+      for (int u = 0; u < view.width(); ++u) {
+        const bool chosen = u % options.stride == 0 && v % options.stride == 0 &&
+                            grid.boundary(u, v) >= options.margin && all(u, v).allFinite();
+        EXPECT_EQ(some(u, v).allFinite(), chosen);
+        if (chosen) {
+          EXPECT_LT((some(u, v) - all(u, v)).norm(), 1e-6f);
+        }
       }
     }
   }
