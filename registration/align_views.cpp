@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "scan/parallel.h"
+
 namespace relief {
 
 namespace {
@@ -44,6 +46,7 @@ Result<std::vector<ViewSurface>> build_surfaces(const std::vector<RangeView>& vi
       return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
     surfaces.emplace_back(views[i], surface);
   }
+  release_freed_memory();
   return surfaces;
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kSearchRadii = 0.2;
 // Of all pairs at a time, some two thirds of a kilobyte each; and of one direction of a pair.
-constexpr std::size_t kMostCorrespondences = 1'000'000;
+constexpr std::size_t kMostCorrespondences = 500'000;
 constexpr std::size_t kFewestCorrespondences = 60;
 // All pairs of hundreds of views would get so few each, and still need gigabytes. The last steps,
 // which keep nothing for a residual, use all.
