@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "fusion/closed_field.h"
+#include "fusion/crease_edges.h"
 #include "fusion/fair_fill.h"
 #include "fusion/filled_regions.h"
 #include "fusion/isosurface.h"
@@ -195,6 +196,7 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
   if (result.mesh.faces.empty())
     return Error{ErrorKind::kUnsolvable,
                  "no surface was found: the voxel size is too large for the object"};
+  align_edges_with_creases(result.mesh, {result.voxel_size, options.threads, memory.get()});
   relieve(memory.get(), kMeshCheck * result.mesh.vertices.size());
   if (const auto kept = check(memory.get()); !kept) return kept.error();
   result.check = check_mesh(result.mesh);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -55,17 +56,16 @@ class Cells {
 class MovedFaces {
  public:
   MovedFaces(const TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& places,
-             const std::vector<std::uint8_t>& moved, double reach)
-      : mesh_(mesh), places_(places), cells_(places.front(), reach) {
-    const auto moves = [&](const TriangleMesh::Face& face) {
-      return std::any_of(face.begin(), face.end(), [&](std::uint32_t v) { return moved[v]; });
-    };
-    for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
-      if (moves(mesh.faces[f])) faces_.push_back(f);
+             std::vector<std::uint32_t> moved, double reach)
+      : mesh_(mesh), places_(places), faces_(std::move(moved)), cells_(places.front(), reach) {
     moved_ = faces_.size();
-    for (const std::uint32_t f : faces_) cells_.add(box_of(f));
+    std::vector<std::uint8_t> known(mesh.faces.size());
+    for (const std::uint32_t f : faces_) {
+      cells_.add(box_of(f));
+      known[f] = 1;
+    }
     for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
-      if (!moves(mesh.faces[f]) && cells_.meet(box_of(f))) faces_.push_back(f);
+      if (!known[f] && cells_.meet(box_of(f))) faces_.push_back(f);
   }
 
   std::vector<std::uint32_t> intersecting(int threads) const {
@@ -130,13 +130,27 @@ std::vector<std::uint32_t> spoiled_faces(const TriangleMesh& mesh,
                                          const std::vector<Eigen::Vector3d>& places,
                                          const std::vector<std::uint8_t>& moved, double reach,
                                          int threads) {
-  const MovedFaces faces(mesh, places, moved, reach);
+  std::vector<std::uint32_t> of_moved;
+  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+    if (std::any_of(mesh.faces[f].begin(), mesh.faces[f].end(),
+                    [&](std::uint32_t v) { return moved[v]; }))
+      of_moved.push_back(f);
+  const MovedFaces faces(mesh, places, std::move(of_moved), reach);
   std::vector<std::uint32_t> spoiled = faces.intersecting(threads);
   const std::vector<std::uint32_t> thin = faces.thin();
   spoiled.insert(spoiled.end(), thin.begin(), thin.end());
   std::sort(spoiled.begin(), spoiled.end());
   spoiled.erase(std::unique(spoiled.begin(), spoiled.end()), spoiled.end());
   return spoiled;
+}
+
+std::vector<std::uint32_t> intersecting_faces(const TriangleMesh& mesh,
+                                              const std::vector<std::uint32_t>& faces, double reach,
+                                              int threads) {
+  if (faces.empty()) return {};
+  auto found = MovedFaces(mesh, mesh.vertices, faces, reach).intersecting(threads);
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 }  // namespace relief

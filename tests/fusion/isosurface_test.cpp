@@ -13,22 +13,7 @@
 namespace relief {
 namespace {
 
-using testing::cube_of_blocks;
-
-// `function` inside the cube of blocks, 1 on its border and outside.
-template <typename Function>
-SparseField field_of(int side, const Function& function) {
-  SparseField field({Eigen::Vector3d(1, 2, 3), 0.5}, cube_of_blocks(side), nullptr, 1.0f);
-  for (std::size_t b = 0; b < field.block_count(); ++b) {
-    if (!field.active(b)) continue;
-    for (int i = 0; i < kBlockNodes; ++i) {
-      const Node node = field.first_node(b) + node_at_offset(i);
-      const bool inner = (node.array() > 0).all() && (node.array() < kBlockSide * side - 1).all();
-      if (inner) field.values(b)[i] = static_cast<float>(function(node));
-    }
-  }
-  return field;
-}
+using testing::field_of;
 
 TEST(Isosurface, OfADistanceIsTheSphere) {
   const Eigen::Vector3d centre(12.2, 11.9, 12.4);

@@ -141,4 +141,17 @@ std::vector<NodeKey> cube_of_blocks(int side) {
   return blocks;
 }
 
+SparseField field_of(int side, const std::function<double(const Node&)>& function) {
+  SparseField field({Eigen::Vector3d(1, 2, 3), 0.5}, cube_of_blocks(side), nullptr, 1.0f);
+  for (std::size_t b = 0; b < field.block_count(); ++b) {
+    if (!field.active(b)) continue;
+    for (int i = 0; i < kBlockNodes; ++i) {
+      const Node node = field.first_node(b) + node_at_offset(i);
+      const bool inner = (node.array() > 0).all() && (node.array() < kBlockSide * side - 1).all();
+      if (inner) field.values(b)[i] = static_cast<float>(function(node));
+    }
+  }
+  return field;
+}
+
 }  // namespace relief::testing
