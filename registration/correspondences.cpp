@@ -22,7 +22,7 @@ std::optional<SurfacePoint> projected(const ViewSurface& target, const Eigen::Ve
                                       SurfacePart part) {
   const auto pixel = target.project(point);
   if (!pixel) return std::nullopt;
-  const auto first = target.roughly_at(*pixel, part);
+  const auto first = target.nearest(*pixel, part);
   if (!first) return std::nullopt;
   const double distance = first->normal.dot(point - first->point);
   const auto foot_pixel = target.project(point - distance * first->normal);

@@ -57,10 +57,23 @@ class MovingPairs {
         since_(start_.size(), RigidTangent::Zero()) {
     compression_.search = options.search;
     compression_.centre = common_centre(surfaces, start_);
+    measure_deviations();
   }
 
   const std::vector<RigidMotion>& poses() const { return poses_; }
   const Eigen::Vector3d& centre() const { return compression_.centre; }
+
+  /// What residuals of each directed pair deviate by at the present poses, until measured anew.
+  void measure_deviations() {
+    sigmas_.resize(2 * pairs_.size());
+    parallel_for(sigmas_.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::size_t a = source(i), b = target(i);
+        sigmas_[i] = pair_deviation(*surfaces_[a], *surfaces_[b], poses_[b].inverse() * poses_[a],
+                                    options_.search);
+      }
+    });
+  }
 
   /// The pairs at the present poses, in both directions.
   std::vector<PairInformation> compress(std::size_t samples) const {
@@ -101,28 +114,34 @@ class MovingPairs {
     for (std::size_t first = 0; first < all.size(); first += kPairsAtOnce) {
       const std::size_t count = std::min(kPairsAtOnce, all.size() - first);
       parallel_for(count, 1, options_.threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = first + begin; i < first + end; ++i) {
-          const ViewPair& pair = pairs_[i / 2];
-          const std::size_t source = i % 2 == 0 ? pair.a : pair.b;
-          all[i] = compress_pair(i, source, i % 2 == 0 ? pair.b : pair.a, of_view[source], patch);
-        }
+        for (std::size_t i = first + begin; i < first + end; ++i)
+          all[i] = compress_pair(i, of_view[source(i)], patch);
       });
       for (std::size_t i = first; i < first + count; ++i) visit(all[i]);
     }
     return all;
   }
 
-  PairInformation compress_pair(std::size_t i, std::size_t source, std::size_t target,
-                                const std::vector<std::uint32_t>& samples, double patch) const {
+  // Of directed pair i: (a, b) at 2k, (b, a) at 2k + 1.
+  std::size_t source(std::size_t i) const { return i % 2 == 0 ? pairs_[i / 2].a : pairs_[i / 2].b; }
+  std::size_t target(std::size_t i) const { return i % 2 == 0 ? pairs_[i / 2].b : pairs_[i / 2].a; }
+
+  PairInformation compress_pair(std::size_t i, const std::vector<std::uint32_t>& samples,
+                                double patch) const {
+    PairInformation sum;
+    sum.source = source(i);
+    sum.target = target(i);
+    if (sigmas_[i] <= 0.0) return sum;
     PairInformationOptions compression = compression_;
+    compression.sigma = sigmas_[i];
     compression.patch = patch;
-    PairInformation sum = pair_information(*surfaces_[source], *surfaces_[target], poses_[source],
-                                           poses_[target], samples, compression);
-    sum.source = source;
-    sum.target = target;
+    sum = pair_information(*surfaces_[source(i)], *surfaces_[target(i)], poses_[source(i)],
+                           poses_[target(i)], samples, compression);
+    sum.source = source(i);
+    sum.target = target(i);
     if (!options_.normals.empty())
-      add_normals(options_.normals[i], start_[target], compression_.centre,
-                  since_[source] - since_[target], sum);
+      add_normals(options_.normals[i], start_[target(i)], compression_.centre,
+                  since_[source(i)] - since_[target(i)], sum);
     ignore_motions(options_.ignored, compression_.centre, sum);
     return sum;
   }
@@ -131,6 +150,7 @@ class MovingPairs {
   const std::vector<ViewPair>& pairs_;
   const DenseRefinementOptions& options_;
   PairInformationOptions compression_;
+  std::vector<double> sigmas_;  // Of directed pairs [unit].
   std::vector<RigidMotion> start_, poses_;
   std::vector<RigidTangent> since_;  // What the views moved by, all in all.
 };
@@ -146,6 +166,31 @@ double response_at(const MovingPairs& views, const std::vector<const ViewSurface
   return network.response(beside.compress(samples), probe);
 }
 
+// Where renewed correspondences give way, Gauss-Newton falls short.
+std::vector<RigidTangent> newton_step(const PoseNetwork& network, double response) {
+  auto step = network.step();
+  for (auto& tangent : step) tangent /= response;
+  return step;
+}
+
+// Steps until the poses rest. The response to one is the scale of the next (Barzilai and Borwein
+// 1988).
+void approach(const std::vector<const ViewSurface*>& surfaces, const std::vector<bool>& held,
+              const DenseRefinementOptions& options, MovingPairs& views, DenseRefinement& result) {
+  std::vector<PairInformation> before;
+  std::vector<RigidTangent> step;
+  do {
+    auto pairs = views.compress(options.step_samples);
+    const double response =
+        before.empty() ? 1.0
+                       : PoseNetwork(surfaces, before, held, views.centre()).response(pairs, step);
+    step = newton_step(PoseNetwork(surfaces, pairs, held, views.centre()), response);
+    before = std::move(pairs);
+    result.last_motion = views.move(step);
+    ++result.iterations;
+  } while (result.last_motion > options.tolerance && result.iterations < options.max_iterations);
+}
+
 }  // namespace
 
 DenseRefinement refine_densely(const std::vector<const ViewSurface*>& surfaces,
@@ -154,22 +199,15 @@ DenseRefinement refine_densely(const std::vector<const ViewSurface*>& surfaces,
                                std::vector<RigidMotion>& world_from_view) {
   DenseRefinement result;
   MovingPairs views(surfaces, pairs, options, world_from_view);
-  do {
-    const auto few = views.compress(options.step_samples);
-    result.last_motion = views.move(PoseNetwork(surfaces, few, held, views.centre()).step());
-    ++result.iterations;
-  } while (result.last_motion > options.tolerance && result.iterations < options.max_iterations);
-
+  approach(surfaces, held, options, views, result);
+  views.measure_deviations();
   const double response = response_at(views, surfaces, held, options.step_samples);
   PatchPulls pulls(surfaces.size());
   const auto all =
       views.compress(options.last_samples, options.patch * median_spacing(surfaces), pulls);
   const PoseNetwork network(surfaces, all, held, views.centre());
   result.covariance = network.covariance(views.poses(), pulls, response);
-  // A Newton step: where renewed correspondences give way, Gauss-Newton falls short.
-  auto last = network.step();
-  for (auto& tangent : last) tangent /= response;
-  views.move(last);
+  views.move(newton_step(network, response));
   ++result.iterations;
   world_from_view = views.poses();
   return result;

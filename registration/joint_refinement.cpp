@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kSearchRadii = 0.2;
 // Of all pairs at a time, some two thirds of a kilobyte each; and of one direction of a pair.
-constexpr std::size_t kMostCorrespondences = 500'000;
+constexpr std::size_t kMostCorrespondences = 250'000;
 constexpr std::size_t kFewestCorrespondences = 60;
 // All pairs of hundreds of views would get so few each, and still need gigabytes. The last steps,
 // which keep nothing for a residual, use all.
@@ -26,7 +26,7 @@ constexpr int kMostPairsOfAView = 24;
 constexpr double kThinSamples = 200.0;
 constexpr double kThinOverlap = 0.1;
 // The last steps are precise enough to stop at less than the levels before them.
-constexpr double kFinalTolerance = 0.2;
+constexpr double kFinalTolerance = 0.5;
 // Residuals of all pairs together in the last step: some ten seconds of processor time.
 constexpr std::size_t kMostLastResiduals = 50'000'000;
 
@@ -112,29 +112,55 @@ CorrespondenceOptions search_at(const SearchLevel& level, std::size_t pairs,
   return search;
 }
 
-// Both directions of every pair: (a, b) at 2k, (b, a) at 2k + 1. The normal maps are matched where
+// Directed pair i of the pairs: (a, b) at 2k, (b, a) at 2k + 1. The normal maps are matched where
 // either view is `sliding`.
-std::vector<DirectedMatches> match(const std::vector<ViewSurface>& surfaces,
-                                   const std::vector<RigidMotion>& world_from_view,
-                                   const std::vector<ViewPair>& pairs, const SearchLevel& level,
-                                   const JointRefinementOptions& options,
-                                   const std::vector<bool>& sliding) {
-  const CorrespondenceOptions search = search_at(level, pairs.size(), options);
-  std::vector<DirectedMatches> matches(2 * pairs.size());
-  parallel_for(matches.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      DirectedMatches& directed = matches[i];
-      directed.source = i % 2 == 0 ? pairs[i / 2].a : pairs[i / 2].b;
-      directed.target = i % 2 == 0 ? pairs[i / 2].b : pairs[i / 2].a;
-      const RigidMotion target_from_source =
-          world_from_view[directed.target].inverse() * world_from_view[directed.source];
-      directed.found = find_correspondences(surfaces[directed.source], surfaces[directed.target],
-                                            target_from_source, search);
-      if (sliding[directed.source] || sliding[directed.target])
-        directed.normals = normals_of(surfaces, directed, target_from_source, level.signal_level);
-    }
+class Matcher {
+ public:
+  Matcher(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMotion>& world_from_view,
+          const std::vector<ViewPair>& pairs, const SearchLevel& level,
+          const JointRefinementOptions& options, const std::vector<bool>& sliding)
+      : surfaces_(surfaces),
+        world_from_view_(world_from_view),
+        pairs_(pairs),
+        signal_level_(level.signal_level),
+        search_(search_at(level, pairs.size(), options)),
+        sliding_(sliding) {}
+
+  std::size_t size() const { return 2 * pairs_.size(); }
+  bool by_normal_maps(std::size_t i) const {
+    return sliding_[pairs_[i / 2].a] || sliding_[pairs_[i / 2].b];
+  }
+
+  DirectedMatches operator()(std::size_t i) const {
+    const ViewPair& pair = pairs_[i / 2];
+    DirectedMatches directed;
+    directed.source = i % 2 == 0 ? pair.a : pair.b;
+    directed.target = i % 2 == 0 ? pair.b : pair.a;
+    const RigidMotion target_from_source =
+        world_from_view_[directed.target].inverse() * world_from_view_[directed.source];
+    directed.found = find_correspondences(surfaces_[directed.source], surfaces_[directed.target],
+                                          target_from_source, search_);
+    if (by_normal_maps(i))
+      directed.normals = normals_of(surfaces_, directed, target_from_source, signal_level_);
+    return directed;
+  }
+
+ private:
+  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<RigidMotion>& world_from_view_;
+  const std::vector<ViewPair>& pairs_;
+  int signal_level_;
+  CorrespondenceOptions search_;
+  const std::vector<bool>& sliding_;
+};
+
+template <typename Value, typename Compute>
+std::vector<Value> for_all(std::size_t count, int threads, const Compute& compute) {
+  std::vector<Value> values(count);
+  parallel_for(count, 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) values[i] = compute(i);
   });
-  return matches;
+  return values;
 }
 
 // Views that all their correspondences together hardly hold, and that have normal maps: geometry
@@ -174,8 +200,8 @@ SearchPlan plan_search(const std::vector<ViewSurface>& surfaces,
   const auto pairs = largest_overlaps(
       surfaces.size(), pairs_at(surfaces, world_from_view, roles, plan.levels.front(), options),
       kMostPairsOfAView);
-  const auto matches =
-      match(surfaces, world_from_view, pairs, plan.levels.front(), options, plan.sliding);
+  const Matcher match(surfaces, world_from_view, pairs, plan.levels.front(), options, plan.sliding);
+  const auto matches = for_all<DirectedMatches>(match.size(), options.threads, match);
   plan.sliding = sliding_views(surfaces, world_from_view, matches);
   if (std::find(plan.sliding.begin(), plan.sliding.end(), true) != plan.sliding.end())
     plan.levels = levels_for(surfaces, options, signal_levels);
@@ -244,13 +270,15 @@ void grade_pairs(const std::vector<ViewSurface>& surfaces, std::vector<PairFit>&
   }
 }
 
-void describe_fit(const std::vector<ViewSurface>& surfaces,
-                  const std::vector<DirectedMatches>& matches, JointRefinement& result) {
+// Pair by pair: all matches of hundreds of views would need more memory than all else.
+void describe_fit(const Matcher& match, const std::vector<ViewSurface>& surfaces, int threads,
+                  JointRefinement& result) {
+  result.pairs = for_all<PairFit>(match.size() / 2, threads, [&](std::size_t k) {
+    return fit_of(surfaces, result.world_from_view, match(2 * k), match(2 * k + 1));
+  });
   double squares = 0.0;
   std::size_t count = 0;
-  for (std::size_t i = 0; i + 1 < matches.size(); i += 2) {
-    result.pairs.push_back(fit_of(surfaces, result.world_from_view, matches[i], matches[i + 1]));
-    const PairFit& fit = result.pairs.back();
+  for (const PairFit& fit : result.pairs) {
     squares += fit.rms * fit.rms * static_cast<double>(fit.correspondences);
     count += fit.correspondences;
   }
@@ -274,9 +302,12 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
   dense.step_samples = std::min(dense.step_samples, dense.last_samples);
   dense.tolerance = kFinalTolerance * level.tolerance;
   dense.threads = options.threads;
-  if (std::find(sliding.begin(), sliding.end(), true) != sliding.end())
-    for (auto& directed : match(surfaces, result.world_from_view, pairs, level, options, sliding))
-      dense.normals.push_back(std::move(directed.normals));
+  if (std::find(sliding.begin(), sliding.end(), true) != sliding.end()) {
+    const Matcher match(surfaces, result.world_from_view, pairs, level, options, sliding);
+    dense.normals = for_all<NormalMatches>(match.size(), options.threads, [&](std::size_t i) {
+      return match.by_normal_maps(i) ? match(i).normals : NormalMatches();
+    });
+  }
   const auto refined =
       refine_densely(pointers_to(surfaces), pairs, result.held, dense, result.world_from_view);
   result.iterations += refined.iterations;
@@ -338,8 +369,8 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
       const double fraction = (l + static_cast<double>(i) / options.max_iterations) / levels.size();
       if (!report_progress(progress, fraction, "refining poses"))
         return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-      const auto matches =
-          match(surfaces, result.world_from_view, strongest, levels[l], options, sliding);
+      const Matcher match(surfaces, result.world_from_view, strongest, levels[l], options, sliding);
+      const auto matches = for_all<DirectedMatches>(match.size(), options.threads, match);
       const auto before = result.world_from_view;
       solve_poses(surfaces, matches, result.held, {}, result.world_from_view);
       ++result.iterations;
@@ -356,9 +387,8 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
     return result;
   }
   finish(surfaces, pairs, levels.back(), sliding, options, result);
-  describe_fit(surfaces,
-               match(surfaces, result.world_from_view, pairs, levels.back(), options, sliding),
-               result);
+  describe_fit(Matcher(surfaces, result.world_from_view, pairs, levels.back(), options, sliding),
+               surfaces, options.threads, result);
   return result;
 }
 

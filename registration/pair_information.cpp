@@ -77,6 +77,11 @@ std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t co
   return samples;
 }
 
+double pair_deviation(const ViewSurface& source, const ViewSurface& target,
+                      const RigidMotion& target_from_source, const CorrespondenceOptions& search) {
+  return find_correspondences(source, target, target_from_source, search).sigma;
+}
+
 PairInformation pair_information(const ViewSurface& source, const ViewSurface& target,
                                  const RigidMotion& world_from_source,
                                  const RigidMotion& world_from_target,
@@ -87,8 +92,9 @@ PairInformation pair_information(const ViewSurface& source, const ViewSurface& t
   RigidMotion centred_from_target = world_from_target;
   centred_from_target.translation() -= options.centre;
 
-  const double sigma =
-      find_correspondences(source, target, target_from_source, options.search).sigma;
+  const double sigma = options.sigma > 0.0
+                           ? options.sigma
+                           : pair_deviation(source, target, target_from_source, options.search);
   if (sigma <= 0.0) return sum;
   CorrespondenceOptions everywhere = options.search;
   everywhere.part = SurfacePart::kWhole;

@@ -38,7 +38,9 @@ struct PairInformation {
 };
 
 struct PairInformationOptions {
-  CorrespondenceOptions search;  ///< Its part is that of the samples that tell the deviation.
+  CorrespondenceOptions search;
+  /// Deviation of the pair's residuals [unit], as pair_deviation() has it; 0: that at these poses.
+  double sigma = 0.0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< See PairInformation; world frame.
   /// Edge of the cubes that cut the surface into patches [unit]; 0: no patches.
   double patch = 0.0;
@@ -46,6 +48,11 @@ struct PairInformationOptions {
 
 /// `count` samples of a view's whole surface (0: all), neighbours close to each other in memory.
 std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t count);
+
+/// Robust deviation of a directed pair's residuals at poses [unit], by `search`; its part is that
+/// of the samples that tell it. 0: the views share nothing.
+double pair_deviation(const ViewSurface& source, const ViewSurface& target,
+                      const RigidMotion& target_from_source, const CorrespondenceOptions& search);
 
 /// Of the given samples of the source (grid indices) on the whole target. Leaves it to the caller
 /// to say which views these are.

@@ -163,47 +163,46 @@ std::optional<ViewSurface::Corners> ViewSurface::corners_of(const Eigen::Vector2
   return Corners{u, v, {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
 }
 
-SurfacePoint ViewSurface::on_chords(const Eigen::Vector2d& pixel, const Corners& corners) const {
-  double range = 0.0, confidence = 0.0;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  for (int k = 0; k < 4; ++k) {
-    const int u = corners.u + k % 2, v = corners.v + k / 2;
-    const std::size_t i = view_->range.index(u, v);
-    const double share = corners.weights[static_cast<std::size_t>(k)];
-    range += share * view_->range[i];
-    normal += share * normals_(u, v).scaled();
-    confidence += share * weight(i);
-  }
-  return {view_->camera.ray_at(pixel.x(), pixel.y()).at(range), normal.normalized(), confidence,
-          pixel};
-}
-
 // The normals tell the sag of the chords: the mean height of the chord point over the tangent
 // planes at the corners is twice that of a quadratic surface. Noise of the corners cancels in it;
 // only the differences of the normals count.
-double ViewSurface::sag(const Eigen::Vector3d& chord_point, const Corners& corners) const {
-  double height = 0.0;
+SurfacePoint ViewSurface::on_bent_chords(const Eigen::Vector2d& pixel,
+                                         const Corners& corners) const {
+  const Eigen::Vector3d first = view_->point(corners.u, corners.v);
+  Eigen::Vector3d chord = Eigen::Vector3d::Zero(), normal = chord;  // The chord point from `first`.
+  double planes = 0.0, confidence = 0.0;
   for (int k = 0; k < 4; ++k) {
     const int u = corners.u + k % 2, v = corners.v + k / 2;
-    height += corners.weights[static_cast<std::size_t>(k)] *
-              normals_(u, v).scaled().dot(chord_point - view_->point(u, v));
+    const double share = corners.weights[static_cast<std::size_t>(k)];
+    const Eigen::Vector3d corner = view_->point(u, v) - first;
+    const Eigen::Vector3d corner_normal = share * normals_(u, v).scaled();
+    chord += share * corner;
+    normal += corner_normal;
+    planes += corner_normal.dot(corner);
+    confidence += share * weight(view_->range.index(u, v));
   }
-  return 0.5 / PackedNormal::kUnit * height;
+  const double sag = 0.5 / PackedNormal::kUnit * (normal.dot(chord) - planes);
+  normal.normalize();
+  return {first + chord - sag * normal, normal, confidence, pixel};
 }
 
 std::optional<SurfacePoint> ViewSurface::at(const Eigen::Vector2d& pixel, SurfacePart part) const {
   const auto corners = corners_of(pixel, part);
   if (!corners) return std::nullopt;
-  SurfacePoint place = on_chords(pixel, *corners);
-  place.point -= sag(place.point, *corners) * place.normal;
-  return place;
+  return on_bent_chords(pixel, *corners);
 }
 
-std::optional<SurfacePoint> ViewSurface::roughly_at(const Eigen::Vector2d& pixel,
-                                                    SurfacePart part) const {
-  const auto corners = corners_of(pixel, part);
-  if (!corners) return std::nullopt;
-  return on_chords(pixel, *corners);
+std::optional<SurfacePoint> ViewSurface::nearest(const Eigen::Vector2d& pixel,
+                                                 SurfacePart part) const {
+  const double u_round = std::round(pixel.x()), v_round = std::round(pixel.y());
+  if (!(u_round >= 0.0 && v_round >= 0.0 && u_round < view_->width() && v_round < view_->height()))
+    return std::nullopt;
+  const int u = static_cast<int>(u_round), v = static_cast<int>(v_round);
+  if (!normals_.holds(u, v, u, v)) return std::nullopt;
+  const PackedNormal& normal = normals_(u, v);
+  if (!normal.exists() || (part == SurfacePart::kInner && normal.note != kInner))
+    return std::nullopt;
+  return sample(static_cast<std::uint32_t>(view_->range.index(u, v)));
 }
 
 std::optional<SignalPoint> ViewSurface::signal(const SurfacePoint& place, int level) const {

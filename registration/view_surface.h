@@ -82,9 +82,9 @@ class ViewSurface {
   /// normals: exact to second order. Nothing unless the four samples around are usable.
   std::optional<SurfacePoint> at(const Eigen::Vector2d& pixel,
                                  SurfacePart part = SurfacePart::kInner) const;
-  /// The same on the chords between samples: cheaper, and a little inside of convex surfaces.
-  std::optional<SurfacePoint> roughly_at(const Eigen::Vector2d& pixel,
-                                         SurfacePart part = SurfacePart::kInner) const;
+  /// The sample nearest to a pixel: cheaper. Nothing where it is not usable.
+  std::optional<SurfacePoint> nearest(const Eigen::Vector2d& pixel,
+                                      SurfacePart part = SurfacePart::kInner) const;
 
   /// Resolutions of the normal map, each half as fine as the one before; 0: there is none.
   int signal_levels() const { return signal_levels_; }
@@ -128,8 +128,7 @@ class ViewSurface {
   void select_samples(const Grid<Eigen::Vector3d>& points);
   struct Corners;
   std::optional<Corners> corners_of(const Eigen::Vector2d& pixel, SurfacePart part) const;
-  SurfacePoint on_chords(const Eigen::Vector2d& pixel, const Corners& corners) const;
-  double sag(const Eigen::Vector3d& chord_point, const Corners& corners) const;
+  SurfacePoint on_bent_chords(const Eigen::Vector2d& pixel, const Corners& corners) const;
 
   double weight(std::size_t index) const;
   const NormalSignal& prepared_signal() const;

@@ -32,10 +32,9 @@ TEST(ViewSurface, BendsBetweenSamplesAsTheSurfaceDoes) {
     const auto found = surface.at(pixel);
     ASSERT_TRUE(found.has_value());
     EXPECT_NEAR((found->point - centre).norm(), kRadius, 2e-4);
-    // Chords lie inside, by at most the sag of a cell's diagonal.
-    const auto rough = surface.roughly_at(pixel);
-    EXPECT_LE((rough->point - centre).norm(), kRadius + 1e-9);
-    EXPECT_NEAR((rough->point - centre).norm(), kRadius, 3e-3);
+    const auto sample = surface.nearest(pixel);
+    EXPECT_LE((sample->pixel - pixel).lpNorm<Eigen::Infinity>(), 0.5);
+    EXPECT_NEAR((sample->point - centre).norm(), kRadius, 1e-6);
   }
 }
 
@@ -55,9 +54,9 @@ TEST(ViewSurface, GoesFartherWhenAskedForTheWhole) {
   for (int v = 0; v < 60; ++v) view.range(40, v) = kNoSample;
   const ViewSurface surface(view, {.boundary_margin = 3, .final_margin = 1});
   EXPECT_TRUE(surface.at({37.5, 30.0}, SurfacePart::kWhole).has_value());
-  EXPECT_TRUE(surface.roughly_at({37.5, 30.0}, SurfacePart::kWhole).has_value());
+  EXPECT_TRUE(surface.nearest({37.4, 30.0}, SurfacePart::kWhole).has_value());
   EXPECT_FALSE(surface.at({37.5, 30.0}).has_value());
-  EXPECT_FALSE(surface.roughly_at({37.5, 30.0}).has_value());
+  EXPECT_FALSE(surface.nearest({37.4, 30.0}).has_value());
   EXPECT_FALSE(surface.at({38.5, 30.0}, SurfacePart::kWhole).has_value());
   // Pixels 1 to 38 and 42 to 78 of rows 1 to 58, of which those off boundaries by three are inner.
   EXPECT_EQ(surface.samples().size(), (34u + 33u) * 54u);
