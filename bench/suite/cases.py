@@ -5,6 +5,9 @@ import os
 import pathlib
 from dataclasses import dataclass, field
 
+from suite.measure import run
+from suite.system import PYTHON, ROOT_PEERS
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
@@ -29,6 +32,8 @@ class Case:
     truth_poses: str = ""
     truth_mesh: str = ""
     """Below the data folder; set by `prepare` for simulated scans."""
+    disturbed: tuple = ()
+    """Real scans: degrees that poses are turned by, and the share of the object's size that they are moved by."""
     slow_peers: bool = False
     """Whether peers that take minutes are run on it."""
     folder: pathlib.Path = None
@@ -57,7 +62,16 @@ class Case:
                 if getattr(self, name):
                     setattr(self, name, test_data() / getattr(self, name))
             self.options = tuple(test_data() / word if word.endswith(".fc") else word for word in self.options)
+            if self.disturbed:
+                self.project = self.at_disturbed_poses(relief)
         self.spacing = relief.spacing(self.input(), self.folder / "info.log")
+
+    def at_disturbed_poses(self, relief):
+        grids = self.folder / "disturbed"
+        grids.mkdir(exist_ok=True)
+        relief.grids(self.project, grids)
+        run([PYTHON, ROOT_PEERS / "disturb.py", grids, *self.disturbed, grids / "disturbed.json"], self.folder / "disturb.log")
+        return grids / "disturbed.json"
 
     def input(self):
         return [self.project, *self.options]
@@ -103,6 +117,8 @@ def all_cases(quick):
              truth_poses="bear/truth.json", truth_mesh="bear/reference.ply"),
         Case("bunny", "Stanford bunny, 10 raw Cyberware scans without normals, published poses", ("merge", "chain"),
              "bunny/bun.conf", truth_mesh="bunny/reference.ply", unit="m"),
+        Case("bunny-off", "the same scans from poses off by 2° and 1 % of the size; errors are against the published poses, themselves "
+             "a registration", ("align",), "bunny/bun.conf", truth_poses="bunny/bun.conf", unit="m", disturbed=(2, 0.01)),
         Case("owl16", "built-in object, 16 views of 512x512", ("sixteen",), simulated=True, options=SIXTEEN),
         Case("lion16", "lion statue, 16 views of 512x512", ("sixteen",), "meshes/lionstatue.obj", simulated=True,
              options=SIXTEEN),
