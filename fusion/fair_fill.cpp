@@ -21,12 +21,16 @@ constexpr double kIntrusion = 0.25;  // [voxels]
 // Rounds of finding what a plate must not do, and of holding it there.
 constexpr int kRounds = 3;
 
+// Stiffness at vertices that are held because their faces were spoiled: the membrane there tells
+// no slope worth going on with.
+constexpr double kHeld = 0.0;
+
 // Memory for each vertex of the mesh, and for each that may move besides [bytes].
 constexpr std::size_t kVertex = 60, kMoving = 900;
 
 // How far the work on a region has come.
 struct Settling {
-  std::map<std::uint32_t, Eigen::Vector3d> pinned;  // Filled vertices that are held.
+  std::map<std::uint32_t, PlateVertex> pinned;  // Vertices that are held.
   bool settled = false;
   bool stays = false;  // As the closed field has it.
 };
@@ -47,7 +51,7 @@ class Fairing {
     for (int round = 0; round <= kRounds; ++round) settle_all(round == kRounds);
     changed_.resize(places_.size());
     for (std::size_t v = 0; v < places_.size(); ++v) changed_[v] = places_[v] != mesh_.vertices[v];
-    for (int round = 0; mend(round < kRounds); ++round) {
+    for (int round = 0; mend(round); ++round) {
     }
     return {std::move(places_), regions_.too_large()};
   }
@@ -73,7 +77,7 @@ class Fairing {
       if (pin == work.pinned.end())
         patch.free.push_back(vertex);
       else
-        patch.held.push_back({vertex.vertex, pin->second});
+        patch.held.push_back(pin->second);
     }
     work.settled = true;
     if (patch.free.empty()) return;
@@ -85,7 +89,7 @@ class Fairing {
       const std::uint32_t v = patch.free[k].vertex;
       places_[v] = allowed(v, rest[k], collector);
       if (places_[v] == rest[k] || last) continue;
-      work.pinned.emplace(v, places_[v]);
+      work.pinned.emplace(v, PlateVertex{v, places_[v]});
       work.settled = false;
     }
   }
@@ -115,9 +119,11 @@ class Fairing {
     work_[r].stays = work_[r].settled = true;
   }
 
-  // Faces that intersect have slipped along the surface, as slivers do. Where letting their
-  // vertices move along the normal only does not help, the region goes back. False: there was none.
-  bool mend(bool patient) {
+  // Faces that intersect have slipped along the surface, as slivers do: their vertices then move
+  // along the normal only. Where that does not help they stay, with more and more of those around
+  // them, while the rest comes to rest anew; in the end the region goes back. False: there was
+  // none.
+  bool mend(int round) {
     const std::vector<std::uint32_t> spoiled =
         spoiled_faces(mesh_, places_, changed_, 2.0 * options_.voxel_size, options_.threads);
     std::fill(changed_.begin(), changed_.end(), 0);
@@ -128,13 +134,31 @@ class Fairing {
         const std::uint32_t r = regions_.region_of(v);
         if (r == FairRegions::kNone || work_[r].stays) continue;
         any = true;
-        if (patient)
+        if (round < kRounds)
           keep_from_slipping(v, collector);
+        else if (round < 2 * kRounds)
+          hold(v);
         else
           restore(r);
       }
     }
+    if (any && round >= kRounds && round < 2 * kRounds) settle_all(true);
     return any;
+  }
+
+  // Keeps a vertex and its neighbours where the closed field has them.
+  void hold(std::uint32_t vertex) {
+    regions_.around().visit(vertex, [&](std::uint32_t f) {
+      for (const std::uint32_t v : mesh_.faces[f]) {
+        const std::uint32_t r = regions_.region_of(v);
+        if (r == FairRegions::kNone) continue;
+        places_[v] = mesh_.vertices[v];
+        work_[r].pinned[v] = {v, places_[v], kHeld};
+        if (!work_[r].settled) continue;
+        work_[r].settled = false;
+        for (const PlateVertex& free : regions_.all()[r].vertices) changed_[free.vertex] = 1;
+      }
+    });
   }
 
   void keep_from_slipping(std::uint32_t v, EvidenceCollector& collector) {

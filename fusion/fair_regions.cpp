@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include "fusion/evidence.h"
@@ -19,6 +20,13 @@ constexpr double kSmooth = 0.866, kSharp = 0.5;
 
 // Rings of measured vertices round the filled ones that move with them.
 constexpr int kMargin = 3;
+
+// Rings of measured vertices beyond these that tell how the surface curves towards the border.
+constexpr int kApproach = 6;
+
+// A surface that, as it curves where it was measured, would turn by less than this part of what the
+// filled surface has to turn by has an edge at its border: the wall of a block, not a sphere.
+constexpr double kCarried = 0.5;
 
 // Of each vertex the number of edges to the nearest filled one, at most `most` + 1.
 std::vector<std::uint8_t> rings_around_filled(const TriangleMesh& mesh, int most) {
@@ -53,8 +61,8 @@ double pull_of(int ring, double voxel) { return std::pow(std::ldexp(voxel, 1 - r
 FairRegions::FairRegions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
                          const FairFillOptions& options)
     : mesh_(mesh),
-      rings_(rings_around_filled(mesh, kMargin + 2)),
-      around_(mesh, up_to(kMargin + 1, rings_)),
+      rings_(rings_around_filled(mesh, kMargin + 1 + kApproach)),
+      around_(mesh, up_to(kMargin + kApproach, rings_)),
       normals_(mesh, rings_, kMargin + 1) {
   find(options);
   parallel_for(regions_.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
@@ -105,9 +113,67 @@ void FairRegions::add_border(FairRegion& region) const {
   for (const std::uint32_t v : border) region.border.push_back({v, mesh_.vertices[v]});
 }
 
+// Whether the surface turns away from a region's border on all sides, as at the base of a statue
+// and not round a valley: most of what is filled lies far behind the border's tangent planes.
+bool FairRegions::is_end(const FairRegion& region) const {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const PlateVertex& free : region.vertices) centre += mesh_.vertices[free.vertex];
+  centre /= static_cast<double>(region.vertices.size());
+  double behind = 0.0, away = 0.0;
+  for (const PlateVertex& held : region.border) {
+    const Eigen::Vector3d to_centre = centre - held.place;
+    behind -= to_centre.dot(mesh_.normals[held.vertex].cast<double>());
+    away += to_centre.norm();
+  }
+  return behind > 0.5 * away;
+}
+
+// The direction that most of what is filled faces if it ends straight walls, else zero.
+Eigen::Vector3d FairRegions::facing_of_lid(const FairRegion& region, double voxel) const {
+  if (!is_end(region)) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d facing = Eigen::Vector3d::Zero();
+  double area = 0.0;  // Of the filled faces, six times.
+  for (const PlateVertex& free : region.vertices) {
+    if (!mesh_.filled[free.vertex]) continue;
+    around_.visit(free.vertex, [&](std::uint32_t f) {
+      facing += face_cross(mesh_, f);
+      area += face_cross(mesh_, f).norm();
+    });
+  }
+  facing.normalize();
+  const auto mean_turn = [&](const std::vector<std::uint32_t>& ring) {
+    double sum = 0.0;
+    for (const std::uint32_t v : ring)
+      sum += std::acos(std::clamp(mesh_.normals[v].cast<double>().dot(facing), -1.0, 1.0));
+    return sum / static_cast<double>(ring.size());
+  };
+  std::vector<std::uint32_t> ring;
+  for (const PlateVertex& held : region.border) ring.push_back(held.vertex);
+  const double turn = mean_turn(ring);
+  for (int k = 0; k < kApproach && !ring.empty(); ++k) ring = ring_beyond(ring);
+  if (ring.empty()) return Eigen::Vector3d::Zero();
+  const double half_width = std::sqrt(area / (6.0 * std::numbers::pi));
+  const double carried = (mean_turn(ring) - turn) * half_width / (kApproach * voxel);
+  return turn > std::acos(kSharp) && carried < kCarried * turn ? facing : Eigen::Vector3d::Zero();
+}
+
+// The vertices beside those of a ring that are one edge farther from what was filled.
+std::vector<std::uint32_t> FairRegions::ring_beyond(const std::vector<std::uint32_t>& ring) const {
+  std::vector<std::uint32_t> next;
+  for (const std::uint32_t v : ring)
+    around_.visit(v, [&](std::uint32_t f) {
+      for (const std::uint32_t w : mesh_.faces[f])
+        if (rings_[w] == rings_[v] + 1) next.push_back(w);
+    });
+  std::sort(next.begin(), next.end());
+  next.erase(std::unique(next.begin(), next.end()), next.end());
+  return next;
+}
+
 void FairRegions::prepare(FairRegion& region, const std::vector<ViewSampler>& views,
                           const FairFillOptions& options) const {
   EvidenceCollector collector(views, options.truncation, options.voxel_size);
+  const Eigen::Vector3d lid = facing_of_lid(region, options.voxel_size);
   for (PlateVertex& free : region.vertices) {
     const int ring = rings_[free.vertex];
     if (ring == 0) continue;
@@ -115,7 +181,10 @@ void FairRegions::prepare(FairRegion& region, const std::vector<ViewSampler>& vi
     const Eigen::Vector3d normal = mesh_.normals[free.vertex].cast<double>();
     free.place -= collector.collect(free.place, normal).distance * normal;
     free.pull = pull_of(ring, options.voxel_size);
-    if (ring == 1) free.stiffness = stiffness_of(normals_.cosine(free.vertex, around_));
+    if (ring != 1) continue;
+    double cosine = normals_.cosine(free.vertex, around_);
+    if (!lid.isZero()) cosine = std::min(cosine, lid.dot(normals_.at(free.vertex)));
+    free.stiffness = stiffness_of(cosine);
   }
 }
 

@@ -49,6 +49,9 @@ class FairRegions {
   void find(const FairFillOptions& options);
   bool is_deep(const FairRegion& region) const;
   void add_border(FairRegion& region) const;
+  bool is_end(const FairRegion& region) const;
+  Eigen::Vector3d facing_of_lid(const FairRegion& region, double voxel) const;
+  std::vector<std::uint32_t> ring_beyond(const std::vector<std::uint32_t>& ring) const;
   void prepare(FairRegion& region, const std::vector<ViewSampler>& views,
                const FairFillOptions& options) const;
 

@@ -115,19 +115,25 @@ TEST(Closing, ABlockNeverSeenFromBelowGetsAPlainBase) {
   const MergeResult merged = closed(views);
   EXPECT_TRUE(merged.check.watertight());
   EXPECT_EQ(merged.check.genus, 0);
-  double lowest = 0.0, highest = -100.0;
+  // Views see the walls down to 1.4 above the base. It closes there, but for a corner or two.
+  double lowest = 0.0, deepest = 0.0, highest = -100.0;
   for (std::size_t v = 0; v < merged.mesh.vertices.size(); ++v) {
     const Eigen::Vector3d& p = merged.mesh.vertices[v];
     lowest = std::min(lowest, p.z());
-    if (merged.mesh.filled[v] && std::abs(p.x()) < 20.0 && std::abs(p.y()) < 15.0)
-      highest = std::max(highest, p.z());
+    if (!merged.mesh.filled[v] || std::abs(p.x()) > 25.0 || std::abs(p.y()) > 20.0) continue;
+    highest = std::max(highest, p.z());
+    deepest = std::min(deepest, p.z());
   }
-  EXPECT_GT(lowest, -27.0) << "the base bulges little";
-  EXPECT_LT(highest, -14.0) << "nor is it hollow";
+  EXPECT_GT(lowest, -22.0);
+  EXPECT_GT(deepest, -20.5) << "the base is plane";
+  EXPECT_LT(highest, -18.0);
   EXPECT_LT(roughness(merged.mesh), 0.1);
-  const double share =
-      rightly_filled(merged, [&](const Eigen::Vector3d& p) { return p.z() < -19.0; });
-  EXPECT_GT(share, 0.99) << "but for the rim of the base";
+  const auto expected = [](const Eigen::Vector3d& p) -> std::optional<bool> {
+    if (p.z() > -18.0) return false;
+    return p.z() < -19.3 || (std::abs(p.x()) < 28.0 && std::abs(p.y()) < 23.0) ? std::optional(true)
+                                                                               : std::nullopt;
+  };
+  EXPECT_GT(rightly_filled(merged, expected), 0.99) << "but for the rim of the base";
 }
 
 // Takes samples away from all views.
