@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <tuple>
 #include <unordered_set>
 #include <vector>
 
@@ -21,14 +22,20 @@ namespace {
 constexpr std::size_t kGrain = 4096;
 
 // Memory for each vertex of the mesh [bytes].
-constexpr std::size_t kVertex = 110;
+constexpr std::size_t kVertex = 140;
 
 // Turning the edges along one crease takes a few passes, since a face takes part in one turn of a
 // pass only.
-constexpr int kPasses = 4;
+constexpr int kPasses = 3;
+
+// Times the work is begun anew before the faces stay as given.
+constexpr int kAttempts = 5;
 
 // What must be gained, in bulges (below) against the length of the edge: less is noise.
 constexpr double kLeastGain = 0.03;
+
+// Nor less than the noise of the views, which bends the surface at every vertex.
+constexpr double kNoise = 1.0;
 
 // Cosine of the largest angle between a new face and the mean of the old ones.
 constexpr double kTurn = 0.5;
@@ -61,22 +68,48 @@ double least_angle(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, s
 class CreaseEdges {
  public:
   CreaseEdges(TriangleMesh& mesh, const CreaseEdgeOptions& options)
-      : mesh_(mesh), options_(options), all_(mesh.vertices.size(), 1) {}
+      : mesh_(mesh),
+        options_(options),
+        all_(mesh.vertices.size(), 1),
+        barred_(mesh.vertices.size(), 0) {}
 
-  // How many edges were turned.
+  // Turns edges, at first freely; where the result intersects itself, over again without the
+  // vertices there. Returns how many edges were turned.
+  std::size_t run() {
+    const std::vector<TriangleMesh::Face> as_given = mesh_.faces;
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      std::size_t turned = 0;
+      changed_.assign(mesh_.faces.size(), 0);
+      for (int pass = 0; pass < kPasses; ++pass) turned += this->pass();
+      const std::vector<std::uint32_t> bad = intersecting();
+      if (bad.empty()) return turned;
+      for (const std::uint32_t f : bad)
+        for (const std::uint32_t v : mesh_.faces[f]) barred_[v] = 1;
+      mesh_.faces = as_given;
+    }
+    return 0;
+  }
+
+ private:
+  std::vector<std::uint32_t> intersecting() const {
+    std::vector<std::uint32_t> changed;
+    for (std::uint32_t f = 0; f < changed_.size(); ++f)
+      if (changed_[f]) changed.push_back(f);
+    return intersecting_faces(mesh_, changed, 2.0 * options_.voxel_size, options_.threads);
+  }
+
   std::size_t pass() {
     mesh_.normals = vertex_normals(mesh_);
     const FacesAround around(mesh_, all_);
     std::vector<Turn> turns = candidates(around);
     std::sort(turns.begin(), turns.end(), [](const Turn& s, const Turn& t) {
-      return s.gain != t.gain ? s.gain > t.gain : s.left < t.left;
+      return std::tie(t.gain, s.left, s.a) < std::tie(s.gain, t.left, t.a);
     });
     keep_apart(turns);
     for (const Turn& turn : turns) apply(turn);
-    return turns.size() - undo_intersecting(turns);
+    return turns.size();
   }
 
- private:
   // How far the surface leaves an edge: eight times the height of the arc over it that has the
   // normals of its ends.
   double bulge(std::uint32_t i, std::uint32_t j) const {
@@ -103,10 +136,11 @@ class CreaseEdges {
     const auto& face = mesh_.faces[f];
     Turn turn{0.0, face[k], face[(k + 1) % 3], face[(k + 2) % 3], 0, f, 0};
     const double length = (mesh_.vertices[turn.b] - mesh_.vertices[turn.a]).norm();
-    const double least = kLeastGain * length, now = bulge(turn.a, turn.b);
+    const double least = std::max(kLeastGain * length, kNoise * options_.noise);
+    const double now = bulge(turn.a, turn.b);
     if (!(now > least) || !find_right(around, turn)) return;
     turn.gain = now - bulge(turn.c, turn.d);
-    if (turn.gain > least && allowed(turn) && !joined(around, turn.c, turn.d))
+    if (turn.gain > least && !is_barred(turn) && allowed(turn) && !joined(around, turn.c, turn.d))
       turns.push_back(turn);
   }
 
@@ -123,6 +157,10 @@ class CreaseEdges {
       }
     });
     return found;
+  }
+
+  bool is_barred(const Turn& t) const {
+    return barred_[t.a] || barred_[t.b] || barred_[t.c] || barred_[t.d];
   }
 
   bool allowed(const Turn& t) const {
@@ -159,48 +197,23 @@ class CreaseEdges {
   }
 
   void apply(const Turn& t) {
+    changed_[t.left] = changed_[t.right] = 1;
     mesh_.faces[t.left] = {t.c, t.d, t.b};
     mesh_.faces[t.right] = {t.d, t.c, t.a};
   }
 
-  void undo(const Turn& t) {
-    mesh_.faces[t.left] = {t.a, t.b, t.c};
-    mesh_.faces[t.right] = {t.b, t.a, t.d};
-  }
-
-  // Returns how many turns were taken back. That may make others intersect, hence the rounds.
-  std::size_t undo_intersecting(std::vector<Turn> turns) {
-    const std::size_t all = turns.size();
-    for (std::size_t left = all + 1; turns.size() < left;) {
-      left = turns.size();
-      std::vector<std::uint32_t> faces;
-      for (const Turn& t : turns) faces.insert(faces.end(), {t.left, t.right});
-      const std::vector<std::uint32_t> bad =
-          intersecting_faces(mesh_, faces, 2.0 * options_.voxel_size, options_.threads);
-      const auto is_bad = [&](std::uint32_t f) {
-        return std::binary_search(bad.begin(), bad.end(), f);
-      };
-      std::erase_if(turns, [&](const Turn& t) {
-        if (!is_bad(t.left) && !is_bad(t.right)) return false;
-        undo(t);
-        return true;
-      });
-    }
-    return all - turns.size();
-  }
-
   TriangleMesh& mesh_;
   const CreaseEdgeOptions& options_;
-  std::vector<std::uint8_t> all_;
+  std::vector<std::uint8_t> all_;      // Set for every vertex.
+  std::vector<std::uint8_t> barred_;   // Vertices whose edges and whose faces' edges stay.
+  std::vector<std::uint8_t> changed_;  // Faces that are others than given.
 };
 
 }  // namespace
 
 std::size_t align_edges_with_creases(TriangleMesh& mesh, const CreaseEdgeOptions& options) {
   relieve(options.memory, kVertex * mesh.vertices.size());
-  CreaseEdges edges(mesh, options);
-  std::size_t turned = 0;
-  for (int pass = 0; pass < kPasses; ++pass) turned += edges.pass();
+  const std::size_t turned = CreaseEdges(mesh, options).run();
   mesh.normals = vertex_normals(mesh);
   return turned;
 }

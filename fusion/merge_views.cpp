@@ -196,7 +196,8 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
   if (result.mesh.faces.empty())
     return Error{ErrorKind::kUnsolvable,
                  "no surface was found: the voxel size is too large for the object"};
-  align_edges_with_creases(result.mesh, {result.voxel_size, options.threads, memory.get()});
+  align_edges_with_creases(result.mesh,
+                           {result.voxel_size, result.view_noise, options.threads, memory.get()});
   relieve(memory.get(), kMeshCheck * result.mesh.vertices.size());
   if (const auto kept = check(memory.get()); !kept) return kept.error();
   result.check = check_mesh(result.mesh);

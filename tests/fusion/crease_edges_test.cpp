@@ -21,7 +21,7 @@ using testing::field_of;
 using testing::SignedDistance;
 
 constexpr double kVoxel = 0.5;
-constexpr CreaseEdgeOptions kOptions{kVoxel, 2, nullptr};
+constexpr CreaseEdgeOptions kOptions{kVoxel, 0.0, 2, nullptr};
 
 // A box that lies askew in its lattice, as a distance in the frame of the mesh.
 SignedDistance tilted_box() {
@@ -82,8 +82,8 @@ TEST(CreaseEdges, RunAlongTheEdgesOfABox) {
 
 TEST(CreaseEdges, AreTheSameOnAnyNumberOfThreads) {
   TriangleMesh one = contour_of(tilted_box()), four = one;
-  EXPECT_EQ(align_edges_with_creases(one, {kVoxel, 1, nullptr}),
-            align_edges_with_creases(four, {kVoxel, 4, nullptr}));
+  EXPECT_EQ(align_edges_with_creases(one, {kVoxel, 0.0, 1, nullptr}),
+            align_edges_with_creases(four, {kVoxel, 0.0, 4, nullptr}));
   EXPECT_EQ(one.faces, four.faces);
   EXPECT_EQ(one.normals, four.normals);
 }
