@@ -14,10 +14,16 @@ namespace relief {
 /// for a patch and a view that sees it, however many pairs meet there.
 class PatchPulls {
  public:
+  /// Edge of larger patches over that of the patches they are made of.
+  static constexpr double kLarger = 4.0;
+
   explicit PatchPulls(std::size_t views) : of_view_(views) {}
 
   /// Adds the patches of a pair: to the source as they are, to the target with the other sign.
   void add(const PairInformation& pair);
+
+  /// The same for patches of several times the edge.
+  PatchPulls on_larger_patches() const;
 
   /// Of one view on one patch.
   struct Entry {

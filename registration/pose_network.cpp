@@ -83,9 +83,25 @@ Eigen::MatrixXd PoseNetwork::scatter(const PatchPulls& pulls) const {
   }
   // The poses were fitted to these pulls, which took as many degrees of freedom from them.
   const auto count = static_cast<double>(patches), fitted = static_cast<double>(free_.size());
-  sum *= std::min(2.0, count / std::max(1.0, count - fitted));
+  sum *= growth(pulls) * std::min(2.0, count / std::max(1.0, count - fitted));
   for (const auto& pair : pairs_) add_edge(pair.independent, pair, sum);
   return sum;
+}
+
+// The sum of the squared pulls, each relative to what its view's information makes it scatter by.
+double PoseNetwork::spread(const PatchPulls& pulls) const {
+  const Eigen::MatrixXd all = information(1.0);
+  std::vector<Matrix6d> variance;  // Of a pose, were all other views held.
+  for (std::size_t i = 0; i < surfaces_.size(); ++i)
+    variance.push_back(solve_scaled(all.block<6, 6>(row_of(i), row_of(i)), Matrix6d::Identity()));
+  double sum = 0.0;
+  for (const auto& entry : pulls.sorted()) sum += entry.pull.dot(variance[entry.view] * entry.pull);
+  return sum;
+}
+
+double PoseNetwork::growth(const PatchPulls& pulls) const {
+  const double apart = spread(pulls);
+  return apart > 0.0 ? std::max(1.0, spread(pulls.on_larger_patches()) / apart) : 1.0;
 }
 
 Eigen::VectorXd PoseNetwork::pull_of(const std::vector<PairInformation>& pairs) const {

@@ -36,13 +36,19 @@ class PoseNetwork {
   /// The covariance of all poses (6V x 6V), as tangents (rotation [rad], translation [unit]) about
   /// each view's own centre in world axes; zero rows and columns for held views (R12). Residuals
   /// of one patch of the surface may depend on each other in any way, so a sample that takes part
-  /// in many pairs counts once; those of different patches count as independent. `pulls`: of the
-  /// same pairs.
+  /// in many pairs counts once; those of different patches count as independent but for growth().
+  /// `pulls`: of the same pairs.
   Eigen::MatrixXd covariance(const std::vector<RigidMotion>& world_from_view,
                              const PatchPulls& pulls, double response) const;
 
+  /// By how much the pulls of patches four times as wide vary more than those of independent
+  /// patches would; >= 1. About 1.1 for white noise; errors that reach farther, as those of refined
+  /// views, give more.
+  double growth(const PatchPulls& pulls) const;
+
  private:
   Eigen::MatrixXd information(double factor) const;
+  double spread(const PatchPulls& pulls) const;
   Eigen::VectorXd pull_of(const std::vector<PairInformation>& pairs) const;
   Eigen::MatrixXd scatter(const PatchPulls& pulls) const;
 

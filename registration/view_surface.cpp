@@ -20,6 +20,8 @@ namespace {
 
 constexpr double kWantedNormalNoise = 0.035;  // [rad], two degrees
 constexpr int kSmallestNormalRadius = 2, kLargestNormalRadius = 5;
+// Deviations of more than so many times what neighbours differ by are mostly of what they share.
+constexpr double kSharedErrors = 2.0;
 constexpr int kBlankReach = 2;  // [pixels]
 
 // A bijection of 64-bit integers whose outputs look random (the finaliser of Steele, Lea and Flood
@@ -42,10 +44,11 @@ void scatter(std::vector<std::uint32_t>& indices) {
 
 // What each sample counts for: its confidence, or, where deviations are known, which have the
 // confidence in them, the inverse of its variance relative to the view's median one. Empty: the
-// confidence.
-Grid<float> sample_weights(const RangeView& view) {
+// confidence; so, too, where errors are shared by neighbours: their sums over the surface, which
+// move poses, do not become smaller as the deviations of single samples do.
+Grid<float> sample_weights(const RangeView& view, double noise) {
   const float typical = median_deviation(view);
-  if (!(typical > 0.0f)) return {};
+  if (!(typical > 0.0f) || typical > kSharedErrors * noise) return {};
   Grid<float> weights(view.width(), view.height(), 0.0f);
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
@@ -59,8 +62,7 @@ Grid<float> sample_weights(const RangeView& view) {
 
 }  // namespace
 
-ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& options)
-    : view_(&view), weights_(sample_weights(view)) {
+ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& options) : view_(&view) {
   assert(options.boundary_margin >= 1 && options.final_margin >= 1);
   if (options.normal_signal && view.has_normals())
     signal_levels_ = NormalSignal::levels_of(view.width(), view.height());
@@ -78,6 +80,7 @@ void ViewSurface::smooth_normals(const ConnectedGrid& grid, const ViewSurfaceOpt
   const RangeView& view = *view_;
   spacing_ = sample_spacing(grid.points, grid.edges);
   noise_ = position_noise(view, grid, options.threads);
+  if (options.normals == NormalSource::kGeometric) weights_ = sample_weights(view, noise_);
   int radius = options.normal_radius > 0 ? options.normal_radius : kSmallestNormalRadius;
   if (options.normal_radius == 0) {
     while (radius < kLargestNormalRadius &&

@@ -18,9 +18,9 @@ namespace relief {
 struct ConnectedGrid;
 
 enum class NormalSource {
-  kGeometric,  ///< Of the measured surface, smoothed: right on average whatever the normal maps
-               ///< are.
-  kMeasured,   ///< The view's own normals where it has them: for views that were refined.
+  kGeometric,  ///< Of the measured surface, smoothed: right whatever the normal maps are.
+  /// The view's own where it has them: for refined views, whose samples share errors and so
+  kMeasured,  ///< count by their confidence alone.
 };
 
 struct ViewSurfaceOptions {

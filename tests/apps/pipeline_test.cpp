@@ -1,5 +1,6 @@
 // The whole way through the program on simulated scans.
 #include <filesystem>
+#include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -74,6 +75,29 @@ TEST(Program, RunsTheWholeWay) {
   const json model = evaluate(out / "model.ply", scans / "truth/model.ply");
   EXPECT_LT(model["accuracy"]["rms"].get<double>(), refined["depth"]["rms"].get<double>());
   EXPECT_LT(model["completeness"]["rms"].get<double>(), refined["depth"]["rms"].get<double>());
+}
+
+// The mean displacement of the views at the poses of a section of the report.
+double pose_error(const json& section, const TemporaryFolder& scans) {
+  json project = json::parse(read_text(scans / "scan.json"));
+  for (std::size_t i = 0; i < project["views"].size(); ++i)
+    project["views"][i]["world_from_view"] = section["views"][i]["world_from_view"];
+  std::ofstream(scans / "with_poses.json") << project.dump();
+  return evaluate(scans / "with_poses.json",
+                  scans / "truth/scan.json")["poses"]["mean_displacement"];
+}
+
+TEST(Program, GainsAccuracyByAligningAgain) {
+  const TemporaryFolder scans, out;
+  simulate(scans, "8", "192");
+  const ProgramRun run = run_relief(
+      {"run", scans / "scan.json", "--no-polish", "--voxel", "4", "-o", out.path().string()});
+  ASSERT_EQ(run.exit_status, 0) << run.standard_error;
+  const json report = report_of(out.path());
+  const json gain = report["align_again"]["gain"];
+  EXPECT_TRUE(gain["kept"]);
+  EXPECT_LT(gain["pose_std"]["again"].get<double>(), gain["pose_std"]["first"].get<double>());
+  EXPECT_LT(pose_error(report["align_again"], scans), pose_error(report["align"], scans));
 }
 
 TEST(Program, SimulatesTheSensorsItIsTold) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <random>
 #include <span>
 
 #include <Eigen/Dense>
@@ -156,6 +158,70 @@ TEST(PatchPulls, AddUpOverThePairsOfAView) {
     EXPECT_EQ(entries[i].view, views[i]);
     EXPECT_TRUE(entries[i].pull == RigidTangent::Constant(expected[i]));
   }
+}
+
+// The patch in column `x` of the row through the origin: see patch_of() in pair_information.cpp.
+std::uint64_t patch_at(std::int64_t x) { return (static_cast<std::uint64_t>(x) & 0x1fffffU) << 42; }
+
+TEST(PatchPulls, AddUpOnLargerPatches) {
+  PairInformation pair;
+  pair.target = 1;
+  for (const std::int64_t x : {0, 3, 4, -1, -4, -5})
+    pair.patches.push_back({patch_at(x), RigidTangent::Constant(1.0 + static_cast<double>(x))});
+  PatchPulls pulls(2);
+  pulls.add(pair);
+  std::vector<double> of_source;
+  for (const auto& entry : pulls.on_larger_patches().sorted())
+    if (entry.view == 0) of_source.push_back(entry.pull[0]);
+  EXPECT_EQ(of_source, (std::vector<double>{5.0, 5.0, -4.0, -3.0}));  // 0 to 3, 4, -8 to -5, rest.
+}
+
+// Range noise that is alike over about `reach` pixels either way.
+void add_smooth_noise(RangeView& view, double sigma, int reach, std::uint32_t seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal(0.0, sigma * (2 * reach + 1));
+  const int width = view.width(), height = view.height();
+  Grid<double> noise(width, height, 0.0);
+  for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = normal(generator);
+  for (int v = reach; v + reach < height; ++v) {
+    for (int u = reach; u + reach < width; ++u) {
+      double sum = 0.0;
+      for (int y = v - reach; y <= v + reach; ++y)
+        for (int x = u - reach; x <= u + reach; ++x) sum += noise(x, y);
+      const int samples = (2 * reach + 1) * (2 * reach + 1);
+      view.range(u, v) += sum / samples / view.camera.ray(u, v).direction.norm();
+    }
+  }
+}
+
+TEST(PoseNetwork, SeesErrorsThatReachFartherThanAPatch) {
+  const Ring exact(4, 0.0), white(4);
+  auto smooth = exact.truth;
+  for (std::size_t i = 0; i < smooth.size(); ++i)
+    add_smooth_noise(smooth[i], 0.1 * exact.spacing(), 7, static_cast<std::uint32_t>(i + 1));
+  const auto growth = [&](const std::vector<RangeView>& views) {
+    std::vector<ViewSurface> surfaces;
+    for (const auto& view : views) surfaces.emplace_back(view);
+    PairInformationOptions options;
+    options.search.max_distance = 5.0 * exact.spacing();
+    options.patch = 8.0 * exact.spacing();
+    std::vector<PairInformation> all;
+    PatchPulls pulls(views.size());
+    for (const auto& pair : pairs_of(exact)) {
+      const auto samples = in_grid_order(surfaces[pair.a], 0);
+      all.push_back(pair_information(surfaces[pair.a], surfaces[pair.b],
+                                     views[pair.a].world_from_view, views[pair.b].world_from_view,
+                                     samples, options));
+      all.back().source = pair.a;
+      all.back().target = pair.b;
+      pulls.add(all.back());
+    }
+    return PoseNetwork(pointers_to(surfaces), all, first_held(views.size()),
+                       Eigen::Vector3d::Zero())
+        .growth(pulls);
+  };
+  EXPECT_LT(growth(white.truth), 1.3);
+  EXPECT_GT(growth(smooth), 2.0);
 }
 
 TEST(DenseRefinement, FindsExactPosesOfExactViews) {

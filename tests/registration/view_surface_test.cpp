@@ -105,11 +105,21 @@ TEST(ViewSurface, TrustsSamplesByTheInverseOfTheirVariance) {
   view.deviation = Grid<float>(80, 60, 0.01f);
   view.deviation(20, 20) = 0.02f;
   view.deviation(40, 20) = static_cast<float>(kNoSample);
+  testing::add_range_noise(view, 0.01, 1);
   const ViewSurface surface(view);
   EXPECT_FLOAT_EQ(surface.at({30.0, 20.0})->confidence, 1.0);
   EXPECT_FLOAT_EQ(surface.at({20.0, 20.0})->confidence, 0.25);
   EXPECT_FLOAT_EQ(surface.at({40.0, 20.0})->confidence, 0.5);
   EXPECT_FALSE(surface.at({60.0, 20.0}).has_value());
+}
+
+// As refining leaves it: a smooth surface, of which no place is known well.
+TEST(ViewSurface, DoesNotWeighByDeviationsOfErrorsThatNeighboursShare) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  view.deviation = Grid<float>(80, 60, 0.03f);
+  view.deviation(20, 20) = 0.06f;
+  testing::add_range_noise(view, 0.01, 1);
+  EXPECT_DOUBLE_EQ(ViewSurface(view).at({20.0, 20.0})->confidence, 1.0);
 }
 
 TEST(ViewSurface, MeasuresTheNoiseOfAView) {
