@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "registration/coarse/pair_search.h"
+#include "registration/coarse/plain_view.h"
 #include "registration/coarse/turntable.h"
 #include "registration/coarse/view_similarity.h"
 #include "registration/robust.h"
@@ -40,8 +41,10 @@ class Placing {
     if (options_.search && !complete() && !search_by_shape()) return interrupted();
     if (!complete()) {
       for (auto& link : turntable_links(surfaces_, groups_.group, options_.limits,
-                                        options_.association, options_.threads))
+                                        options_.association, options_.threads)) {
+        link.ambiguous = looks_repeated(link.a) || looks_repeated(link.b);
         links_.push_back(std::move(link));
+      }
       regroup();
     }
     return std::move(groups_);
@@ -178,15 +181,21 @@ class Placing {
   }
 
   // Whether a view fits itself at a second place: so do then others that show the same shape, and
-  // nothing tells at which.
+  // nothing tells at which. Views of flat faces alone fit others that show other faces.
   bool repeats_itself(std::size_t i, const CoarseView& view, const CoarseScale& scale,
                       const PlausibleEvidence& limits) {
     if (!repeats_[i]) {
       PlausibleEvidence alone = limits;
       alone.min_overlap = grouping_.lone_overlap;
-      repeats_[i] = fits_itself(view, scale, alone, {options_.association, 150, 20});
+      repeats_[i] = is_plain(surfaces_[i]) ||
+                    fits_itself(view, scale, alone, {options_.association, 150, 20});
     }
     return *repeats_[i];
+  }
+
+  // The same as far as it is known without a search.
+  bool looks_repeated(std::size_t i) const {
+    return i < repeats_.size() && repeats_[i] ? *repeats_[i] : is_plain(surfaces_[i]);
   }
 
   bool go_on(double fraction, std::string_view step) const {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/align_views.h"
+#include "registration/coarse/plain_view.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief {
@@ -98,9 +99,35 @@ TEST(PlainShapes, NeighbouringSidesOfACubeAreNotForced) {
   expect_none_aligned_and_all_told_why(views_without_poses(surface_of(cube), 6, 0.7854, 140.0));
 }
 
+// They show different sides, which overlap by 88 % when they are taken for the same.
+TEST(PlainShapes, SidesOfACubeAQuarterTurnApartAreNotForced) {
+  const auto views = views_without_poses(surface_of(cube), 6, 0.4, 60.0);
+  expect_none_aligned_and_all_told_why({views[1], views[5]});
+}
+
 // Views that show other sides of much the same lengths.
 TEST(PlainShapes, NeighbouringSidesOfABoxAreNotForced) {
   expect_none_aligned_and_all_told_why(views_without_poses(surface_of(box), 3, 1.2, 140.0));
+}
+
+TEST(PlainView, KnowsFlatFaces) {
+  const auto view_of = [](const Surface& surface) {
+    return views_without_poses(surface, 1, 0.0, 140.0)[0];
+  };
+  const RangeView corner = view_of(surface_of(box)), inside = view_of(surface_of(bowl)),
+                  bumpy = view_of(testing::bumpy_object(40.0));
+  EXPECT_TRUE(is_plain(ViewSurface(corner)));
+  EXPECT_FALSE(is_plain(ViewSurface(inside)));
+  EXPECT_FALSE(is_plain(ViewSurface(bumpy)));
+  EXPECT_LT(planar_fraction(ViewSurface(corner), 1), 0.8);
+  EXPECT_GT(planar_fraction(ViewSurface(corner), 2), 0.95);  // The eye is level with one side.
+}
+
+TEST(PlainView, HasNoFacesWithoutSamples) {
+  const RangeView view = testing::render([](const Ray&) { return std::nullopt; },
+                                         Camera::pinhole(20, 20, {200, 200, 9.5, 9.5}));
+  EXPECT_EQ(planar_fraction(ViewSurface(view), 4), 0.0);
+  EXPECT_FALSE(is_plain(ViewSurface(view)));
 }
 
 }  // namespace
