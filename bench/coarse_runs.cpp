@@ -5,7 +5,10 @@
 //     as guesses, aligns, and compares with the poses of the project (or of FILE);
 //   relief_coarse_runs --simulate [--mesh FILE ...] [--runs N] [--seed S]
 //     scans the built-in object, random bodies and the meshes with random layouts, sensors, noise,
-//     stray samples and now and then a view of another object, and does the same.
+//     stray samples and now and then a view of another object, and does the same;
+//   relief_coarse_runs --boxes [--runs N] [--seed S]
+//     scans cubes and boxes so, whose views look alike from several sides: none may be placed
+//     wrongly.
 //
 // One line per run and a summary. Exit status 1 if any view was placed wrongly.
 #include <algorithm>
@@ -179,6 +182,21 @@ SimulationObject random_body(Generator& generator) {
   return mesh_object(std::move(mesh)).value();
 }
 
+// A cube, a box with two square faces, or one with three lengths; up to twice as long as thick.
+SimulationObject random_box(Generator& generator) {
+  Eigen::Vector3d half = Eigen::Vector3d::Constant(30.0);
+  const std::size_t other_sides = index_below(generator, 3);
+  for (std::size_t k = 0; k < other_sides; ++k)
+    half[static_cast<Eigen::Index>(k)] *= uniform(generator, 0.7, 1.4);
+  TriangleMesh mesh;
+  for (int corner = 0; corner < 8; ++corner)
+    mesh.vertices.push_back(half.cwiseProduct(
+        Eigen::Vector3d(2 * (corner & 1) - 1, (corner & 2) - 1, (corner & 4) / 2 - 1)));
+  mesh.faces = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return mesh_object(std::move(mesh)).value();
+}
+
 void add_strays(RangeView& view, double fraction, double depth, Generator& generator) {
   for (double& range : view.range)
     if (range == range && uniform(generator, 0, 1) < fraction)
@@ -203,6 +221,13 @@ SimulationOptions random_options(Generator& generator) {
   options.mesh_divisions = 0;
   options.seed = generator();
   return options;
+}
+
+Scene scene_of_box(Generator& generator) {
+  const SimulationObject box = random_box(generator);
+  Scene scene{"box", simulate(box, random_options(generator)).value().scans, {}};
+  scene.foreign.assign(scene.truth.views.size(), false);
+  return scene;
 }
 
 Scene simulated_scene(const std::vector<SimulationObject>& objects,
@@ -236,7 +261,7 @@ Scene simulated_scene(const std::vector<SimulationObject>& objects,
 
 struct Settings {
   std::string project, truth, poses = "absent";
-  bool simulate = false, verbose = false;
+  bool simulate = false, boxes = false, verbose = false;
   std::vector<std::string> meshes;
   int runs = 20;
   std::uint64_t seed = 1;
@@ -263,14 +288,16 @@ int run_all(const Settings& settings) {
       objects.push_back(mesh_object(read_mesh(path).value()).value());
       names.push_back(path.substr(path.find_last_of('/') + 1));
     }
-  } else {
+  } else if (!settings.boxes) {
     fixed = project_scene(settings.project, settings.truth);
   }
   Outcome total;
   for (int k = 0; k < settings.runs; ++k) {
     const std::uint64_t seed = settings.seed + static_cast<std::uint64_t>(k);
     Generator generator(seed);
-    const Scene scene = settings.simulate ? simulated_scene(objects, names, generator) : fixed;
+    const Scene scene = settings.boxes      ? scene_of_box(generator)
+                        : settings.simulate ? simulated_scene(objects, names, generator)
+                                            : fixed;
     const Outcome outcome = run(scene, settings.poses == "random", settings.verbose, generator);
     print(seed, scene.name, outcome);
     total.views += outcome.views;
@@ -301,6 +328,7 @@ int main(int argc, char** argv) {
   app.add_option("--poses", settings.poses, "What views start from")
       ->check(CLI::IsMember({"absent", "random"}));
   app.add_flag("--simulate", settings.simulate, "Simulated scans instead of a project");
+  app.add_flag("--boxes", settings.boxes, "Simulated scans of cubes and boxes");
   app.add_option("--mesh", settings.meshes, "Meshes to simulate scans of, besides");
   app.add_option("--runs", settings.runs)->check(CLI::PositiveNumber);
   app.add_option("--seed", settings.seed, "Of the first run; the next ones count up");
