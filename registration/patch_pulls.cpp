@@ -36,7 +36,10 @@ PatchPulls PatchPulls::on_larger_patches() const {
 }
 
 std::vector<PatchPulls::Entry> PatchPulls::sorted() const {
+  std::size_t count = 0;
+  for (const auto& pulls : of_view_) count += pulls.size();
   std::vector<Entry> entries;
+  entries.reserve(count);
   for (std::size_t view = 0; view < of_view_.size(); ++view)
     for (const auto& [patch, pull] : of_view_[view]) entries.push_back({patch, view, pull});
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
