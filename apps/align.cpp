@@ -26,6 +26,7 @@ int align(const AlignCommand& command) {
   options.threads = command.common.threads;
   const auto stage = align_stage(*project, options);
   if (!stage) return fail(stage.error());
+  warn_of_unaligned(stage->report);
 
   const auto written =
       write_project_poses(*project, command.input.path, command.input.options, command.output);

@@ -71,10 +71,7 @@ Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options
   for (std::size_t i = 0; i < project.views.size(); ++i) {
     const ViewReport& view = alignment->views[i];
     aligned += view.aligned ? 1 : 0;
-    if (!view.aligned) {
-      Console::warning("view " + view.name + " is not aligned: " + view.reason);
-      continue;
-    }
+    if (!view.aligned) continue;
     project.views[i].world_from_view = view.world_from_view;
     if (project.views[i].pose == PoseKind::kAbsent) project.views[i].pose = PoseKind::kGuess;
   }
@@ -89,6 +86,13 @@ Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options
                             aligned, project.views.size(), alignment->pairs.size(), alignment->rms,
                             project.unit, to_string(alignment->termination), seconds));
   return stage;
+}
+
+void warn_of_unaligned(const Json& align_report) {
+  for (const Json& view : align_report["views"])
+    if (!view["aligned"])
+      Console::warning("view " + view["name"].get<std::string>() +
+                       " is not aligned: " + view["reason"].get<std::string>());
 }
 
 }  // namespace relief

@@ -1,5 +1,6 @@
 #include "apps/alignment_gain.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -56,6 +57,12 @@ double mean_motion(const std::vector<RangeView>& views,
   return count > 0.0 ? sum / count : 0.0;
 }
 
+std::size_t left_out(const Json& section) {
+  const auto& views = section["views"];
+  return static_cast<std::size_t>(
+      std::count_if(views.begin(), views.end(), [](const Json& v) { return !v["aligned"]; }));
+}
+
 }  // namespace
 
 Json alignment_gain(const Json& first, const Json& again, const std::vector<RangeView>& views) {
@@ -63,7 +70,8 @@ Json alignment_gain(const Json& first, const Json& again, const std::vector<Rang
   return {{"rms", {{"first", first["rms"]}, {"again", again["rms"]}}},
           {"pose_std", {{"first", std_first}, {"again", std_again}}},
           {"moved", mean_motion(views, aligned_poses(first), aligned_poses(again))},
-          {"kept", std_again <= std_first}};
+          {"left_out", left_out(again)},
+          {"kept", std_again <= std_first && left_out(again) == 0}};
 }
 
 std::vector<std::string> gain_table(const Json& gain, const std::string& unit) {
@@ -71,10 +79,15 @@ std::vector<std::string> gain_table(const Json& gain, const std::string& unit) {
     return fmt::format("  {:<22}{:>12.3g}{:>12.3g}", name, gain["rms"][key].get<double>(),
                        gain["pose_std"][key].get<double>());
   };
-  return {fmt::format("  {:<22}{:>12}{:>12}  [{}]", "alignment of", "rms", "pose std", unit),
-          row("views as measured", "first"), row("refined views", "again"),
-          fmt::format("  moved by {:.3g} {} on average{}", gain["moved"].get<double>(), unit,
-                      gain["kept"] ? "" : ": no gain expected, the first poses are kept")};
+  std::string verdict;
+  if (const auto lost = gain["left_out"].get<std::size_t>(); lost > 0)
+    verdict = fmt::format(": {} of the views no longer fit, the first poses are kept", lost);
+  else if (!gain["kept"])
+    verdict = ": no gain expected, the first poses are kept";
+  return {
+      fmt::format("  {:<22}{:>12}{:>12}  [{}]", "alignment of", "rms", "pose std", unit),
+      row("views as measured", "first"), row("refined views", "again"),
+      fmt::format("  moved by {:.3g} {} on average{}", gain["moved"].get<double>(), unit, verdict)};
 }
 
 }  // namespace relief

@@ -53,6 +53,7 @@ class Run {
   Result<void> align() {
     const auto stage = align_stage(project_, with_threads(command_.align));
     if (!stage) return stage.error();
+    warn_of_unaligned(stage->report);
     if (auto written = keep("align", stage->report); !written) return written;
     first_alignment_ = stage->report;
     if (!stage->complete) {

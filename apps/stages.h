@@ -21,6 +21,9 @@ struct AlignStage {
 };
 Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options);
 
+/// Warns of the views that the section of the report says are not aligned.
+void warn_of_unaligned(const Json& align_report);
+
 /// Replaces the views of `project` by the refined ones. `complete` is false when a solve failed.
 /// `memory` [bytes] is that of refine_views.
 struct RefineStage {

@@ -144,9 +144,6 @@ void report_views(const std::vector<RangeView>& views, const std::vector<ViewSur
     result.views.push_back(std::move(report));
   }
   if (views.size() == 1) result.notes.push_back("one view only: nothing to align");
-  for (const auto& view : result.views)
-    if (!view.aligned)
-      result.notes.push_back("view " + view.name + " is not aligned: " + view.reason);
 }
 
 }  // namespace
