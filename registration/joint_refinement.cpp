@@ -253,6 +253,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
     result.group = connected_groups(surfaces.size(), {});
     return result;
   }
+  release_freed_memory();  // What solving took; the last steps grow as large.
   finish(surfaces, pairs, levels.back(), sliding, options, result);
   const SearchLevel& last = levels.back();
   describe_fit(
