@@ -68,9 +68,9 @@ class MovingPairs {
     sigmas_.resize(2 * pairs_.size());
     parallel_for(sigmas_.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const std::size_t a = source(i), b = target(i);
-        sigmas_[i] = pair_deviation(*surfaces_[a], *surfaces_[b], poses_[b].inverse() * poses_[a],
-                                    options_.search);
+        const std::size_t source = source_of(pairs_, i), target = target_of(pairs_, i);
+        sigmas_[i] = pair_deviation(*surfaces_[source], *surfaces_[target],
+                                    poses_[target].inverse() * poses_[source], options_.search);
       }
     });
   }
@@ -115,33 +115,30 @@ class MovingPairs {
       const std::size_t count = std::min(kPairsAtOnce, all.size() - first);
       parallel_for(count, 1, options_.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = first + begin; i < first + end; ++i)
-          all[i] = compress_pair(i, of_view[source(i)], patch);
+          all[i] = compress_pair(i, of_view[source_of(pairs_, i)], patch);
       });
       for (std::size_t i = first; i < first + count; ++i) visit(all[i]);
     }
     return all;
   }
 
-  // Of directed pair i: (a, b) at 2k, (b, a) at 2k + 1.
-  std::size_t source(std::size_t i) const { return i % 2 == 0 ? pairs_[i / 2].a : pairs_[i / 2].b; }
-  std::size_t target(std::size_t i) const { return i % 2 == 0 ? pairs_[i / 2].b : pairs_[i / 2].a; }
-
   PairInformation compress_pair(std::size_t i, const std::vector<std::uint32_t>& samples,
                                 double patch) const {
+    const std::size_t source = source_of(pairs_, i), target = target_of(pairs_, i);
     PairInformation sum;
-    sum.source = source(i);
-    sum.target = target(i);
+    if (sigmas_[i] > 0.0) {
+      PairInformationOptions compression = compression_;
+      compression.sigma = sigmas_[i];
+      compression.patch = patch;
+      sum = pair_information(*surfaces_[source], *surfaces_[target], poses_[source], poses_[target],
+                             samples, compression);
+    }
+    sum.source = source;
+    sum.target = target;
     if (sigmas_[i] <= 0.0) return sum;
-    PairInformationOptions compression = compression_;
-    compression.sigma = sigmas_[i];
-    compression.patch = patch;
-    sum = pair_information(*surfaces_[source(i)], *surfaces_[target(i)], poses_[source(i)],
-                           poses_[target(i)], samples, compression);
-    sum.source = source(i);
-    sum.target = target(i);
     if (!options_.normals.empty())
-      add_normals(options_.normals[i], start_[target(i)], compression_.centre,
-                  since_[source(i)] - since_[target(i)], sum);
+      add_normals(options_.normals[i], start_[target], compression_.centre,
+                  since_[source] - since_[target], sum);
     ignore_motions(options_.ignored, compression_.centre, sum);
     return sum;
   }

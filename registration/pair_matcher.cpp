@@ -34,10 +34,9 @@ NormalMatches normals_of(const std::vector<ViewSurface>& surfaces, const Directe
 }  // namespace
 
 DirectedMatches PairMatcher::operator()(std::size_t i) const {
-  const ViewPair& pair = pairs_[i / 2];
   DirectedMatches directed;
-  directed.source = i % 2 == 0 ? pair.a : pair.b;
-  directed.target = i % 2 == 0 ? pair.b : pair.a;
+  directed.source = source_of(pairs_, i);
+  directed.target = target_of(pairs_, i);
   const RigidMotion target_from_source =
       world_from_view_[directed.target].inverse() * world_from_view_[directed.source];
   directed.found = find_correspondences(surfaces_[directed.source], surfaces_[directed.target],

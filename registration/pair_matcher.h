@@ -32,7 +32,7 @@ class PairMatcher {
     return sliding_[pairs_[i / 2].a] || sliding_[pairs_[i / 2].b];
   }
 
-  /// Of directed pair i: (a, b) at 2k, (b, a) at 2k + 1. Normal maps have no opinion on motions
+  /// Of directed pair i, see source_of(). Normal maps have no opinion on motions
   /// that neither they nor geometry determine.
   DirectedMatches operator()(std::size_t i) const;
 

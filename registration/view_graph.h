@@ -15,6 +15,14 @@ struct ViewPair {
   double overlap = 0.0;  ///< Fraction of samples that the other view saw, mean of both directions.
 };
 
+/// Of directed pair i of `pairs`: (a, b) at 2k, (b, a) at 2k + 1.
+inline std::size_t source_of(const std::vector<ViewPair>& pairs, std::size_t i) {
+  return i % 2 == 0 ? pairs[i / 2].a : pairs[i / 2].b;
+}
+inline std::size_t target_of(const std::vector<ViewPair>& pairs, std::size_t i) {
+  return i % 2 == 0 ? pairs[i / 2].b : pairs[i / 2].a;
+}
+
 struct ViewGraphOptions {
   double max_distance = 0.0;  ///< Between corresponding points at the present poses [unit]; > 0.
   double max_normal_angle_deg = 40.0;

@@ -19,8 +19,9 @@ struct ConnectedGrid;
 
 enum class NormalSource {
   kGeometric,  ///< Of the measured surface, smoothed: right whatever the normal maps are.
-  /// The view's own where it has them: for refined views, whose samples share errors and so
-  kMeasured,  ///< count by their confidence alone.
+  /// The view's own where it has them: for refined views. Their samples share errors, and count by
+  /// their confidence alone.
+  kMeasured,
 };
 
 struct ViewSurfaceOptions {
