@@ -17,7 +17,7 @@ namespace relief {
 namespace {
 
 constexpr double kSearchRadii = 0.2;
-// Of all pairs at a time: with normal maps some three kilobytes each while poses are solved for.
+// Of all pairs at a time, before the last steps, which use all samples.
 constexpr std::size_t kMostCorrespondences = 250'000;
 // Of one direction of a pair, where many pairs are solved for together, and where one is judged.
 constexpr int kFewestTogether = 20, kFewestAlone = 60;
@@ -229,6 +229,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
     result.group = connected_groups(surfaces.size(), pairs);
     result.held = hold_one_per_group(result.group, roles);
     result.termination = RefinementTermination::kIterationLimit;
+    const JointSolverOptions solver{.threads = options.threads};
     const auto strongest = largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView);
     for (int i = 0; i < options.max_iterations; ++i) {
       const double fraction = (l + static_cast<double>(i) / options.max_iterations) / levels.size();
@@ -239,7 +240,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
                               levels[l].signal_level, sliding);
       const auto matches = for_all<DirectedMatches>(match.size(), options.threads, match);
       const auto before = result.world_from_view;
-      solve_poses(surfaces, matches, result.held, {}, result.world_from_view);
+      solve_poses(surfaces, matches, result.held, solver, result.world_from_view);
       ++result.iterations;
       result.last_motion = largest_motion(pointers_to(surfaces), before, result.world_from_view);
       if (result.last_motion <= levels[l].tolerance) {

@@ -2,46 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Core>
 #include <ceres/ceres.h>
 
-#include "registration/normal_residual.h"
-#include "registration/plane_residual.h"
-#include "registration/robust.h"
+#include "registration/pair_terms.h"
+#include "registration/pose_parameters.h"
+#include "scan/parallel.h"
 
 namespace relief {
 
 namespace {
-
-class PlaneCost : public ceres::SizedCostFunction<1, 7, 7> {
- public:
-  explicit PlaneCost(const PlaneResidual& residual) : residual_(residual) {}
-
-  bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
-    residuals[0] = residual_.evaluate(poses[0], poses[1], jacobians ? jacobians[0] : nullptr,
-                                      jacobians ? jacobians[1] : nullptr);
-    return true;
-  }
-
- private:
-  PlaneResidual residual_;
-};
-
-class NormalCost : public ceres::SizedCostFunction<2, 7, 7> {
- public:
-  explicit NormalCost(const NormalResidual& residual) : residual_(residual) {}
-
-  bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
-    const Eigen::Vector2d values = residual_.evaluate(
-        poses[0], poses[1], jacobians ? jacobians[0] : nullptr, jacobians ? jacobians[1] : nullptr);
-    std::copy_n(values.data(), 2, residuals);
-    return true;
-  }
-
- private:
-  NormalResidual residual_;
-};
 
 // The poses of all views as parameters about a common centre.
 struct PoseBlocks {
@@ -62,23 +34,81 @@ PoseBlocks pose_blocks(const std::vector<ViewSurface>& surfaces,
   return blocks;
 }
 
-PlaneResidual plane_residual(const Correspondence& c, double sigma, const ViewSurface& source,
-                             const ViewSurface& target) {
-  return {c.source.point - source.centre(), c.target.point - target.centre(), c.target.normal,
-          std::sqrt(c.weight) / sigma};
+PairTerms terms_of(const DirectedMatches& pair, const ViewSurface& source,
+                   const ViewSurface& target, const RigidMotion& source_from_target) {
+  PairTerms terms;
+  for (const Correspondence& c : pair.found.items)
+    terms.planes.push_back({c.source.point - source.centre(), c.target.point - target.centre(),
+                            c.target.normal, std::sqrt(c.weight) / pair.found.sigma});
+  for (const NormalMatch& match : pair.normals.items) {
+    const PlaneResidual& plane = terms.planes[match.correspondence];
+    terms.normals.push_back({plane.source, plane.target, source_from_target.linear() * match.normal,
+                             match.basis, match.gradient(),
+                             std::sqrt(match.weight) / pair.normals.effective_sigma});
+  }
+  return terms;
 }
 
-NormalResidual normal_residual(const NormalMatch& match, const DirectedMatches& pair,
-                               const ViewSurface& source, const ViewSurface& target,
-                               const RigidMotion& source_from_target) {
-  const Correspondence& c = pair.found.items[match.correspondence];
-  return {c.source.point - source.centre(),
-          c.target.point - target.centre(),
-          source_from_target.linear() * match.normal,
-          match.basis,
-          match.gradient(),
-          std::sqrt(match.weight) / pair.normals.effective_sigma};
-}
+// The directed pairs while Ceres varies the poses: all compressed in parallel whenever it has moved
+// them, each summed up in its own order.
+class CompressedPairs : public ceres::EvaluationCallback {
+ public:
+  CompressedPairs(const std::vector<PoseParameters>& poses, int threads)
+      : poses_(poses), threads_(threads) {}
+
+  void add(std::size_t source, std::size_t target, PairTerms terms) {
+    pairs_.push_back({source, target, std::move(terms), {}});
+  }
+
+  void PrepareForEvaluation(bool, bool poses_moved) override {
+    if (!poses_moved) return;
+    parallel_for(pairs_.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        Pair& pair = pairs_[i];
+        pair.now = pair.terms.compress(relative_pose(poses_[pair.source], poses_[pair.target]));
+      }
+    });
+  }
+
+  std::size_t size() const { return pairs_.size(); }
+  std::size_t source(std::size_t i) const { return pairs_[i].source; }
+  std::size_t target(std::size_t i) const { return pairs_[i].target; }
+  const CompressedTerms& now(std::size_t i) const { return pairs_[i].now; }
+
+ private:
+  struct Pair {
+    std::size_t source, target;
+    PairTerms terms;
+    CompressedTerms now;
+  };
+  const std::vector<PoseParameters>& poses_;
+  std::vector<Pair> pairs_;
+  int threads_;
+};
+
+class PairCost : public ceres::SizedCostFunction<7, 7, 7> {
+ public:
+  PairCost(const CompressedPairs& pairs, std::size_t index) : pairs_(pairs), index_(index) {}
+
+  bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
+    const CompressedTerms& terms = pairs_.now(index_);
+    std::copy_n(terms.residuals.data(), 7, residuals);
+    if (!jacobians) return true;
+    const PoseParameters source(poses[0]), target(poses[1]);
+    if (jacobians[0]) write(terms.derivative * tangent_by_source(source, target), jacobians[0]);
+    if (jacobians[1]) write(terms.derivative * tangent_by_target(target), jacobians[1]);
+    return true;
+  }
+
+ private:
+  using Jacobian = Eigen::Matrix<double, 7, 7, Eigen::RowMajor>;
+  static void write(const Jacobian& jacobian, double* out) {
+    std::copy_n(jacobian.data(), 49, out);
+  }
+
+  const CompressedPairs& pairs_;
+  std::size_t index_;
+};
 
 }  // namespace
 
@@ -86,34 +116,25 @@ void solve_poses(const std::vector<ViewSurface>& surfaces,
                  const std::vector<DirectedMatches>& matches, const std::vector<bool>& fixed,
                  const JointSolverOptions& options, std::vector<RigidMotion>& world_from_view) {
   PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
-  ceres::Problem::Options problem_options;
-  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  problem_options.disable_all_safety_checks = true;  // They cost as much as a step.
-  ceres::CauchyLoss loss(kCauchyScale);
-  ceres::CauchyLoss normal_loss(std::sqrt(2.0) * kCauchyScale);  // Of two residuals at once.
+  CompressedPairs pairs(blocks.values, options.threads);
+  for (const auto& pair : matches) {
+    if (pair.found.items.empty() || (fixed[pair.source] && fixed[pair.target])) continue;
+    pairs.add(pair.source, pair.target,
+              terms_of(pair, surfaces[pair.source], surfaces[pair.target],
+                       world_from_view[pair.source].inverse() * world_from_view[pair.target]));
+  }
   ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> rigid;
+  ceres::Problem::Options problem_options;
+  problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  problem_options.evaluation_callback = &pairs;
   ceres::Problem problem(problem_options);
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     problem.AddParameterBlock(blocks.values[i].data(), 7, &rigid);
     if (fixed[i]) problem.SetParameterBlockConstant(blocks.values[i].data());
   }
-  for (const auto& pair : matches) {
-    for (const auto& c : pair.found.items) {
-      auto* cost = new PlaneCost(
-          plane_residual(c, pair.found.sigma, surfaces[pair.source], surfaces[pair.target]));
-      problem.AddResidualBlock(cost, &loss, blocks.values[pair.source].data(),
-                               blocks.values[pair.target].data());
-    }
-    const RigidMotion source_from_target =
-        world_from_view[pair.source].inverse() * world_from_view[pair.target];
-    for (const auto& match : pair.normals.items) {
-      auto* cost = new NormalCost(normal_residual(match, pair, surfaces[pair.source],
-                                                  surfaces[pair.target], source_from_target));
-      problem.AddResidualBlock(cost, &normal_loss, blocks.values[pair.source].data(),
-                               blocks.values[pair.target].data());
-    }
-  }
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    problem.AddResidualBlock(new PairCost(pairs, i), nullptr, blocks.values[pairs.source(i)].data(),
+                             blocks.values[pairs.target(i)].data());
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.max_num_iterations = options.max_iterations;

@@ -21,11 +21,12 @@ struct DirectedMatches {
 
 struct JointSolverOptions {
   int max_iterations = 2;  ///< Levenberg-Marquardt steps; few, when correspondences are renewed.
+  int threads = 0;         ///< 0: one per core. Never changes the result.
 };
 
 /// One minimisation of (R3) and (R9) over all poses with fixed correspondences: Levenberg-Marquardt
-/// with the Cauchy loss and a sparse Cholesky factorisation. Poses with `fixed` are not touched.
-/// Same bytes always: it runs in one thread.
+/// with the Cauchy loss and a sparse Cholesky factorisation; the terms of a directed pair make
+/// seven residuals, whatever their number (R3a). Poses with `fixed` are not touched.
 void solve_poses(const std::vector<ViewSurface>& surfaces,
                  const std::vector<DirectedMatches>& matches, const std::vector<bool>& fixed,
                  const JointSolverOptions& options, std::vector<RigidMotion>& world_from_view);
