@@ -149,6 +149,7 @@ int side_of_plane(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eige
   const double uncertain = (7.0 + 56.0 * kRounding) * kRounding * permanent;
   // det(a - p, b - p, c - p) is negative where the normal points to.
   if (std::abs(determinant) > uncertain) return -sign(determinant);
+  if (p == a || p == b || p == c) return 0;  // As faces with common corners ask, often.
   return -exact_sign(a, b, c, p);
 }
 

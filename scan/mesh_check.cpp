@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <numeric>
 #include <tuple>
 #include <vector>
 
@@ -40,16 +41,27 @@ bool ascending(const TriangleMesh& mesh, const HalfEdge& side) {
   return mesh.faces[side.corner / 3][side.corner % 3] == side.low;
 }
 
+// By their lower vertices first, of which each has few.
 std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
-  std::vector<HalfEdge> sides;
-  sides.reserve(3 * mesh.faces.size());
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = mesh.faces[f][k], b = mesh.faces[f][(k + 1) % 3];
-      if (a != b) sides.push_back({std::min(a, b), std::max(a, b), corner_of(f, k)});
+  const auto visit = [&](const auto& side) {
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = mesh.faces[f][k], b = mesh.faces[f][(k + 1) % 3];
+        if (a != b) side(HalfEdge{std::min(a, b), std::max(a, b), corner_of(f, k)});
+      }
     }
+  };
+  std::vector<std::uint32_t> end(mesh.vertices.size() + 1, 0);
+  visit([&](const HalfEdge& side) { ++end[side.low + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<HalfEdge> sides(end.back());
+  visit([&](const HalfEdge& side) { sides[end[side.low]++] = side; });
+  auto begin = sides.begin();
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const auto last = sides.begin() + end[v];
+    std::sort(begin, last);
+    begin = last;
   }
-  std::sort(sides.begin(), sides.end());
   return sides;
 }
 

@@ -70,7 +70,7 @@ std::vector<std::uint32_t> SelfIntersections::faces() const {
 SelfIntersections find_self_intersections(const TriangleMesh& mesh,
                                           const SelfIntersectionOptions& options) {
   const Judged judged(mesh);
-  const TriangleTree tree(judged.mesh);
+  const TriangleTree tree(judged.mesh, options.threads);
   const std::size_t count = judged.mesh.faces.size();
   SelfIntersections found;
   for (std::size_t start = 0; start < count && found.pairs.size() <= options.limit;

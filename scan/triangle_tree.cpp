@@ -6,14 +6,36 @@
 #include <numeric>
 #include <utility>
 
+#include "scan/parallel.h"
+
 namespace relief {
 
 namespace {
 
 constexpr std::uint32_t kLeafSize = 4;
 
+constexpr std::size_t kFacesAtOnce = 4096;
+// Of the faces, which are sorted side by side.
+constexpr std::size_t kParts = 16;
+
 // Halving at the median bounds the depth by the bits of the face index.
 constexpr std::size_t kStackSize = 64;
+
+// The nodes of a tree over so many faces. Halves of one level differ by one face at most.
+std::uint32_t node_count(std::uint32_t faces) {
+  std::uint32_t size = faces, smaller = 1, larger = 0, nodes = 0;  // Halves of `size`, of one more.
+  while (smaller + larger > 0) {
+    nodes += smaller + larger;
+    const std::uint32_t split_smaller = size > kLeafSize ? smaller : 0;
+    const std::uint32_t split_larger = size + 1 > kLeafSize ? larger : 0;
+    // n halves into n / 2 and the rest.
+    const bool odd = size % 2 == 1;
+    smaller = odd ? split_smaller : 2 * split_smaller + split_larger;
+    larger = odd ? split_smaller + 2 * split_larger : split_larger;
+    size /= 2;
+  }
+  return nodes;
+}
 
 // The edge function of Woop, Benthin and Wald 2013: computed in an order that does not depend on
 // the face, so that the two faces of an edge agree on the side of the ray.
@@ -115,13 +137,41 @@ TrianglePoint closest_on_triangle(const Eigen::Vector3d& query, const Eigen::Vec
   return at(va / total, vb / total, vc / total);
 }
 
-TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(&mesh), faces_(mesh.faces.size()) {
+struct TriangleTree::Part {
+  std::uint32_t begin = 0, end = 0;
+  std::uint32_t node = 0;
+
+  std::uint32_t size() const { return end - begin; }
+};
+
+// The upper levels are built one part after the other, the parts below side by side.
+TriangleTree::TriangleTree(const TriangleMesh& mesh, int threads)
+    : mesh_(&mesh), faces_(mesh.faces.size()) {
+  if (faces_.empty()) return;
   std::iota(faces_.begin(), faces_.end(), 0u);
-  std::vector<Eigen::Vector3d> centres(mesh.faces.size());
-  for (std::size_t f = 0; f < centres.size(); ++f)
-    centres[f] = (mesh.corner(f, 0) + mesh.corner(f, 1) + mesh.corner(f, 2)) / 3.0;
-  nodes_.reserve(mesh.faces.size());
-  if (!faces_.empty()) build(0, static_cast<std::uint32_t>(faces_.size()), centres);
+  std::vector<Eigen::Vector3d> centres(faces_.size());
+  parallel_for(centres.size(), kFacesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      centres[f] = (mesh.corner(f, 0) + mesh.corner(f, 1) + mesh.corner(f, 2)) / 3.0;
+  });
+  nodes_.resize(node_count(static_cast<std::uint32_t>(faces_.size())));
+
+  std::vector<Part> upper, parts{{0, static_cast<std::uint32_t>(faces_.size()), 0}};
+  while (parts.size() < kParts && parts.front().size() > kFacesAtOnce) {
+    std::vector<Part> halves;
+    for (const Part& part : parts) {
+      upper.push_back(part);
+      for (const Part& half : halve(part, centres)) halves.push_back(half);
+    }
+    parts = std::move(halves);
+  }
+  parallel_for(parts.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) build(parts[k], centres);
+  });
+  for (auto part = upper.rbegin(); part != upper.rend(); ++part) {
+    Node& node = nodes_[part->node];
+    node.box = nodes_[part->node + 1].box.merged(nodes_[node.right].box);
+  }
 }
 
 Eigen::AlignedBox3d TriangleTree::face_box(std::uint32_t face) const {
@@ -130,33 +180,38 @@ Eigen::AlignedBox3d TriangleTree::face_box(std::uint32_t face) const {
   return box;
 }
 
-void TriangleTree::build(std::uint32_t begin, std::uint32_t end,
-                         const std::vector<Eigen::Vector3d>& centres) {
-  const std::size_t index = nodes_.size();
-  nodes_.emplace_back();
-  Eigen::AlignedBox3d box, centre_box;
-  for (std::uint32_t i = begin; i < end; ++i) {
-    box.extend(face_box(faces_[i]));
-    centre_box.extend(centres[faces_[i]]);
+Eigen::AlignedBox3d TriangleTree::build(const Part& part,
+                                        const std::vector<Eigen::Vector3d>& centres) {
+  Eigen::AlignedBox3d box;
+  if (part.size() > kLeafSize) {
+    for (const Part& half : halve(part, centres)) box.extend(build(half, centres));
+  } else {
+    for (std::uint32_t i = part.begin; i < part.end; ++i) box.extend(face_box(faces_[i]));
+    nodes_[part.node].begin = part.begin;
+    nodes_[part.node].count = part.size();
+    nodes_[part.node].end = part.end;
   }
-  nodes_[index].box = box;
-  nodes_[index].end = end;
-  if (end - begin <= kLeafSize) {
-    nodes_[index].begin = begin;
-    nodes_[index].count = end - begin;
-    return;
-  }
+  nodes_[part.node].box = box;
+  return box;
+}
+
+// Halves at the median along the longest side, and links the node to those of both halves.
+std::array<TriangleTree::Part, 2> TriangleTree::halve(const Part& part,
+                                                      const std::vector<Eigen::Vector3d>& centres) {
+  Eigen::AlignedBox3d box;
+  for (std::uint32_t i = part.begin; i < part.end; ++i) box.extend(centres[faces_[i]]);
   int axis = 0;
-  centre_box.sizes().maxCoeff(&axis);
-  const std::uint32_t middle = begin + (end - begin) / 2;
+  box.sizes().maxCoeff(&axis);
+  const std::uint32_t middle = part.begin + part.size() / 2;
   // Ties are broken by index, so that the tree is a function of the mesh alone.
-  std::nth_element(faces_.begin() + begin, faces_.begin() + middle, faces_.begin() + end,
+  std::nth_element(faces_.begin() + part.begin, faces_.begin() + middle, faces_.begin() + part.end,
                    [&](std::uint32_t a, std::uint32_t b) {
                      return std::pair(centres[a][axis], a) < std::pair(centres[b][axis], b);
                    });
-  build(begin, middle, centres);
-  nodes_[index].right = static_cast<std::uint32_t>(nodes_.size());
-  build(middle, end, centres);
+  const std::uint32_t left = part.node + 1, right = left + node_count(part.size() / 2);
+  nodes_[part.node].end = part.end;
+  nodes_[part.node].right = right;
+  return {{{part.begin, middle, left}, {middle, part.end, right}}};
 }
 
 std::optional<TriangleTree::Closest> TriangleTree::closest(const Eigen::Vector3d& query,

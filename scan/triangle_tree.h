@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -30,7 +31,8 @@ TrianglePoint closest_on_triangle(const Eigen::Vector3d& query, const Eigen::Vec
 /// several threads.
 class TriangleTree {
  public:
-  explicit TriangleTree(const TriangleMesh& mesh);
+  /// The same for any number of threads.
+  explicit TriangleTree(const TriangleMesh& mesh, int threads = 0);
 
   struct Closest {
     std::uint32_t face = 0;
@@ -68,8 +70,11 @@ class TriangleTree {
     std::uint32_t right = 0;
   };
 
+  struct Part;  // Of the faces, and the first of their nodes.
+
   Eigen::AlignedBox3d face_box(std::uint32_t face) const;
-  void build(std::uint32_t begin, std::uint32_t end, const std::vector<Eigen::Vector3d>& centres);
+  Eigen::AlignedBox3d build(const Part& part, const std::vector<Eigen::Vector3d>& centres);
+  std::array<Part, 2> halve(const Part& part, const std::vector<Eigen::Vector3d>& centres);
 
   const TriangleMesh* mesh_;
   std::vector<std::uint32_t> faces_;

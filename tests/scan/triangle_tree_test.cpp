@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -135,6 +137,37 @@ TEST(TriangleTree, ServesRaysAlongTheAxesOfFlatBoxes) {
   }
   EXPECT_FALSE(tree.first_hit({{2, 0.5, -2}, {0, 0, 1}}));
   EXPECT_FALSE(tree.first_hit({{0.5, 0.5, 2}, {0, 0, 1}}));
+}
+
+// So many that its parts are built side by side; one more face or fewer shifts all halves.
+TEST(TriangleTree, LargeOnesMatchBruteForceWithAnyNumberOfThreads) {
+  for (const int count : {70000, 70001}) {
+    TriangleMesh mesh = triangle_soup(count, 7);
+    const TriangleTree one(mesh, 1), three(mesh, 3);
+    std::mt19937 generator(2);
+    for (int i = 0; i < 10; ++i) {
+      const Eigen::Vector3d query = random_vector(generator, 1.5);
+      double best = 1e300;
+      for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+        best = std::min(best, (closest_on_triangle(query, mesh.corner(f, 0), mesh.corner(f, 1),
+                                                   mesh.corner(f, 2))
+                                   .point -
+                               query)
+                                  .norm());
+      const auto by_one = one.closest(query), by_three = three.closest(query);
+      ASSERT_TRUE(by_one && by_three);
+      EXPECT_NEAR(by_one->distance, best, 1e-12);
+      EXPECT_EQ(by_one->face, by_three->face);
+    }
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs[2];
+    for (const auto& [tree, found] : {std::pair{&one, &pairs[0]}, {&three, &pairs[1]}})
+      tree->visit_box_overlaps(0, 500, [list = found](std::uint32_t f, std::uint32_t g) {
+        list->emplace_back(f, g);
+        return true;
+      });
+    EXPECT_GT(pairs[0].size(), 500u);
+    EXPECT_EQ(pairs[0], pairs[1]);
+  }
 }
 
 TEST(TriangleTree, IsEmptyWithoutFaces) {
