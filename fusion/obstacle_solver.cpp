@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "scan/parallel.h"
@@ -12,18 +13,25 @@ namespace relief {
 namespace {
 
 constexpr std::size_t kBlocksAtOnce = 16;
+constexpr std::array<std::array<int, 3>, 6> kSides{
+    {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 
-// Relaxes the free nodes of one colour (parity of x + y + z) in a block; the largest change.
+// Nodes with values beyond this are not beside the zero set [spacings]. What they change by counts
+// for so much less.
+constexpr float kBeside = 2.0f, kFarShare = 1.0f / 30.0f;
+
+// Relaxes the free nodes of one colour (parity of x + y + z) in a block; the largest change, of
+// values far from zero by their share.
 // Neighbours of one colour have the other, so blocks can be relaxed in any order.
 float relax_block(SparseField& field, std::span<const NodeConstraint> constraints, std::size_t b,
                   int colour, float relaxation) {
+  const float beside = kBeside * static_cast<float>(field.lattice().spacing);
   float* values = field.values(b);
   const NodeConstraint* constraint = constraints.data() + b * kBlockNodes;
-  const auto beside = [&](int dx, int dy, int dz) {
-    return field.values(static_cast<std::size_t>(field.neighbour(b, dx, dy, dz)));
-  };
-  const std::array<const float*, 6> sides{beside(-1, 0, 0), beside(1, 0, 0),  beside(0, -1, 0),
-                                          beside(0, 1, 0),  beside(0, 0, -1), beside(0, 0, 1)};
+  std::array<const float*, 6> sides;
+  for (std::size_t k = 0; k < 6; ++k)
+    sides[k] = field.values(
+        static_cast<std::size_t>(field.neighbour(b, kSides[k][0], kSides[k][1], kSides[k][2])));
   float largest = 0.0f;
   for (int z = 0; z < 8; ++z) {
     for (int y = 0; y < 8; ++y) {
@@ -38,7 +46,8 @@ float relax_block(SparseField& field, std::span<const NodeConstraint> constraint
                           (z < 7 ? values[i + 64] : sides[5][i - 448]);
         const float relaxed = values[i] + relaxation * (sum / 6.0f - values[i]);
         const float bounded = std::max(relaxed, constraint[i].floor);
-        largest = std::max(largest, std::abs(bounded - values[i]));
+        const float share = std::abs(bounded) < beside ? 1.0f : kFarShare;
+        largest = std::max(largest, share * std::abs(bounded - values[i]));
         values[i] = bounded;
       }
     }
@@ -46,40 +55,71 @@ float relax_block(SparseField& field, std::span<const NodeConstraint> constraint
   return largest;
 }
 
-std::vector<std::size_t> blocks_with_free_nodes(const SparseField& field,
-                                                std::span<const NodeConstraint> constraints,
-                                                MemoryLimit* memory) {
-  std::vector<std::size_t> blocks;
-  for (std::size_t b = 0; b < field.block_count(); ++b) {
-    if (b % kBlocksAtOnce == 0) relieve(memory);
-    const auto of_block = constraints.subspan(b * kBlockNodes, kBlockNodes);
-    if (field.active(b) && std::any_of(of_block.begin(), of_block.end(),
-                                       [](const NodeConstraint& c) { return !c.fixed(); }))
-      blocks.push_back(b);
+// The blocks that have free nodes to relax, and which of them still change.
+class RestlessBlocks {
+ public:
+  RestlessBlocks(const SparseField& field, std::span<const NodeConstraint> constraints,
+                 const ObstacleSolverOptions& options)
+      : field_(field),
+        tolerance_(static_cast<float>(options.tolerance * field.lattice().spacing)),
+        change_(field.block_count(), 0.0f) {
+    for (std::size_t b = 0; b < field.block_count(); ++b) {
+      if (b % kBlocksAtOnce == 0) relieve(options.memory);
+      const auto of_block = constraints.subspan(b * kBlockNodes, kBlockNodes);
+      if (field.active(b) && std::any_of(of_block.begin(), of_block.end(),
+                                         [](const NodeConstraint& c) { return !c.fixed(); }))
+        solved_.push_back(b);
+    }
+    for (const std::size_t b : solved_) change_[b] = std::numeric_limits<float>::infinity();
   }
-  return blocks;
-}
+
+  /// Those where a value, or one of a block beside, changed by more than the tolerance when last
+  /// relaxed.
+  std::vector<std::size_t> find() const {
+    std::vector<std::size_t> restless;
+    for (const std::size_t b : solved_) {
+      float change = change_[b];
+      for (const auto& [dx, dy, dz] : kSides) {
+        const std::int32_t beside = field_.neighbour(b, dx, dy, dz);
+        if (beside >= 0) change = std::max(change, change_[static_cast<std::size_t>(beside)]);
+      }
+      if (change > tolerance_) restless.push_back(b);
+    }
+    return restless;
+  }
+
+  /// Of different blocks it may be called in several threads.
+  void relaxed(std::size_t b, float change) { change_[b] = change; }
+
+ private:
+  const SparseField& field_;
+  float tolerance_;
+  std::vector<std::size_t> solved_;
+  std::vector<float> change_;  // Of each block when it was last relaxed.
+};
 
 }  // namespace
 
 int solve_obstacle_problem(SparseField& field, std::span<const NodeConstraint> constraints,
                            const ObstacleSolverOptions& options) {
-  const std::vector<std::size_t> blocks =
-      blocks_with_free_nodes(field, constraints, options.memory);
-  const auto tolerance = static_cast<float>(options.tolerance * field.lattice().spacing);
-  std::vector<float> change(blocks.size());
+  RestlessBlocks restless(field, constraints, options);
+  const auto relaxation = static_cast<float>(options.relaxation);
   for (int sweep = 0; sweep < options.max_sweeps; ++sweep) {
-    std::fill(change.begin(), change.end(), 0.0f);
-    for (const int colour : {0, 1}) {
-      parallel_for(blocks.size(), kBlocksAtOnce, options.threads, [&](auto begin, auto end) {
-        relieve(options.memory);
-        for (std::size_t k = begin; k < end; ++k)
-          change[k] = std::max(change[k], relax_block(field, constraints, blocks[k], colour,
-                                                      static_cast<float>(options.relaxation)));
-      });
-    }
-    if (change.empty() || *std::max_element(change.begin(), change.end()) <= tolerance)
-      return sweep + 1;
+    const std::vector<std::size_t> blocks = restless.find();
+    if (blocks.empty()) return sweep;
+    std::vector<float> first_change(blocks.size());
+    parallel_for(blocks.size(), kBlocksAtOnce, options.threads, [&](auto begin, auto end) {
+      relieve(options.memory);
+      for (std::size_t k = begin; k < end; ++k)
+        first_change[k] = relax_block(field, constraints, blocks[k], 0, relaxation);
+    });
+    parallel_for(blocks.size(), kBlocksAtOnce, options.threads, [&](auto begin, auto end) {
+      relieve(options.memory);
+      for (std::size_t k = begin; k < end; ++k) {
+        const float change = relax_block(field, constraints, blocks[k], 1, relaxation);
+        restless.relaxed(blocks[k], std::max(first_change[k], change));
+      }
+    });
   }
   return options.max_sweeps;
 }

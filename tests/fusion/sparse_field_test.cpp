@@ -121,6 +121,14 @@ TEST_F(ObstacleSolver, LiesAboveItsFloorAndIsHarmonicWhereItDoesNotTouchIt) {
   }
 }
 
+// A value that no free node can change by makes no work.
+TEST_F(ObstacleSolver, BlocksAtRestAreLeftOut) {
+  fill(field_, [](const Node& n) { return 0.125 * n.x(); });
+  EXPECT_LE(solve_obstacle_problem(field_, constraints_, options_), 2);
+  fill(field_, [](const Node&) { return 0.0; });
+  EXPECT_EQ(solve_obstacle_problem(field_, constraints_, options_), 1);
+}
+
 TEST_F(ObstacleSolver, ThreadsDoNotChangeAByte) {
   const auto rough = [](const Node& n) { return std::sin(3.0 * n.x() + 5.0 * n.y() + n.z()); };
   SparseField other({Eigen::Vector3d::Zero(), 1.0}, cube_of_blocks(2), nullptr, 0.0f);
