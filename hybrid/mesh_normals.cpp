@@ -29,6 +29,8 @@ constexpr double kLeastCosine = 0.1;  // of the viewing angle
 constexpr double kPriorWeight = 3.0;
 constexpr double kTukey = 4.685;  // Holland and Welsch 1977
 constexpr std::size_t kGrain = 2048;
+// Beyond all quads that may tell a normal [largest distances].
+constexpr double kFar = 10.0;
 
 // What one view says about the normal at a vertex.
 struct Vote {
@@ -57,12 +59,13 @@ class NormalSampler {
     const int u = static_cast<int>(pixel->x()), v = static_cast<int>(pixel->y());
     if (!connected_quad(u, v)) return std::nullopt;
 
+    // Most views see something else there: of these nothing more is looked up.
+    if (!((point - view_.point(u, v)).norm() < kFar * max_distance)) return std::nullopt;
     const double a = pixel->x() - u, b = pixel->y() - v;
     const std::array<double, 4> share{(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
     Eigen::Vector3d place = Eigen::Vector3d::Zero();
     for (int k = 0; k < 4; ++k)
       place += share[static_cast<std::size_t>(k)] * view_.point(u + (k & 1), v + (k >> 1));
-    // Most views see something else there: of these nothing more is looked up.
     if (!((point - place).norm() < 2.0 * max_distance)) return std::nullopt;
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     double confidence = 0.0, border = 0.0;
@@ -103,14 +106,26 @@ bool usable(const RangeView& view, std::size_t count) {
 
 Result<std::vector<NormalSampler>> prepare(const std::vector<RangeView>& views,
                                            const MeshNormalOptions& options, double& spacing) {
+  std::vector<const RangeView*> used;
+  for (const RangeView& view : views)
+    if (usable(view, views.size()) && view.sample_count() > 0) used.push_back(&view);
+  std::vector<std::optional<NormalSampler>> prepared(used.size());
+  std::vector<std::optional<Error>> errors(used.size());
+  std::vector<double> spacings(used.size());
+  parallel_for(used.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      auto projection = ViewProjection::create(*used[i]);
+      if (projection)
+        prepared[i].emplace(*used[i], std::move(projection).value(), options);
+      else
+        errors[i] = projection.error();
+      spacings[i] = sample_spacing(*used[i]);
+    }
+  });
   std::vector<NormalSampler> samplers;
-  std::vector<double> spacings;
-  for (const RangeView& view : views) {
-    if (!usable(view, views.size()) || view.sample_count() == 0) continue;
-    auto projection = ViewProjection::create(view);
-    if (!projection) return projection.error();
-    samplers.emplace_back(view, std::move(projection).value(), options);
-    spacings.push_back(sample_spacing(view));
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (errors[i]) return *errors[i];
+    samplers.push_back(std::move(*prepared[i]));
   }
   spacing = median(spacings);
   return samplers;
@@ -149,50 +164,72 @@ struct Blend {
   int views = 0;           // that kept a say
 };
 
-template <typename Weight>
-Blend weighted_mean(const std::vector<Vote>& votes, const Weight& weight_of) {
-  Blend blend;
-  double sum = 0.0, squares = 0.0;
-  for (const Vote& vote : votes) {
-    const double weight = weight_of(vote);
-    if (weight <= 0.0) continue;
-    blend.normal += weight * vote.normal;
-    sum += weight;
-    squares += weight * weight;
-    ++blend.views;
-  }
-  if (!(sum > 0.0) || blend.normal.norm() < 0.1 * sum) return {};
-  blend.normal.normalize();
-  blend.effective = sum * sum / squares;
-  for (const Vote& vote : votes)
-    blend.variance +=
-        std::max(0.0, weight_of(vote)) * 0.5 * (vote.normal - blend.normal).squaredNorm() / sum;
-  return blend;
-}
+// Of the votes at one place, a mean of normals after the other. Keeps scratch memory: one object
+// per thread.
+class Blender {
+ public:
+  explicit Blender(double sigma) : sigma_(sigma) {}
 
-// Starts from the spatial median (Weiszfeld 1937), which up to half of the weight cannot carry
-// away, and ends with Tukey's biweight, to which views far off mean nothing.
-Blend blend_votes(const std::vector<Vote>& votes, double sigma) {
-  Blend blend = weighted_mean(votes, [](const Vote& vote) { return vote.weight; });
-  if (votes.size() < 3) return blend;
-  for (int round = 0; round < 6; ++round) {
-    const Eigen::Vector3d centre = blend.normal;
-    blend = weighted_mean(votes, [&](const Vote& vote) {
-      return vote.weight / std::max(0.1 * sigma, (vote.normal - centre).norm());
-    });
+  // Starts from the spatial median (Weiszfeld 1937), which up to half of the weight cannot carry
+  // away, and ends with Tukey's biweight, to which views far off mean nothing.
+  Blend operator()(const std::vector<Vote>& votes) {
+    Blend blend = weighted_mean(votes, [](const Vote& vote) { return vote.weight; });
+    for (int round = 0; round < 6 && votes.size() >= 3; ++round) {
+      const Eigen::Vector3d centre = blend.normal;
+      blend = weighted_mean(votes, [&](const Vote& vote) {
+        return vote.weight / std::max(0.1 * sigma_, (vote.normal - centre).norm());
+      });
+    }
+    kept_ = weights_;
+    for (int round = 0; round < 3 && votes.size() >= 3; ++round) {
+      const Eigen::Vector3d centre = blend.normal;
+      const Blend next = weighted_mean(votes, [&](const Vote& vote) {
+        const double r2 =
+            (vote.normal - centre).squaredNorm() / (kTukey * kTukey * 2 * sigma_ * sigma_);
+        return r2 < 1.0 ? vote.weight * (1.0 - r2) * (1.0 - r2) : 0.0;
+      });
+      if (next.views == 0) break;
+      blend = next;
+      kept_ = weights_;
+    }
+    blend.variance = variance_round(blend.normal, votes);
+    return blend;
   }
-  for (int round = 0; round < 3; ++round) {
-    const Eigen::Vector3d centre = blend.normal;
-    const Blend next = weighted_mean(votes, [&](const Vote& vote) {
-      const double r2 =
-          (vote.normal - centre).squaredNorm() / (kTukey * kTukey * 2 * sigma * sigma);
-      return r2 < 1.0 ? vote.weight * (1.0 - r2) * (1.0 - r2) : 0.0;
-    });
-    if (next.views == 0) break;
-    blend = next;
+
+ private:
+  template <typename Weight>
+  Blend weighted_mean(const std::vector<Vote>& votes, const Weight& weight_of) {
+    Blend blend;
+    double sum = 0.0, squares = 0.0;
+    weights_.clear();
+    for (const Vote& vote : votes) {
+      const double weight = std::max(0.0, weight_of(vote));
+      weights_.push_back(weight);
+      if (weight <= 0.0) continue;
+      blend.normal += weight * vote.normal;
+      sum += weight;
+      squares += weight * weight;
+      ++blend.views;
+    }
+    if (!(sum > 0.0) || blend.normal.norm() < 0.1 * sum) return {};
+    blend.normal.normalize();
+    blend.effective = sum * sum / squares;
+    return blend;
   }
-  return blend;
-}
+
+  double variance_round(const Eigen::Vector3d& normal, const std::vector<Vote>& votes) const {
+    double variance = 0.0, sum = 0.0;
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      variance += kept_[i] * 0.5 * (votes[i].normal - normal).squaredNorm();
+      sum += kept_[i];
+    }
+    return sum > 0.0 ? variance / sum : 0.0;
+  }
+
+  double sigma_;
+  std::vector<double> weights_,
+      kept_;  // Of the votes, in the last round and in the one that holds.
+};
 
 // The median over pairs of views at a sample of the vertices: squared differences of two
 // normals are exponentially distributed with mean 4 sigma^2.
@@ -234,6 +271,7 @@ void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& m
   const auto has = [&](std::size_t i) { return blended.views[i] > 0; };
   parallel_for(graph.vertices(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Vote> votes;
+    Blender blend_votes(blended.sigma_view);
     for (std::size_t i = begin; i < end; ++i) {
       for (std::size_t k = graph.begin[i]; k < graph.begin[i + 1]; ++k) {
         const std::uint32_t j = graph.neighbour[k];
@@ -241,7 +279,7 @@ void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& m
         collect(samplers, 0.5 * (mesh.vertices[i] + mesh.vertices[j]),
                 (mesh_normals[i] + mesh_normals[j]).cast<double>().normalized(), max_distance,
                 voters[i] | voters[j], votes);
-        const Blend blend = blend_votes(votes, blended.sigma_view);
+        const Blend blend = blend_votes(votes);
         if (blend.views == 0) continue;
         blended.edges[k] = blend.normal.cast<float>();
         const auto mirrored = std::lower_bound(
@@ -281,11 +319,12 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
   std::vector<Voters> voters(count, 0);
   parallel_for(count, kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Vote> votes;
+    Blender blend_votes(blended.sigma_view);
     for (std::size_t i = begin; i < end; ++i) {
       if (!mesh.filled.empty() && mesh.filled[i]) continue;
       voters[i] = collect(*samplers, mesh.vertices[i], mesh_normals[i].cast<double>(), max_distance,
                           kAll, votes);
-      const Blend blend = blend_votes(votes, blended.sigma_view);
+      const Blend blend = blend_votes(votes);
       if (blend.views == 0) continue;
       blended.normals[i] = blend.normal.cast<float>();
       blended.sigma[i] = static_cast<float>(standard_error(blend, blended.sigma_view));

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -71,6 +73,12 @@ MeshPreconditioner::MeshPreconditioner(const MeshMatrix& matrix)
     : matrix_(matrix), aggregate_(aggregates(*matrix.graph)), coarse_(std::make_unique<Coarse>()) {
   for (const std::uint32_t a : aggregate_)
     coarse_->size = std::max(coarse_->size, static_cast<Eigen::Index>(a) + 1);
+  std::vector<std::uint32_t> next(static_cast<std::size_t>(coarse_->size) + 1, 0);
+  for (const std::uint32_t a : aggregate_) ++next[a + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  first_ = next;
+  member_.resize(aggregate_.size());
+  for (std::uint32_t i = 0; i < aggregate_.size(); ++i) member_[next[aggregate_[i]]++] = i;
 }
 
 MeshPreconditioner::~MeshPreconditioner() = default;
@@ -128,32 +136,68 @@ Eigen::VectorXd MeshPreconditioner::operator()(const Eigen::VectorXd& residual) 
   };
   parallel_for(graph.vertices(), kRange, matrix_.threads, sweep);
 
-  Eigen::VectorXd coarse = Eigen::VectorXd::Zero(coarse_->size);
-  for (std::size_t i = 0; i < aggregate_.size(); ++i) coarse[aggregate_[i]] += residual[at(i)];
+  Eigen::VectorXd coarse(coarse_->size);
+  const auto for_aggregates = [&](const auto& visit) {
+    parallel_for(first_.size() - 1, kRange, matrix_.threads, [&](std::size_t begin, auto end) {
+      for (std::size_t a = begin; a < end; ++a)
+        visit(at(a), std::span(member_).subspan(first_[a], first_[a + 1] - first_[a]));
+    });
+  };
+  for_aggregates([&](Eigen::Index a, std::span<const std::uint32_t> members) {
+    coarse[a] = 0.0;
+    for (const std::uint32_t i : members) coarse[a] += residual[i];
+  });
   coarse = coarse_->factor.solve(coarse).eval();
-  for (std::size_t i = 0; i < aggregate_.size(); ++i) result[at(i)] += coarse[aggregate_[i]];
+  for_aggregates([&](Eigen::Index a, std::span<const std::uint32_t> members) {
+    for (const std::uint32_t i : members) result[i] += coarse[a];
+  });
   return result;
 }
 
-// All sums run in one thread: the result does not depend on the number of threads.
+namespace {
+
+// Sums of ranges, in their order.
+double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b, int threads) {
+  return parallel_sum(static_cast<std::size_t>(a.size()), kRange, threads, 0.0,
+                      [&](std::size_t begin, std::size_t end) {
+                        const auto first = static_cast<Eigen::Index>(begin);
+                        const auto count = static_cast<Eigen::Index>(end - begin);
+                        return a.segment(first, count).dot(b.segment(first, count));
+                      });
+}
+
+// y = scale y + factor x.
+void combine(double scale, Eigen::VectorXd& y, double factor, const Eigen::VectorXd& x,
+             int threads) {
+  parallel_for(static_cast<std::size_t>(y.size()), kRange, threads,
+               [&](std::size_t begin, std::size_t end) {
+                 const auto first = static_cast<Eigen::Index>(begin);
+                 const auto count = static_cast<Eigen::Index>(end - begin);
+                 y.segment(first, count) =
+                     scale * y.segment(first, count) + factor * x.segment(first, count);
+               });
+}
+
+}  // namespace
+
 ConjugateGradients conjugate_gradients(const LinearMap& matrix, const LinearMap& preconditioner,
                                        const Eigen::VectorXd& rhs, double tolerance,
-                                       int max_iterations, Eigen::VectorXd& x) {
-  const double goal = tolerance * tolerance * rhs.dot(preconditioner(rhs));
+                                       int max_iterations, int threads, Eigen::VectorXd& x) {
+  const double goal = tolerance * tolerance * dot(rhs, preconditioner(rhs), threads);
   Eigen::VectorXd residual = rhs - matrix(x);
   Eigen::VectorXd preconditioned = preconditioner(residual);
   Eigen::VectorXd direction = preconditioned;
-  double energy = residual.dot(preconditioned);
+  double energy = dot(residual, preconditioned, threads);
   ConjugateGradients solve;
   while (energy > goal && solve.iterations < max_iterations) {
     const Eigen::VectorXd image = matrix(direction);
-    const double step = energy / direction.dot(image);
+    const double step = energy / dot(direction, image, threads);
     if (!std::isfinite(step)) return solve;
-    x += step * direction;
-    residual -= step * image;
+    combine(1.0, x, step, direction, threads);
+    combine(1.0, residual, -step, image, threads);
     preconditioned = preconditioner(residual);
-    const double next = residual.dot(preconditioned);
-    direction = preconditioned + (next / energy) * direction;
+    const double next = dot(residual, preconditioned, threads);
+    combine(next / energy, direction, 1.0, preconditioned, threads);
     energy = next;
     ++solve.iterations;
   }

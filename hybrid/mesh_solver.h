@@ -40,6 +40,8 @@ class MeshPreconditioner {
   struct Coarse;
   const MeshMatrix& matrix_;
   std::vector<std::uint32_t> aggregate_;  // of each vertex
+  // The vertices of aggregate a, ascending: member_[first_[a]] to member_[first_[a + 1]].
+  std::vector<std::uint32_t> first_, member_;
   std::unique_ptr<Coarse> coarse_;
 };
 
@@ -51,9 +53,10 @@ struct ConjugateGradients {
 };
 
 /// Preconditioned conjugate gradients (Hestenes and Stiefel 1952) from `x`, where the solution is
-/// left, until the preconditioned residual is below `tolerance` times that of x = 0.
+/// left, until the preconditioned residual is below `tolerance` times that of x = 0. The same on
+/// any number of threads if both maps are.
 ConjugateGradients conjugate_gradients(const LinearMap& matrix, const LinearMap& preconditioner,
                                        const Eigen::VectorXd& rhs, double tolerance,
-                                       int max_iterations, Eigen::VectorXd& x);
+                                       int max_iterations, int threads, Eigen::VectorXd& x);
 
 }  // namespace relief

@@ -77,11 +77,12 @@ class Solve {
       solve = conjugate_gradients(
           [&](const Eigen::VectorXd& d) { return system_.full_product(d); },
           [&](const Eigen::VectorXd& r) { return system_.full_precondition(inverse, r); },
-          system_.full_rhs(), options_.tolerance, options_.max_iterations, displacements_);
+          system_.full_rhs(), options_.tolerance, options_.max_iterations, options_.threads,
+          displacements_);
     } else {
       solve = conjugate_gradients([&](const Eigen::VectorXd& x) { return matrix_ * x; }, inverse,
                                   system_.normal_rhs(), options_.tolerance, options_.max_iterations,
-                                  displacements_);
+                                  options_.threads, displacements_);
     }
     ++rounds_;
     iterations_ += solve.iterations;
