@@ -1,6 +1,7 @@
 #include "fusion/merge_views.h"
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 
 #include "fusion/closed_field.h"
@@ -14,6 +15,7 @@
 #include "scan/median.h"
 #include "scan/median_deviation.h"
 #include "scan/mesh_components.h"
+#include "scan/parallel.h"
 
 namespace relief {
 
@@ -52,8 +54,12 @@ class Preparation {
   Result<std::vector<ViewSampler>> operator()(const ViewSource& views,
                                               std::vector<std::string>& notes) {
     if (views.count == 0) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
-    for (std::size_t i = 0; i < views.count; ++i)
-      if (const auto added = add(views, i, notes); !added) return added.error();
+    // Side by side as many as there are threads; under a limit one after the other.
+    const auto at_once =
+        options_.memory ? 1 : static_cast<std::size_t>(thread_count(options_.threads));
+    for (std::size_t i = 0; i < views.count; i += at_once)
+      if (const auto added = add(views, i, std::min(i + at_once, views.count), notes); !added)
+        return added.error();
     if (!samplers_.empty()) return std::move(samplers_);
     if (without_pose_ == views.count)
       return Error{ErrorKind::kUnsolvable, "no view has a pose: align the views before merging"};
@@ -61,22 +67,32 @@ class Preparation {
   }
 
  private:
-  Result<void> add(const ViewSource& views, std::size_t i, std::vector<std::string>& notes) {
-    const auto loaded = views.load(i);
-    if (!loaded) return loaded.error();
-    const RangeView& view = **loaded;
-    if (!usable(view, views.count)) {
+  Result<void> add(const ViewSource& views, std::size_t begin, std::size_t end,
+                   std::vector<std::string>& notes) {
+    std::vector<std::shared_ptr<const RangeView>> used;
+    for (std::size_t i = begin; i < end; ++i) {
+      auto view = views.load(i);
+      if (!view) return view.error();
+      if (usable(**view, views.count)) {
+        used.push_back(std::move(view).value());
+        continue;
+      }
       ++without_pose_;
-      notes.push_back("view `" + view.name + "` has no pose and is left out; align it first");
-      return {};
+      notes.push_back("view `" + (*view)->name + "` has no pose and is left out; align it first");
     }
-    relieve(options_.memory, kPreparation * view.range.size());
-    auto sampler = ViewSampler::create(view, options_);
-    if (!sampler) return sampler.error();
-    if (sampler->empty())
-      notes.push_back("view `" + view.name + "` has no connected samples and is left out");
-    else
-      samplers_.push_back(std::move(sampler).value());
+    for (const auto& view : used) relieve(options_.memory, kPreparation * view->range.size());
+    std::vector<std::optional<Result<ViewSampler>>> samplers(used.size());
+    parallel_for(used.size(), 1, options_.threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k)
+        samplers[k] = ViewSampler::create(*used[k], options_);
+    });
+    for (std::size_t k = 0; k < used.size(); ++k) {
+      if (!*samplers[k]) return samplers[k]->error();
+      if ((*samplers[k])->empty())
+        notes.push_back("view `" + used[k]->name + "` has no connected samples and is left out");
+      else
+        samplers_.push_back(std::move(**samplers[k]));
+    }
     return check(options_.memory);
   }
 

@@ -134,7 +134,7 @@ float sample_weight(const RangeView& view, int u, int v, const Eigen::Vector3f& 
 }  // namespace
 
 QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options) {
-  const GridEdges edges = connect_samples(view);
+  const GridEdges edges = connect_samples(view, {}, options.threads);
   const Grid<Eigen::Vector3f> normals = surface_normals(view, edges, options.threads);
   const Grid<std::uint8_t> border = boundary_distance(view, edges);
   QuadSurface surface;
