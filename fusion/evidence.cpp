@@ -38,6 +38,9 @@ constexpr double kLeastDepth = 1.0;  // [lattice spacings]
 // few views see the sign changes before.
 constexpr double kSeenThrough = 0.25;  // [lattice spacings]
 
+// Between the outermost rays that meet a surface and those beside them.
+constexpr double kAmongRays = 0.25;  // [pixels]
+
 bool measures(const Observation& seen, double truncation, double spacing) {
   const double depth = std::min(truncation, std::max(seen.matter_depth, kLeastDepth * spacing));
   return seen.distance < truncation && seen.distance > -depth &&
@@ -107,6 +110,7 @@ Evidence EvidenceCollector::combine(const Eigen::Vector3d& point, const Eigen::V
     else if (seen->clearance > 0.5 * truncation_)
       empty_.push_back({seen->distance, seen->weight, seen->normal, false, view});
     evidence.clearance = std::max(evidence.clearance, seen->clearance);
+    if (seen->border >= kAmongRays) evidence.in_front = std::max(evidence.in_front, seen->distance);
   }
   if (evidence.clearance > kSeenThrough * spacing_)
     std::erase_if(near_, [](const Vote& vote) { return vote.presumed; });

@@ -12,10 +12,12 @@ namespace relief {
 
 /// What all views together say about a point.
 struct Evidence {
-  bool measured = false;         ///< Some view measured the surface within the truncation distance.
-  double distance = 0.0;         ///< If measured: signed distance [unit], positive outside.
-  double clearance = 0.0;        ///< The signed distance is at least this wherever it is positive.
-  double weight = 0.0;           ///< Sum of the weights of the measuring views.
+  bool measured = false;   ///< Some view measured the surface within the truncation distance.
+  double distance = 0.0;   ///< If measured: signed distance [unit], positive outside.
+  double clearance = 0.0;  ///< The signed distance is at least this wherever it is positive.
+  double in_front = 0.0;   ///< The most that a view sees it in front of its surface [unit], by rays
+                           ///< among others that meet the same surface.
+  double weight = 0.0;     ///< Sum of the weights of the measuring views.
   double effective_views = 0.0;  ///< (sum w)^2 / sum w^2.
   double variance = 0.0;         ///< Weighted variance of the views' distances [unit^2].
   int views = 0;                 ///< Number of measuring views.

@@ -14,9 +14,11 @@ namespace relief {
 
 namespace {
 
-// How far a filled vertex may come into space seen empty, if it was not farther already: what the
-// lattice resolves.
-constexpr double kIntrusion = 0.25;  // [voxels]
+// How far a filled vertex may be in space seen empty, and in front of a surface where the outermost
+// rays meet it: what the lattice resolves.
+constexpr double kIntrusion = 0.25, kInFront = 0.5;  // [voxels]
+// The closed field's surface is that far at most in the way of such rays.
+constexpr double kFarthestRetreat = 1.5;  // [voxels]
 
 // Rounds of finding what a plate must not do, and of holding it there.
 constexpr int kRounds = 3;
@@ -95,20 +97,32 @@ class Fairing {
   }
 
   bool in_empty_space(const Eigen::Vector3d& point, EvidenceCollector& collector) const {
-    return collector.collect(point).clearance > kIntrusion * options_.voxel_size;
+    const Evidence evidence = collector.collect(point);
+    return evidence.clearance > kIntrusion * options_.voxel_size ||
+           evidence.in_front > kInFront * options_.voxel_size;
   }
 
-  // The farthest point on a vertex's way to `end` that is in no space seen empty.
+  // The farthest point on a vertex's way to `end` that is in no space seen empty. If its start is,
+  // the nearest behind the surface that is not.
   Eigen::Vector3d allowed(std::uint32_t v, const Eigen::Vector3d& end,
                           EvidenceCollector& collector) const {
     if (!mesh_.filled[v] || !in_empty_space(end, collector)) return end;
     const Eigen::Vector3d& start = mesh_.vertices[v];
-    double sound = 0.0, beyond = 1.0;
+    if (!in_empty_space(start, collector)) return last_sound(start, end, collector);
+    const Eigen::Vector3d behind =
+        start - kFarthestRetreat * options_.voxel_size * mesh_.normals[v].cast<double>();
+    return in_empty_space(behind, collector) ? start : last_sound(behind, start, collector);
+  }
+
+  // Of the points from `sound`, which is in no space seen empty, to `empty`, which is: the last
+  // that is not.
+  Eigen::Vector3d last_sound(Eigen::Vector3d sound, Eigen::Vector3d empty,
+                             EvidenceCollector& collector) const {
     for (int step = 0; step < 6; ++step) {
-      const double middle = 0.5 * (sound + beyond);
-      (in_empty_space(start + middle * (end - start), collector) ? beyond : sound) = middle;
+      const Eigen::Vector3d middle = 0.5 * (sound + empty);
+      (in_empty_space(middle, collector) ? empty : sound) = middle;
     }
-    return start + sound * (end - start);
+    return sound;
   }
 
   void restore(std::size_t r) {

@@ -139,6 +139,7 @@ std::optional<Observation> ViewSampler::observe(const Eigen::Vector3d& point_in_
   Observation seen;
   seen.distance = patch->distance(local);
   seen.weight = patch->weight;
+  seen.border = patch->border;
   seen.matter_depth = patch->border * surface_.spacing;
   seen.range_gap = (local - patch->place).norm();
   seen.normal = world_from_view_.linear() * patch->normal;

@@ -26,6 +26,7 @@ struct Observation {
   /// How far behind the surface there is matter as far as the view can tell [unit]: little next to
   /// a silhouette, where the object turns away.
   double matter_depth = 0.0;
+  double border = 0.0;     ///< Distance to the silhouette [pixels], interpolated.
   double range_gap = 0.0;  ///< Distance to where the point's ray meets the surface [unit].
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Of the surface, unit, world frame.
 };
