@@ -60,6 +60,7 @@ class CompressedPairs : public ceres::EvaluationCallback {
     pairs_.push_back({source, target, std::move(terms), {}});
   }
 
+  // With derivatives even if only the cost is asked for: most steps are taken, and then they are.
   void PrepareForEvaluation(bool, bool poses_moved) override {
     if (!poses_moved) return;
     parallel_for(pairs_.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {

@@ -5,13 +5,14 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "registration/normal_equations.h"
 #include "registration/robust.h"
 
 namespace relief {
 
 namespace {
 
-// Directions of the information that are weaker than the strongest by this are rounding.
+// Directions of the matrix that are weaker than the strongest by this are rounding.
 constexpr double kLeastEigenvalue = 1e-14;
 
 // c^2 sum of log(1 + s / c^2) over squared residuals s.
@@ -37,33 +38,21 @@ class CauchyLosses {
   double square_, logs_ = 0.0, product_ = 1.0;
 };
 
-// Half the gradient and the Gauss-Newton matrix of a sum of losses.
-struct Quadratic {
-  Matrix6d information = Matrix6d::Zero();
-  RigidTangent pull = RigidTangent::Zero();
-
-  void add(const RigidTangent& j, double residual, double weight) {
-    const RigidTangent weighted = weight * j;
-    information.noalias() += weighted * j.transpose();
-    pull += residual * weighted;
-  }
-};
-
-CompressedTerms square_root(const Quadratic& sum, double losses) {
+CompressedTerms square_root(const NormalEquations& sum, double losses) {
   // Free of units: rotations count as much as translations.
-  const Vector6d diagonal = sum.information.diagonal();
+  const Vector6d diagonal = sum.matrix.diagonal();
   const Vector6d scale =
       (diagonal.array() > 0.0).select(diagonal.cwiseMax(1e-300).cwiseSqrt(), Vector6d::Ones());
   const Vector6d inverse = scale.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(inverse.asDiagonal() * sum.information *
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(inverse.asDiagonal() * sum.matrix *
                                                       inverse.asDiagonal());
-  const RigidTangent pull = inverse.cwiseProduct(sum.pull);
+  const Vector6d gradient = inverse.cwiseProduct(sum.gradient);
   CompressedTerms terms;
   for (int k = 0; k < 6; ++k) {
     const double value = eigen.eigenvalues()[k];
     if (!(value > kLeastEigenvalue * eigen.eigenvalues()[5])) continue;
     const Vector6d direction = eigen.eigenvectors().col(k);
-    terms.residuals[k] = direction.dot(pull) / std::sqrt(value);
+    terms.residuals[k] = direction.dot(gradient) / std::sqrt(value);
     terms.derivative.row(k) = (std::sqrt(value) * scale.cwiseProduct(direction)).transpose();
   }
   terms.residuals[6] = std::sqrt(std::max(0.0, losses - terms.residuals.squaredNorm()));
@@ -73,7 +62,7 @@ CompressedTerms square_root(const Quadratic& sum, double losses) {
 }  // namespace
 
 CompressedTerms PairTerms::compress(const RigidMotion& target_from_source) const {
-  Quadratic sum;
+  NormalEquations sum;
   CauchyLosses of_planes(kCauchyScale);
   CauchyLosses of_normals(std::sqrt(2.0) * kCauchyScale);  // Of two residuals at once.
   RigidTangent j;

@@ -5,21 +5,12 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
+#include "registration/normal_equations.h"
 #include "registration/robust.h"
 
 namespace relief {
 
 namespace {
-
-struct NormalEquations {
-  Matrix6d matrix = Matrix6d::Zero();
-  Vector6d gradient = Vector6d::Zero();
-
-  void add(const Vector6d& j, double residual, double weight) {
-    matrix.noalias() += weight * j * j.transpose();
-    gradient += weight * residual * j;
-  }
-};
 
 // Tangents scaled so that rotations and translations weigh alike: translation in radii.
 NormalEquations linearise(const std::vector<PlanePair>& pairs, IcpObjective objective,
