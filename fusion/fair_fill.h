@@ -19,7 +19,7 @@ struct FairFill {
 /// Places for the filled vertices of a merged mesh (`filled` and `normals` set), with which the
 /// surface goes on across the border of what was measured with the slope it arrives with, or, where
 /// the closed field left it at a sharp angle, spans the border plainly. It stays out of space that
-/// a view saw empty, as far as it was, and intersects itself nowhere it did not.
+/// a view saw empty, or leaves it where it can, and intersects itself nowhere it did not.
 FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
                              const FairFillOptions& options);
 

@@ -67,10 +67,11 @@ class RestlessBlocks {
       if (b % kBlocksAtOnce == 0) relieve(options.memory);
       const auto of_block = constraints.subspan(b * kBlockNodes, kBlockNodes);
       if (field.active(b) && std::any_of(of_block.begin(), of_block.end(),
-                                         [](const NodeConstraint& c) { return !c.fixed(); }))
+                                         [](const NodeConstraint& c) { return !c.fixed(); })) {
         solved_.push_back(b);
+        change_[b] = std::numeric_limits<float>::infinity();
+      }
     }
-    for (const std::size_t b : solved_) change_[b] = std::numeric_limits<float>::infinity();
   }
 
   /// Those where a value, or one of a block beside, changed by more than the tolerance when last
@@ -88,7 +89,6 @@ class RestlessBlocks {
     return restless;
   }
 
-  /// Of different blocks it may be called in several threads.
   void relaxed(std::size_t b, float change) { change_[b] = change; }
 
  private:
@@ -107,19 +107,16 @@ int solve_obstacle_problem(SparseField& field, std::span<const NodeConstraint> c
   for (int sweep = 0; sweep < options.max_sweeps; ++sweep) {
     const std::vector<std::size_t> blocks = restless.find();
     if (blocks.empty()) return sweep;
-    std::vector<float> first_change(blocks.size());
-    parallel_for(blocks.size(), kBlocksAtOnce, options.threads, [&](auto begin, auto end) {
-      relieve(options.memory);
-      for (std::size_t k = begin; k < end; ++k)
-        first_change[k] = relax_block(field, constraints, blocks[k], 0, relaxation);
-    });
-    parallel_for(blocks.size(), kBlocksAtOnce, options.threads, [&](auto begin, auto end) {
-      relieve(options.memory);
-      for (std::size_t k = begin; k < end; ++k) {
-        const float change = relax_block(field, constraints, blocks[k], 1, relaxation);
-        restless.relaxed(blocks[k], std::max(first_change[k], change));
-      }
-    });
+    std::vector<float> change(blocks.size(), 0.0f);
+    for (const int colour : {0, 1}) {
+      parallel_for(blocks.size(), kBlocksAtOnce, options.threads, [&](auto begin, auto end) {
+        relieve(options.memory);
+        for (std::size_t k = begin; k < end; ++k)
+          change[k] =
+              std::max(change[k], relax_block(field, constraints, blocks[k], colour, relaxation));
+      });
+    }
+    for (std::size_t k = 0; k < blocks.size(); ++k) restless.relaxed(blocks[k], change[k]);
   }
   return options.max_sweeps;
 }

@@ -109,23 +109,22 @@ Result<std::vector<NormalSampler>> prepare(const std::vector<RangeView>& views,
   std::vector<const RangeView*> used;
   for (const RangeView& view : views)
     if (usable(view, views.size()) && view.sample_count() > 0) used.push_back(&view);
-  std::vector<std::optional<NormalSampler>> prepared(used.size());
-  std::vector<std::optional<Error>> errors(used.size());
+  std::vector<std::optional<Result<NormalSampler>>> prepared(used.size());
   std::vector<double> spacings(used.size());
   parallel_for(used.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       auto projection = ViewProjection::create(*used[i]);
       if (projection)
-        prepared[i].emplace(*used[i], std::move(projection).value(), options);
+        prepared[i].emplace(NormalSampler(*used[i], std::move(projection).value(), options));
       else
-        errors[i] = projection.error();
+        prepared[i].emplace(projection.error());
       spacings[i] = sample_spacing(*used[i]);
     }
   });
   std::vector<NormalSampler> samplers;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (errors[i]) return *errors[i];
-    samplers.push_back(std::move(*prepared[i]));
+  for (auto& sampler : prepared) {
+    if (!*sampler) return sampler->error();
+    samplers.push_back(std::move(*sampler).value());
   }
   spacing = median(spacings);
   return samplers;
@@ -180,7 +179,7 @@ class Blender {
         return vote.weight / std::max(0.1 * sigma_, (vote.normal - centre).norm());
       });
     }
-    kept_ = weights_;
+    kept_.swap(weights_);
     for (int round = 0; round < 3 && votes.size() >= 3; ++round) {
       const Eigen::Vector3d centre = blend.normal;
       const Blend next = weighted_mean(votes, [&](const Vote& vote) {
@@ -190,9 +189,9 @@ class Blender {
       });
       if (next.views == 0) break;
       blend = next;
-      kept_ = weights_;
+      kept_.swap(weights_);
     }
-    blend.variance = variance_round(blend.normal, votes);
+    blend.variance = variance_about(blend.normal, votes);
     return blend;
   }
 
@@ -217,7 +216,7 @@ class Blender {
     return blend;
   }
 
-  double variance_round(const Eigen::Vector3d& normal, const std::vector<Vote>& votes) const {
+  double variance_about(const Eigen::Vector3d& normal, const std::vector<Vote>& votes) const {
     double variance = 0.0, sum = 0.0;
     for (std::size_t i = 0; i < votes.size(); ++i) {
       variance += kept_[i] * 0.5 * (votes[i].normal - normal).squaredNorm();
@@ -227,8 +226,8 @@ class Blender {
   }
 
   double sigma_;
-  std::vector<double> weights_,
-      kept_;  // Of the votes, in the last round and in the one that holds.
+  std::vector<double> weights_;  // Of the votes, in the last round.
+  std::vector<double> kept_;     // The same in the round that holds.
 };
 
 // The median over pairs of views at a sample of the vertices: squared differences of two
