@@ -11,8 +11,8 @@
 
 #include <Eigen/Geometry>
 
-#include "fusion/moved_faces.h"
 #include "fusion/thin_plate.h"
+#include "scan/moved_faces.h"
 #include "scan/parallel.h"
 
 namespace relief {
@@ -77,27 +77,34 @@ class CreaseEdges {
   // vertices there. Returns how many edges were turned.
   std::size_t run() {
     const std::vector<TriangleMesh::Face> as_given = mesh_.faces;
+    std::vector<TriangleMesh::Face> searched = as_given;  // Faces whose intersections are known,
+    std::vector<std::uint32_t> bad;                       // and those that have some.
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       std::size_t turned = 0;
-      changed_.assign(mesh_.faces.size(), 0);
+      touched_.assign(mesh_.vertices.size(), 1);
       for (int pass = 0; pass < kPasses; ++pass) turned += this->pass();
-      const std::vector<std::uint32_t> bad = intersecting();
+      bad = intersecting(searched, bad);
       if (bad.empty()) return turned;
       for (const std::uint32_t f : bad)
         for (const std::uint32_t v : mesh_.faces[f]) barred_[v] = 1;
+      searched = std::move(mesh_.faces);
       mesh_.faces = as_given;
     }
     return 0;
   }
 
  private:
-  std::vector<std::uint32_t> intersecting() const {
-    std::vector<std::uint32_t> changed;
-    for (std::uint32_t f = 0; f < changed_.size(); ++f)
-      if (changed_[f]) changed.push_back(f);
-    return intersecting_faces(mesh_, changed, 2.0 * options_.voxel_size, options_.threads);
+  // Of faces that are as they were no others than `known` intersect.
+  std::vector<std::uint32_t> intersecting(const std::vector<TriangleMesh::Face>& before,
+                                          std::vector<std::uint32_t> known) const {
+    std::vector<std::uint32_t> in_question;
+    for (std::uint32_t f = 0; f < before.size(); ++f)
+      if (mesh_.faces[f] != before[f] || std::binary_search(known.begin(), known.end(), f))
+        in_question.push_back(f);
+    return intersecting_faces(mesh_, in_question, 2.0 * options_.voxel_size, options_.threads);
   }
 
+  // Something new there is only near vertices of faces that were turned in the pass before.
   std::size_t pass() {
     mesh_.normals = vertex_normals(mesh_);
     const FacesAround around(mesh_, all_);
@@ -106,8 +113,24 @@ class CreaseEdges {
       return std::tie(t.gain, s.left, s.a) < std::tie(s.gain, t.left, t.a);
     });
     keep_apart(turns);
+    std::fill(touched_.begin(), touched_.end(), 0);
     for (const Turn& turn : turns) apply(turn);
+    spread(touched_);
     return turns.size();
+  }
+
+  bool has_any(const std::vector<std::uint8_t>& vertices, std::size_t f) const {
+    return std::any_of(mesh_.faces[f].begin(), mesh_.faces[f].end(),
+                       [&](std::uint32_t v) { return vertices[v]; });
+  }
+
+  // To the neighbours of marked vertices.
+  void spread(std::vector<std::uint8_t>& marked) const {
+    std::vector<std::uint8_t> wider = marked;
+    for (std::size_t f = 0; f < mesh_.faces.size(); ++f)
+      if (has_any(marked, f))
+        for (const std::uint32_t v : mesh_.faces[f]) wider[v] = 1;
+    marked = std::move(wider);
   }
 
   // How far the surface leaves an edge: eight times the height of the arc over it that has the
@@ -123,7 +146,7 @@ class CreaseEdges {
     parallel_for(mesh_.faces.size(), kGrain, options_.threads,
                  [&](std::size_t begin, std::size_t end) {
                    for (std::size_t f = begin; f < end; ++f)
-                     for (std::size_t k = 0; k < 3; ++k)
+                     for (std::size_t k = 0; k < 3 && has_any(touched_, f); ++k)
                        consider(static_cast<std::uint32_t>(f), k, around, found[begin / kGrain]);
                  });
     std::vector<Turn> turns;
@@ -197,7 +220,7 @@ class CreaseEdges {
   }
 
   void apply(const Turn& t) {
-    changed_[t.left] = changed_[t.right] = 1;
+    for (const std::uint32_t v : {t.a, t.b, t.c, t.d}) touched_[v] = 1;
     mesh_.faces[t.left] = {t.c, t.d, t.b};
     mesh_.faces[t.right] = {t.d, t.c, t.a};
   }
@@ -206,7 +229,7 @@ class CreaseEdges {
   const CreaseEdgeOptions& options_;
   std::vector<std::uint8_t> all_;      // Set for every vertex.
   std::vector<std::uint8_t> barred_;   // Vertices whose edges and whose faces' edges stay.
-  std::vector<std::uint8_t> changed_;  // Faces that are others than given.
+  std::vector<std::uint8_t> touched_;  // Vertices with edges to look at in the next pass.
 };
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "fusion/evidence.h"
-#include "fusion/moved_faces.h"
 #include "fusion/thin_plate.h"
+#include "scan/moved_faces.h"
 #include "scan/parallel.h"
 
 namespace relief {

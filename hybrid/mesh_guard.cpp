@@ -1,11 +1,13 @@
 #include "hybrid/mesh_guard.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include "scan/moved_faces.h"
 #include "scan/parallel.h"
 #include "scan/self_intersections.h"
 
@@ -38,7 +40,8 @@ class Guard {
         displacements_(displacements),
         threads_(threads),
         normals_(vertex_normals(mesh)),
-        scale_(mesh.vertices.size(), 1.0f) {
+        scale_(mesh.vertices.size(), 1.0f),
+        changed_(mesh.vertices.size(), 0) {
     moved_.vertices = mesh.vertices;
     moved_.faces = mesh.faces;
   }
@@ -51,7 +54,8 @@ class Guard {
         apply();
         ++move.rounds;
       } while (damp(unsound_faces(), 0.5f));
-      damped = damp(intersecting_faces(), searches < kPatientSearches ? 0.5f : 0.0f);
+      const auto faces = searches == 0 ? all_intersecting_faces() : newly_intersecting_faces();
+      damped = damp(faces, searches < kPatientSearches ? 0.5f : 0.0f);
     }
     for (const float s : scale_) {
       move.damped += s < 1.0f;
@@ -83,10 +87,24 @@ class Guard {
     return faces;
   }
 
-  std::vector<std::uint32_t> intersecting_faces() const {
+  std::vector<std::uint32_t> all_intersecting_faces() {
+    changed_.assign(scale_.size(), 0);
     SelfIntersectionOptions options;
     options.threads = threads_;
     return find_self_intersections(moved_, options).faces();
+  }
+
+  // Those that vertices damped since the last search may have brought to intersect, and more.
+  std::vector<std::uint32_t> newly_intersecting_faces() {
+    std::vector<std::uint32_t> faces;
+    for (std::uint32_t f = 0; f < moved_.faces.size(); ++f)
+      if (std::any_of(moved_.faces[f].begin(), moved_.faces[f].end(),
+                      [&](std::uint32_t v) { return changed_[v]; }))
+        faces.push_back(f);
+    std::fill(changed_.begin(), changed_.end(), 0);
+    const double edge =
+        std::sqrt(2.0 * surface_area(before_) / static_cast<double>(before_.faces.size()));
+    return intersecting_faces(moved_, faces, 2.0 * edge, threads_);
   }
 
   // True if some vertex of the faces did move, and now moves less.
@@ -100,6 +118,7 @@ class Guard {
     for (const std::uint32_t v : vertices) {
       if (scale_[v] == 0.0f) continue;
       scale_[v] = scale_[v] * factor < kLeastScale ? 0.0f : scale_[v] * factor;
+      changed_[v] = 1;
       any = true;
     }
     return any;
@@ -110,6 +129,7 @@ class Guard {
   int threads_;
   std::vector<Eigen::Vector3f> normals_;
   std::vector<float> scale_;
+  std::vector<std::uint8_t> changed_;  // Damped since the last search for intersections.
   TriangleMesh moved_;
 };
 

@@ -1,6 +1,7 @@
 #include "scan/self_intersections.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "scan/parallel.h"
 #include "scan/triangle_overlap.h"
@@ -27,30 +28,43 @@ bool takes_part(const TriangleMesh& mesh, std::uint32_t face) {
   return !collinear(triangle(mesh, face));
 }
 
-// The mesh without the faces that cannot be judged, and which ones its faces were.
-struct Judged {
-  TriangleMesh mesh;
-  std::vector<std::uint32_t> original;
-
+// The mesh without the faces that cannot be judged, and which ones its faces were. Refers to the
+// mesh itself when all can.
+class Judged {
+ public:
   explicit Judged(const TriangleMesh& all) {
-    mesh.vertices = all.vertices;
-    for (std::uint32_t face = 0; face < all.faces.size(); ++face) {
-      if (!takes_part(all, face)) continue;
-      mesh.faces.push_back(all.faces[face]);
-      original.push_back(face);
+    std::vector<std::uint32_t> judged;
+    for (std::uint32_t face = 0; face < all.faces.size(); ++face)
+      if (takes_part(all, face)) judged.push_back(face);
+    if (judged.size() == all.faces.size()) {
+      mesh_ = &all;
+      return;
     }
+    part_.vertices = all.vertices;
+    for (const std::uint32_t face : judged) part_.faces.push_back(all.faces[face]);
+    original_ = std::move(judged);
+    mesh_ = &part_;
+  }
+  Judged(const Judged&) = delete;
+  Judged& operator=(const Judged&) = delete;
+
+  const TriangleMesh& mesh() const { return *mesh_; }
+  FacePair original_pair(std::uint32_t f, std::uint32_t g) const {
+    if (!original_.empty()) f = original_[f], g = original_[g];
+    return {std::min(f, g), std::max(f, g)};
   }
 
-  FacePair original_pair(std::uint32_t f, std::uint32_t g) const {
-    return {std::min(original[f], original[g]), std::max(original[f], original[g])};
-  }
+ private:
+  const TriangleMesh* mesh_;
+  TriangleMesh part_;
+  std::vector<std::uint32_t> original_;  // Empty: the same.
 };
 
 std::vector<FacePair> pairs_in_range(const Judged& judged, const TriangleTree& tree,
                                      std::size_t begin, std::size_t end, std::size_t limit) {
   std::vector<FacePair> pairs;
   tree.visit_box_overlaps(begin, end, [&](std::uint32_t f, std::uint32_t g) {
-    if (overlap(triangle(judged.mesh, f), triangle(judged.mesh, g)))
+    if (overlap(triangle(judged.mesh(), f), triangle(judged.mesh(), g)))
       pairs.push_back(judged.original_pair(f, g));
     return pairs.size() <= limit;
   });
@@ -70,8 +84,8 @@ std::vector<std::uint32_t> SelfIntersections::faces() const {
 SelfIntersections find_self_intersections(const TriangleMesh& mesh,
                                           const SelfIntersectionOptions& options) {
   const Judged judged(mesh);
-  const TriangleTree tree(judged.mesh, options.threads);
-  const std::size_t count = judged.mesh.faces.size();
+  const TriangleTree tree(judged.mesh(), options.threads);
+  const std::size_t count = judged.mesh().faces.size();
   SelfIntersections found;
   for (std::size_t start = 0; start < count && found.pairs.size() <= options.limit;
        start += kRangesAtOnce * kGrain) {

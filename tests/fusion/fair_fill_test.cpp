@@ -13,7 +13,6 @@
 #include "fusion/evidence.h"
 #include "fusion/isosurface.h"
 #include "fusion/merge_views.h"
-#include "fusion/moved_faces.h"
 #include "fusion/vertex_attributes.h"
 #include "scan/mesh_components.h"
 #include "tests/fusion/scenes.h"
@@ -126,51 +125,6 @@ TEST(FairFill, ThreadsAndALimitOfMemoryDoNotChangeAByte) {
       EXPECT_EQ(places, reference);
     }
   }
-}
-
-// A sheet of two rows of quads, and one above it.
-TriangleMesh two_sheets(double distance) {
-  TriangleMesh mesh;
-  for (const double z : {0.0, distance}) {
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (int y = 0; y < 3; ++y)
-      for (int x = 0; x < 9; ++x) mesh.vertices.emplace_back(x, y, z);
-    for (std::uint32_t y = 0; y < 2; ++y) {
-      for (std::uint32_t x = 0; x < 8; ++x) {
-        const std::uint32_t v = first + 9 * y + x;
-        mesh.faces.push_back({v, v + 1, v + 10});
-        mesh.faces.push_back({v, v + 10, v + 9});
-      }
-    }
-  }
-  return mesh;
-}
-
-TEST(MovedFaces, FindsFacesThatCrossOthers) {
-  const TriangleMesh mesh = two_sheets(1.0);
-  std::vector<Eigen::Vector3d> places = mesh.vertices;
-  std::vector<std::uint8_t> moved(places.size(), 0);
-  moved[13] = 1;
-  EXPECT_TRUE(spoiled_faces(mesh, places, moved, 1.0, 1).empty());
-  places[13].z() = 1.5;
-  const auto spoiled = spoiled_faces(mesh, places, moved, 1.0, 1);
-  ASSERT_FALSE(spoiled.empty());
-  TriangleMesh after = mesh;
-  after.vertices = places;
-  EXPECT_EQ(spoiled, find_self_intersections(after).faces()) << "with those of the sheet above";
-  moved[13] = 0;
-  moved[9] = 1;
-  EXPECT_TRUE(spoiled_faces(mesh, places, moved, 1.0, 1).empty()) << "far away";
-}
-
-TEST(MovedFaces, FindsFacesWithoutWidth) {
-  const TriangleMesh mesh = two_sheets(1.0);
-  std::vector<Eigen::Vector3d> places = mesh.vertices;
-  std::vector<std::uint8_t> moved(places.size(), 0);
-  moved[1] = 1;
-  places[1] = Eigen::Vector3d(0.5, 0.5 + 1e-9, 0.0);  // on the diagonal of the first quad
-  const auto spoiled = spoiled_faces(mesh, places, moved, 1.0, 1);
-  EXPECT_TRUE(std::binary_search(spoiled.begin(), spoiled.end(), 0u));
 }
 
 }  // namespace

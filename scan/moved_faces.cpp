@@ -1,4 +1,4 @@
-#include "fusion/moved_faces.h"
+#include "scan/moved_faces.h"
 
 #include <algorithm>
 #include <array>
@@ -17,6 +17,9 @@ namespace {
 
 // Thinner faces, against their longest side, would not survive in files of single precision.
 constexpr double kLeastThickness = 1e-5;
+
+// Of more than this part of all faces it takes less time to search the whole mesh.
+constexpr std::size_t kMany = 20;
 
 // Cells of a coarse lattice that boxes meet.
 class Cells {
@@ -148,6 +151,11 @@ std::vector<std::uint32_t> intersecting_faces(const TriangleMesh& mesh,
                                               const std::vector<std::uint32_t>& faces, double reach,
                                               int threads) {
   if (faces.empty()) return {};
+  if (faces.size() > mesh.faces.size() / kMany) {
+    SelfIntersectionOptions options;
+    options.threads = threads;
+    return find_self_intersections(mesh, options).faces();
+  }
   auto found = MovedFaces(mesh, mesh.vertices, faces, reach).intersecting(threads);
   std::sort(found.begin(), found.end());
   return found;
