@@ -11,6 +11,7 @@
 #include "apps/mesh_report.h"
 #include "apps/stages.h"
 #include "scan/io/view_spec.h"
+#include "scan/parallel.h"
 
 namespace relief {
 
@@ -57,6 +58,7 @@ void log_polish(const PolishedMesh& polished, const std::string& unit) {
 // was closed must still be.
 Result<Json> polish(const ScanProject& project, const PolishOptions& options, MergeResult& merged) {
   PolishOptions scaled = options;
+  release_freed_memory();  // What merging took.
   if (!(scaled.normals.max_distance > 0.0)) scaled.normals.max_distance = merged.truncation;
   auto polished = polish_mesh(merged.mesh, project.views, scaled, console_progress("polish"));
   if (!polished) return polished.error();
@@ -158,7 +160,7 @@ class ProjectViews {
 
 // What polishing holds: views [bytes a pixel], and the mesh, its graph and the system [bytes a
 // vertex]; see docs/fusion.md.
-constexpr std::size_t kViewPixel = 30, kPolishedVertex = 900;
+constexpr std::size_t kViewPixel = 30, kPolishedVertex = 550;
 
 Result<void> check_room_to_polish(const MergeResult& merged, std::size_t pixels,
                                   std::size_t limit) {

@@ -65,7 +65,7 @@ MeshGraph mesh_graph(const TriangleMesh& mesh, int threads) {
 
   MeshGraph graph;
   graph.begin.assign(count + 1, 0);
-  graph.vertex_area.assign(count, 0.0);
+  graph.vertex_area.assign(count, 0.0f);
   parallel_for(count, kGrain, threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Edge> edges;
     for (std::size_t i = begin; i < end; ++i) {
@@ -82,10 +82,12 @@ MeshGraph mesh_graph(const TriangleMesh& mesh, int threads) {
       edges_of(i, edges);
       for (std::size_t k = 0; k < edges.size(); ++k) {
         graph.neighbour[graph.begin[i] + k] = edges[k].neighbour;
-        graph.edge_area[graph.begin[i] + k] = edges[k].area;
+        graph.edge_area[graph.begin[i] + k] = static_cast<float>(edges[k].area);
       }
+      double area = 0.0;
       for (std::size_t k = lists.begin[i]; k < lists.begin[i + 1]; ++k)
-        graph.vertex_area[i] += third[lists.face[k]];
+        area += third[lists.face[k]];
+      graph.vertex_area[i] = static_cast<float>(area);
     }
   });
   return graph;

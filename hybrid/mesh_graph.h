@@ -13,8 +13,8 @@ namespace relief {
 struct MeshGraph {
   std::vector<std::size_t> begin;
   std::vector<std::uint32_t> neighbour;
-  std::vector<double> edge_area;    ///< A third of the area of the faces at the edge [unit^2].
-  std::vector<double> vertex_area;  ///< A third of the area of the faces at the vertex [unit^2].
+  std::vector<float> edge_area;    ///< A third of the area of the faces at the edge [unit^2].
+  std::vector<float> vertex_area;  ///< A third of the area of the faces at the vertex [unit^2].
 
   std::size_t vertices() const { return vertex_area.size(); }
 };

@@ -56,7 +56,7 @@ Eigen::VectorXd MeshMatrix::operator*(const Eigen::VectorXd& x) const {
     for (std::size_t i = begin; i < end; ++i) {
       double sum = diagonal[i] * x[static_cast<Eigen::Index>(i)];
       for (std::size_t k = graph->begin[i]; k < graph->begin[i + 1]; ++k)
-        sum += off_diagonal[k] * x[graph->neighbour[k]];
+        sum += double{off_diagonal[k]} * x[graph->neighbour[k]];
       y[static_cast<Eigen::Index>(i)] = sum;
     }
   });
@@ -94,9 +94,9 @@ bool MeshPreconditioner::update() {
     for (std::size_t k = graph.begin[i]; k < graph.begin[i + 1]; ++k) {
       const std::uint32_t b = aggregate_[graph.neighbour[k]];
       if (a == b)
-        diagonal[a] += matrix_.off_diagonal[k];
+        diagonal[a] += double{matrix_.off_diagonal[k]};
       else if (a > b)
-        entries.emplace_back(a, b, matrix_.off_diagonal[k]);
+        entries.emplace_back(a, b, double{matrix_.off_diagonal[k]});
     }
   }
   for (std::size_t a = 0; a < diagonal.size(); ++a)
@@ -120,7 +120,7 @@ Eigen::VectorXd MeshPreconditioner::operator()(const Eigen::VectorXd& residual) 
       for (std::size_t k = graph.begin[i]; k < graph.begin[i + 1]; ++k) {
         const std::uint32_t j = graph.neighbour[k];
         if (j >= i) break;
-        if (j >= begin) sum -= matrix_.off_diagonal[k] * result[j];
+        if (j >= begin) sum -= double{matrix_.off_diagonal[k]} * result[j];
       }
       result[at(i)] = sum / matrix_.diagonal[i];
     }
@@ -129,7 +129,7 @@ Eigen::VectorXd MeshPreconditioner::operator()(const Eigen::VectorXd& residual) 
       for (std::size_t k = graph.begin[i + 1]; k-- > graph.begin[i];) {
         const std::uint32_t j = graph.neighbour[k];
         if (j <= i) break;
-        if (j < end) sum += matrix_.off_diagonal[k] * result[j];
+        if (j < end) sum += double{matrix_.off_diagonal[k]} * result[j];
       }
       result[at(i)] -= sum / matrix_.diagonal[i];
     }

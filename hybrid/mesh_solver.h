@@ -15,8 +15,8 @@ namespace relief {
 /// A symmetric matrix with one row per vertex and the sparsity of a mesh's edges.
 struct MeshMatrix {
   const MeshGraph* graph = nullptr;
-  std::vector<double> diagonal;      ///< One per vertex.
-  std::vector<double> off_diagonal;  ///< In the order of graph->neighbour.
+  std::vector<double> diagonal;     ///< One per vertex.
+  std::vector<float> off_diagonal;  ///< In the order of graph->neighbour.
 
   Eigen::VectorXd operator*(const Eigen::VectorXd& x) const;
   int threads = 0;

@@ -41,6 +41,8 @@ class MeshSystem {
   /// A preconditioner for it from one for normal_matrix(): normals and tangents apart.
   Eigen::VectorXd full_precondition(const LinearMap& along_normals, const Eigen::VectorXd& r) const;
 
+  /// How large displacements are, RMS, in expected errors of the positions.
+  double in_errors(const Eigen::VectorXd& displacements) const;
   /// Displacements in space, 3 x vertices.
   Eigen::Matrix3Xd in_space(const Eigen::VectorXd& displacements) const;
 
@@ -50,22 +52,26 @@ class MeshSystem {
     double residual;         // normal . (P_j - P_i); 0 where no normals tell
   };
   Edge edge(std::size_t i, std::size_t k) const;  // of vertex i, at k of the graph
+  Eigen::Vector3d edge_normal(std::size_t i, std::size_t k) const;
   double angular_variance(std::size_t i, std::size_t k) const;
   double smoothness(std::size_t i, std::size_t k) const;
-  void set_base_weights();
-  void set_edge_normals();
+  double base_weight(std::size_t i, std::size_t k) const;
+  Eigen::Vector3d pull(std::size_t i) const;  // of the edges at a vertex
+  // Calls visit(vertex) for all, side by side.
+  template <typename Visit>
+  void for_vertices(const Visit& visit) const;
 
   const TriangleMesh& mesh_;
   const MeshGraph& graph_;
   MeshSystemOptions options_;
   double sample_area_ = 1.0;
-  std::vector<Eigen::Vector3d> directions_;  // unit: blended normals, or those of the mesh
-  std::vector<Eigen::Vector3d> normals_;     // blended, or those of the mesh where there are none
+  double samples_ = 0.0;                     // that the vertices stand for
+  std::vector<Eigen::Vector3f> directions_;  // unit: blended normals, or those of the mesh
+  std::vector<Eigen::Vector3f> normals_;     // blended, or those of the mesh where there are none
   const std::vector<Eigen::Vector3f>* middles_ = nullptr;  // of edges, if there are any
-  std::vector<Eigen::Vector3f> edge_normals_;              // in the order of graph_.neighbour
-  std::vector<double> sigma_;  // of the blended normals [rad]; 0: none there
+  std::vector<float> sigma_;  // of the blended normals [rad]; 0: none there
   std::vector<double> position_weight_, tangential_weight_;  // a and b of (7)
-  std::vector<double> base_weight_, weight_;  // of edges, in the order of graph_.neighbour
+  std::vector<float> weight_;                                // of edges, in the order of graph_
 };
 
 }  // namespace relief

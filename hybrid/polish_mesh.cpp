@@ -9,6 +9,7 @@
 #include "hybrid/mesh_guard.h"
 #include "hybrid/mesh_solver.h"
 #include "hybrid/mesh_system.h"
+#include "scan/parallel.h"
 
 namespace relief {
 
@@ -16,9 +17,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Further rounds of reweighting that move the surface by less than this part of the first solve's
-// move are not worth their time.
-constexpr double kSettled = 0.01;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// A round of reweighting that moved the surface by less than this part of its expected errors is
+// the last: another would not be worth its time.
+constexpr double kSettled = 0.03;
 
 Result<void> check(const TriangleMesh& mesh, const MeshNormals& normals,
                    const PolishOptions& options) {
@@ -46,6 +51,8 @@ Result<void> check(const TriangleMesh& mesh, const MeshNormals& normals,
   return {};
 }
 
+Error interrupted() { return {ErrorKind::kInterrupted, "polishing the mesh was interrupted"}; }
+
 bool normals_meet(const TriangleMesh& mesh, const MeshNormals& normals) {
   return std::any_of(mesh.faces.begin(), mesh.faces.end(), [&](const auto& face) {
     int measured = 0;
@@ -67,6 +74,7 @@ class Solve {
   bool round() {
     if (rounds_ > 0) {
       system_.reweight(displacements_);
+      matrix_ = {};
       matrix_ = system_.normal_matrix();
     }
     if (!inverse_.update()) return false;
@@ -86,7 +94,7 @@ class Solve {
     }
     ++rounds_;
     iterations_ += solve.iterations;
-    settled_ = (displacements_ - before).norm() <= kSettled * displacements_.norm();
+    settled_ = system_.in_errors(displacements_ - before) <= kSettled;
     if (!displacements_.allFinite()) displacements_ = before;
     return solve.converged;
   }
@@ -106,10 +114,32 @@ class Solve {
   bool settled_ = false;
 };
 
-void take(GuardedMove move, const MeshNormals& normals, PolishedMesh& polished) {
+// Displacements in space (3 x vertices). What the solve took is gone afterwards.
+Result<Eigen::Matrix3Xd> least_squares(const TriangleMesh& mesh, const MeshNormals& normals,
+                                       const PolishOptions& options, const Progress& progress,
+                                       PolishedMesh& polished) {
+  const MeshGraph graph = mesh_graph(mesh, options.threads);
+  MeshSystem system(mesh, graph, normals,
+                    {options.sigma_position.value_or(0.0), options.sigma_normal.value_or(0.0),
+                     options.tangential, options.threads});
+  Solve solve(system, graph, options);
+  while (solve.rounds() <= options.robust_rounds && !solve.settled()) {
+    const double done = static_cast<double>(solve.rounds()) / (options.robust_rounds + 1.0);
+    if (!report_progress(progress, done, "polish")) return interrupted();
+    if (solve.round()) continue;
+    polished.status = PolishStatus::kNotConverged;
+    break;
+  }
+  polished.rounds = solve.rounds();
+  polished.iterations = solve.iterations();
+  return system.in_space(solve.displacements());
+}
+
+void take(GuardedMove move, const TriangleMesh& mesh, const MeshNormals& normals,
+          PolishedMesh& polished) {
   double sum = 0.0, largest = 0.0;
   for (std::size_t i = 0; i < move.vertices.size(); ++i) {
-    const double moved = (move.vertices[i] - polished.mesh.vertices[i]).squaredNorm();
+    const double moved = (move.vertices[i] - mesh.vertices[i]).squaredNorm();
     largest = std::max(largest, moved);
     if (normals.views[i] > 0) sum += moved;
   }
@@ -118,6 +148,7 @@ void take(GuardedMove move, const MeshNormals& normals, PolishedMesh& polished) 
       std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, polished.with_normal)));
   polished.damped = move.damped;
   polished.unmoved = move.unmoved;
+  polished.mesh = mesh;
   polished.mesh.vertices = std::move(move.vertices);
   polished.mesh.normals = vertex_normals(polished.mesh);
 }
@@ -138,42 +169,30 @@ std::string_view to_string(PolishStatus status) {
   return "";
 }
 
-Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const MeshNormals& normals,
+Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, MeshNormals normals,
                                  const PolishOptions& options, const Progress& progress) {
   const auto start = Clock::now();
-  const Error interrupted{ErrorKind::kInterrupted, "polishing the mesh was interrupted"};
   if (const auto ok = check(mesh, normals, options); !ok) return ok.error();
   PolishedMesh polished;
-  polished.mesh = mesh;
   polished.with_normal = normals.measured;
   polished.sigma_view = normals.sigma_view;
   const auto as_given = [&](PolishStatus status) {
+    polished.mesh = mesh;
     polished.status = status;
-    polished.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    polished.seconds = seconds_since(start);
     return std::move(polished);
   };
   if (!normals_meet(mesh, normals)) return as_given(PolishStatus::kNoNormals);
   if (mesh.quality.empty() && !options.sigma_position) return as_given(PolishStatus::kNoErrors);
 
-  const MeshGraph graph = mesh_graph(mesh, options.threads);
-  MeshSystem system(mesh, graph, normals,
-                    {options.sigma_position.value_or(0.0), options.sigma_normal.value_or(0.0),
-                     options.tangential, options.threads});
-  Solve solve(system, graph, options);
-  while (solve.rounds() <= options.robust_rounds && !solve.settled()) {
-    const double done = static_cast<double>(solve.rounds()) / (options.robust_rounds + 1.0);
-    if (!report_progress(progress, done, "polish")) return interrupted;
-    if (!solve.round()) {
-      polished.status = PolishStatus::kNotConverged;
-      break;
-    }
-  }
-  polished.rounds = solve.rounds();
-  polished.iterations = solve.iterations();
-  take(guarded_move(mesh, system.in_space(solve.displacements()), options.threads), normals,
-       polished);
-  if (!report_progress(progress, 1.0, "polish")) return interrupted;
-  return as_given(polished.status);
+  const auto displacements = least_squares(mesh, normals, options, progress, polished);
+  if (!displacements) return displacements.error();
+  normals.edges = {};
+  release_freed_memory();
+  take(guarded_move(mesh, *displacements, options.threads), mesh, normals, polished);
+  if (!report_progress(progress, 1.0, "polish")) return interrupted();
+  polished.seconds = seconds_since(start);
+  return polished;
 }
 
 Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const std::vector<RangeView>& views,
@@ -181,15 +200,16 @@ Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const std::vector<Ran
   const auto start = Clock::now();
   MeshNormalOptions normal_options = options.normals;
   normal_options.threads = options.threads;
-  const auto normals = vertex_normals_from_views(
-      mesh, views, normal_options, [&](double done, std::string_view step) {
-        return report_progress(progress, 0.5 * done, step);
-      });
+  auto normals = vertex_normals_from_views(mesh, views, normal_options,
+                                           [&](double done, std::string_view step) {
+                                             return report_progress(progress, 0.5 * done, step);
+                                           });
   if (!normals) return normals.error();
-  auto polished = polish_mesh(mesh, *normals, options, [&](double done, std::string_view step) {
-    return report_progress(progress, 0.5 + 0.5 * done, step);
-  });
-  if (polished) polished->seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  auto polished =
+      polish_mesh(mesh, std::move(*normals), options, [&](double done, std::string_view step) {
+        return report_progress(progress, 0.5 + 0.5 * done, step);
+      });
+  if (polished) polished->seconds = seconds_since(start);
   return polished;
 }
 

@@ -30,7 +30,7 @@ struct PolishOptions {
   double tangential = 1.0;
   /// Rounds of robust reweighting that follow the plain least-squares solve; 0: none.
   int robust_rounds = 3;
-  double tolerance = 1e-4;    ///< Of conjugate gradients, relative.
+  double tolerance = 1e-3;    ///< Of conjugate gradients, relative.
   int max_iterations = 500;   ///< Of conjugate gradients, per solve.
   MeshNormalOptions normals;  ///< How views are blended; its `threads` is that below.
   int threads = 0;            ///< 0: one per core. The result does not depend on it.
@@ -69,7 +69,7 @@ Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const std::vector<Ran
                                  const PolishOptions& options = {}, const Progress& progress = {});
 
 /// The same with given normals.
-Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const MeshNormals& normals,
+Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, MeshNormals normals,
                                  const PolishOptions& options = {}, const Progress& progress = {});
 
 }  // namespace relief
