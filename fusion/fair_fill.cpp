@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <unordered_map>
 #include <utility>
 
 #include "fusion/evidence.h"
@@ -27,12 +28,17 @@ constexpr int kRounds = 3;
 // no slope worth going on with.
 constexpr double kHeld = 0.0;
 
+// What a vertex that is held for its spoiled faces changes, and what stays: this many edges away a
+// plate that gives way by a voxel or two lies as before.
+constexpr int kMendedRings = 12;
+
 // Memory for each vertex of the mesh, and for each that may move besides [bytes].
 constexpr std::size_t kVertex = 60, kMoving = 900;
 
 // How far the work on a region has come.
 struct Settling {
   std::map<std::uint32_t, PlateVertex> pinned;  // Vertices that are held.
+  std::vector<std::uint32_t> fresh;             // Of these, the ones held in this round of mending.
   bool settled = false;
   bool stays = false;  // As the closed field has it.
 };
@@ -68,19 +74,61 @@ class Fairing {
                  });
   }
 
+  // What may move of a region, and what holds it.
+  PlatePatch patch_of(std::size_t r) const {
+    PlatePatch patch;
+    patch.held = regions_.all()[r].border;
+    for (const PlateVertex& vertex : regions_.all()[r].vertices) add(r, vertex, patch);
+    return patch;
+  }
+
+  void add(std::size_t r, const PlateVertex& vertex, PlatePatch& patch) const {
+    const auto pin = work_[r].pinned.find(vertex.vertex);
+    if (pin == work_[r].pinned.end())
+      patch.free.push_back(vertex);
+    else
+      patch.held.push_back(pin->second);
+  }
+
+  // The same near the vertices held of late. What is around goes on as it lies, with its slope.
+  PlatePatch patch_near_fresh(std::size_t r) const {
+    const std::unordered_map<std::uint32_t, int> rings = rings_around(work_[r].fresh);
+    PlatePatch patch;
+    patch.held = regions_.all()[r].border;
+    for (const PlateVertex& vertex : regions_.all()[r].vertices) {
+      const auto ring = rings.find(vertex.vertex);
+      if (ring == rings.end()) continue;
+      if (ring->second <= kMendedRings)
+        add(r, vertex, patch);
+      else  // the slope of the first of these rings depends on the second
+        patch.held.push_back({vertex.vertex, places_[vertex.vertex],
+                              ring->second == kMendedRings + 1 ? vertex.stiffness : 0.0});
+    }
+    return patch;
+  }
+
+  // Edges from the nearest of some vertices to those that are no farther than concerns a plate.
+  std::unordered_map<std::uint32_t, int> rings_around(std::vector<std::uint32_t> ring) const {
+    std::unordered_map<std::uint32_t, int> rings;
+    for (const std::uint32_t v : ring) rings.emplace(v, 0);
+    for (int distance = 1; distance <= kMendedRings + 2; ++distance) {
+      std::vector<std::uint32_t> next;
+      for (const std::uint32_t v : ring)
+        regions_.around().visit(v, [&](std::uint32_t face) {
+          for (const std::uint32_t other : mesh_.faces[face])
+            if (rings.emplace(other, distance).second) next.push_back(other);
+        });
+      ring = std::move(next);
+    }
+    return rings;
+  }
+
   // Lets the region come to rest, and pins what would then be in space seen empty.
   void settle(std::size_t r, bool last) {
     relieve(options_.memory);
     Settling& work = work_[r];
-    PlatePatch patch;
-    patch.held = regions_.all()[r].border;
-    for (const PlateVertex& vertex : regions_.all()[r].vertices) {
-      const auto pin = work.pinned.find(vertex.vertex);
-      if (pin == work.pinned.end())
-        patch.free.push_back(vertex);
-      else
-        patch.held.push_back(pin->second);
-    }
+    const PlatePatch patch = work.fresh.empty() ? patch_of(r) : patch_near_fresh(r);
+    work.fresh.clear();
     work.settled = true;
     if (patch.free.empty()) return;
     const std::vector<Eigen::Vector3d> rest =
@@ -90,6 +138,7 @@ class Fairing {
     for (std::size_t k = 0; k < rest.size(); ++k) {
       const std::uint32_t v = patch.free[k].vertex;
       places_[v] = allowed(v, rest[k], collector);
+      if (!changed_.empty()) changed_[v] = 1;
       if (places_[v] == rest[k] || last) continue;
       work.pinned.emplace(v, PlateVertex{v, places_[v]});
       work.settled = false;
@@ -168,9 +217,9 @@ class Fairing {
         if (r == FairRegions::kNone) continue;
         places_[v] = mesh_.vertices[v];
         work_[r].pinned[v] = {v, places_[v], kHeld};
-        if (!work_[r].settled) continue;
+        work_[r].fresh.push_back(v);
         work_[r].settled = false;
-        for (const PlateVertex& free : regions_.all()[r].vertices) changed_[free.vertex] = 1;
+        changed_[v] = 1;
       }
     });
   }
@@ -199,6 +248,7 @@ FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSam
   if (filled == 0) return {};
   relieve(options.memory, kVertex * mesh.vertices.size() + kMoving * filled);
   if (!check(options.memory)) return {};
+  release_freed_memory();  // Factors are large.
   return Fairing(mesh, views, options).run();
 }
 

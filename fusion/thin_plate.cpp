@@ -9,6 +9,8 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
+#include "scan/parallel.h"
+
 namespace relief {
 
 namespace {
@@ -24,7 +26,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 using Entry = Eigen::Triplet<double>;
 
 // Knows before the numbers how many there will be.
-class Factor : public Eigen::SimplicialLDLT<Sparse> {
+class Factor : public Eigen::SimplicialLDLT<Sparse, Eigen::Lower> {
  public:
   std::size_t bytes() const {
     constexpr std::size_t kEntry = sizeof(double) + sizeof(Sparse::StorageIndex);
@@ -83,9 +85,10 @@ class PlateSystem {
 
   std::vector<Eigen::Vector3d> solve(MemoryLimit* memory) const {
     const Sparse weighted = weights_.asDiagonal() * laplacian_;
-    Sparse system = laplacian_.transpose() * weighted;
+    Sparse system = (laplacian_.transpose() * weighted).triangularView<Eigen::Lower>();
     system.diagonal() += pull_;
     const Eigen::MatrixX3d right = drawn_ - weighted.transpose() * known_;
+    release_freed_memory();
     Factor factor;
     factor.analyzePattern(system);
     relieve(memory, factor.bytes());
@@ -118,6 +121,7 @@ class PlateSystem {
   }
 
   void add_row(std::uint32_t v, double stiffness) {
+    double sum = 0.0;
     around_.visit(v, [&](std::uint32_t face) {
       const FaceShape shape = shape_of(mesh_, face);
       const auto& corners = mesh_.faces[face];
@@ -129,9 +133,10 @@ class PlateSystem {
                                      corners.begin());
         const double weight = 0.5 * shape.cotangents[opposite];
         add(weight, corners[k]);
-        add(-weight, v);
+        sum += weight;
       }
     });
+    add(-sum, v);
     weights_(row_++) = stiffness / area_at(v);
   }
 
