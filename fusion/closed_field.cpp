@@ -138,8 +138,8 @@ void impose_evidence(SparseField& field, const std::vector<ViewSampler>& views, 
       collector.focus(box_of(field, b));
       for (int i = 0; i < kBlockNodes; ++i) {
         NodeConstraint& constraint = constraints[b * kBlockNodes + static_cast<std::size_t>(i)];
-        const Evidence evidence =
-            collector.collect(field.lattice().position(field.first_node(b) + node_at_offset(i)));
+        const Evidence evidence = collector.collect_as_far_as(
+            limit, field.lattice().position(field.first_node(b) + node_at_offset(i)));
         if (evidence.measured) {
           constraint = kFixedNode;
           values[i] = static_cast<float>(evidence.distance);

@@ -21,6 +21,9 @@ class DepthPyramid {
   /// and that some pixel in it or close by has; -infinity where there is nothing.
   float greatest(const Eigen::AlignedBox2i& pixels) const;
 
+  /// The depth of a pixel.
+  float at(int u, int v) const { return levels_.front()(u, v); }
+
  private:
   std::vector<PagedGrid<float>> levels_;
 };

@@ -27,6 +27,9 @@ double nearness(double relative_distance) {
   return inside > 0.0 ? inside * inside : 0.0;
 }
 
+// Farther along the ray than that no distance is believed, however depths are rounded.
+constexpr double kFarAway = 1.001;
+
 // Nodes beside the zero set decide where the surface is.
 constexpr double kFootReach = 1.5;  // [lattice spacings]
 
@@ -73,11 +76,39 @@ void EvidenceCollector::focus(const Eigen::AlignedBox3d& box) {
 }
 
 Evidence EvidenceCollector::collect(const Eigen::Vector3d& point) {
-  return combine(point, nullptr);
+  find_quads(point);
+  return combine(nullptr);
 }
 
 Evidence EvidenceCollector::collect(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
-  return combine(point, &normal);
+  find_quads(point);
+  return combine(&normal);
+}
+
+Evidence EvidenceCollector::collect_as_far_as(double enough, const Eigen::Vector3d& point) {
+  find_quads(point);
+  if (std::any_of(sightings_.begin(), sightings_.end(), [](const Sighting& sighting) {
+        return sighting.side == ViewSampler::Side::kNear;
+      }))
+    return combine(nullptr);
+  Evidence evidence;
+  for (const Sighting& sighting : sightings_) {
+    if (const auto seen = sighting.view->observe(sighting.quad, 0.0))
+      evidence.clearance = std::max(evidence.clearance, seen->clearance);
+    if (evidence.clearance >= enough) break;
+  }
+  return evidence;
+}
+
+// Far behind its surface a view knows nothing.
+void EvidenceCollector::find_quads(const Eigen::Vector3d& point) {
+  sightings_.clear();
+  for (const ViewSampler* view : concerned_) {
+    const auto quad = view->quad_on_ray_of(point);
+    if (!quad) continue;
+    const ViewSampler::Side side = view->side(*quad, kFarAway * kGrazingReach * truncation_);
+    if (side != ViewSampler::Side::kBehind) sightings_.push_back({view, *quad, side});
+  }
 }
 
 std::optional<Eigen::Vector3d> EvidenceCollector::colour(const Eigen::Vector3d& point) const {
@@ -97,12 +128,12 @@ std::optional<Eigen::Vector3d> EvidenceCollector::colour(const Eigen::Vector3d& 
   return sum / weights;
 }
 
-Evidence EvidenceCollector::combine(const Eigen::Vector3d& point, const Eigen::Vector3d* normal) {
+Evidence EvidenceCollector::combine(const Eigen::Vector3d* normal) {
   near_.clear();
   empty_.clear();
   Evidence evidence;
-  for (const ViewSampler* view : concerned_) {
-    const auto seen = view->observe(point, kFootReach * spacing_);
+  for (const auto& [view, quad, side] : sightings_) {
+    const auto seen = view->observe(quad, kFootReach * spacing_);
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
     if (measures(*seen, truncation_, spacing_))
       near_.push_back({seen->distance, seen->weight * nearness(seen->distance / truncation_),

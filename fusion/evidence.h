@@ -38,6 +38,10 @@ class EvidenceCollector {
 
   Evidence collect(const Eigen::Vector3d& point);
 
+  /// The same in less time where no view has its surface near the point: then not `measured`, with
+  /// a `clearance` that is right as far as `enough` [unit], and nothing else.
+  Evidence collect_as_far_as(double enough, const Eigen::Vector3d& point);
+
   /// The same from the views only that see the surface from the side `normal` points to.
   Evidence collect(const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
 
@@ -46,7 +50,14 @@ class EvidenceCollector {
   std::optional<Eigen::Vector3d> colour(const Eigen::Vector3d& point) const;
 
  private:
-  Evidence combine(const Eigen::Vector3d& point, const Eigen::Vector3d* normal);
+  void find_quads(const Eigen::Vector3d& point);
+  Evidence combine(const Eigen::Vector3d* normal);
+
+  struct Sighting {
+    const ViewSampler* view;
+    ViewSampler::Quad quad;
+    ViewSampler::Side side;
+  };
 
   struct Vote {
     double distance, weight;
@@ -61,6 +72,7 @@ class EvidenceCollector {
   const std::vector<ViewSampler>& views_;
   double truncation_, spacing_;
   std::vector<const ViewSampler*> concerned_;
+  std::vector<Sighting> sightings_;  // Of the point, by views that it is not behind the surface of.
   std::vector<Vote> near_, empty_;
 };
 

@@ -199,11 +199,13 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
   if (!deviation) return deviation.error();
   const auto samplers = Preparation(options, *deviation, memory.get())(views, result.notes);
   if (!samplers) return samplers.error();
+  release_freed_memory();
   choose_scales(*samplers, options, *deviation > 0.0, result);
 
   auto mesh = closed_surface(*samplers, options, result, memory.get(), progress);
   if (!mesh) return mesh.error();
   result.mesh = std::move(mesh).value();
+  release_freed_memory();
   if (!options.keep_components) {
     const RemovedComponents removed = keep_largest_component(result.mesh);
     result.components_removed = removed.components;

@@ -110,11 +110,12 @@ void place_quads(const Grid<std::uint8_t>& quads, MemoryLimit* memory, QuadSurfa
   surface.first_u = u0;
   surface.first_v = v0;
   surface.pixels = PagedGrid<SurfacePixel>(u1 - u0 + 1, v1 - v0 + 1, memory);
+  surface.marks = PagedGrid<std::uint8_t>(u1 - u0 + 1, v1 - v0 + 1, memory);
   for (int v = v0; v < v1; ++v) {
     for (int u = u0; u < u1; ++u) {
       if (!quads(u, v)) continue;
-      surface.pixels(u - u0, v - v0).quad = true;
-      for (int k = 0; k < 4; ++k) surface.pixels(u - u0 + (k & 1), v - v0 + (k >> 1)).corner = true;
+      surface.marks(u - u0, v - v0) |= kQuad;
+      for (int k = 0; k < 4; ++k) surface.marks(u - u0 + (k & 1), v - v0 + (k >> 1)) |= kCorner;
     }
   }
 }
@@ -146,7 +147,7 @@ QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options)
   const auto for_corners = [&](const auto& visit) {
     for (int v = 0; v < surface.pixels.height(); ++v)
       for (int u = 0; u < surface.pixels.width(); ++u)
-        if (surface.pixels(u, v).corner)
+        if (surface.corner(u, v))
           visit(u + surface.first_u, v + surface.first_v, surface.pixels(u, v));
   };
   for_corners([&](int u, int v, const SurfacePixel&) {
@@ -155,10 +156,12 @@ QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options)
   });
   if (corners > 0) surface.centre /= static_cast<double>(corners);
   for_corners([&](int u, int v, SurfacePixel& pixel) {
-    pixel.point = (view.point(u, v) - surface.centre).cast<float>();
-    pixel.normal = normals(u, v);
-    pixel.border = border(u, v);
-    pixel.weight = sample_weight(view, u, v, normals(u, v), border(u, v), options);
+    const Eigen::Vector3f point = (view.point(u, v) - surface.centre).cast<float>();
+    const Eigen::Vector3f& normal = normals(u, v);
+    pixel = {{point.x(), point.y(), point.z()},
+             sample_weight(view, u, v, normal, border(u, v), options),
+             {normal.x(), normal.y(), normal.z()},
+             static_cast<float>(border(u, v))};
   });
   if (view.colours.empty()) return surface;
   surface.colours =

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include <Eigen/Core>
 
 #include "fusion/paged_array.h"
@@ -7,16 +10,20 @@
 
 namespace relief {
 
-/// One sample of a view as merging needs it.
+/// One sample of a view as merging needs it: numbers side by side, to be interpolated in one loop.
 struct SurfacePixel {
-  Eigen::Vector3f point = Eigen::Vector3f::Zero();   ///< View frame, relative to the centre.
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< Unit, facing the sensor.
+  std::array<float, 3> point;  ///< View frame, relative to the centre.
   /// Confidence, or (nominal deviation / deviation along the normal)^2 where that is known, x
   /// cosine of the viewing angle x ramp from the silhouette.
-  float weight = 0.0f;
-  float border = 0.0f;  ///< Distance to the silhouette [pixels].
-  bool quad = false;    ///< This, the right, the lower and the lower right sample are one surface.
-  bool corner = false;  ///< The sample belongs to some quad.
+  float weight;
+  std::array<float, 3> normal;  ///< Unit, facing the sensor.
+  float border;                 ///< Distance to the silhouette [pixels].
+};
+
+/// What a sample is part of.
+enum SurfaceMark : std::uint8_t {
+  kQuad = 1,    ///< This, the right, the lower and the lower right sample are one surface.
+  kCorner = 2,  ///< The sample belongs to some quad.
 };
 
 struct QuadSurfaceOptions {
@@ -33,7 +40,8 @@ struct QuadSurfaceOptions {
 /// The surface a view measured: its samples joined into quads along connected grid edges. A crop of
 /// the view's grid to where there are quads.
 struct QuadSurface {
-  PagedGrid<SurfacePixel> pixels;  ///< Empty when the view has no quad.
+  PagedGrid<SurfacePixel> pixels;  ///< Empty when the view has no quad. Zeros but at corners.
+  PagedGrid<std::uint8_t> marks;   ///< Of the same samples: SurfaceMark, added up.
   PagedGrid<Colour> colours;       ///< Of the same samples; empty when the view has none.
   int first_u = 0, first_v = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< View frame.
@@ -41,6 +49,12 @@ struct QuadSurface {
   /// Robust standard deviation of the positions along the normal [unit], from how far each sample
   /// is off the mean of its four neighbours; curvature makes it err on the large side.
   double noise = 0.0;
+
+  bool quad(int u, int v) const { return marks(u, v) & kQuad; }
+  bool corner(int u, int v) const { return marks(u, v) & kCorner; }
+  Eigen::Vector3d point(int u, int v) const {
+    return centre + Eigen::Map<const Eigen::Vector3f>(pixels(u, v).point.data()).cast<double>();
+  }
 };
 
 /// Normals are the measured ones where there are any, else those of the measured surface. Samples

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -25,7 +26,7 @@ Eigen::Vector3d mean_direction(const RangeView& view, const QuadSurface& surface
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int v = 0; v < surface.pixels.height(); ++v)
     for (int u = 0; u < surface.pixels.width(); ++u)
-      if (surface.pixels(u, v).corner)
+      if (surface.corner(u, v))
         sum += view.camera.ray(u + surface.first_u, v + surface.first_v).direction.normalized();
   return sum.normalized();
 }
@@ -35,9 +36,24 @@ Grid<float> depths_along(const Eigen::Vector3d& axis, const QuadSurface& surface
                      -std::numeric_limits<float>::infinity());
   for (int v = 0; v < depths.height(); ++v)
     for (int u = 0; u < depths.width(); ++u)
-      if (surface.pixels(u, v).corner)
-        depths(u, v) = surface.pixels(u, v).point.dot(axis.cast<float>());
+      if (surface.corner(u, v))
+        depths(u, v) = static_cast<float>((surface.point(u, v) - surface.centre).dot(axis));
   return depths;
+}
+
+// Corner k of a quad, row by row.
+template <typename T>
+const T& corner(const PagedGrid<T>& grid, const ViewSampler::Quad& quad, int k) {
+  return grid(quad.u + (k & 1), quad.v + (k >> 1));
+}
+
+std::array<double, 8> numbers_of(const SurfacePixel& pixel) {
+  static_assert(sizeof(SurfacePixel) == 8 * sizeof(float));
+  std::array<float, 8> numbers;
+  std::memcpy(numbers.data(), &pixel, sizeof(pixel));
+  std::array<double, 8> values;
+  std::copy(numbers.begin(), numbers.end(), values.begin());
+  return values;
 }
 
 std::array<Eigen::Vector3d, 8> corners_of(const Eigen::AlignedBox3d& box) {
@@ -49,19 +65,6 @@ std::array<Eigen::Vector3d, 8> corners_of(const Eigen::AlignedBox3d& box) {
 }
 
 }  // namespace
-
-// The quad that the ray of a point meets, by its upper left corner in the crop, and what each
-// corner counts for.
-struct ViewSampler::Quad {
-  Eigen::Vector2d pixel;
-  int u = 0, v = 0;
-  std::array<double, 4> share;
-
-  template <typename T>
-  const T& corner(const PagedGrid<T>& grid, int k) const {
-    return grid(u + (k & 1), v + (k >> 1));
-  }
-};
 
 // The surface where the ray of a point meets it, interpolated in a quad. View frame, relative to
 // the centre of the surface.
@@ -102,27 +105,47 @@ std::optional<ViewSampler::Quad> ViewSampler::quad_at(const Eigen::Vector3d& poi
         y < surface_.pixels.height() - 1))
     return std::nullopt;
   const int u = static_cast<int>(x), v = static_cast<int>(y);
-  if (!surface_.pixels(u, v).quad) return std::nullopt;
+  if (!surface_.quad(u, v)) return std::nullopt;
 
   const double a = x - u, b = y - v;
-  return Quad{*projected, u, v, {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
+  return Quad{point, *projected, u, v, {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
 }
 
-std::optional<ViewSampler::Patch> ViewSampler::patch_at(const Eigen::Vector3d& point) const {
-  const auto quad = quad_at(point);
-  if (!quad) return std::nullopt;
-  Patch patch;
-  patch.pixel = quad->pixel;
+std::optional<ViewSampler::Quad> ViewSampler::quad_on_ray_of(
+    const Eigen::Vector3d& point_in_world) const {
+  return quad_at(view_from_world_ * point_in_world);
+}
+
+// A point and the surface on its ray are farther apart than their depths.
+ViewSampler::Side ViewSampler::side(const Quad& quad, double reach) const {
+  const double depth = depth_axis_.dot(quad.point - surface_.centre);
+  double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
   for (int k = 0; k < 4; ++k) {
-    const SurfacePixel& corner = quad->corner(surface_.pixels, k);
-    const double s = quad->share[static_cast<std::size_t>(k)];
-    const Eigen::Vector3d n = corner.normal.cast<double>(), p = corner.point.cast<double>();
-    patch.normal += s * n;
-    patch.place += s * p;
-    patch.tangent_offset += s * n.dot(p);
-    patch.weight += s * corner.weight;
-    patch.border += s * corner.border;
+    const double at_corner = depths_.at(quad.u + (k & 1), quad.v + (k >> 1));
+    nearest = std::min(nearest, at_corner);
+    farthest = std::max(farthest, at_corner);
   }
+  if (depth < nearest - reach) return Side::kInFront;
+  return depth > farthest + reach ? Side::kBehind : Side::kNear;
+}
+
+std::optional<ViewSampler::Patch> ViewSampler::patch_on(const Quad& quad) const {
+  // Point, weight, normal and border: see SurfacePixel.
+  std::array<double, 8> sum{};
+  double offset = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    const auto values = numbers_of(corner(surface_.pixels, quad, k));
+    const double share = quad.share[static_cast<std::size_t>(k)];
+    for (std::size_t i = 0; i < 8; ++i) sum[i] += share * values[i];
+    offset += share * (values[0] * values[4] + values[1] * values[5] + values[2] * values[6]);
+  }
+  Patch patch;
+  patch.pixel = quad.pixel;
+  patch.place = {sum[0], sum[1], sum[2]};
+  patch.weight = sum[3];
+  patch.normal = {sum[4], sum[5], sum[6]};
+  patch.border = sum[7];
+  patch.tangent_offset = offset;
   const double length = patch.normal.norm();
   if (!(length > 0.1)) return std::nullopt;
   patch.normal /= length;
@@ -132,8 +155,13 @@ std::optional<ViewSampler::Patch> ViewSampler::patch_at(const Eigen::Vector3d& p
 
 std::optional<Observation> ViewSampler::observe(const Eigen::Vector3d& point_in_world,
                                                 double foot_reach) const {
-  const Eigen::Vector3d point = view_from_world_ * point_in_world;
-  const auto patch = patch_at(point);
+  const auto quad = quad_on_ray_of(point_in_world);
+  return quad ? observe(*quad, foot_reach) : std::nullopt;
+}
+
+std::optional<Observation> ViewSampler::observe(const Quad& quad, double foot_reach) const {
+  const Eigen::Vector3d& point = quad.point;
+  const auto patch = patch_on(quad);
   if (!patch) return std::nullopt;
   const Eigen::Vector3d local = point - surface_.centre;
   Observation seen;
@@ -148,7 +176,8 @@ std::optional<Observation> ViewSampler::observe(const Eigen::Vector3d& point_in_
     seen.clearance = std::min(seen.distance, (patch->border - 1.0) * footprint);
   }
   if (std::abs(seen.distance) < foot_reach && std::abs(seen.distance) < kSteep * seen.range_gap) {
-    const auto foot = patch_at(point - seen.distance * patch->normal);
+    const auto quad_at_foot = quad_at(point - seen.distance * patch->normal);
+    const auto foot = quad_at_foot ? patch_on(*quad_at_foot) : std::nullopt;
     if (foot && foot->normal.dot(patch->normal) > kSameSurface)
       seen.distance = foot->distance(local);
   }
@@ -157,11 +186,11 @@ std::optional<Observation> ViewSampler::observe(const Eigen::Vector3d& point_in_
 
 std::optional<Eigen::Vector3d> ViewSampler::colour(const Eigen::Vector3d& point_in_world) const {
   if (!has_colours()) return std::nullopt;
-  const auto quad = quad_at(view_from_world_ * point_in_world);
+  const auto quad = quad_on_ray_of(point_in_world);
   if (!quad) return std::nullopt;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int k = 0; k < 4; ++k) {
-    const auto& [red, green, blue] = quad->corner(surface_.colours, k);
+    const auto& [red, green, blue] = corner(surface_.colours, *quad, k);
     sum += quad->share[static_cast<std::size_t>(k)] * Eigen::Vector3d(red, green, blue);
   }
   return sum;

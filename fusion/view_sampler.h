@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -38,8 +39,27 @@ class ViewSampler {
   /// kUnsolvable where points cannot be projected into the view at all.
   static Result<ViewSampler> create(const RangeView& view, const QuadSurfaceOptions& options);
 
-  /// Nothing where the point's ray meets no quad. Where a steep view finds the point within
-  /// `foot_reach` [unit] of its surface, the distance is that to the surface at the point's foot.
+  /// The quad that the ray of a point meets, by its upper left corner, and what each of its corners
+  /// counts for.
+  struct Quad {
+    Eigen::Vector3d point;  ///< View frame.
+    Eigen::Vector2d pixel;
+    int u = 0, v = 0;  ///< In the crop.
+    std::array<double, 4> share;
+  };
+  /// Nothing where the ray meets none.
+  std::optional<Quad> quad_on_ray_of(const Eigen::Vector3d& point_in_world) const;
+
+  enum class Side { kInFront, kNear, kBehind };
+  /// Whether the point of a quad is farther than `reach` [unit] from the surface on its ray, as far
+  /// as the depths of the corners tell.
+  Side side(const Quad& quad, double reach) const;
+
+  /// Nothing where the corners' normals have no mean. Where a steep view finds the point of the
+  /// quad within `foot_reach` [unit] of its surface, the distance is that to the surface at the
+  /// point's foot.
+  std::optional<Observation> observe(const Quad& quad, double foot_reach) const;
+  /// The same for any point; nothing where its ray meets no quad.
   std::optional<Observation> observe(const Eigen::Vector3d& point_in_world,
                                      double foot_reach) const;
 
@@ -55,25 +75,25 @@ class ViewSampler {
   /// Calls `visit` with the corners of all quads, world frame, row by row.
   template <typename Visit>
   void for_surface_points(const Visit& visit) const {
-    for (const SurfacePixel& pixel : surface_.pixels)
-      if (pixel.corner)
-        visit(Eigen::Vector3d(world_from_view_ * (surface_.centre + pixel.point.cast<double>())));
+    for (int v = 0; v < surface_.marks.height(); ++v)
+      for (int u = 0; u < surface_.marks.width(); ++u)
+        if (surface_.corner(u, v)) visit(Eigen::Vector3d(world_from_view_ * surface_.point(u, v)));
   }
   bool empty() const { return surface_.pixels.empty(); }
 
   /// Size of what is paged under a limit of memory.
   std::size_t bytes() const {
-    return surface_.pixels.size() * sizeof(SurfacePixel) + surface_.colours.size() * sizeof(Colour);
+    return surface_.pixels.size() * (sizeof(SurfacePixel) + sizeof(std::uint8_t)) +
+           surface_.colours.size() * sizeof(Colour);
   }
 
   double spacing() const { return surface_.spacing; }  ///< See QuadSurface.
   double noise() const { return surface_.noise; }      ///< See QuadSurface.
 
  private:
-  struct Quad;
   struct Patch;
   std::optional<Quad> quad_at(const Eigen::Vector3d& point) const;
-  std::optional<Patch> patch_at(const Eigen::Vector3d& point) const;
+  std::optional<Patch> patch_on(const Quad& quad) const;
 
   ViewProjection projection_;
   RigidMotion view_from_world_ = RigidMotion::Identity();

@@ -121,6 +121,38 @@ TEST(ViewSampler, LeavesOutOnlyBoxesItKnowsNothingAbout) {
   }
 }
 
+TEST(ViewSampler, TellsFarPointsFromNearOnesByDepth) {
+  std::mt19937 random(8);
+  const auto number = [&] { return -25.0 + 50.0 * static_cast<double>(random()) / 4294967295.0; };
+  constexpr double kReach = 3.0;
+  for (const Camera& camera : cameras()) {
+    const ViewSampler sampler = sampler_of(render(testing::sphere({1, 2, 3}, 15.0), camera, kPose));
+    int in_front = 0, behind = 0, near = 0;
+    for (int i = 0; i < 3000; ++i) {
+      const auto quad = sampler.quad_on_ray_of({number(), number(), number()});
+      if (!quad) continue;
+      const auto seen = sampler.observe(*quad, 0.0);
+      ASSERT_TRUE(seen);
+      const ViewSampler::Side side = sampler.side(*quad, kReach);
+      if (side == ViewSampler::Side::kNear) {
+        ++near;
+        continue;
+      }
+      EXPECT_GE(seen->range_gap, kReach - 1e-4);
+      if (side == ViewSampler::Side::kInFront) {
+        ++in_front;
+        EXPECT_GT(seen->distance, 0.0);
+      } else {
+        ++behind;
+        EXPECT_LT(seen->distance, 0.0);
+      }
+    }
+    EXPECT_GT(in_front, 100) << to_string(camera.model());
+    EXPECT_GT(behind, 100) << to_string(camera.model());
+    EXPECT_GT(near, 50) << to_string(camera.model());
+  }
+}
+
 TEST(ViewSampler, SaysNothingOutsideItsSamples) {
   RangeView view = render(testing::plane({0, 0, 0}, {0, 0, 1}), cameras()[0], kPose);
   view.range(30, 29) = kNoSample;
