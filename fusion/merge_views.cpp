@@ -81,10 +81,9 @@ class Preparation {
       notes.push_back("view `" + (*view)->name + "` has no pose and is left out; align it first");
     }
     for (const auto& view : used) relieve(options_.memory, kPreparation * view->range.size());
-    std::vector<std::optional<Result<ViewSampler>>> samplers(used.size());
-    parallel_for(used.size(), 1, options_.threads, [&](std::size_t first, std::size_t last) {
-      for (std::size_t k = first; k < last; ++k)
-        samplers[k] = ViewSampler::create(*used[k], options_);
+    using Prepared = std::optional<Result<ViewSampler>>;
+    auto samplers = parallel_map<Prepared>(used.size(), options_.threads, [&](std::size_t k) {
+      return Prepared(ViewSampler::create(*used[k], options_));
     });
     for (std::size_t k = 0; k < used.size(); ++k) {
       if (!*samplers[k]) return samplers[k]->error();

@@ -14,10 +14,18 @@ namespace relief {
 namespace {
 
 // The measured normal where there is one, else that of the measured surface.
-Grid<Eigen::Vector3f> surface_normals(const RangeView& view, const GridEdges& edges, int threads) {
+Grid<Eigen::Vector3f> surface_normals(const RangeView& view, const ConnectedGrid& grid,
+                                      int threads) {
+  const auto lacks_one = [&](int u, int v) {
+    return view.has_sample(u, v) && !view.has_normal(u, v);
+  };
+  bool any = false;
+  for (int v = 0; v < view.height() && !any; ++v)
+    for (int u = 0; u < view.width() && !any; ++u) any = lacks_one(u, v);
+  if (!any) return view.normals;
   GridNormalOptions options;
   options.threads = threads;
-  Grid<Eigen::Vector3f> normals = estimate_normals(view, edges, options);
+  Grid<Eigen::Vector3f> normals = estimate_normals(view, grid, options);
   for (int v = 0; v < view.height(); ++v)
     for (int u = 0; u < view.width(); ++u)
       if (view.has_normal(u, v)) normals(u, v) = view.normals(u, v);
@@ -50,11 +58,6 @@ Grid<std::uint8_t> in_large_patch(const RangeView& view, const GridEdges& edges,
   return large;
 }
 
-bool connected_quad(const GridEdges& edges, int u, int v) {
-  return edges.connected(u, v, 1, 0) && edges.connected(u, v, 0, 1) &&
-         edges.connected(u + 1, v, 0, 1) && edges.connected(u, v + 1, 1, 0);
-}
-
 double median(std::vector<double>& values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -64,17 +67,17 @@ double median(std::vector<double>& values) {
 
 // For white noise the distance between a sample and the mean of its four neighbours has variance
 // (1 + 1/4) sigma^2. Curvature adds to it, so this errs on the large side.
-double position_noise(const RangeView& view, const GridEdges& edges,
-                      const Grid<Eigen::Vector3f>& normals) {
+double position_noise(const ConnectedGrid& grid, const Grid<Eigen::Vector3f>& normals) {
+  const auto& [points, edges, border] = grid;
   std::vector<double> deviations;
-  for (int v = 0; v < view.height(); ++v) {
-    for (int u = 0; u < view.width(); ++u) {
+  for (int v = 0; v < points.height(); ++v) {
+    for (int u = 0; u < points.width(); ++u) {
       if (!(edges.connected(u, v, 1, 0) && edges.connected(u, v, -1, 0) &&
             edges.connected(u, v, 0, 1) && edges.connected(u, v, 0, -1)))
         continue;
-      const Eigen::Vector3d mean = 0.25 * (view.point(u + 1, v) + view.point(u - 1, v) +
-                                           view.point(u, v + 1) + view.point(u, v - 1));
-      const double deviation = std::abs(normals(u, v).cast<double>().dot(view.point(u, v) - mean));
+      const Eigen::Vector3d mean =
+          0.25 * (points(u + 1, v) + points(u - 1, v) + points(u, v + 1) + points(u, v - 1));
+      const double deviation = std::abs(normals(u, v).cast<double>().dot(points(u, v) - mean));
       if (std::isfinite(deviation)) deviations.push_back(deviation);
     }
   }
@@ -91,7 +94,7 @@ Grid<std::uint8_t> find_quads(const RangeView& view, const GridEdges& edges,
   Grid<std::uint8_t> quads(view.width(), view.height(), 0);
   for (int v = 0; v + 1 < view.height(); ++v)
     for (int u = 0; u + 1 < view.width(); ++u)
-      quads(u, v) = connected_quad(edges, u, v) && sound(u, v) && sound(u + 1, v) &&
+      quads(u, v) = edges.connected_quad(u, v) && sound(u, v) && sound(u + 1, v) &&
                     sound(u, v + 1) && sound(u + 1, v + 1);
   return quads;
 }
@@ -135,12 +138,12 @@ float sample_weight(const RangeView& view, int u, int v, const Eigen::Vector3f& 
 }  // namespace
 
 QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options) {
-  const GridEdges edges = connect_samples(view, {}, options.threads);
-  const Grid<Eigen::Vector3f> normals = surface_normals(view, edges, options.threads);
-  const Grid<std::uint8_t> border = boundary_distance(view, edges);
+  const ConnectedGrid grid = connect_grid(view, options.threads);
+  const auto& [points, edges, border] = grid;
+  const Grid<Eigen::Vector3f> normals = surface_normals(view, grid, options.threads);
   QuadSurface surface;
-  surface.spacing = sample_spacing(view);
-  surface.noise = position_noise(view, edges, normals);
+  surface.spacing = sample_spacing(points, edges);
+  surface.noise = position_noise(grid, normals);
   place_quads(find_quads(view, edges, normals, options.smallest_patch), options.memory, surface);
 
   std::size_t corners = 0;
@@ -151,12 +154,12 @@ QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options)
           visit(u + surface.first_u, v + surface.first_v, surface.pixels(u, v));
   };
   for_corners([&](int u, int v, const SurfacePixel&) {
-    surface.centre += view.point(u, v);
+    surface.centre += points(u, v);
     ++corners;
   });
   if (corners > 0) surface.centre /= static_cast<double>(corners);
   for_corners([&](int u, int v, SurfacePixel& pixel) {
-    const Eigen::Vector3f point = (view.point(u, v) - surface.centre).cast<float>();
+    const Eigen::Vector3f point = (points(u, v) - surface.centre).cast<float>();
     const Eigen::Vector3f& normal = normals(u, v);
     pixel = {{point.x(), point.y(), point.z()},
              sample_weight(view, u, v, normal, border(u, v), options),

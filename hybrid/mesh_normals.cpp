@@ -42,44 +42,49 @@ struct Vote {
 class NormalSampler {
  public:
   NormalSampler(const RangeView& view, ViewProjection projection, const MeshNormalOptions& options)
-      : view_(view),
+      : view_(&view),
         projection_(std::move(projection)),
         view_from_world_(view.world_from_view.inverse()),
-        edges_(connect_samples(view)),
-        border_(boundary_distance(view, edges_)),
-        ramp_(options.silhouette_ramp) {}
+        ramp_(options.silhouette_ramp) {
+    ConnectedGrid grid = connect_grid(view);
+    spacing_ = sample_spacing(grid.points, grid.edges);
+    edges_ = std::move(grid.edges);
+    border_ = std::move(grid.boundary);
+  }
+
+  double spacing() const { return spacing_; }
 
   std::optional<Vote> at(const Eigen::Vector3d& vertex, const Eigen::Vector3d& mesh_normal,
                          double max_distance) const {
     const Eigen::Vector3d point = view_from_world_ * vertex;
     const auto pixel = projection_.pixel_of(point);
-    if (!pixel || !(pixel->x() >= 0.0 && pixel->y() >= 0.0 && pixel->x() < view_.width() - 1 &&
-                    pixel->y() < view_.height() - 1))
+    if (!pixel || !(pixel->x() >= 0.0 && pixel->y() >= 0.0 && pixel->x() < view_->width() - 1 &&
+                    pixel->y() < view_->height() - 1))
       return std::nullopt;
     const int u = static_cast<int>(pixel->x()), v = static_cast<int>(pixel->y());
-    if (!connected_quad(u, v)) return std::nullopt;
+    if (!edges_.connected_quad(u, v)) return std::nullopt;
 
     // Most views see something else there: of these nothing more is looked up.
-    if (!((point - view_.point(u, v)).norm() < kFar * max_distance)) return std::nullopt;
+    if (!((point - view_->point(u, v)).norm() < kFar * max_distance)) return std::nullopt;
     const double a = pixel->x() - u, b = pixel->y() - v;
     const std::array<double, 4> share{(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
     Eigen::Vector3d place = Eigen::Vector3d::Zero();
     for (int k = 0; k < 4; ++k)
-      place += share[static_cast<std::size_t>(k)] * view_.point(u + (k & 1), v + (k >> 1));
+      place += share[static_cast<std::size_t>(k)] * view_->point(u + (k & 1), v + (k >> 1));
     if (!((point - place).norm() < 2.0 * max_distance)) return std::nullopt;
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     double confidence = 0.0, border = 0.0;
     for (int k = 0; k < 4; ++k) {
       const int uk = u + (k & 1), vk = v + (k >> 1);
-      if (!view_.has_normal(uk, vk)) return std::nullopt;
+      if (!view_->has_normal(uk, vk)) return std::nullopt;
       const double s = share[static_cast<std::size_t>(k)];
-      normal += s * view_.normals(uk, vk).cast<double>();
-      confidence += s * view_.confidence_at(uk, vk);
+      normal += s * view_->normals(uk, vk).cast<double>();
+      confidence += s * view_->confidence_at(uk, vk);
       border += s * border_(uk, vk);
     }
     normal.normalize();
-    const double cosine = -normal.dot(view_.camera.ray(u, v).direction.normalized());
-    const Vote vote{view_.world_from_view.linear() * normal,
+    const double cosine = -normal.dot(view_->camera.ray(u, v).direction.normalized());
+    const Vote vote{view_->world_from_view.linear() * normal,
                     confidence * cosine * std::min(1.0, (border + 0.1) / (ramp_ + 0.1))};
     const bool sees = cosine > kLeastCosine && vote.normal.dot(mesh_normal) > kLeastAgreement &&
                       std::abs(normal.dot(point - place)) < max_distance && vote.weight > 0.0;
@@ -87,17 +92,12 @@ class NormalSampler {
   }
 
  private:
-  bool connected_quad(int u, int v) const {
-    return edges_.connected(u, v, 1, 0) && edges_.connected(u, v, 0, 1) &&
-           edges_.connected(u + 1, v, 0, 1) && edges_.connected(u, v + 1, 1, 0);
-  }
-
-  const RangeView& view_;
+  const RangeView* view_;
   ViewProjection projection_;
   RigidMotion view_from_world_;
   GridEdges edges_;
   Grid<std::uint8_t> border_;
-  double ramp_;
+  double ramp_, spacing_;
 };
 
 bool usable(const RangeView& view, std::size_t count) {
@@ -105,29 +105,29 @@ bool usable(const RangeView& view, std::size_t count) {
 }
 
 Result<std::vector<NormalSampler>> prepare(const std::vector<RangeView>& views,
-                                           const MeshNormalOptions& options, double& spacing) {
+                                           const MeshNormalOptions& options) {
   std::vector<const RangeView*> used;
   for (const RangeView& view : views)
     if (usable(view, views.size()) && view.sample_count() > 0) used.push_back(&view);
-  std::vector<std::optional<Result<NormalSampler>>> prepared(used.size());
-  std::vector<double> spacings(used.size());
-  parallel_for(used.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      auto projection = ViewProjection::create(*used[i]);
-      if (projection)
-        prepared[i].emplace(NormalSampler(*used[i], std::move(projection).value(), options));
-      else
-        prepared[i].emplace(projection.error());
-      spacings[i] = sample_spacing(*used[i]);
-    }
-  });
+  using Prepared = std::optional<Result<NormalSampler>>;
+  auto prepared =
+      parallel_map<Prepared>(used.size(), options.threads, [&](std::size_t i) -> Prepared {
+        auto projection = ViewProjection::create(*used[i]);
+        if (!projection) return projection.error();
+        return NormalSampler(*used[i], std::move(projection).value(), options);
+      });
   std::vector<NormalSampler> samplers;
   for (auto& sampler : prepared) {
     if (!*sampler) return sampler->error();
     samplers.push_back(std::move(*sampler).value());
   }
-  spacing = median(spacings);
   return samplers;
+}
+
+double median_spacing(const std::vector<NormalSampler>& samplers) {
+  std::vector<double> spacings;
+  for (const NormalSampler& sampler : samplers) spacings.push_back(sampler.spacing());
+  return median(std::move(spacings));
 }
 
 // Which views may have a say somewhere: bit i for view i, i + 64, ...
@@ -304,8 +304,9 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
   blended.normals.assign(count, Eigen::Vector3f::Zero());
   blended.sigma.assign(count, 0.0f);
   blended.views.assign(count, 0);
-  const auto samplers = prepare(views, options, blended.sample_spacing);
+  const auto samplers = prepare(views, options);
   if (!samplers) return samplers.error();
+  blended.sample_spacing = median_spacing(*samplers);
   if (samplers->empty()) return blended;
 
   const double max_distance =

@@ -65,13 +65,10 @@ class MovingPairs {
 
   /// What residuals of each directed pair deviate by at the present poses, until measured anew.
   void measure_deviations() {
-    sigmas_.resize(2 * pairs_.size());
-    parallel_for(sigmas_.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::size_t source = source_of(pairs_, i), target = target_of(pairs_, i);
-        sigmas_[i] = pair_deviation(*surfaces_[source], *surfaces_[target],
-                                    poses_[target].inverse() * poses_[source], options_.search);
-      }
+    sigmas_ = parallel_map<double>(2 * pairs_.size(), options_.threads, [&](std::size_t i) {
+      const std::size_t source = source_of(pairs_, i), target = target_of(pairs_, i);
+      return pair_deviation(*surfaces_[source], *surfaces_[target],
+                            poses_[target].inverse() * poses_[source], options_.search);
     });
   }
 
@@ -106,10 +103,9 @@ class MovingPairs {
   template <typename Visit>
   std::vector<PairInformation> compress_all(std::size_t samples, double patch,
                                             const Visit& visit) const {
-    std::vector<std::vector<std::uint32_t>> of_view(surfaces_.size());
-    parallel_for(of_view.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) of_view[i] = in_grid_order(*surfaces_[i], samples);
-    });
+    const auto of_view = parallel_map<std::vector<std::uint32_t>>(
+        surfaces_.size(), options_.threads,
+        [&](std::size_t i) { return in_grid_order(*surfaces_[i], samples); });
     std::vector<PairInformation> all(2 * pairs_.size());
     for (std::size_t first = 0; first < all.size(); first += kPairsAtOnce) {
       const std::size_t count = std::min(kPairsAtOnce, all.size() - first);

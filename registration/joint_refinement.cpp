@@ -80,15 +80,6 @@ CorrespondenceOptions search_at(const SearchLevel& level, std::size_t pairs, int
   return search;
 }
 
-template <typename Value, typename Compute>
-std::vector<Value> for_all(std::size_t count, int threads, const Compute& compute) {
-  std::vector<Value> values(count);
-  parallel_for(count, 1, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) values[i] = compute(i);
-  });
-  return values;
-}
-
 // Views that all their correspondences together hardly hold, and that have normal maps: geometry
 // that holds a view well needs no help from maps, whose errors are less well known.
 std::vector<bool> sliding_views(const std::vector<ViewSurface>& surfaces,
@@ -130,7 +121,7 @@ SearchPlan plan_search(const std::vector<ViewSurface>& surfaces,
   const PairMatcher match(surfaces, world_from_view, pairs,
                           search_at(level, pairs.size(), kFewestTogether, options),
                           level.signal_level, plan.sliding);
-  const auto matches = for_all<DirectedMatches>(match.size(), options.threads, match);
+  const auto matches = parallel_map<DirectedMatches>(match.size(), options.threads, match);
   plan.sliding = sliding_views(surfaces, world_from_view, matches);
   if (std::find(plan.sliding.begin(), plan.sliding.end(), true) != plan.sliding.end())
     plan.levels = levels_for(surfaces, options, signal_levels);
@@ -152,7 +143,7 @@ std::vector<bool> hold_one_per_group(const std::vector<std::size_t>& group,
 // Pair by pair: all matches of hundreds of views would need more memory than all else.
 void describe_fit(const PairMatcher& match, const std::vector<ViewSurface>& surfaces, int threads,
                   JointRefinement& result) {
-  result.pairs = for_all<PairFit>(match.size() / 2, threads, [&](std::size_t k) {
+  result.pairs = parallel_map<PairFit>(match.size() / 2, threads, [&](std::size_t k) {
     return fit_of(surfaces, result.world_from_view, match(2 * k), match(2 * k + 1));
   });
   double squares = 0.0;
@@ -184,7 +175,7 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
   if (std::find(sliding.begin(), sliding.end(), true) != sliding.end()) {
     const PairMatcher match(surfaces, result.world_from_view, pairs, dense.search,
                             level.signal_level, sliding);
-    dense.normals = for_all<NormalMatches>(match.size(), options.threads, [&](std::size_t i) {
+    dense.normals = parallel_map<NormalMatches>(match.size(), options.threads, [&](std::size_t i) {
       return match.by_normal_maps(i) ? match(i).normals : NormalMatches();
     });
   }
@@ -238,7 +229,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
       const PairMatcher match(surfaces, result.world_from_view, strongest,
                               search_at(levels[l], strongest.size(), kFewestTogether, options),
                               levels[l].signal_level, sliding);
-      const auto matches = for_all<DirectedMatches>(match.size(), options.threads, match);
+      const auto matches = parallel_map<DirectedMatches>(match.size(), options.threads, match);
       const auto before = result.world_from_view;
       solve_poses(surfaces, matches, result.held, solver, result.world_from_view);
       ++result.iterations;

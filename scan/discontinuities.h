@@ -21,6 +21,11 @@ struct GridEdges {
     if (du == 0 && dv == -1) return down(u, v - 1) != 0;
     return false;
   }
+  /// Whether the samples (u,v), (u+1,v), (u,v+1) and (u+1,v+1) are connected all round.
+  bool connected_quad(int u, int v) const {
+    return connected(u, v, 1, 0) && connected(u, v, 0, 1) && connected(u + 1, v, 0, 1) &&
+           connected(u, v + 1, 1, 0);
+  }
 };
 
 struct DiscontinuityOptions {

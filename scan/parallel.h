@@ -21,6 +21,17 @@ void parallel_for(std::size_t count, std::size_t grain, int threads,
 /// the system as far as it can. Worth it after loops that made large parts of a result.
 void release_freed_memory();
 
+/// The values `compute(0)` to `compute(count - 1)`, one at a time for each thread: for few and
+/// large ones.
+template <typename Value, typename Compute>
+std::vector<Value> parallel_map(std::size_t count, int threads, const Compute& compute) {
+  std::vector<Value> values(count);
+  parallel_for(count, 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) values[i] = compute(i);
+  });
+  return values;
+}
+
 /// Calls `body(v)` for every row v of [0, rows) of a grid, some rows at a time, as above.
 template <typename Body>
 void parallel_rows(int rows, int threads, const Body& body) {
