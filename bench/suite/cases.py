@@ -27,6 +27,8 @@ class Case:
     """Real scans: the project below the data folder. Simulated ones: the mesh below it; empty: the built-in object."""
     options: tuple = ()
     """Simulated: options of `relief simulate`. Real: of every command that reads the project."""
+    smoothed: int = 0
+    """Simulated: how many times the faces of the mesh are divided, smoothly, before it is scanned."""
     simulated: bool = False
     truth_views: str = ""
     truth_poses: str = ""
@@ -51,10 +53,11 @@ class Case:
         self.folder.mkdir(parents=True, exist_ok=True)
         if self.simulated:
             scans = self.folder / "scans"
-            relief.simulate(scans, *([test_data() / self.source] if self.source else []), *self.options)
+            mesh = self.mesh()
+            relief.simulate(scans, *([mesh] if mesh else []), *self.options)
             self.project = scans / "scan.json"
             self.truth_views, self.truth_poses = scans / "truth/scan.json", scans / "truth.json"
-            self.truth_mesh = scans / "truth/model.ply" if not self.source else test_data() / self.source
+            self.truth_mesh = mesh or scans / "truth/model.ply"
             self.options = ()
         else:
             self.project = test_data() / self.source
@@ -65,6 +68,14 @@ class Case:
             if self.disturbed:
                 self.project = self.at_disturbed_poses(relief)
         self.spacing = relief.spacing(self.input(), self.folder / "info.log")
+
+    def mesh(self):
+        """That is scanned; none: the built-in object."""
+        if not self.smoothed:
+            return test_data() / self.source if self.source else None
+        mesh = self.folder / "smoothed.ply"
+        run([PYTHON, ROOT_PEERS / "smoothed.py", test_data() / self.source, self.smoothed, mesh], self.folder / "smoothed.log")
+        return mesh
 
     def at_disturbed_poses(self, relief):
         grids = self.folder / "disturbed"
@@ -124,6 +135,10 @@ def all_cases(quick):
              options=SIXTEEN),
         Case("falcon16", "falcon statue, 16 views of 512x512", ("sixteen",), "meshes/falconstatue.obj", simulated=True,
              options=SIXTEEN),
+        Case("lion16-smooth", "the lion's faces divided twice by Loop's scheme", ("sixteen",), "meshes/lionstatue.obj", smoothed=2,
+             simulated=True, options=SIXTEEN),
+        Case("falcon16-smooth", "the falcon's faces divided likewise", ("sixteen",), "meshes/falconstatue.obj", smoothed=2,
+             simulated=True, options=SIXTEEN),
         Case("panel", "panel of Nehab et al. 2005, one view of 512x384 with measured normals", ("fit",),
              "panel/panel-small-conf.ply", options=("--fc", "panel/panel-small.fc")),
     ]
