@@ -18,6 +18,13 @@ namespace {
 // than 30 degrees the surface goes on, with more than 60 the object has an edge.
 constexpr double kSmooth = 0.866, kSharp = 0.5;
 
+// Where the middle of a region lies against its border's tangent planes, as sine: this far behind
+// them the surface turns away on all sides, this far in front of them it is a crevice.
+constexpr double kBehind = 0.5, kInFront = 0.05;
+
+// Vertices across a crevice, twice its area over the length of its border.
+constexpr double kNarrow = 16.0;
+
 // Rings of measured vertices round the filled ones that move with them.
 constexpr int kMargin = 3;
 
@@ -79,7 +86,7 @@ void FairRegions::find(const FairFillOptions& options) {
   region_of_.assign(first.size(), kNone);
   for (auto& [start, region] : candidates) {
     add_border(region);
-    if (region.border.empty() || !is_deep(region)) continue;
+    if (region.border.empty() || !is_deep(region) || is_crevice(region)) continue;
     if (region.vertices.size() > options.largest_region) {
       ++too_large_;
       continue;
@@ -113,9 +120,9 @@ void FairRegions::add_border(FairRegion& region) const {
   for (const std::uint32_t v : border) region.border.push_back({v, mesh_.vertices[v]});
 }
 
-// Whether the surface turns away from a region's border on all sides, as at the base of a statue
-// and not round a valley: most of what is filled lies far behind the border's tangent planes.
-bool FairRegions::is_end(const FairRegion& region) const {
+// How far the middle of a region lies behind the tangent planes of its border, on average, against
+// its distance: negative in a valley.
+double FairRegions::behind_border(const FairRegion& region) const {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const PlateVertex& free : region.vertices) centre += mesh_.vertices[free.vertex];
   centre /= static_cast<double>(region.vertices.size());
@@ -125,12 +132,22 @@ bool FairRegions::is_end(const FairRegion& region) const {
     behind -= to_centre.dot(mesh_.normals[held.vertex].cast<double>());
     away += to_centre.norm();
   }
-  return behind > 0.5 * away;
+  return behind / away;
+}
+
+// Whether a region lies in a narrow valley. There the closed field knows both walls; a plate would
+// go on with their slopes and dig deep.
+bool FairRegions::is_crevice(const FairRegion& region) const {
+  const auto filled = static_cast<double>(
+      std::count_if(region.vertices.begin(), region.vertices.end(),
+                    [&](const PlateVertex& free) { return mesh_.filled[free.vertex] != 0; }));
+  return behind_border(region) < -kInFront &&
+         2.0 * filled < kNarrow * static_cast<double>(region.border.size());
 }
 
 // The direction that most of what is filled faces if it ends straight walls, else zero.
 Eigen::Vector3d FairRegions::facing_of_lid(const FairRegion& region, double voxel) const {
-  if (!is_end(region)) return Eigen::Vector3d::Zero();
+  if (behind_border(region) <= kBehind) return Eigen::Vector3d::Zero();
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();
   double area = 0.0;  // Of the filled faces, six times.
   for (const PlateVertex& free : region.vertices) {
@@ -171,13 +188,27 @@ std::vector<std::uint32_t> FairRegions::ring_beyond(const std::vector<std::uint3
   return next;
 }
 
+bool FairRegions::is_beside_measured(std::uint32_t vertex) const {
+  bool beside = false;
+  around_.visit(vertex, [&](std::uint32_t f) {
+    for (const std::uint32_t w : mesh_.faces[f]) beside = beside || rings_[w] == 1;
+  });
+  return beside;
+}
+
 void FairRegions::prepare(FairRegion& region, const std::vector<ViewSampler>& views,
                           const FairFillOptions& options) const {
   EvidenceCollector collector(views, options.truncation, options.voxel_size);
   const Eigen::Vector3d lid = facing_of_lid(region, options.voxel_size);
   for (PlateVertex& free : region.vertices) {
     const int ring = rings_[free.vertex];
-    if (ring == 0) continue;
+    if (ring == 0) {
+      // The wall goes on as far as the closed field has it before the lid begins.
+      if (lid.isZero() || !is_beside_measured(free.vertex)) continue;
+      free.pull = pull_of(1, options.voxel_size);
+      free.stiffness = 0.0;
+      continue;
+    }
     // Beside what is filled the closed field draws the surface off what was measured.
     const Eigen::Vector3d normal = mesh_.normals[free.vertex].cast<double>();
     free.place -= collector.collect(free.place, normal).distance * normal;

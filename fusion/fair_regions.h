@@ -31,7 +31,7 @@ struct FairRegion {
 };
 
 /// The regions of a merged mesh (`filled` and `normals` set) whose shape can be improved: those
-/// with filled vertices that have only filled neighbours, and with a border.
+/// with filled vertices that have only filled neighbours, and with a border, but not crevices.
 class FairRegions {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -47,10 +47,12 @@ class FairRegions {
 
  private:
   void find(const FairFillOptions& options);
+  bool is_crevice(const FairRegion& region) const;
   bool is_deep(const FairRegion& region) const;
   void add_border(FairRegion& region) const;
-  bool is_end(const FairRegion& region) const;
+  double behind_border(const FairRegion& region) const;
   Eigen::Vector3d facing_of_lid(const FairRegion& region, double voxel) const;
+  bool is_beside_measured(std::uint32_t vertex) const;
   std::vector<std::uint32_t> ring_beyond(const std::vector<std::uint32_t>& ring) const;
   void prepare(FairRegion& region, const std::vector<ViewSampler>& views,
                const FairFillOptions& options) const;

@@ -104,6 +104,65 @@ TEST(FairFill, TheRestOfTheSurfaceStaysWhereItIs) {
   }
 }
 
+// A ball with a dish in it, seen from all around, without the samples near two points: the bottom
+// of the dish, and the bottom of the ball.
+TEST(FairFill, ANarrowValleyStaysAsTheClosedFieldHasIt) {
+  const testing::SignedDistance shape = [](const Eigen::Vector3d& p) {
+    return std::max(p.norm() - 50.0, 50.0 - (p - Eigen::Vector3d(0, 0, 70)).norm());
+  };
+  const Eigen::Vector3d valley(0, 0, 20), hill(0, 0, -50);
+  auto views = testing::views_around(testing::traced(shape), 30, 60, 50.0);
+  for (RangeView& view : views)
+    for (int v = 0; v < view.height(); ++v)
+      for (int u = 0; u < view.width(); ++u)
+        if (const Eigen::Vector3d p = view.world_from_view * view.point(u, v);
+            (p - valley).norm() < 9.0 || (p - hill).norm() < 9.0)
+          view.range(u, v) = kNoSample;
+  const Merged ball = merged(views);
+  const auto places = fair_filled_regions(ball.mesh, ball.samplers, options_of()).places;
+  ASSERT_FALSE(places.empty());
+  int in_valley = 0, on_hill = 0;
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    const Eigen::Vector3d& before = ball.mesh.vertices[v];
+    if (!ball.mesh.filled[v]) continue;
+    if ((before - valley).norm() < 6.0) {
+      ++in_valley;
+      EXPECT_EQ(places[v], before);
+    } else if ((before - hill).norm() < 6.0) {
+      ++on_hill;
+      EXPECT_LT(std::abs(shape(places[v])), std::abs(shape(before))) << "closer than the membrane";
+    }
+  }
+  EXPECT_GT(in_valley, 20);
+  EXPECT_GT(on_hill, 20);
+}
+
+// The walls of a block that nobody saw from below.
+TEST(FairFill, WallsKeepTheirEndsWhereALidBegins) {
+  auto views = testing::views_around(testing::traced(testing::box_distance({30.0, 30.0, 30.0})), 30,
+                                     60, 52.0);
+  std::erase_if(views, [](const RangeView& view) {
+    return view.world_from_view.translation().normalized().z() < -0.2;
+  });
+  const Merged block = merged(views);
+  const auto places = fair_filled_regions(block.mesh, block.samplers, options_of()).places;
+  ASSERT_FALSE(places.empty());
+  std::vector<std::uint8_t> beside(places.size(), 0);
+  for (const auto& face : block.mesh.faces)
+    if (std::any_of(face.begin(), face.end(), [&](auto v) { return !block.mesh.filled[v]; }))
+      for (const std::uint32_t v : face) beside[v] = block.mesh.filled[v];
+  int ends = 0;
+  double mean = 0.0;
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    const Eigen::Vector3d& before = block.mesh.vertices[v];
+    if (!beside[v] || before.z() > -25.0) continue;
+    ++ends;
+    mean += (places[v] - before).norm();
+  }
+  EXPECT_GT(ends, 50);
+  EXPECT_LT(mean / ends, 0.1 * kVoxel);
+}
+
 std::size_t scarce() { return std::size_t{90} << 20; }
 
 TEST(FairFill, ThreadsAndALimitOfMemoryDoNotChangeAByte) {
