@@ -22,6 +22,9 @@ constexpr double kLeastThickness = 0.05;
 // What a system takes without its factor, for each free vertex [bytes].
 constexpr std::size_t kSystem = 1000;
 
+// Unknowns of a system whose factor is large against what was needed to set it up.
+constexpr Eigen::Index kLarge = 10000;
+
 using Sparse = Eigen::SparseMatrix<double>;
 using Entry = Eigen::Triplet<double>;
 
@@ -88,7 +91,7 @@ class PlateSystem {
     Sparse system = (laplacian_.transpose() * weighted).triangularView<Eigen::Lower>();
     system.diagonal() += pull_;
     const Eigen::MatrixX3d right = drawn_ - weighted.transpose() * known_;
-    release_freed_memory();
+    if (system.rows() > kLarge) release_freed_memory();
     Factor factor;
     factor.analyzePattern(system);
     relieve(memory, factor.bytes());
