@@ -1,4 +1,3 @@
-#include <chrono>
 #include <vector>
 
 #include <fmt/format.h>
@@ -6,6 +5,7 @@
 #include "apps/console.h"
 #include "apps/pair_table.h"
 #include "apps/stages.h"
+#include "scan/stopwatch.h"
 
 namespace relief {
 
@@ -61,7 +61,7 @@ void log_pairs(const Alignment& alignment, const std::string& unit) {
 }  // namespace
 
 Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const auto alignment = align_views(project.views, options, console_progress("align"));
   if (!alignment) return alignment.error();
 
@@ -79,8 +79,7 @@ Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options
   AlignStage stage;
   stage.complete = alignment->complete();
   stage.report = alignment_report(*alignment);
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   stage.report["seconds"] = seconds;
   Console::info(fmt::format("aligned {} of {} views by {} pairs: {:.3g} {} RMS, {}, {:.1f} s",
                             aligned, project.views.size(), alignment->pairs.size(), alignment->rms,

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <numbers>
 #include <utility>
@@ -12,14 +11,11 @@
 #include "apps/stages.h"
 #include "scan/io/view_spec.h"
 #include "scan/parallel.h"
+#include "scan/stopwatch.h"
 
 namespace relief {
 
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 Json merge_report(const MergeResult& merged) {
   Json report = to_json(merged.check);
@@ -86,8 +82,6 @@ Result<void> decimate(const DecimationOptions& options, MergeResult& merged) {
   return {};
 }
 
-using SteadyTime = std::chrono::steady_clock::time_point;
-
 MergeOptions merge_options_of(const MergeStageOptions& options) {
   MergeOptions merge_options = options.merge;
   merge_options.threads = options.threads;
@@ -98,7 +92,7 @@ MergeOptions merge_options_of(const MergeStageOptions& options) {
 // are needed.
 template <typename LoadProject>
 Result<MergeStage> finish(Result<MergeResult> merged, const MergeStageOptions& options,
-                          SteadyTime start, const LoadProject& load) {
+                          const Stopwatch& watch, const LoadProject& load) {
   if (!merged) return merged.error();
   for (const std::string& note : merged->notes) Console::info(note);
 
@@ -118,7 +112,7 @@ Result<MergeStage> finish(Result<MergeResult> merged, const MergeStageOptions& o
   MergeStage stage;
   stage.report = merge_report(*merged);
   if (options.polish) stage.report["polish"] = polish_section;
-  stage.report["seconds"] = seconds_since(start);
+  stage.report["seconds"] = watch.seconds();
   stage.report["peak_memory_mb"] = peak_memory_mb();
   Console::info(
       fmt::format("merged: {} vertices, {} faces, {}, {:.1f} % of the area filled, {:.1f} s",
@@ -175,15 +169,15 @@ Result<void> check_room_to_polish(const MergeResult& merged, std::size_t pixels,
 }  // namespace
 
 Result<MergeStage> merge_stage(const ScanProject& project, const MergeStageOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   auto merged = merge_views(project.views, merge_options_of(options), console_progress("merge"));
-  return finish(std::move(merged), options, start,
+  return finish(std::move(merged), options, watch,
                 [&](const MergeResult&) { return Result<const ScanProject*>(&project); });
 }
 
 Result<MergeStage> merge_stage_within_limit(const ProjectInput& input,
                                             const MergeStageOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   auto spec = read_project_spec(input.path, input.options.fc_file);
   if (!spec) return spec.error();
   for (const std::string& note : spec->notes) Console::info(note);
@@ -202,7 +196,7 @@ Result<MergeStage> merge_stage_within_limit(const ProjectInput& input,
     project = std::move(*all);
     return &project;
   };
-  return finish(std::move(merged), options, start, load);
+  return finish(std::move(merged), options, watch, load);
 }
 
 }  // namespace relief

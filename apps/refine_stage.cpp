@@ -1,4 +1,3 @@
-#include <chrono>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -7,6 +6,7 @@
 #include "apps/stages.h"
 #include "hybrid/refine_views.h"
 #include "scan/median_deviation.h"
+#include "scan/stopwatch.h"
 
 namespace relief {
 
@@ -51,7 +51,7 @@ void log_view(const RefinedView& refined, const std::string& unit) {
 
 Result<RefineStage> refine_stage(ScanProject& project, const RefineOptions& options,
                                  std::size_t memory) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   auto refined = refine_views(project.views, options, console_progress("refine"), memory);
   if (!refined) return refined.error();
 
@@ -67,8 +67,7 @@ Result<RefineStage> refine_stage(ScanProject& project, const RefineOptions& opti
     project.views[i] = std::move(view.view);
   }
   stage.any_refined = improved > 0;
-  stage.report["seconds"] =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  stage.report["seconds"] = watch.seconds();
   Console::info(fmt::format("refined {} of {} views in {:.1f} s", improved, refined->size(),
                             stage.report["seconds"].get<double>()));
   return stage;

@@ -1,7 +1,6 @@
 #include "hybrid/polish_mesh.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <string>
 
@@ -10,16 +9,11 @@
 #include "hybrid/mesh_solver.h"
 #include "hybrid/mesh_system.h"
 #include "scan/parallel.h"
+#include "scan/stopwatch.h"
 
 namespace relief {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // A round of reweighting that moved the surface by less than this part of its expected errors is
 // the last: another would not be worth its time.
@@ -74,7 +68,7 @@ class Solve {
   bool round() {
     if (rounds_ > 0) {
       system_.reweight(displacements_);
-      matrix_ = {};
+      matrix_ = {};  // Two of them would be large.
       matrix_ = system_.normal_matrix();
     }
     if (!inverse_.update()) return false;
@@ -171,7 +165,7 @@ std::string_view to_string(PolishStatus status) {
 
 Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, MeshNormals normals,
                                  const PolishOptions& options, const Progress& progress) {
-  const auto start = Clock::now();
+  const Stopwatch watch;
   if (const auto ok = check(mesh, normals, options); !ok) return ok.error();
   PolishedMesh polished;
   polished.with_normal = normals.measured;
@@ -179,7 +173,7 @@ Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, MeshNormals normals,
   const auto as_given = [&](PolishStatus status) {
     polished.mesh = mesh;
     polished.status = status;
-    polished.seconds = seconds_since(start);
+    polished.seconds = watch.seconds();
     return std::move(polished);
   };
   if (!normals_meet(mesh, normals)) return as_given(PolishStatus::kNoNormals);
@@ -191,13 +185,13 @@ Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, MeshNormals normals,
   release_freed_memory();
   take(guarded_move(mesh, *displacements, options.threads), mesh, normals, polished);
   if (!report_progress(progress, 1.0, "polish")) return interrupted();
-  polished.seconds = seconds_since(start);
+  polished.seconds = watch.seconds();
   return polished;
 }
 
 Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const std::vector<RangeView>& views,
                                  const PolishOptions& options, const Progress& progress) {
-  const auto start = Clock::now();
+  const Stopwatch watch;
   MeshNormalOptions normal_options = options.normals;
   normal_options.threads = options.threads;
   auto normals = vertex_normals_from_views(mesh, views, normal_options,
@@ -209,7 +203,7 @@ Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const std::vector<Ran
       polish_mesh(mesh, std::move(*normals), options, [&](double done, std::string_view step) {
         return report_progress(progress, 0.5 + 0.5 * done, step);
       });
-  if (polished) polished->seconds = seconds_since(start);
+  if (polished) polished->seconds = watch.seconds();
   return polished;
 }
 

@@ -1,6 +1,5 @@
 #include "hybrid/refine_view.h"
 
-#include <chrono>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "hybrid/robust_solve.h"
 #include "hybrid/unexplained_steps.h"
 #include "hybrid/view_problem.h"
+#include "scan/stopwatch.h"
 
 namespace relief {
 
@@ -209,13 +209,13 @@ std::string_view to_string(RefineStatus status) {
 
 Result<RefinedView> refine_view(const RangeView& view, const RefineOptions& options,
                                 const Progress& progress) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   if (const Result<void> valid = validate(options); !valid) return valid.error();
   Refinement refinement(view, options);
   if (refinement.prepare() && !refinement.solve(progress))
     return Error{ErrorKind::kInterrupted, "refine: stopped on request"};
   RefinedView& result = refinement.result();
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = watch.seconds();
   return std::move(result);
 }
 
