@@ -96,7 +96,7 @@ class CreaseEdges {
  private:
   // Of faces that are as they were no others than `known` intersect.
   std::vector<std::uint32_t> intersecting(const std::vector<TriangleMesh::Face>& before,
-                                          std::vector<std::uint32_t> known) const {
+                                          const std::vector<std::uint32_t>& known) const {
     std::vector<std::uint32_t> in_question;
     for (std::uint32_t f = 0; f < before.size(); ++f)
       if (mesh_.faces[f] != before[f] || std::binary_search(known.begin(), known.end(), f))
@@ -104,7 +104,7 @@ class CreaseEdges {
     return intersecting_faces(mesh_, in_question, 2.0 * options_.voxel_size, options_.threads);
   }
 
-  // Something new there is only near vertices of faces that were turned in the pass before.
+  // Only near the vertices of faces that were turned in the pass before is there anything new.
   std::size_t pass() {
     mesh_.normals = vertex_normals(mesh_);
     const FacesAround around(mesh_, all_);
@@ -115,22 +115,9 @@ class CreaseEdges {
     keep_apart(turns);
     std::fill(touched_.begin(), touched_.end(), 0);
     for (const Turn& turn : turns) apply(turn);
-    spread(touched_);
+    for (const std::uint32_t f : faces_at(mesh_, touched_))  // and to the neighbours
+      for (const std::uint32_t v : mesh_.faces[f]) touched_[v] = 1;
     return turns.size();
-  }
-
-  bool has_any(const std::vector<std::uint8_t>& vertices, std::size_t f) const {
-    return std::any_of(mesh_.faces[f].begin(), mesh_.faces[f].end(),
-                       [&](std::uint32_t v) { return vertices[v]; });
-  }
-
-  // To the neighbours of marked vertices.
-  void spread(std::vector<std::uint8_t>& marked) const {
-    std::vector<std::uint8_t> wider = marked;
-    for (std::size_t f = 0; f < mesh_.faces.size(); ++f)
-      if (has_any(marked, f))
-        for (const std::uint32_t v : mesh_.faces[f]) wider[v] = 1;
-    marked = std::move(wider);
   }
 
   // How far the surface leaves an edge: eight times the height of the arc over it that has the
@@ -142,13 +129,12 @@ class CreaseEdges {
   }
 
   std::vector<Turn> candidates(const FacesAround& around) const {
-    std::vector<std::vector<Turn>> found((mesh_.faces.size() + kGrain - 1) / kGrain);
-    parallel_for(mesh_.faces.size(), kGrain, options_.threads,
-                 [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t f = begin; f < end; ++f)
-                     for (std::size_t k = 0; k < 3 && has_any(touched_, f); ++k)
-                       consider(static_cast<std::uint32_t>(f), k, around, found[begin / kGrain]);
-                 });
+    const std::vector<std::uint32_t> faces = faces_at(mesh_, touched_);
+    std::vector<std::vector<Turn>> found((faces.size() + kGrain - 1) / kGrain);
+    parallel_for(faces.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t k = 0; k < 3; ++k) consider(faces[i], k, around, found[begin / kGrain]);
+    });
     std::vector<Turn> turns;
     for (const auto& range : found) turns.insert(turns.end(), range.begin(), range.end());
     return turns;

@@ -52,12 +52,12 @@ class Fairing {
         options_(options),
         regions_(mesh, views, options),
         work_(regions_.all().size()),
-        places_(mesh.vertices) {}
+        places_(mesh.vertices),
+        changed_(mesh.vertices.size(), 0) {}
 
   FairFill run() {
     if (work_.empty()) return {{}, regions_.too_large()};
     for (int round = 0; round <= kRounds; ++round) settle_all(round == kRounds);
-    changed_.resize(places_.size());
     for (std::size_t v = 0; v < places_.size(); ++v) changed_[v] = places_[v] != mesh_.vertices[v];
     for (int round = 0; mend(round); ++round) {
     }
@@ -138,7 +138,7 @@ class Fairing {
     for (std::size_t k = 0; k < rest.size(); ++k) {
       const std::uint32_t v = patch.free[k].vertex;
       places_[v] = allowed(v, rest[k], collector);
-      if (!changed_.empty()) changed_[v] = 1;
+      changed_[v] = 1;
       if (places_[v] == rest[k] || last) continue;
       work.pinned.emplace(v, PlateVertex{v, places_[v]});
       work.settled = false;
@@ -177,7 +177,7 @@ class Fairing {
   void restore(std::size_t r) {
     for (const PlateVertex& free : regions_.all()[r].vertices) {
       places_[free.vertex] = mesh_.vertices[free.vertex];
-      if (!changed_.empty()) changed_[free.vertex] = 1;
+      changed_[free.vertex] = 1;
     }
     work_[r].stays = work_[r].settled = true;
   }
@@ -248,7 +248,6 @@ FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSam
   if (filled == 0) return {};
   relieve(options.memory, kVertex * mesh.vertices.size() + kMoving * filled);
   if (!check(options.memory)) return {};
-  release_freed_memory();  // Factors are large.
   return Fairing(mesh, views, options).run();
 }
 

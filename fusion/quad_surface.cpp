@@ -8,6 +8,7 @@
 
 #include "scan/discontinuities.h"
 #include "scan/grid_normals.h"
+#include "scan/median.h"
 
 namespace relief {
 
@@ -56,13 +57,6 @@ Grid<std::uint8_t> in_large_patch(const RangeView& view, const GridEdges& edges,
     }
   }
   return large;
-}
-
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // For white noise the distance between a sample and the mean of its four neighbours has variance

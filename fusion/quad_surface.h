@@ -52,8 +52,9 @@ struct QuadSurface {
 
   bool quad(int u, int v) const { return marks(u, v) & kQuad; }
   bool corner(int u, int v) const { return marks(u, v) & kCorner; }
-  Eigen::Vector3d point(int u, int v) const {
-    return centre + Eigen::Map<const Eigen::Vector3f>(pixels(u, v).point.data()).cast<double>();
+  /// The place of a sample, relative to the centre.
+  Eigen::Vector3d offset(int u, int v) const {
+    return Eigen::Map<const Eigen::Vector3f>(pixels(u, v).point.data()).cast<double>();
   }
 };
 

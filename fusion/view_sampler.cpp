@@ -36,8 +36,7 @@ Grid<float> depths_along(const Eigen::Vector3d& axis, const QuadSurface& surface
                      -std::numeric_limits<float>::infinity());
   for (int v = 0; v < depths.height(); ++v)
     for (int u = 0; u < depths.width(); ++u)
-      if (surface.corner(u, v))
-        depths(u, v) = static_cast<float>((surface.point(u, v) - surface.centre).dot(axis));
+      if (surface.corner(u, v)) depths(u, v) = static_cast<float>(surface.offset(u, v).dot(axis));
   return depths;
 }
 

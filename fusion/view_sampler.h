@@ -77,7 +77,8 @@ class ViewSampler {
   void for_surface_points(const Visit& visit) const {
     for (int v = 0; v < surface_.marks.height(); ++v)
       for (int u = 0; u < surface_.marks.width(); ++u)
-        if (surface_.corner(u, v)) visit(Eigen::Vector3d(world_from_view_ * surface_.point(u, v)));
+        if (surface_.corner(u, v))
+          visit(Eigen::Vector3d(world_from_view_ * (surface_.centre + surface_.offset(u, v))));
   }
   bool empty() const { return surface_.pixels.empty(); }
 

@@ -88,7 +88,7 @@ class Guard {
   }
 
   std::vector<std::uint32_t> all_intersecting_faces() {
-    changed_.assign(scale_.size(), 0);
+    std::fill(changed_.begin(), changed_.end(), 0);
     SelfIntersectionOptions options;
     options.threads = threads_;
     return find_self_intersections(moved_, options).faces();
@@ -96,11 +96,7 @@ class Guard {
 
   // Those that vertices damped since the last search may have brought to intersect, and more.
   std::vector<std::uint32_t> newly_intersecting_faces() {
-    std::vector<std::uint32_t> faces;
-    for (std::uint32_t f = 0; f < moved_.faces.size(); ++f)
-      if (std::any_of(moved_.faces[f].begin(), moved_.faces[f].end(),
-                      [&](std::uint32_t v) { return changed_[v]; }))
-        faces.push_back(f);
+    const std::vector<std::uint32_t> faces = faces_at(moved_, changed_);
     std::fill(changed_.begin(), changed_.end(), 0);
     const double edge =
         std::sqrt(2.0 * surface_area(before_) / static_cast<double>(before_.faces.size()));

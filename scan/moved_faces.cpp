@@ -129,16 +129,21 @@ class MovedFaces {
 
 }  // namespace
 
+std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh,
+                                    const std::vector<std::uint8_t>& marked) {
+  std::vector<std::uint32_t> faces;
+  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+    if (std::any_of(mesh.faces[f].begin(), mesh.faces[f].end(),
+                    [&](std::uint32_t v) { return marked[v]; }))
+      faces.push_back(f);
+  return faces;
+}
+
 std::vector<std::uint32_t> spoiled_faces(const TriangleMesh& mesh,
                                          const std::vector<Eigen::Vector3d>& places,
                                          const std::vector<std::uint8_t>& moved, double reach,
                                          int threads) {
-  std::vector<std::uint32_t> of_moved;
-  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
-    if (std::any_of(mesh.faces[f].begin(), mesh.faces[f].end(),
-                    [&](std::uint32_t v) { return moved[v]; }))
-      of_moved.push_back(f);
-  const MovedFaces faces(mesh, places, std::move(of_moved), reach);
+  const MovedFaces faces(mesh, places, faces_at(mesh, moved), reach);
   std::vector<std::uint32_t> spoiled = faces.intersecting(threads);
   const std::vector<std::uint32_t> thin = faces.thin();
   spoiled.insert(spoiled.end(), thin.begin(), thin.end());

@@ -17,7 +17,12 @@ std::vector<std::uint32_t> spoiled_faces(const TriangleMesh& mesh,
                                          const std::vector<std::uint8_t>& moved, double reach,
                                          int threads);
 
-/// Those of `faces`, and of what is near them, that intersect others; in ascending order.
+/// The faces with a vertex that is marked; in ascending order.
+std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh,
+                                    const std::vector<std::uint8_t>& marked);
+
+/// Those of `faces`, and of what is near them or of all where they are many, that intersect others;
+/// in ascending order.
 std::vector<std::uint32_t> intersecting_faces(const TriangleMesh& mesh,
                                               const std::vector<std::uint32_t>& faces, double reach,
                                               int threads);
