@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -8,11 +7,7 @@ namespace relief::testing {
 
 /// A file or folder of the real test scans; empty when they are absent. The environment variable
 /// RELIEF_TEST_DATA wins over the place configured at build time.
-inline std::filesystem::path test_data(const std::string& name) {
-  const char* folder = std::getenv("RELIEF_TEST_DATA");
-  const auto path = std::filesystem::path(folder ? folder : RELIEF_TEST_DATA) / name;
-  return std::filesystem::exists(path) ? path : std::filesystem::path();
-}
+std::filesystem::path test_data(const std::string& name);
 
 }  // namespace relief::testing
 
