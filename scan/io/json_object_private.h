@@ -55,6 +55,12 @@ class JsonObject {
     return value;
   }
 
+  double nonzero(const std::string& key) {
+    const double value = number(key);
+    if (value == 0.0) throw JsonError(place(key) + ": is 0, but must be a number other than 0");
+    return value;
+  }
+
   int positive_integer(const std::string& key) {
     const double value = positive(key);
     if (value != std::floor(value) || value > 1e9)

@@ -30,7 +30,7 @@ Eigen::Vector3d read_direction(JsonObject& camera, const std::string& key) {
 }
 
 void read_pinhole(JsonObject& camera, CameraSpec& spec) {
-  spec.intrinsics = {camera.positive("fx"), camera.positive("fy"), camera.number("cx"),
+  spec.intrinsics = {camera.nonzero("fx"), camera.nonzero("fy"), camera.number("cx"),
                      camera.number("cy")};
 }
 

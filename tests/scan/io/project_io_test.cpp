@@ -228,6 +228,19 @@ TEST_F(DepthProject, ScalesDepthAndLeavesZeroOut) {
   EXPECT_NEAR(along->views[0].point(1, 0).norm(), 10.01, 1e-12);
 }
 
+// ICL-NUIM trajectories come with fy = -480: y points up, against the rows.
+TEST_F(DepthProject, ANegativeFocalLengthTurnsTheAxisRound) {
+  const auto path = folder_.write(
+      "scan.json",
+      R"({"format":"relief-scan","version":1,"views":[{"name":"v7","depth":{"file":"d.png","scale":0.01},)"
+      R"("camera":{"model":"pinhole","width":8,"height":6,"fx":5,"fy":-5,"cx":4,"cy":3}}]})");
+  const auto project = read_project(path), upright = read();
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  const Eigen::Vector3d point = project->views[0].point(6, 1), mirrored(1, -1, 1);
+  EXPECT_LT((point - upright->views[0].point(6, 1).cwiseProduct(mirrored)).norm(), 1e-12);
+  EXPECT_GT(point.y(), 0.0);
+}
+
 TEST_F(DepthProject, ValuesThatAreNoDepthAreNoSamples) {
   Image depth(8, 6, 1);
   depth.samples.assign(depth.samples.size(), 5.0f);
