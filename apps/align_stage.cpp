@@ -15,11 +15,12 @@ Json view_report(const ViewReport& view) {
   Json report = {{"name", view.name},
                  {"world_from_view", to_json(view.world_from_view)},
                  {"aligned", view.aligned},
+                 {"status", to_string(view.status)},
                  {"pose_std", std::vector<double>(view.pose_std.begin(), view.pose_std.end())}};
   Json& covariance = report["pose_covariance"] = Json::array();
   for (const auto& row : view.pose_covariance.rowwise())
     covariance.push_back(std::vector<double>(row.begin(), row.end()));
-  if (!view.aligned) report["reason"] = view.reason;
+  if (!view.reason.empty()) report["reason"] = view.reason;
   return report;
 }
 
@@ -88,10 +89,13 @@ Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options
 }
 
 void warn_of_unaligned(const Json& align_report) {
-  for (const Json& view : align_report["views"])
-    if (!view["aligned"])
-      Console::warning("view " + view["name"].get<std::string>() +
-                       " is not aligned: " + view["reason"].get<std::string>());
+  for (const Json& view : align_report["views"]) {
+    if (view["status"] == to_string(PoseStatus::kVerified)) continue;
+    Console::warning(
+        "view " + view["name"].get<std::string>() +
+        (view["aligned"] ? " is kept at a pose that is not verified: " : " is not aligned: ") +
+        view["reason"].get<std::string>());
+  }
 }
 
 }  // namespace relief

@@ -16,9 +16,11 @@ const std::map<std::string, MeshForm> kForms = {{"normal", MeshForm::kAlongNorma
                                                 {"full", MeshForm::kFull}};
 const std::map<std::string, Solver> kSolvers = {{"multigrid", Solver::kMultigrid},
                                                 {"cholesky", Solver::kCholesky}};
-const std::map<std::string, CoarseSearch> kCoarseSearches = {{"auto", CoarseSearch::kAuto},
-                                                             {"never", CoarseSearch::kNever},
-                                                             {"always", CoarseSearch::kAlways}};
+const std::map<std::string, GivenPoses> kGivenPoses = {
+    {"check", GivenPoses::kCheck}, {"trust", GivenPoses::kTrust}, {"ignore", GivenPoses::kIgnore}};
+// The names that the option --coarse had for them.
+const std::map<std::string, GivenPoses> kCoarseSearches = {
+    {"auto", GivenPoses::kCheck}, {"never", GivenPoses::kTrust}, {"always", GivenPoses::kIgnore}};
 
 constexpr double kRadians = std::numbers::pi / 180.0;
 
@@ -82,10 +84,14 @@ void add_align_options(CLI::App& command, AlignOptions& options) {
   auto* group = command.add_option_group("Alignment");
   JointRefinementOptions& refinement = options.refinement;
   group
-      ->add_option("--coarse", options.starting_poses.coarse,
-                   "Finding poses by shape: auto (where the given ones do not fit), never, always")
+      ->add_option("--poses", options.starting_poses.given,
+                   "Given poses: check (refined, kept unless other views refute them), trust "
+                   "(refined, kept always), ignore (all poses are found by shape)")
+      ->transform(CLI::CheckedTransformer(kGivenPoses))
+      ->default_str("check");
+  group->add_option("--coarse", options.starting_poses.given, "The former name of --poses")
       ->transform(CLI::CheckedTransformer(kCoarseSearches))
-      ->default_str("auto");
+      ->group("");
   group
       ->add_option("--correspondences", refinement.correspondences,
                    "Correspondences per direction of a pair of views")

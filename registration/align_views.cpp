@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
+#include "registration/given_poses.h"
 #include "scan/parallel.h"
 
 namespace relief {
@@ -50,52 +52,28 @@ Result<std::vector<ViewSurface>> build_surfaces(const std::vector<RangeView>& vi
   return surfaces;
 }
 
-// Groups that hold a known view share the frame that the known poses define. Without any, the
-// largest group is the main one, if it has at least two views or is all there is.
-std::vector<bool> in_main_frame(const std::vector<RangeView>& views,
-                                const std::vector<std::size_t>& group) {
-  std::map<std::size_t, std::size_t> sizes;
-  std::map<std::size_t, bool> anchored;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    ++sizes[group[i]];
-    if (views[i].pose == PoseKind::kKnown) anchored[group[i]] = true;
+// The view's largest verified group, or that of known views.
+std::size_t main_group(const PoseVerification& verified, const std::vector<ViewRole>& roles) {
+  std::map<std::size_t, std::pair<bool, std::size_t>> weight;
+  for (std::size_t i = 0; i < roles.size(); ++i) {
+    if (roles[i] == ViewRole::kExcluded) continue;
+    auto& [known, size] = weight[verified.group[i]];
+    known |= roles[i] == ViewRole::kFixed;
+    ++size;
   }
-  if (anchored.empty()) {
-    const auto largest =
-        std::max_element(sizes.begin(), sizes.end(),
-                         [](const auto& a, const auto& b) { return a.second < b.second; });
-    if (largest->second >= 2 || views.size() == 1) anchored[largest->first] = true;
+  std::size_t main = roles.size();
+  std::pair<bool, std::size_t> most(false, 1);
+  for (const auto& [group, w] : weight) {
+    if (!(w > most)) continue;
+    main = group;
+    most = w;
   }
-  std::vector<bool> main(views.size());
-  for (std::size_t i = 0; i < views.size(); ++i) main[i] = anchored.count(group[i]) > 0;
   return main;
 }
 
-std::string names_of_group(const std::vector<RangeView>& views,
-                           const std::vector<std::size_t>& group, std::size_t except) {
-  std::string names;
-  for (std::size_t i = 0; i < views.size(); ++i)
-    if (group[i] == group[except] && i != except)
-      names += (names.empty() ? "" : ", ") + views[i].name;
-  return names;
-}
-
-std::string reason_not_aligned(const std::vector<RangeView>& views,
-                               const std::vector<std::size_t>& group, const ViewSurface& surface,
-                               const std::string& unplaced, ViewRole role, std::size_t i) {
-  if (surface.samples().empty())
-    return "it has no usable samples: none lies off all boundaries with a surface normal";
-  if (!unplaced.empty()) return unplaced;
-  if (role == ViewRole::kExcluded)
-    return "it fits none of the views that it seems to overlap; give a better guess or remove it";
-  const std::string partners = names_of_group(views, group, i);
-  if (partners.empty())
-    return "it overlaps no other view at its starting pose; add a view between or a better guess";
-  return "its group overlaps no view of the main group; it is aligned only to " + partners;
-}
-
-// Views that were refined but fit none of those they seem to overlap: all their pairs are misfits.
-std::vector<bool> find_misfits(const std::vector<ViewRole>& roles, const JointRefinement& refined) {
+// Views found by shape that fit none of those they seem to overlap: all their pairs are misfits.
+std::vector<bool> find_misfits(const std::vector<bool>& found_by_shape,
+                               const std::vector<ViewRole>& roles, const JointRefinement& refined) {
   std::vector<bool> paired(roles.size(), false), fits(roles.size(), false);
   for (const auto& pair : refined.pairs) {
     for (const std::size_t i : {pair.a, pair.b}) {
@@ -105,46 +83,159 @@ std::vector<bool> find_misfits(const std::vector<ViewRole>& roles, const JointRe
   }
   std::vector<bool> misfits(roles.size());
   for (std::size_t i = 0; i < roles.size(); ++i)
-    misfits[i] = paired[i] && !fits[i] && roles[i] == ViewRole::kFree;
+    misfits[i] = paired[i] && !fits[i] && roles[i] == ViewRole::kFree && found_by_shape[i];
   return misfits;
 }
 
-// Joint refinement; views that turn out to fit nowhere are taken out and the rest refined again
-// from where it started, free of their pull.
-Result<JointRefinement> refine_without_misfits(const std::vector<ViewSurface>& surfaces,
-                                               const std::vector<RigidMotion>& poses,
-                                               std::vector<ViewRole>& roles,
-                                               const JointRefinementOptions& options,
-                                               const Progress& progress) {
-  for (;;) {
-    auto refined = refine_jointly(surfaces, poses, roles, options, progress);
-    if (!refined) return refined;
-    const auto misfits = find_misfits(roles, *refined);
-    if (std::find(misfits.begin(), misfits.end(), true) == misfits.end()) return refined;
-    for (std::size_t i = 0; i < roles.size(); ++i)
-      if (misfits[i]) roles[i] = ViewRole::kExcluded;
+// One alignment on its way from surfaces to a report.
+class Aligning {
+ public:
+  Aligning(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
+           const AlignOptions& options, const Progress& progress)
+      : views_(views),
+        surfaces_(surfaces),
+        starting_(options.starting_poses),
+        refinement_(options.refinement),
+        progress_(progress) {
+    starting_.threads = refinement_.threads = options.threads;
   }
-}
 
-void report_views(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
-                  const StartingPoses& starts, const std::vector<ViewRole>& roles,
-                  const JointRefinement& refined, Alignment& result) {
-  const auto main = in_main_frame(views, refined.group);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    ViewReport report;
-    report.name = views[i].name;
-    report.world_from_view = refined.world_from_view[i];
-    report.pose_std = refined.pose_std[i];
-    const auto row = static_cast<Eigen::Index>(6 * i);
-    report.pose_covariance = refined.pose_covariance.block<6, 6>(row, row);
-    report.aligned = main[i] && roles[i] != ViewRole::kExcluded;
-    if (!report.aligned)
-      report.reason =
-          reason_not_aligned(views, refined.group, surfaces[i], starts.reasons[i], roles[i], i);
-    result.views.push_back(std::move(report));
+  Result<Alignment> run() {
+    auto given = refine_given_poses(surfaces_, views_, starting_, refinement_, progress_);
+    if (!given) return given.error();
+    auto starts = find_starting_poses(surfaces_, views_, given->settled, starting_, progress_);
+    if (!starts) return starts.error();
+    starts_ = std::move(*starts);
+    take_roles();
+    if (unchanged(given->settled)) {
+      refined_ = std::move(given->refined);
+      verified_ = std::move(given->verified);
+    } else if (const auto done = refine_all(); !done) {
+      return done.error();
+    }
+    return report(given->settled);
   }
-  if (views.size() == 1) result.notes.push_back("one view only: nothing to align");
-}
+
+ private:
+  void take_roles() {
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      const auto& start = starts_.world_from_view[i];
+      poses_.push_back(start.value_or(views_[i].world_from_view));
+      roles_.push_back(!start                               ? ViewRole::kExcluded
+                       : views_[i].pose == PoseKind::kKnown ? ViewRole::kFixed
+                                                            : ViewRole::kFree);
+    }
+  }
+
+  // Whether all poses are the given ones, already refined together.
+  bool unchanged(const SettledPoses& settled) const {
+    for (std::size_t i = 0; i < views_.size(); ++i)
+      if (starts_.found_by_shape[i] ||
+          starts_.world_from_view[i].has_value() != settled.world_from_view[i].has_value())
+        return false;
+    return true;
+  }
+
+  // Views found by shape that turn out to fit nowhere are taken out and the rest is refined again
+  // from where it started, free of their influence.
+  Result<void> refine_all() {
+    for (;;) {
+      auto refined = refine_jointly(surfaces_, poses_, roles_, refinement_, progress_);
+      if (!refined) return refined.error();
+      refined_ = std::move(*refined);
+      const auto misfits = find_misfits(starts_.found_by_shape, roles_, refined_);
+      if (std::find(misfits.begin(), misfits.end(), true) == misfits.end()) break;
+      for (std::size_t i = 0; i < roles_.size(); ++i)
+        if (misfits[i]) roles_[i] = ViewRole::kExcluded;
+    }
+    verified_ =
+        verify_poses(surfaces_, refined_.world_from_view, roles_, verification_options(starting_));
+    return {};
+  }
+
+  Alignment report(const SettledPoses& settled) {
+    Alignment result;
+    result.notes = starts_.notes;
+    const std::size_t main = main_group(verified_, roles_);
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      ViewReport view;
+      view.name = views_[i].name;
+      view.world_from_view = refined_.world_from_view[i];
+      view.pose_std = refined_.pose_std[i];
+      const auto row = static_cast<Eigen::Index>(6 * i);
+      view.pose_covariance = refined_.pose_covariance.block<6, 6>(row, row);
+      view.aligned = starts_.in_main_frame[i] && roles_[i] != ViewRole::kExcluded;
+      const bool confirmed =
+          verified_.group[i] == main || views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
+      view.status = !view.aligned ? PoseStatus::kLeftOut
+                    : confirmed   ? PoseStatus::kVerified
+                                  : PoseStatus::kUnverified;
+      if (view.status == PoseStatus::kUnverified) view.reason = reason_unverified(i);
+      if (view.status == PoseStatus::kLeftOut) view.reason = reason_left_out(i);
+      result.views.push_back(std::move(view));
+    }
+    note_moves(settled, result);
+    if (views_.size() == 1) result.notes.push_back("one view only: nothing to align");
+    result.pairs = std::move(refined_.pairs);
+    result.termination = refined_.termination;
+    result.iterations = refined_.iterations;
+    result.rms = refined_.rms;
+    return result;
+  }
+
+  void note_moves(const SettledPoses& settled, Alignment& result) const {
+    for (std::size_t i = 0; i < views_.size(); ++i)
+      if (starts_.found_by_shape[i] && starts_.in_main_frame[i] &&
+          (settled.refuted[i] || settled.world_from_view[i]))
+        result.notes.push_back(
+            "view " + views_[i].name + ": its given pose " +
+            (settled.refuted[i] ? "stands where other views saw through" : "is not confirmed") +
+            "; a pose that fits was found by its shape instead");
+  }
+
+  std::string names_of_group(const std::vector<std::size_t>& group, std::size_t except) const {
+    std::string names;
+    for (std::size_t i = 0; i < views_.size(); ++i)
+      if (group[i] == group[except] && i != except)
+        names += (names.empty() ? "" : ", ") + views_[i].name;
+    return names;
+  }
+
+  std::string reason_unverified(std::size_t i) const {
+    if (surfaces_[i].samples().empty())
+      return "it has no usable samples: none lies off all boundaries with a surface normal";
+    const ViewVerification& view = verified_.views[i];
+    if (!view.overlaps)
+      return "it overlaps no other view at its pose; it is kept there, and nothing confirms it";
+    if (view.violation > 0.0)
+      return "other views saw through where a part of it stands; check its pose";
+    const std::string partners = names_of_group(verified_.group, i);
+    if (!partners.empty())
+      return "it is confirmed only by " + partners + ", which nothing confirms in turn";
+    return "it deviates from the views that it overlaps by more than other pairs do";
+  }
+
+  std::string reason_left_out(std::size_t i) const {
+    if (surfaces_[i].samples().empty())
+      return "it has no usable samples: none lies off all boundaries with a surface normal";
+    if (!starts_.world_from_view[i]) return starts_.reasons[i];
+    if (roles_[i] == ViewRole::kExcluded)
+      return "it fits none of the views that it seems to overlap; give a better guess or remove it";
+    return "its group overlaps no view of the main group; it is aligned only to " +
+           names_of_group(refined_.group, i);
+  }
+
+  const std::vector<RangeView>& views_;
+  const std::vector<ViewSurface>& surfaces_;
+  StartingPoseOptions starting_;
+  JointRefinementOptions refinement_;
+  const Progress& progress_;
+  StartingPoses starts_;
+  std::vector<RigidMotion> poses_;
+  std::vector<ViewRole> roles_;
+  JointRefinement refined_;
+  PoseVerification verified_;
+};
 
 }  // namespace
 
@@ -166,33 +257,19 @@ Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOp
 
   auto surfaces = build_surfaces(views, options, progress);
   if (!surfaces) return surfaces.error();
-  StartingPoseOptions starting = options.starting_poses;
-  starting.threads = options.threads;
-  auto starts = find_starting_poses(*surfaces, views, starting, progress);
-  if (!starts) return starts.error();
+  return Aligning(views, *surfaces, options, progress).run();
+}
 
-  std::vector<RigidMotion> poses;
-  std::vector<ViewRole> roles;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const auto& start = starts->world_from_view[i];
-    poses.push_back(start.value_or(views[i].world_from_view));
-    roles.push_back(!start                              ? ViewRole::kExcluded
-                    : views[i].pose == PoseKind::kKnown ? ViewRole::kFixed
-                                                        : ViewRole::kFree);
+std::string_view to_string(PoseStatus status) {
+  switch (status) {
+    case PoseStatus::kVerified:
+      return "verified";
+    case PoseStatus::kUnverified:
+      return "unverified";
+    case PoseStatus::kLeftOut:
+      return "left out";
   }
-  JointRefinementOptions refinement = options.refinement;
-  refinement.threads = options.threads;
-  auto refined = refine_without_misfits(*surfaces, poses, roles, refinement, progress);
-  if (!refined) return refined.error();
-
-  Alignment result;
-  result.notes = starts->notes;
-  report_views(views, *surfaces, *starts, roles, *refined, result);
-  result.pairs = std::move(refined->pairs);
-  result.termination = refined->termination;
-  result.iterations = refined->iterations;
-  result.rms = refined->rms;
-  return result;
+  return "unknown";
 }
 
 }  // namespace relief

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "registration/joint_refinement.h"
@@ -20,17 +21,25 @@ struct AlignOptions {
   int threads = 0;  ///< 0: one per core; for all steps. Never changes the result.
 };
 
+/// What is known of a view's pose after alignment.
+enum class PoseStatus {
+  kVerified,    ///< Other views confirm it.
+  kUnverified,  ///< It is the given pose, refined where views overlap it; nothing confirms it.
+  kLeftOut,     ///< None is known, or the given one is refuted.
+};
+
 /// What became of one view.
 struct ViewReport {
   std::string name;
   RigidMotion world_from_view = RigidMotion::Identity();
-  /// Whether the pose is in one frame with the main group of views.
+  /// Whether the pose is in one frame with the main group of views: verified or not.
   bool aligned = false;
+  PoseStatus status = PoseStatus::kLeftOut;
   /// Covariance of the pose as tangent (rotation [rad], translation [unit]) about the view's centre
   /// in world axes, relative to the held view (R12), and the roots of its diagonal.
   Matrix6d pose_covariance = Matrix6d::Zero();
   RigidTangent pose_std = RigidTangent::Zero();
-  std::string reason;  ///< Why it is not aligned; empty when it is.
+  std::string reason;  ///< Why it is not verified; empty when it is.
 };
 
 struct Alignment {
@@ -46,11 +55,15 @@ struct Alignment {
   std::vector<RigidMotion> world_from_view() const;
 };
 
-/// Brings range views into one frame: starting poses where none are given, then joint refinement.
-/// Known poses are kept to the bit; else the first view of the largest group of overlapping views
-/// stays where it is. Views that overlap no others, or fit none, are reported, never forced, and
-/// keep their pose. Errors: kBadInput for no views or impossible options, kInterrupted.
+/// Brings range views into one frame. Given poses are refined together, then verified; views whose
+/// pose nothing confirms are searched for by shape. A given pose that no view refutes is kept even
+/// then, with the status kUnverified. Known poses are kept to the bit; else the first view of the
+/// largest group of overlapping views stays where it is. Views without a pose that fit none are
+/// reported, never forced. Errors: kBadInput for no views or impossible options, kInterrupted.
 Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOptions& options = {},
                               const Progress& progress = {});
+
+/// `verified`, `unverified` or `left out`.
+std::string_view to_string(PoseStatus status);
 
 }  // namespace relief

@@ -126,6 +126,29 @@ Eigen::Matrix3Xd points_of(const std::vector<OrientedPoint>& oriented) {
   return points;
 }
 
+// What each view saw of the other at a pose.
+struct MutualSighting {
+  Correspondences in_b, in_a;  // Of samples of a, and of b.
+};
+
+MutualSighting look_both_ways(const ViewSurface& a, const ViewSurface& b,
+                              const RigidMotion& b_from_a, int probes, const JudgeOptions& options,
+                              PoseEvidence& evidence) {
+  const double margin = finest_search_distance(coarser_spacing(a, b), joint_noise(a, b));
+  CorrespondenceOptions search;
+  search.count = probes;
+  search.tries = 1;
+  search.max_distance = margin;
+  search.max_normal_angle_deg = options.max_normal_angle_deg;
+  search.association = options.association;
+  MutualSighting seen{find_correspondences(a, b, b_from_a, search),
+                      find_correspondences(b, a, b_from_a.inverse(), search)};
+  evidence.overlap = 0.5 * (seen.in_b.overlap() + seen.in_a.overlap());
+  note_sight_lines(look_along(a, b, b_from_a, margin), seen.in_b.overlap(), evidence);
+  note_sight_lines(look_along(b, a, b_from_a.inverse(), margin), seen.in_a.overlap(), evidence);
+  return seen;
+}
+
 double root_mean_square(const std::vector<double>& values) {
   double squares = 0.0;
   for (const double value : values) squares += value * value;
@@ -166,23 +189,20 @@ double rough_agreement(const ViewSurface& a, const ViewSurface& b, const RigidMo
                 directed_agreement(b, a, b_from_a.inverse(), reach, probes));
 }
 
+PoseEvidence judge_sight_lines(const ViewSurface& a, const ViewSurface& b,
+                               const RigidMotion& b_from_a, const JudgeOptions& options) {
+  PoseEvidence evidence;
+  if (!a.samples().empty() && !b.samples().empty())
+    look_both_ways(a, b, b_from_a, static_cast<int>(kProbes), options, evidence);
+  return evidence;
+}
+
 PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
                         const JudgeOptions& options) {
   assert(options.probes > 0);
   PoseEvidence evidence;
   if (a.samples().empty() || b.samples().empty()) return evidence;
-  const double margin = finest_search_distance(coarser_spacing(a, b), joint_noise(a, b));
-  CorrespondenceOptions search;
-  search.count = options.probes;
-  search.tries = 1;
-  search.max_distance = margin;
-  search.max_normal_angle_deg = options.max_normal_angle_deg;
-  search.association = options.association;
-  const auto in_b = find_correspondences(a, b, b_from_a, search);
-  const auto in_a = find_correspondences(b, a, b_from_a.inverse(), search);
-  evidence.overlap = 0.5 * (in_b.overlap() + in_a.overlap());
-  note_sight_lines(look_along(a, b, b_from_a, margin), in_b.overlap(), evidence);
-  note_sight_lines(look_along(b, a, b_from_a.inverse(), margin), in_a.overlap(), evidence);
+  const auto [in_b, in_a] = look_both_ways(a, b, b_from_a, options.probes, options, evidence);
 
   std::vector<OrientedPoint> shared;
   std::vector<double> distances;  // Of a in front of b.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,15 +14,17 @@
 
 namespace relief {
 
-enum class CoarseSearch {
-  kAuto,    ///< Given poses are tried; views that they do not place are searched for by shape.
-  kNever,   ///< Given poses are taken as they are; views without one are only tried in the order of
-            ///< scans from a turntable.
-  kAlways,  ///< By shape alone; only known poses count.
+/// What to make of the poses that views come with. Known poses (PoseKind::kKnown) always stay.
+enum class GivenPoses {
+  kCheck,   ///< Evidence: refined from where they are, kept unless the other views refute them.
+  kTrust,   ///< Refined from where they are, and kept whatever the other views say.
+  kIgnore,  ///< Not looked at: all poses are found by shape.
 };
 
 struct StartingPoseOptions {
-  CoarseSearch coarse = CoarseSearch::kAuto;
+  GivenPoses given = GivenPoses::kCheck;
+  /// Whether to look by shape for poses that are not given, or not confirmed.
+  bool search = true;
   Association association = Association::kAuto;
   /// Two views are linked by shape when they share at least this fraction of their samples; in (0,
   /// 1].
@@ -32,20 +35,36 @@ struct StartingPoseOptions {
   int threads = 0;  ///< 0: one per core. Never changes the result.
 };
 
-struct StartingPoses {
-  /// Nothing where no pose was given that fits and none was found.
+/// What is known of the poses before any is looked for by shape.
+struct SettledPoses {
+  /// Given poses, refined; nothing for views without one and for views whose pose was refuted.
   std::vector<std::optional<RigidMotion>> world_from_view;
+  /// For each view the smallest index of a view that confirms its pose, directly or through others.
+  std::vector<std::size_t> group;
+  std::vector<bool> known;    ///< Exact poses, which do not move.
+  std::vector<bool> refuted;  ///< Whether a given pose was refuted.
+};
+
+struct StartingPoses {
+  /// Nothing where no pose is known.
+  std::vector<std::optional<RigidMotion>> world_from_view;
+  /// Whether the pose is in one frame with the main group of views.
+  std::vector<bool> in_main_frame;
+  /// Whether shape gave the pose, not the user.
+  std::vector<bool> found_by_shape;
   std::vector<std::string> reasons;  ///< Per view why it has no pose; empty when it has one.
   std::vector<std::string> notes;    ///< One line per pose that was found, for the user to check.
 };
 
-/// The poses to start from. Given ones that fit other views stay as they are; the other views are
-/// placed by shape, by the links of place_views(), relative to them. Views without a pose that fits
+/// The poses to start from: the settled ones, and for views outside their main group what
+/// place_views() finds by shape. Given poses that nothing confirms stay as they are, in the frame
+/// of the others, unless most given poses turn out to be wrong. Views without a pose that fits
 /// nowhere, or in more ways than one, get none. Without any given pose the first view of the
 /// largest group is the world. A second group that fits together but not with the first is set
 /// beside it. The only error is kInterrupted.
 Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfaces,
                                           const std::vector<RangeView>& views,
+                                          const SettledPoses& settled,
                                           const StartingPoseOptions& options = {},
                                           const Progress& progress = {});
 

@@ -4,41 +4,36 @@
 #include <cassert>
 #include <utility>
 
+#include "registration/coarse/link_limits.h"
 #include "registration/coarse/pair_search.h"
 #include "registration/coarse/plain_view.h"
 #include "registration/coarse/turntable.h"
 #include "registration/coarse/view_similarity.h"
-#include "registration/robust.h"
-#include "registration/view_graph.h"
 #include "scan/parallel.h"
 
 namespace relief {
 
 namespace {
 
-constexpr double kGuessRadii = 0.2;         // How far guesses may be off, over a view's radius.
-constexpr double kGuessOverlap = 0.05;      // Enough where the user says that they belong together.
 constexpr std::size_t kSearchInFull = 300;  // Pairs.
 
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
 class Placing {
  public:
-  Placing(const std::vector<ViewSurface>& surfaces, const std::vector<PosePrior>& priors,
-          const PlaceViewsOptions& options, const Progress& progress)
-      : surfaces_(surfaces), priors_(priors), options_(options), progress_(progress) {
+  Placing(const std::vector<ViewSurface>& surfaces, const ViewGroups& start,
+          const std::vector<bool>& known, const PlaceViewsOptions& options,
+          const Progress& progress)
+      : surfaces_(surfaces), start_(start), known_(known), options_(options), progress_(progress) {
     grouping_.limits = options.limits;
     grouping_.ambiguity = options.ambiguity;
     grouping_.judge.association = options.association;
     grouping_.threads = options.threads;
-    for (const auto& prior : priors)
-      known_.push_back(prior.known ? prior.world_from_view : std::nullopt);
   }
 
   Result<ViewGroups> run() {
     regroup();
-    if (!link_given_poses()) return interrupted();
-    if (options_.search && !complete() && !search_by_shape()) return interrupted();
+    if (!complete() && !search_by_shape()) return interrupted();
     if (!complete()) {
       for (auto& link : turntable_links(surfaces_, groups_.group, options_.limits,
                                         options_.association, options_.threads)) {
@@ -53,7 +48,7 @@ class Placing {
  private:
   static Error interrupted() { return Error{ErrorKind::kInterrupted, "alignment was interrupted"}; }
 
-  void regroup() { groups_ = join_views(surfaces_, links_, known_, grouping_); }
+  void regroup() { groups_ = join_views(surfaces_, links_, start_, known_, grouping_); }
 
   // Whether all views that have samples are in one group.
   bool complete() const {
@@ -63,55 +58,6 @@ class Placing {
       if (group && *group != groups_.group[i]) return false;
       group = groups_.group[i];
     }
-    return true;
-  }
-
-  double typical_radius() const {
-    std::vector<double> radii;
-    for (const auto& surface : surfaces_)
-      if (!surface.samples().empty()) radii.push_back(surface.radius());
-    return quantile(std::move(radii), 0.5);
-  }
-
-  // Checks the given poses by the pairs of views that overlap at them, the largest overlaps first,
-  // and only as long as they join something new.
-  bool link_given_poses() {
-    const double reach = kGuessRadii * typical_radius();
-    if (!(reach > 0.0)) return true;
-    std::vector<RigidMotion> poses;
-    for (const auto& prior : priors_)
-      poses.push_back(prior.world_from_view.value_or(RigidMotion::Identity()));
-    ViewGraphOptions graph;
-    graph.max_distance = reach;
-    graph.min_overlap = kGuessOverlap;
-    graph.association = options_.association;
-    graph.threads = options_.threads;
-    auto pairs = find_overlapping_pairs(surfaces_, poses, graph);
-    std::erase_if(pairs, [&](const ViewPair& pair) {
-      return !priors_[pair.a].world_from_view || !priors_[pair.b].world_from_view;
-    });
-    std::stable_sort(pairs.begin(), pairs.end(),
-                     [](const ViewPair& x, const ViewPair& y) { return x.overlap > y.overlap; });
-    std::vector<ViewPair> joined;
-    for (std::size_t i = 0; i < known_.size(); ++i)
-      if (known_[i]) joined.push_back({std::min(i, groups_.group[i]), i});
-    auto group = connected_groups(surfaces_.size(), joined);
-    PlausibleEvidence limits = options_.limits;
-    limits.min_overlap = kGuessOverlap;
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const auto [a, b, unused] = pairs[k];
-      if (group[a] == group[b]) continue;
-      if (!go_on(static_cast<double>(k) / static_cast<double>(pairs.size()),
-                 "checking the given poses"))
-        return false;
-      const auto fit = refine_hypothesis(surfaces_[a], surfaces_[b], poses[b].inverse() * poses[a],
-                                         reach, options_.association);
-      if (!plausible(fit.evidence, surfaces_[a], surfaces_[b], limits)) continue;
-      links_.push_back({a, b, fit.b_from_a, fit.evidence, true});
-      joined.push_back({a, b});
-      group = connected_groups(surfaces_.size(), joined);
-    }
-    regroup();
     return true;
   }
 
@@ -155,6 +101,7 @@ class Placing {
     options.association = options_.association;
     PlausibleEvidence limits = options_.limits;
     limits.max_coherent_rms = std::max(limits.max_coherent_rms, grouping_.confirmed_coherent_rms);
+    const PlausibleEvidence widest = widest_limits(options_.limits);
     constexpr std::size_t kAtOnce = 8;
     for (std::size_t begin = 0; begin < pairs.size(); begin += kAtOnce) {
       if (!go_on(fraction, "comparing views")) return false;
@@ -168,13 +115,13 @@ class Placing {
       for (std::size_t k = 0; k < count; ++k) {
         const auto [a, b] = pairs[begin + k];
         std::erase_if(found[k], [&](const PoseHypothesis& hypothesis) {
-          return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits);
+          return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], widest);
         });
         if (found[k].empty()) continue;
         const bool ambiguous = repeats_itself(a, views[a], scale, limits) ||
                                repeats_itself(b, views[b], scale, limits);
         for (const auto& hypothesis : found[k])
-          links_.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, false, ambiguous});
+          links_.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, ambiguous});
       }
     }
     return true;
@@ -203,11 +150,11 @@ class Placing {
   }
 
   const std::vector<ViewSurface>& surfaces_;
-  const std::vector<PosePrior>& priors_;
+  const ViewGroups& start_;
+  const std::vector<bool>& known_;
   const PlaceViewsOptions& options_;
   const Progress& progress_;
   ViewGroupOptions grouping_;
-  std::vector<std::optional<RigidMotion>> known_;
   std::vector<PoseLink> links_;
   std::vector<std::optional<bool>> repeats_;  // Whether views fit themselves, where it matters.
   ViewGroups groups_;
@@ -215,11 +162,11 @@ class Placing {
 
 }  // namespace
 
-Result<ViewGroups> place_views(const std::vector<ViewSurface>& surfaces,
-                               const std::vector<PosePrior>& priors,
-                               const PlaceViewsOptions& options, const Progress& progress) {
-  assert(priors.size() == surfaces.size());
-  return Placing(surfaces, priors, options, progress).run();
+Result<ViewGroups> place_views(const std::vector<ViewSurface>& surfaces, const ViewGroups& start,
+                               const std::vector<bool>& known, const PlaceViewsOptions& options,
+                               const Progress& progress) {
+  assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
+  return Placing(surfaces, start, known, options, progress).run();
 }
 
 }  // namespace relief

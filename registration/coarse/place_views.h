@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "registration/coarse/view_groups.h"
@@ -20,21 +19,16 @@ struct PlaceViewsOptions {
   double ambiguity = 0.5;
   /// Pairs of views that are searched, per view, at most; > 0. Small sets are searched in full.
   int pairs_per_view = 12;
-  bool search = true;  ///< Whether to look for poses that are not given, by shape.
-  int threads = 0;     ///< 0: one per core. Never changes the result.
+  int threads = 0;  ///< 0: one per core. Never changes the result.
 };
 
-/// What is known of a view's pose before.
-struct PosePrior {
-  std::optional<RigidMotion> world_from_view;
-  bool known = false;  ///< Exact, not a guess.
-};
-
-/// Groups of views that fit together, from given poses and, where these do not hold, from shape
-/// alone: pairs of similar views are searched for relative poses until all views are in one group
-/// or no more pairs are worth it. Views without samples stay alone. The only error is kInterrupted.
-Result<ViewGroups> place_views(const std::vector<ViewSurface>& surfaces,
-                               const std::vector<PosePrior>& priors,
+/// Joins groups of views that fit together by shape: pairs of similar views are searched for
+/// relative poses until all views are in one group or no more pairs are worth it. `start`: views
+/// whose poses are settled, in groups that stay together; the others alone. `known` views do not
+/// move; they are in one group of `start`. Views without samples stay alone. The only error is
+/// kInterrupted.
+Result<ViewGroups> place_views(const std::vector<ViewSurface>& surfaces, const ViewGroups& start,
+                               const std::vector<bool>& known,
                                const PlaceViewsOptions& options = {},
                                const Progress& progress = {});
 

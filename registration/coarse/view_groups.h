@@ -16,8 +16,6 @@ struct PoseLink {
   std::size_t a = 0, b = 0;
   RigidMotion b_from_a = RigidMotion::Identity();
   PoseEvidence evidence;
-  /// From the user's poses, which choose among places that shape alone does not tell apart.
-  bool given = false;
   /// A view of it fits itself at a second place, and so perhaps the other view at a second pose.
   bool ambiguous = false;
 };
@@ -48,22 +46,26 @@ struct AmbiguousPair {
 struct ViewGroups {
   /// For each view the smallest index in its group.
   std::vector<std::size_t> group;
-  /// Into the frame of its group: that of the known views, else of its first view.
+  /// Into the frame of its group: that of the known views, else of the largest group that it
+  /// started with, else of its first view.
   std::vector<RigidMotion> group_from_view;
   std::vector<PoseLink> joined;  ///< The links that were used, in order: a forest over the views.
   std::vector<AmbiguousPair> ambiguous;  ///< Between groups that stayed apart for it.
 
   bool all_in_one() const;
+  /// Each view alone, in its own frame.
+  static ViewGroups singles(std::size_t views);
 };
 
-/// Joins views by links into groups in which no view contradicts another. Doubtful links that no
-/// loop of three confirms are left out. The others are tried in the order of the support they have:
-/// given ones first, then firm ones, those that close loops, and by overlap, as a maximum spanning
-/// forest. A link joins two groups only if at the poses that follow no view of the one stands where
-/// a view of the other saw through, and only if no other link between the two groups explains the
-/// views nearly as well. `known` poses stay and share one frame from the start.
+/// Joins groups of views by links into larger ones in which no view contradicts another. Doubtful
+/// links that no loop of three confirms are left out. The others are tried in the order of the
+/// support they have: firm ones first, those that close loops, and by overlap, as a maximum
+/// spanning forest. A link joins two groups only if at the poses that follow no view of the one
+/// stands where a view of the other saw through, and only if no other link between the two groups
+/// explains the views nearly as well. The groups of `start` stay together; `known` views, in one of
+/// them, stay where they are.
 ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<PoseLink> links,
-                      const std::vector<std::optional<RigidMotion>>& known,
+                      const ViewGroups& start, const std::vector<bool>& known,
                       const ViewGroupOptions& options = {});
 
 }  // namespace relief

@@ -167,34 +167,49 @@ TEST(AlignViews, ReportsViewsThatOverlapNothing) {
   views.resize(3);
   views[2].world_from_view = Eigen::Translation3d(1e4, 0, 0) * views[2].world_from_view;
   AlignOptions options;
-  options.starting_poses.coarse = CoarseSearch::kNever;
+  options.starting_poses.given = GivenPoses::kTrust;
   const auto aligned = align_views(views, options);
   ASSERT_TRUE(aligned.ok());
-  EXPECT_FALSE(aligned->complete());
-  EXPECT_TRUE(aligned->views[0].aligned);
-  EXPECT_TRUE(aligned->views[1].aligned);
-  EXPECT_FALSE(aligned->views[2].aligned);
+  EXPECT_TRUE(aligned->complete());
+  EXPECT_EQ(aligned->views[0].status, PoseStatus::kVerified);
+  EXPECT_EQ(aligned->views[1].status, PoseStatus::kVerified);
+  EXPECT_EQ(aligned->views[2].status, PoseStatus::kUnverified);
   EXPECT_THAT(aligned->views[2].reason, HasSubstr("overlaps no other view"));
   EXPECT_TRUE(same_bytes(aligned->views[2].world_from_view, views[2].world_from_view));
 }
 
-TEST(AlignViews, AlignsNeitherOfTwoViewsThatDoNotOverlap) {
+TEST(AlignViews, KeepsGivenPosesThatNothingConfirmsAndSaysSo) {
   const auto aligned = align_views({true_ring()[0], true_ring()[4]});
   ASSERT_TRUE(aligned.ok());
   EXPECT_EQ(aligned->termination, RefinementTermination::kNoOverlap);
-  for (const auto& view : aligned->views) EXPECT_FALSE(view.aligned);
+  for (const auto& view : aligned->views) {
+    EXPECT_TRUE(view.aligned);
+    EXPECT_EQ(view.status, PoseStatus::kUnverified);
+    EXPECT_THAT(view.reason, HasSubstr("nothing confirms it"));
+  }
 }
 
-TEST(AlignViews, KeepsTwoGroupsApart) {
+TEST(AlignViews, AlignsNeitherOfTwoViewsWithoutPosesThatDoNotOverlap) {
+  std::vector<RangeView> views = {true_ring()[0], true_ring()[4]};
+  for (auto& view : views) view.pose = PoseKind::kAbsent;
+  const auto aligned = align_views(views);
+  ASSERT_TRUE(aligned.ok());
+  for (const auto& view : aligned->views) EXPECT_EQ(view.status, PoseStatus::kLeftOut);
+}
+
+TEST(AlignViews, NeverSplitsANetworkThatTheUserGave) {
   auto views = disturbed_ring();
   const RigidMotion apart(Eigen::Translation3d(0, 0, 1e4));
   for (const std::size_t i : {0u, 1u, 2u})
     views[i].world_from_view = apart * views[i].world_from_view;
   AlignOptions options;
-  options.starting_poses.coarse = CoarseSearch::kNever;
+  options.starting_poses.given = GivenPoses::kTrust;
   const auto aligned = align_views(views, options);
-  for (std::size_t i = 0; i < views.size(); ++i) EXPECT_EQ(aligned->views[i].aligned, i > 2);
-  EXPECT_THAT(aligned->views[1].reason, HasSubstr("aligned only to view0, view2"));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    EXPECT_TRUE(aligned->views[i].aligned);
+    EXPECT_EQ(aligned->views[i].status == PoseStatus::kVerified, i > 2);
+  }
+  EXPECT_THAT(aligned->views[1].reason, HasSubstr("confirmed only by view0, view2"));
   // Each group is aligned all the same.
   auto poses = aligned->world_from_view();
   const std::vector<RangeView> group(views.begin(), views.begin() + 3);
@@ -208,11 +223,11 @@ TEST(AlignViews, TakesOutAViewWhosePoseIsFarOff) {
   const RigidMotion off(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()));
   views[3].world_from_view = off * views[3].world_from_view;
   AlignOptions options;
-  options.starting_poses.coarse = CoarseSearch::kNever;
+  options.starting_poses.search = false;
   const auto aligned = align_views(views, options);
   ASSERT_TRUE(aligned.ok());
   for (std::size_t i = 0; i < views.size(); ++i) EXPECT_EQ(aligned->views[i].aligned, i != 3);
-  EXPECT_THAT(aligned->views[3].reason, HasSubstr("fits none"));
+  EXPECT_THAT(aligned->views[3].reason, HasSubstr("other views saw through"));
   // The others are none the worse for it.
   auto truth = poses_of(true_ring()), found = aligned->world_from_view();
   views.erase(views.begin() + 3);

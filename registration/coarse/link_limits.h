@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "registration/coarse/view_groups.h"
+#include "registration/view_surface.h"
+
+namespace relief {
+
+/// For each link how many views c confirm it by two others: a - c - b leads to the same pose.
+std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
+                             const std::vector<PoseLink>& links);
+
+/// What links must show, in terms of the errors that these views have.
+struct LinkLimits {
+  PlausibleEvidence lone;       ///< Links that no loop confirms.
+  PlausibleEvidence confirmed;  ///< Links that loops confirm, and pairs at poses of chains.
+};
+
+/// What is believed at all as long as nothing is known of the errors of these views: noise that is
+/// alike over many pixels, and calibration errors, do not tell from shape in a single pair.
+PlausibleEvidence widest_limits(const PlausibleEvidence& general);
+
+/// Fits the limits to the links of a project. Errors of a sensor are in all of its pairs: links
+/// that close loops with each other show how large they are, and the limits follow. A link that
+/// deviates much more than the better ones is wrong. `loops`: of count_loops().
+LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
+                           const std::vector<PoseLink>& links, const std::vector<int>& loops,
+                           const ViewGroupOptions& options);
+
+}  // namespace relief
