@@ -7,15 +7,21 @@
 
 #include "scan/median.h"
 #include "scan/parallel.h"
+#include "scan/range_noise.h"
 
 namespace relief {
 
 namespace {
 
-// The step from sample (u,v) to (u+du,v+dv) along the ray, in units of the lateral distance between
-// the two rays at the nearer sample; NaN unless both have a sample. 1 is a slope of 45 degrees.
-double relative_step(const RangeView& view, int u, int v, int du, int dv) {
-  if (!view.has_sample(u, v) || !view.has_sample(u + du, v + dv)) return kNoSample;
+// The step from one sample to the next along the ray.
+struct Step {
+  double relative = kNoSample;  // In units of `lateral`: 1 is a slope of 45 degrees.
+  double lateral = 0.0;         // Distance between the two rays at the nearer sample [unit].
+};
+
+// Without a relative step unless both (u,v) and (u+du,v+dv) have a sample.
+Step measure_step(const RangeView& view, int u, int v, int du, int dv) {
+  if (!view.has_sample(u, v) || !view.has_sample(u + du, v + dv)) return {};
   const Ray a = view.camera.ray(u, v), b = view.camera.ray(u + du, v + dv);
   const Eigen::Vector3d viewing = a.direction + b.direction;
   const Eigen::Vector3d edge = b.at(view.range(u + du, v + dv)) - a.at(view.range(u, v));
@@ -24,14 +30,15 @@ double relative_step(const RangeView& view, int u, int v, int du, int dv) {
   // Both components of what is not normalised have the length of `viewing` as factor.
   const double along = across.dot(viewing);
   const double lateral = std::sqrt(across.squaredNorm() * viewing.squaredNorm() - along * along);
-  return lateral > 0.0 ? edge.dot(viewing) / lateral : kNoSample;
+  if (!(lateral > 0.0)) return {};
+  return {edge.dot(viewing) / lateral, lateral / viewing.norm()};
 }
 
 Grid<float> relative_steps(const RangeView& view, int du, int dv, int threads) {
   Grid<float> steps(view.width(), view.height(), static_cast<float>(kNoSample));
   parallel_rows(std::max(0, view.height() - dv), threads, [&](int v) {
     for (int u = 0; u + du < view.width(); ++u)
-      steps(u, v) = static_cast<float>(relative_step(view, u, v, du, dv));
+      steps(u, v) = static_cast<float>(measure_step(view, u, v, du, dv).relative);
   });
   return steps;
 }
@@ -49,24 +56,118 @@ double step_noise(const Grid<float>& steps, int du, int dv) {
   return 1.4826 * median(differences) / std::numbers::sqrt3;
 }
 
-Grid<std::uint8_t> connect_direction(const RangeView& view, int du, int dv,
-                                     const DiscontinuityOptions& options, int threads) {
-  const Grid<float> steps = relative_steps(view, du, dv, threads);
-  const double limit = 1.0 / std::tan(options.grazing_angle_deg * std::numbers::pi / 180.0);
-  const double free_step =
-      std::min(limit, std::max(options.free_step, 4.0 * step_noise(steps, du, dv)));
-  // A neighbouring step explains this one when they differ by less than half of it.
-  const auto alike = [&](int u, int v, float step) {
-    return steps.contains(u, v) && std::abs(steps(u, v) - step) <= 0.5f * std::abs(step);
+// So many standard deviations of a step are noise.
+constexpr double kNoiseDeviations = 4.0;
+
+// What steps between neighbours the sensor's errors explain.
+class StepErrors {
+ public:
+  StepErrors(const RangeView& view, int threads)
+      : view_(view), noise_(estimate_range_noise(view, threads)) {
+    // Steps of the range that noise hides are a part of the noise.
+    rounded_ = typical_rounding() > noise_.sigma;
+  }
+
+  // Whether ranges are rounded by more than their noise.
+  bool rounded() const { return rounded_; }
+
+  // In units of the lateral distance, round (u,v).
+  struct At {
+    double noise = 0.0;     // So much may a step be off by noise,
+    double rounding = 0.0;  // and by rounding.
   };
+  At at(int u, int v, double lateral) const {
+    const double sigma = noise_.sigma_at(u, v);
+    At errors{kNoiseDeviations * std::numbers::sqrt2 * sigma / lateral, 0.0};
+    if (!rounded_) return errors;
+    const double metric = view_.camera.ray(u, v).direction.norm();
+    const double step = noise_.quantisation.step_at(view_.range(u, v), metric);
+    errors.rounding = step / lateral;
+    errors.noise *= std::sqrt(std::max(0.0, 1.0 - step * step / (12.0 * sigma * sigma)));
+    return errors;
+  }
+
+ private:
+  double typical_rounding() const {
+    constexpr int kStride = 8;
+    std::vector<double> roundings;
+    if (!noise_.quantisation.exists()) return 0.0;
+    for (int v = 0; v < view_.height(); v += kStride)
+      for (int u = 0; u < view_.width(); u += kStride)
+        if (view_.has_sample(u, v))
+          roundings.push_back(noise_.quantisation.step_at(view_.range(u, v),
+                                                          view_.camera.ray(u, v).direction.norm()));
+    return median(roundings);
+  }
+
+  const RangeView& view_;
+  RangeNoise noise_;
+  bool rounded_ = false;
+};
+
+// The steps between neighbours along one direction, judged one by one.
+class StepJudge {
+ public:
+  StepJudge(const RangeView& view, int du, int dv, const DiscontinuityOptions& options,
+            const StepErrors& errors, int threads)
+      : view_(view),
+        errors_(errors),
+        steps_(relative_steps(view, du, dv, threads)),
+        du_(du),
+        dv_(dv),
+        limit_(1.0 / std::tan(options.grazing_angle_deg * std::numbers::pi / 180.0)),
+        free_step_(options.free_step) {
+    // Differences of rounded steps are no noise.
+    if (!errors.rounded())
+      free_step_ = std::max(free_step_, kNoiseDeviations * step_noise(steps_, du, dv));
+    free_step_ = std::min(limit_, free_step_);
+  }
+
+  bool connects(int u, int v) const {
+    const float step = steps_(u, v);
+    const double size = std::abs(step);
+    if (!(size == size)) return false;
+    if (size <= free_step_) return true;
+    const StepErrors::At error = errors_.at(u, v, measure_step(view_, u, v, du_, dv_).lateral);
+    if (size <= std::max(free_step_, error.noise) + error.rounding) return true;
+    if (size > std::max(limit_, error.noise) + error.rounding) return false;
+    return alike(u - du_, v - dv_, step) || alike(u + du_, v + dv_, step) ||
+           (errors_.rounded() &&
+            (follows_trend(u, v, -1, step, error) || follows_trend(u, v, 1, step, error)));
+  }
+
+ private:
+  // A neighbouring step explains this one when they differ by less than half of it.
+  bool alike(int u, int v, float step) const {
+    return steps_.contains(u, v) && std::abs(steps_(u, v) - step) <= 0.5f * std::abs(step);
+  }
+
+  // Rounded slopes come as steps of changing size: their mean explains one that it differs from by
+  // no more than errors.
+  bool follows_trend(int u, int v, int side, double step, const StepErrors::At& error) const {
+    constexpr int kReach = 3;
+    double sum = 0.0;
+    for (int k = 1; k <= kReach; ++k) {
+      const int at_u = u + side * k * du_, at_v = v + side * k * dv_;
+      sum += steps_.contains(at_u, at_v) ? double{steps_(at_u, at_v)} : kNoSample;
+    }
+    return std::abs(step - sum / kReach) <= error.rounding + error.noise;
+  }
+
+  const RangeView& view_;
+  const StepErrors& errors_;
+  Grid<float> steps_;
+  int du_, dv_;
+  double limit_, free_step_;
+};
+
+Grid<std::uint8_t> connect_direction(const RangeView& view, int du, int dv,
+                                     const DiscontinuityOptions& options, const StepErrors& errors,
+                                     int threads) {
+  const StepJudge judge(view, du, dv, options, errors, threads);
   Grid<std::uint8_t> connected(view.width(), view.height(), 0);
   parallel_rows(view.height(), threads, [&](int v) {
-    for (int u = 0; u < view.width(); ++u) {
-      const float step = steps(u, v);
-      if (!(std::abs(step) <= limit)) continue;
-      connected(u, v) =
-          std::abs(step) <= free_step || alike(u - du, v - dv, step) || alike(u + du, v + dv, step);
-    }
+    for (int u = 0; u < view.width(); ++u) connected(u, v) = judge.connects(u, v);
   });
   return connected;
 }
@@ -74,8 +175,9 @@ Grid<std::uint8_t> connect_direction(const RangeView& view, int du, int dv,
 }  // namespace
 
 GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options, int threads) {
-  return {connect_direction(view, 1, 0, options, threads),
-          connect_direction(view, 0, 1, options, threads)};
+  const StepErrors errors(view, threads);
+  return {connect_direction(view, 1, 0, options, errors, threads),
+          connect_direction(view, 0, 1, options, errors, threads)};
 }
 
 Grid<std::uint8_t> boundary_distance(const RangeView& view, const GridEdges& edges) {

@@ -32,13 +32,14 @@ struct DiscontinuityOptions {
   /// An edge closer to the viewing ray than this is an occlusion edge, whatever its neighbours do.
   double grazing_angle_deg = 8.0;
   /// Steps along the ray up to this many lateral spacings are always taken as surface; larger ones
-  /// only if the steps beside them are alike. Raised to four times the step noise of the view.
+  /// only if the steps beside them are alike. Raised to four times the step noise of the view or,
+  /// where it is larger, of the region; and by the step to which the ranges are rounded.
   double free_step = 2.0;
 };
 
 /// Connects neighbouring samples except across occlusion edges: steps along the ray that are large
-/// against the lateral spacing and that no neighbouring slope explains. The same for any number of
-/// `threads`.
+/// against the lateral spacing and that neither a neighbouring slope nor the noise and the rounding
+/// of the ranges explain (estimate_range_noise). The same for any number of `threads`.
 GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options = {},
                           int threads = 1);
 

@@ -31,10 +31,13 @@ constexpr double kLogVariance = 3.0;
 // of the logarithm: less changes no weight that matters.
 constexpr double kLeastSpread = 0.1;
 
+// Squares that show less than this part of what lines do are blind.
+constexpr double kSeesNothing = 0.2;
+
 // A difference of samples that a smooth surface does not show, scaled to the standard deviation of
 // one of them. Of 3 x 3 samples, (1, -2, 1) along both directions: blind to all relief that does
 // not change along both. Of four samples in a line where too few squares are whole.
-enum class Stencil { kSquare, kLine };
+enum class Stencil { kSquare, kAlongRows, kAlongColumns };
 
 double square_difference(const RangeView& view, int u, int v) {
   constexpr std::array<double, 3> kSecond{1.0, -2.0, 1.0};
@@ -99,16 +102,18 @@ class TiledNoise {
     RangeNoise noise;
     noise.quantisation = quantisation_;
     collect(Stencil::kSquare);
+    noise.sigma = sigma_of_all();
     // Squares are three times as hard to have as lines where samples are missing at random.
-    if (8 * count() < places()) collect(Stencil::kLine);
+    const bool few = 8 * count() < places(), blind = !few && sees_nothing(noise.sigma);
+    if (few || blind) {
+      collect(louder_lines());
+      noise.sigma = sigma_of_all();
+    }
     noise.differences = count();
-    if (noise.differences < kFewest) return noise;
-    std::vector<float> all;
-    for (const Tile& tile : tiles_)
-      all.insert(all.end(), tile.differences.begin(), tile.differences.end());
-    noise.sigma = core_sigma(all);
+    if (noise.differences < kFewest) return {quantisation_, 0.0, {}, noise.differences};
     find_tile_sigmas();
-    if (shrink()) {
+    // Interpolated samples show in each tile another part of the noise.
+    if (!blind && shrink()) {
       spread();
       noise.map = pixel_map();
     }
@@ -133,6 +138,7 @@ class TiledNoise {
   }
 
   void collect(Stencil stencil) {
+    for (Tile& tile : tiles_) tile.differences.clear();
     for_places([&](Tile& tile, int u, int v) {
       const auto add = [&](double difference) {
         if (!(difference == difference)) return;
@@ -143,8 +149,9 @@ class TiledNoise {
         if (u + 2 < view_.width() && v + 2 < view_.height()) add(square_difference(view_, u, v));
         return;
       }
-      if (u + 3 < view_.width()) add(line_difference(view_, u, v, 1, 0));
-      if (v + 3 < view_.height()) add(line_difference(view_, u, v, 0, 1));
+      const int du = stencil == Stencil::kAlongRows ? 1 : 0, dv = 1 - du;
+      if (u + 3 * du < view_.width() && v + 3 * dv < view_.height())
+        add(line_difference(view_, u, v, du, dv));
     });
   }
 
@@ -158,6 +165,28 @@ class TiledNoise {
   std::size_t places() {
     const int stride = std::max(1, side_ / kAlongTile);
     return view_.sample_count() / static_cast<std::size_t>(stride * stride);
+  }
+
+  double sigma_of_all() const {
+    std::vector<float> all;
+    for (const Tile& tile : tiles_)
+      all.insert(all.end(), tile.differences.begin(), tile.differences.end());
+    return all.empty() ? 0.0 : core_sigma(all);
+  }
+
+  double sigma_of(Stencil stencil) const {
+    TiledNoise other(view_, quantisation_, threads_);
+    other.collect(stencil);
+    return other.sigma_of_all();
+  }
+
+  // Whether the squares show next to none of the noise: some sensors interpolate along one
+  // direction.
+  bool sees_nothing(double sigma) const { return sigma < kSeesNothing * sigma_of(louder_lines()); }
+  Stencil louder_lines() const {
+    return sigma_of(Stencil::kAlongRows) >= sigma_of(Stencil::kAlongColumns)
+               ? Stencil::kAlongRows
+               : Stencil::kAlongColumns;
   }
 
   void find_tile_sigmas() {

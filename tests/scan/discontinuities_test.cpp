@@ -1,5 +1,8 @@
 #include "scan/discontinuities.h"
 
+#include <cmath>
+#include <cstdint>
+
 #include <gtest/gtest.h>
 
 #include "tests/support/synthetic_views.h"
@@ -64,6 +67,86 @@ TEST(Discontinuities, MissingSamplesConnectToNothing) {
   EXPECT_FALSE(edges.connected(5, 6, 0, -1));
   EXPECT_TRUE(edges.connected(6, 5, 1, 0));
   EXPECT_FALSE(edges.connected(39, 5, 1, 0));
+}
+
+// Part of the samples of the middle of a view that are two pixels or more off a boundary.
+double inner_part(const RangeView& view) {
+  const Grid<std::uint8_t> distance = boundary_distance(view, connect_samples(view));
+  const int width = view.width(), height = view.height();
+  double inner = 0.0, count = 0.0;
+  for (int v = height / 8; v < height - height / 8; ++v) {
+    for (int u = width / 8; u < width - width / 8; ++u) {
+      inner += distance(u, v) >= 2 ? 1.0 : 0.0;
+      count += 1.0;
+    }
+  }
+  return inner / count;
+}
+
+const Camera kPinhole = Camera::pinhole(160, 160, {400.0, 400.0, 79.5, 79.5});
+
+RangeView tilted_plane(double noise) {
+  RangeView view = testing::render(testing::plane({0, 0, 400}, {0.6, 0.3, 1}), kPinhole);
+  testing::add_range_noise(view, noise, 5);
+  return view;
+}
+
+TEST(Discontinuities, RoundedRangesAreOneSurface) {
+  for (const double step : {0.5, 2.0, 4.0, 10.0}) {
+    for (const double noise : {0.01, 0.3}) {
+      RangeView view = tilted_plane(noise);
+      for (double& t : view.range) t = step * std::round(t / step);
+      EXPECT_GT(inner_part(view), 0.98) << step << " " << noise;
+    }
+  }
+}
+
+TEST(Discontinuities, RangesOfRoundedInverseAreOneSurface) {
+  for (const double at_400 : {2.0, 4.0, 10.0}) {
+    RangeView view = tilted_plane(0.3);
+    const double step = at_400 / (400.0 * 400.0);
+    for (double& t : view.range) t = 1.0 / (step * std::round(1.0 / (t * step)));
+    EXPECT_GT(inner_part(view), 0.98) << at_400;
+  }
+}
+
+TEST(Discontinuities, SteepSlopesOfRoundedRangesAreOneSurface) {
+  RangeView view = testing::render(testing::plane({0, 0, 400}, {3.0, 0.3, 1}), kPinhole);
+  testing::add_range_noise(view, 0.3, 5);
+  for (double& t : view.range) t = 2.5 * std::round(t / 2.5);
+  EXPECT_GT(inner_part(view), 0.9);
+}
+
+TEST(Discontinuities, RoundedRangesAreCutAtOcclusionEdges) {
+  for (const double step : {2.0, 4.0}) {
+    RangeView view = tilted_plane(0.1);
+    for (int v = 0; v < 160; ++v)
+      for (int u = 80; u < 160; ++u) view.range(u, v) += 4.0 * step;
+    for (double& t : view.range) t = step * std::round(t / step);
+    const GridEdges edges = connect_samples(view);
+    int cut = 0;
+    for (int v = 0; v < 160; ++v) cut += edges.connected(79, v, 1, 0) ? 0 : 1;
+    EXPECT_GE(cut, 155) << step;
+  }
+}
+
+TEST(Discontinuities, NoiseOfSeveralSpacingsIsOneSurface) {
+  for (const double noise : {1.0, 2.0, 4.0})
+    EXPECT_GT(inner_part(tilted_plane(noise)), 0.95) << noise;
+}
+
+TEST(Discontinuities, NoiseMayChangeOverTheView) {
+  RangeView view = tilted_plane(0.3);
+  const RangeView loud = tilted_plane(2.5);
+  for (int v = 0; v < 160; ++v)
+    for (int u = 0; u < 80; ++u) view.range(u, v) = loud.range(u, v);
+  EXPECT_GT(inner_part(view), 0.93);
+  for (int v = 0; v < 160; ++v)
+    for (int u = 120; u < 160; ++u) view.range(u, v) += 5.0;
+  const GridEdges edges = connect_samples(view);
+  int cut = 0;
+  for (int v = 0; v < 160; ++v) cut += edges.connected(119, v, 1, 0) ? 0 : 1;
+  EXPECT_GE(cut, 150);
 }
 
 TEST(BoundaryDistance, CountsPixelsToTheNearestBoundary) {

@@ -159,6 +159,18 @@ TEST(RangeNoise, WithstandsMissingAndFlyingSamples) {
   }
 }
 
+TEST(RangeNoise, IsSeenWhereTheSensorInterpolatesAlongOneDirection) {
+  RangeView view = tilted_plane();
+  testing::add_range_noise(view, 0.3, 5);
+  for (int v = 0; v + 4 < kSide; v += 4)
+    for (int u = 0; u < kSide; ++u)
+      for (int k = 1; k < 4; ++k)
+        view.range(u, v + k) = std::lerp(view.range(u, v), view.range(u, v + 4), 0.25 * k);
+  const double sigma = estimate_range_noise(view).sigma;
+  EXPECT_GT(sigma, 0.1);
+  EXPECT_LT(sigma, 0.35);
+}
+
 TEST(RangeNoise, IsUnknownWithoutNeighbours) {
   RangeView view = tilted_plane();
   for (int v = 0; v < kSide; ++v)
