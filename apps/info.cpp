@@ -1,6 +1,9 @@
+#include <algorithm>
+#include <cstdint>
 #include <iostream>
 #include <memory>
 #include <numbers>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -10,6 +13,7 @@
 #include "apps/report.h"
 #include "hybrid/noise.h"
 #include "scan/discontinuities.h"
+#include "scan/range_noise.h"
 
 namespace relief {
 
@@ -39,7 +43,25 @@ std::size_t normal_count(const RangeView& view) {
   return count;
 }
 
-Json view_info(const RangeView& view) {
+// Samples that neighbourhoods of 5 x 5 samples of one surface surround.
+std::size_t inner_count(const RangeView& view, const GridEdges& edges) {
+  const Grid<std::uint8_t> boundary = boundary_distance(view, edges);
+  return static_cast<std::size_t>(
+      std::count_if(boundary.begin(), boundary.end(), [](std::uint8_t d) { return d >= 2; }));
+}
+
+// What the ranges alone show, in figures and in words.
+void add_range_noise(const RangeView& view, const std::string& unit, Json& info) {
+  const RangeNoise noise = estimate_range_noise(view, 0);
+  info["range_noise"] = describe(noise, view, unit);
+  if (noise.known()) info["sigma_range"] = noise.sigma;
+  if (noise.quantisation.step > 0.0) info["range_step"] = noise.quantisation.step;
+  if (noise.quantisation.inverse_step > 0.0)
+    info["inverse_range_step"] = noise.quantisation.inverse_step;
+}
+
+Json view_info(const RangeView& view, const std::string& unit) {
+  const GridEdges edges = connect_samples(view);
   Json info = {{"name", view.name},
                {"width", view.width()},
                {"height", view.height()},
@@ -51,9 +73,11 @@ Json view_info(const RangeView& view) {
                {"colour", !view.colours.empty()},
                {"deviation", !view.deviation.empty()},
                {"pose", to_string(view.pose)},
-               {"spacing", sample_spacing(view)}};
+               {"spacing", sample_spacing(points_of(view), edges)},
+               {"inner_samples", inner_count(view, edges)}};
+  add_range_noise(view, unit, info);
   if (!view.has_normals()) return info;
-  const NoiseEstimate noise = estimate_noise(view, connect_samples(view));
+  const NoiseEstimate noise = estimate_noise(view, edges);
   if (noise.usable()) {
     info["sigma_position"] = noise.sigma_position;
     info["sigma_normal_deg"] = noise.sigma_normal * 180.0 / std::numbers::pi;
@@ -64,6 +88,13 @@ Json view_info(const RangeView& view) {
 
 std::string figure(const Json& view, const char* key, const char* format) {
   return view.contains(key) ? fmt::format(fmt::runtime(format), view[key].get<double>()) : "-";
+}
+
+void print_range_noise(const Json& report) {
+  fmt::print("ranges by themselves:\n");
+  for (const Json& view : report["views"])
+    fmt::print("  {:<16} {}\n", view["name"].get<std::string>(),
+               view["range_noise"].get<std::string>());
 }
 
 void print_table(const Json& report) {
@@ -82,13 +113,15 @@ void print_table(const Json& report) {
       "spacing: median distance of neighbouring samples [{0}]; noise: of the range [{0}] and of "
       "the normals, estimated\n",
       report["unit"].get<std::string>());
+  print_range_noise(report);
 }
 
 int info(const InfoCommand& command) {
   const auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
   Json report = {{"unit", project->unit}, {"views", Json::array()}};
-  for (const RangeView& view : project->views) report["views"].push_back(view_info(view));
+  for (const RangeView& view : project->views)
+    report["views"].push_back(view_info(view, project->unit));
 
   if (!command.common.json) print_table(report);
   if (command.common.json) std::cout << Json({{"info", report}}).dump(2) << "\n" << std::flush;
