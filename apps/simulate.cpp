@@ -11,6 +11,7 @@
 #include "apps/exit_status.h"
 #include "apps/output.h"
 #include "apps/report.h"
+#include "apps/simulation_defects.h"
 #include "apps/simulation_options.h"
 #include "apps/simulation_record.h"
 #include "scan/io/atomic_file.h"
@@ -27,6 +28,7 @@ struct SimulateCommand {
   CommonOptions common;
   SimulationOptions options;
   SensorChoice sensors;
+  DefectChoice defects;
   std::filesystem::path poses;  ///< Empty: a layout.
   std::filesystem::path mesh;   ///< Empty: the built-in object.
   std::string unit = "mm";
@@ -34,8 +36,10 @@ struct SimulateCommand {
 };
 
 // What the simulated sensors did, and where they truly stood.
-Json truth_record(const Simulation& simulation, const SimulationOptions& options) {
-  Json record = simulation_record(simulation, options);
+Json truth_record(const Simulation& simulation, const SimulateCommand& command) {
+  Json record = simulation_record(simulation, command.options);
+  const Json defects = defects_json(command.options.defects, command.defects.undeclared_normals);
+  if (!defects.is_null()) record["defects"] = defects;
   record["views"] = Json::array();
   for (const RangeView& view : simulation.truth.views)
     record["views"].push_back(
@@ -52,9 +56,11 @@ Result<void> write_simulation(const Simulation& simulation, const SimulateComman
   if (auto done = write_project(simulation.truth, folder / "truth", console_progress("write"));
       !done)
     return done;
-  const Json record = truth_record(simulation, command.options);
+  const Json record = truth_record(simulation, command);
   if (auto done = write_file(folder / "truth.json", record.dump(1) + "\n"); !done) return done;
-  return write_project(simulation.scans, folder, console_progress("write"));
+  WriteProjectOptions writing;
+  writing.declare_normals = !command.defects.undeclared_normals;
+  return write_project(simulation.scans, folder, console_progress("write"), writing);
 }
 
 Result<SimulationObject> object_to_scan(const SimulateCommand& command) {
@@ -76,6 +82,13 @@ Result<SimulationOptions> chosen_options(const SimulateCommand& command) {
   options.threads = command.common.threads;
   options.seed = command.common.seed;
   if (auto applied = command.sensors.apply(options); !applied) return applied.error();
+  auto defects = command.defects.chosen();
+  if (!defects) return defects.error();
+  options.defects = *defects;
+  if (command.defects.undeclared_normals && options.rays != SensorRays::kPinhole)
+    return Error{ErrorKind::kBadInput,
+                 "--undeclared-normals has no meaning here; it needs --rays pinhole, whose normals "
+                 "are maps of their own"};
   if (command.poses.empty()) return options;
   auto poses = read_poses(command.poses);
   if (!poses) return poses.error();
@@ -121,6 +134,7 @@ void add_simulate(CLI::App& app, Action& action) {
                   "File with the poses of the views, in place of --views, --layout and --distance")
       ->check(CLI::ExistingFile);
   add_sensor_options(*sub, command->sensors);
+  add_defect_options(*sub, command->defects);
   add_common_options(*sub, command->common);
   sub->callback([command, &action] { action = [command] { return simulate_scans(*command); }; });
 }

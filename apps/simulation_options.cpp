@@ -19,7 +19,9 @@ const std::map<std::string, RangeSensor> kRangeSensors = {
     {"exact", WhiteRangeSensor{0.0}},
     {"white", WhiteRangeSensor{}},
     {"structured-light", structured_light_scanner()},
-    {"laser-line", laser_line_scanner()}};
+    {"laser-line", laser_line_scanner()},
+    {"rgbd", rgbd_camera()},
+    {"tof", TimeOfFlightCamera{}}};
 const std::map<std::string, NormalSensor> kNormalSensors = {
     {"exact", WhiteNormalSensor{0.0, 0.0}},
     {"white", WhiteNormalSensor{}},
@@ -35,7 +37,7 @@ std::vector<std::string> names_of(const std::map<std::string, Sensor>& sensors) 
 
 // A sensor that looks at the surface's colour comes with a surface that has some.
 bool looks_at_reflectance(const SimulationOptions& options) {
-  return std::holds_alternative<TriangulationScanner>(options.range_sensor) ||
+  return !std::holds_alternative<WhiteRangeSensor>(options.range_sensor) ||
          std::holds_alternative<PhotometricStereo>(options.normal_sensor);
 }
 
@@ -91,6 +93,15 @@ Field<Value> of_normal(Value Sensor::*member) {
   };
 }
 
+// Of a parameter that two range sensors have.
+template <typename First, typename Second>
+Field<double> of_ranges(double First::*first, double Second::*second) {
+  return [first = of_range(first), second = of_range(second)](SimulationOptions& options) {
+    double* field = first(options);
+    return field ? field : second(options);
+  };
+}
+
 // Of a parameter that both normal sensors have.
 Field<double> of_either(double WhiteNormalSensor::*white, double PhotometricStereo::*shading) {
   return [white = of_normal(white), shading = of_normal(shading)](SimulationOptions& options) {
@@ -105,30 +116,49 @@ Field<double> of_surface(double Reflectance::*member) {
   };
 }
 
-void add_range_parameters(CLI::App& command, SensorChoice& choice) {
-  ParameterAdder parameters(command, choice, "Range sensor");
-  parameters.add<double>("--range-noise",
-                         "White noise: standard deviation along the ray [sample spacings]",
-                         of_range(&WhiteRangeSensor::noise), "--range-sensor white or exact");
+void add_triangulation_parameters(ParameterAdder& parameters) {
   const auto add = [&](const char* name, const char* help, double TriangulationScanner::*member) {
     parameters.add<double>(name, help, of_range(member),
-                           "--range-sensor structured-light or laser-line");
+                           "--range-sensor structured-light, laser-line or rgbd");
   };
   using T = TriangulationScanner;
   add("--baseline", "From the camera to the projector or laser [working distances]", &T::baseline);
   add("--disparity-noise", "Standard deviation of the disparity [pixels]", &T::disparity_noise);
-  add("--noise-growth", "Exponent p: with less signal the noise grows as signal^-p",
-      &T::noise_growth);
   add("--noise-correlation", "Distance at which its correlation is 1/e [pixels]",
       &T::noise_correlation);
   add("--disparity-step", "Step of the disparity [pixels]; 0: none", &T::disparity_step);
-  add("--least-signal", "Samples with less signal are lost [that of white, frontal]",
-      &T::least_signal);
   add("--saturation", "Samples with more light are lost [that of white, frontal]", &T::saturation);
   add("--signal-noise", "Noise of signal and light, standard deviation", &T::signal_noise);
-  add("--flying", "Part of the samples beside occlusion edges that lie between the two sides",
-      &T::flying_fraction);
   add("--warp", "Smooth error of the calibration, RMS over the image [sample spacings]", &T::warp);
+}
+
+void add_range_parameters(CLI::App& command, SensorChoice& choice) {
+  ParameterAdder parameters(command, choice, "Range sensor");
+  using W = WhiteRangeSensor;
+  using T = TriangulationScanner;
+  using F = TimeOfFlightCamera;
+  parameters.add<double>("--range-noise",
+                         "White noise: standard deviation along the ray [sample spacings]",
+                         of_ranges(&W::noise, &F::noise), "--range-sensor white, exact or tof");
+  add_triangulation_parameters(parameters);
+  const char* const lit = "--range-sensor structured-light, laser-line, rgbd or tof";
+  parameters.add<double>("--noise-growth",
+                         "Exponent p: with less signal the noise grows as signal^-p",
+                         of_ranges(&T::noise_growth, &F::noise_growth), lit);
+  parameters.add<double>("--least-signal",
+                         "Samples with less signal are lost [that of white, frontal]",
+                         of_ranges(&T::least_signal, &F::least_amplitude), lit);
+  parameters.add<double>(
+      "--flying", "Part of the samples beside occlusion edges that lie between the two sides",
+      of_ranges(&T::flying_fraction, &F::flying_fraction), lit);
+  const char* const flight = "--range-sensor tof";
+  parameters.add<double>("--multipath",
+                         "Smooth error by light on longer ways, RMS over a view [sample spacings]",
+                         of_range(&F::multipath), flight);
+  parameters.add<double>("--multipath-wavelength", "Its shortest wave length [diameters]",
+                         of_range(&F::multipath_wavelength), flight);
+  parameters.add<double>("--range-step", "Step of the range [sample spacings]; 0: none",
+                         of_range(&F::range_step), flight);
 }
 
 void add_normal_parameters(CLI::App& command, SensorChoice& choice) {
@@ -162,7 +192,8 @@ void add_surface_parameters(CLI::App& command, SensorChoice& choice) {
   const auto add = [&](const char* name, const char* help, double Reflectance::*member) {
     parameters.add<double>(
         name, help, of_surface(member),
-        "--range-sensor structured-light or laser-line or --normal-sensor photometric-stereo");
+        "--range-sensor structured-light, laser-line, rgbd or tof or --normal-sensor "
+        "photometric-stereo");
   };
   using R = Reflectance;
   add("--dark-fraction", "Part of the surface in dark patches", &R::dark_fraction);
@@ -230,7 +261,7 @@ void add_simulation_options(CLI::App& command, SimulationOptions& options) {
 void add_sensor_options(CLI::App& command, SensorChoice& choice) {
   command
       .add_option("--range-sensor", choice.range,
-                  "Range sensor: exact, white, structured-light or laser-line")
+                  "Range sensor: exact, white, structured-light, laser-line, rgbd or tof")
       ->check(CLI::IsMember(names_of(kRangeSensors)))
       ->capture_default_str()
       ->group("Range sensor");

@@ -36,6 +36,17 @@ Json to_json(const TriangulationScanner& sensor) {
           {"warp", sensor.warp}};
 }
 
+Json to_json(const TimeOfFlightCamera& sensor) {
+  return {{"model", "time of flight"},
+          {"noise", sensor.noise},
+          {"noise_growth", sensor.noise_growth},
+          {"least_amplitude", sensor.least_amplitude},
+          {"flying_fraction", sensor.flying_fraction},
+          {"multipath", sensor.multipath},
+          {"multipath_wavelength", sensor.multipath_wavelength},
+          {"range_step", sensor.range_step}};
+}
+
 Json to_json(const WhiteNormalSensor& sensor) {
   return {{"model", "white"},
           {"noise_deg", sensor.noise_deg},

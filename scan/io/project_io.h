@@ -25,6 +25,8 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
 struct WriteProjectOptions {
   /// Every view becomes a range-grid PLY: points that other programs read, not images.
   bool grids = false;
+  /// Whether the normal maps say which axes and space their components have.
+  bool declare_normals = true;
 };
 
 /// Writes `project` as FOLDER/scan.json with one float TIFF of range and, where the view has them,

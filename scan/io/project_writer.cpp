@@ -141,7 +141,7 @@ Result<void> write_colours(const RangeView& view, const fs::path& folder, const 
 }
 
 Result<void> write_depth_view(const RangeView& view, const fs::path& folder,
-                              const std::string& stem, json& entry) {
+                              const std::string& stem, bool declare_normals, json& entry) {
   const bool orthographic = view.camera.model() == Camera::Model::kOrthographic;
   const double back = orthographic ? step_back(view) : 0.0;
   entry["depth"] = {{"file", stem + "_depth.tiff"}, {"scale", 1.0}, {"kind", "z"}};
@@ -151,10 +151,11 @@ Result<void> write_depth_view(const RangeView& view, const fs::path& folder,
   if (auto depth = write_tiff(depth_image(view, back), folder / (stem + "_depth.tiff")); !depth)
     return depth;
   if (view.has_normals()) {
-    entry["normals"] = {{"file", stem + "_normal.tiff"},
-                        {"encoding", "unit"},
-                        {"axes", "opencv"},
-                        {"space", "camera"}};
+    entry["normals"] = {{"file", stem + "_normal.tiff"}, {"encoding", "unit"}};
+    if (declare_normals) {
+      entry["normals"]["axes"] = "opencv";
+      entry["normals"]["space"] = "camera";
+    }
     if (auto n = write_tiff(normal_image(view), folder / (stem + "_normal.tiff")); !n) return n;
   }
   if (auto colours = write_colours(view, folder, stem, entry); !colours) return colours;
@@ -306,7 +307,7 @@ Result<void> write_project(const ScanProject& project, const fs::path& folder,
     const std::string stem = file_stem(view.name, stems);
     const bool grid = options.grids || needs_grid_file(view);
     auto written = grid ? write_grid_view(view, folder, stem, entry)
-                        : write_depth_view(view, folder, stem, entry);
+                        : write_depth_view(view, folder, stem, options.declare_normals, entry);
     if (written) written = write_deviation(view, folder, stem, entry);
     if (!written) return written;
     set_pose(entry, view.world_from_view, view.pose);

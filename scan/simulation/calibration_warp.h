@@ -20,4 +20,7 @@ class CalibrationWarp {
   std::array<double, (kDegree + 1) * (kDegree + 1)> coefficients_{};
 };
 
+/// The image coordinate of pixel `index` of a row or column of `count`: from -1 to 1.
+inline double image_coordinate(int index, int count) { return 2.0 * (index + 0.5) / count - 1.0; }
+
 }  // namespace relief

@@ -26,4 +26,10 @@ void for_each_normal(const RangeView& view, int threads, const Body& body) {
   });
 }
 
+/// Takes the sample of a pixel away, and its normal.
+inline void lose_sample(RangeView& view, int u, int v) {
+  view.range(u, v) = kNoSample;
+  if (view.has_normals()) view.normals(u, v).setConstant(static_cast<float>(kNoSample));
+}
+
 }  // namespace relief

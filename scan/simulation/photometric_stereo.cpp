@@ -44,12 +44,12 @@ class Readings {
     const Eigen::Vector3d to_camera = -ray.direction.normalized();
     const RigidMotion& world_from_view = scene_.truth.world_from_view;
     const Eigen::Vector3d point = world_from_view * ray.at(scene_.truth.range(u, v));
-    const SurfacePaint paint = scene_.paint.at(point);
+    const SurfacePaint paint = scene_.paint_at(u, v, point);
     const std::size_t first = scene_.truth.range.index(u, v) * lights_.size();
     PerLight brightness(lights_.size());
     for (std::size_t k = 0; k < lights_.size(); ++k) {
       const bool lit = normal.dot(lights_[k]) > 0.0 &&
-                       in_sight(scene_.object, light_place(point, lights_[k]), point);
+                       in_sight(scene_.object, light_place(u, v, point, lights_[k]), point);
       const double light = lit ? scene_.paint.reflected(paint, normal, lights_[k], to_camera)
                                : camera_.interreflection * paint.albedo;
       brightness[static_cast<Eigen::Index>(k)] = light + deviation_ * random_.normal(first + k);
@@ -59,8 +59,12 @@ class Readings {
 
  private:
   // A place towards a light that is outside the object.
-  Eigen::Vector3d light_place(const Eigen::Vector3d& point, const Eigen::Vector3d& light) const {
-    return point + 1.01 * scene_.diameter * (scene_.truth.world_from_view.linear() * light);
+  Eigen::Vector3d light_place(int u, int v, const Eigen::Vector3d& point,
+                              const Eigen::Vector3d& light) const {
+    double distance = 1.01 * scene_.diameter;
+    if (scene_.sees_background(u, v))
+      distance = (point - scene_.object.centre).norm() + 1.01 * scene_.object.radius;
+    return point + distance * (scene_.truth.world_from_view.linear() * light);
   }
 
   const PhotometricStereo& camera_;

@@ -38,11 +38,13 @@ Eigen::Vector3f facing_sensor(Eigen::Vector3d normal, const Eigen::Vector3d& ray
 }
 
 // Equation (S2).
-void add_range_noise(RangeView& view, double sigma, const RandomStream& stream, int threads) {
+void add_range_noise(RangeView& view, double sigma, const RandomStream& stream, int threads,
+                     double right_half) {
   const CounterRandom random(stream.seed, stream.stream);
   for_each_sample(view, threads, [&](int u, int v) {
+    const double size = 2 * u >= view.width() ? right_half * sigma : sigma;
     view.range(u, v) +=
-        sigma * random.normal(view.range.index(u, v)) / view.camera.ray(u, v).direction.norm();
+        size * random.normal(view.range.index(u, v)) / view.camera.ray(u, v).direction.norm();
   });
 }
 

@@ -9,8 +9,10 @@ namespace relief {
 /// is put back to just facing it. `ray_direction` is that of the pixel, `normal` not zero.
 Eigen::Vector3f facing_sensor(Eigen::Vector3d normal, const Eigen::Vector3d& ray_direction);
 
-/// Adds white Gaussian noise to the range: `sigma` [unit] is its standard deviation along the ray.
-void add_range_noise(RangeView& view, double sigma, const RandomStream& random, int threads = 0);
+/// Adds white Gaussian noise to the range: `sigma` [unit] is its standard deviation along the ray
+/// in the left half of the image, `right_half` times that in the right half.
+void add_range_noise(RangeView& view, double sigma, const RandomStream& random, int threads = 0,
+                     double right_half = 1.0);
 
 /// Turns each normal by independent Gaussian angles of standard deviation `sigma_rad` about two
 /// perpendicular axes of its tangent plane, so the angle between the old and the new normal has the

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "scan/grid.h"
 #include "scan/range_view.h"
 #include "scan/simulation/random_stream.h"
 #include "scan/simulation/reflectance.h"
@@ -20,6 +21,12 @@ enum SensorErrorKind : std::uint64_t {
   kPhotometricBias,
   kDarkPatches,
   kGlossyPatches,
+  kViewWarp,
+  kOutliers,
+  kMissingSamples,
+  kFlightNoise,
+  kMultipath,
+  kGlareNoise,
 };
 
 /// Random numbers for one kind of error that are the same in all views: what is wrong with the
@@ -39,6 +46,22 @@ struct SensorScene {
   double diameter = 0.0;   ///< Of the object's sphere [unit].
   std::uint64_t seed = 1;
   int threads = 0;
+  double noise_half = 1.0;  ///< Factor of the range noise in the right half of the image, > 0.
+  /// Which pixels see a plate behind the object; null: none does.
+  const Grid<unsigned char>* background = nullptr;
+
+  /// Factor of the range noise in column u.
+  double noise_factor(int u) const { return 2 * u >= truth.width() ? noise_half : 1.0; }
+  bool sees_background(int u, int v) const { return background && (*background)(u, v); }
+  /// The optical properties of what pixel (u, v) sees; a plate behind the object is white.
+  SurfacePaint paint_at(int u, int v, const Eigen::Vector3d& point_in_world) const {
+    return sees_background(u, v) ? SurfacePaint{} : paint.at(point_in_world);
+  }
+  /// The same sensor before what another exact view shows.
+  SensorScene seeing(const RangeView& other) const {
+    return {object,   paint, other,   view,       distance,  spacing,
+            diameter, seed,  threads, noise_half, background};
+  }
 
   RandomStream of_view(SensorErrorKind kind) const {
     return {seed, (static_cast<std::uint64_t>(kind) << 32) + static_cast<std::uint64_t>(view)};

@@ -30,11 +30,27 @@ Result<void> validate(const NoNormalSensor&) { return {}; }
 void measure(RangeView& view, const WhiteRangeSensor& sensor, const SensorScene& scene) {
   if (sensor.noise > 0.0)
     add_range_noise(view, sensor.noise * scene.spacing, stream_of(scene, kRangeNoise),
-                    scene.threads);
+                    scene.threads, scene.noise_half);
 }
 
 void measure(RangeView& view, const TriangulationScanner& sensor, const SensorScene& scene) {
   scan_by_triangulation(view, sensor, scene);
+}
+
+void measure(RangeView& view, const TimeOfFlightCamera& sensor, const SensorScene& scene) {
+  scan_by_time_of_flight(view, sensor, scene);
+}
+
+double deviation(const WhiteRangeSensor& sensor, double, double spacing) {
+  return sensor.noise * spacing;
+}
+
+double deviation(const TriangulationScanner& sensor, double distance, double spacing) {
+  return depth_deviation(sensor, distance, distance, spacing);
+}
+
+double deviation(const TimeOfFlightCamera& sensor, double, double spacing) {
+  return sensor.noise * spacing;
 }
 
 // The bias belongs to the surface, the noise to the single sample: bias first.
@@ -64,8 +80,7 @@ Result<void> validate(const NormalSensor& sensor) {
 }
 
 double range_deviation(const RangeSensor& sensor, double distance, double spacing) {
-  if (const auto* white = std::get_if<WhiteRangeSensor>(&sensor)) return white->noise * spacing;
-  return depth_deviation(std::get<TriangulationScanner>(sensor), distance, distance, spacing);
+  return std::visit([&](const auto& s) { return deviation(s, distance, spacing); }, sensor);
 }
 
 void measure_normals(RangeView& view, const NormalSensor& sensor, const SensorScene& scene) {

@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "scan/simulation/photometric_stereo.h"
+#include "scan/simulation/time_of_flight.h"
 #include "scan/simulation/triangulation_scanner.h"
 
 namespace relief {
@@ -22,7 +23,7 @@ struct WhiteNormalSensor {
 /// The scans carry no normals.
 struct NoNormalSensor {};
 
-using RangeSensor = std::variant<WhiteRangeSensor, TriangulationScanner>;
+using RangeSensor = std::variant<WhiteRangeSensor, TriangulationScanner, TimeOfFlightCamera>;
 using NormalSensor = std::variant<WhiteNormalSensor, PhotometricStereo, NoNormalSensor>;
 
 /// kBadInput names a field out of its range.

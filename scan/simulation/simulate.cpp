@@ -21,6 +21,7 @@ Result<void> validate(const SimulationOptions& o) {
   if (auto checked = validate(o.range_sensor); !checked) return checked;
   if (auto checked = validate(o.normal_sensor); !checked) return checked;
   if (auto checked = validate(o.reflectance); !checked) return checked;
+  if (auto checked = validate(o.defects); !checked) return checked;
   return first_failure(
       {require(o.views >= 1 && o.views <= 9999, "views", o.views, "in [1, 9999]"),
        require(o.width >= 2, "width", o.width, "at least 2"),
@@ -32,6 +33,10 @@ Result<void> validate(const SimulationOptions& o) {
                o.max_incidence_deg, "in (0, 90]"),
        require_not_negative("pose_rotation_deg", o.pose_rotation_deg),
        require_not_negative("pose_translation", o.pose_translation),
+       require(o.rays == SensorRays::kPinhole || o.defects.focal_factor == 1.0, "focal_factor",
+               o.defects.focal_factor, "1 but for pinhole rays"),
+       require(o.rays == SensorRays::kPinhole || o.defects.scale_factor == 1.0, "scale_factor",
+               o.defects.scale_factor, "1 but for pinhole rays"),
        require(o.mesh_divisions >= 0, "mesh_divisions", o.mesh_divisions, "0 or more")});
 }
 
@@ -75,12 +80,26 @@ double framing_focal(const SimulationOptions& options, double relative_distance)
   return options.fill * 0.5 * std::min(options.width, options.height) / std::tan(half_angle);
 }
 
-RangeView scanned(const RangeView& exact, const SimulationOptions& options,
-                  const SensorScene& scene) {
-  RangeView view = exact;
+// What the sensors make of `scene.truth`.
+RangeView measured(const SensorScene& scene, const SimulationOptions& options) {
+  RangeView view = scene.truth;
   measure_normals(view, options.normal_sensor, scene);
   measure_range(view, options.range_sensor, scene);
+  spoil_view(view, options.defects, scene);
+  miscalibrate(view, options.defects);
+  mistake_normals(view, options.defects.normal_mistake, scene.truth.world_from_view);
   return view;
+}
+
+RangeView scanned(SensorScene scene, const SimulationOptions& options) {
+  scene.noise_half = options.defects.noise_half;
+  if (!options.defects.background) return measured(scene, options);
+  RangeView before_plate = scene.truth;
+  const Grid<unsigned char> background =
+      add_background(before_plate, scene.object, *options.defects.background, scene.distance,
+                     scene.diameter, options.max_incidence_deg, scene.threads);
+  scene.background = &background;
+  return measured(scene.seeing(before_plate), options);
 }
 
 void set_pose(RangeView& view, int index, const Eigen::Vector3d& centre, double diameter,
@@ -167,9 +186,9 @@ Result<Simulation> simulate(const SimulationObject& object, const SimulationOpti
     RangeView exact = exact_view(object, camera, pose.world_from_view, options.max_incidence_deg,
                                  options.threads);
     exact.name = pose.name;
-    RangeView scan = scanned(exact, options,
-                             {object, paint, exact, index, simulation.distance, simulation.spacing,
-                              simulation.diameter, options.seed, options.threads});
+    RangeView scan = scanned({object, paint, exact, index, simulation.distance, simulation.spacing,
+                              simulation.diameter, options.seed, options.threads},
+                             options);
     if (scan.sample_count() == 0)
       return Error{ErrorKind::kUnsolvable, "simulated view " + exact.name + " sees nothing"};
     set_pose(scan, index, object.centre, simulation.diameter, options);

@@ -8,6 +8,7 @@
 #include "scan/result.h"
 #include "scan/scan_project.h"
 #include "scan/simulation/reflectance.h"
+#include "scan/simulation/scan_defects.h"
 #include "scan/simulation/sensor_rays.h"
 #include "scan/simulation/sensors.h"
 #include "scan/simulation/simulation_object.h"
@@ -35,6 +36,7 @@ struct SimulationOptions {
   RangeSensor range_sensor = WhiteRangeSensor{};
   NormalSensor normal_sensor = WhiteNormalSensor{};
   Reflectance reflectance;  ///< Of the object; the white sensors do not look at it.
+  ScanDefects defects;      ///< On top of the sensors' errors; none by default.
 
   /// What the scans tell of their poses. kGuess: the first one exact and known, the others off by
   /// the two amounts below; kKnown: all exact; kAbsent: none given.
@@ -51,7 +53,8 @@ struct SimulationOptions {
 };
 
 /// Scans with their truth: the same views and names in both projects. Each sample of a scan is a
-/// sample of the truth; the truth has more where a sensor lost the surface.
+/// sample of the truth, but for those of a background plate, which is no part of the truth; the
+/// truth has more where a sensor lost the surface.
 struct Simulation {
   ScanProject scans;      ///< As the sensors give them, with pose errors.
   ScanProject truth;      ///< Exact range, normals and poses; all poses kKnown.

@@ -5,9 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "scan/counter_random.h"
-#include "scan/discontinuities.h"
 #include "scan/simulation/calibration_warp.h"
+#include "scan/simulation/edge_mixer.h"
 #include "scan/simulation/for_each_sample.h"
 #include "scan/simulation/option_check.h"
 #include "scan/simulation/pixel_noise.h"
@@ -15,11 +14,6 @@
 namespace relief {
 
 namespace {
-
-void lose(RangeView& view, int u, int v) {
-  view.range(u, v) = kNoSample;
-  if (view.has_normals()) view.normals(u, v).setConstant(static_cast<float>(kNoSample));
-}
 
 // f b of equation (S5) [pixels x unit].
 double disparity_scale(const TriangulationScanner& scanner, const SensorScene& scene) {
@@ -48,7 +42,7 @@ class Illumination {
     const double lit = normal.dot(to_projector);
     if (lit <= 0.0) return std::nullopt;
     const Eigen::Vector3d world_point = scene_.truth.world_from_view * point;
-    const SurfacePaint paint = scene_.paint.at(world_point);
+    const SurfacePaint paint = scene_.paint_at(u, v, world_point);
     const double noise = scanner_.signal_noise * noise_(u, v);
     const double signal = paint.albedo * lit * normal.dot(to_camera) + noise;
     if (signal < scanner_.least_signal || signal <= 0.0) return std::nullopt;
@@ -65,41 +59,15 @@ class Illumination {
   Grid<double> noise_;
 };
 
-// Depths of the exact view, mixed across occlusion edges at random: equation (S8).
-class EdgeMixer {
- public:
-  EdgeMixer(const TriangulationScanner& scanner, const SensorScene& scene)
-      : fraction_(scanner.flying_fraction),
-        truth_(scene.truth),
-        edges_(connect_samples(scene.truth)),
-        random_(scene.of_view(kFlyingSamples).seed, scene.of_view(kFlyingSamples).stream) {}
-
-  double depth(int u, int v) const {
-    const double z = truth_.range(u, v);
-    const std::size_t pixel = truth_.range.index(u, v);
-    for (const auto& [du, dv] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
-      if (!truth_.has_sample(u + du, v + dv) || edges_.connected(u, v, du, dv)) continue;
-      if (random_.uniform(2 * pixel) >= fraction_) return z;
-      // A pixel lies mostly on its own side.
-      const double share = 0.5 * random_.uniform(2 * pixel + 1);
-      return 1.0 / ((1.0 - share) / z + share / truth_.range(u + du, v + dv));
-    }
-    return z;
-  }
-
- private:
-  double fraction_;
-  const RangeView& truth_;
-  GridEdges edges_;
-  CounterRandom random_;
-};
+// The depth that a pixel sees, mixed across an occlusion edge: equation (S8).
+double mixed_depth(double own, const EdgeMixer::Mixture& mixture) {
+  if (mixture.share == 0.0) return own;
+  return 1.0 / ((1.0 - mixture.share) / own + mixture.share / mixture.other);
+}
 
 double rounded_to(double value, double step) {
   return step > 0.0 ? step * std::round(value / step) : value;
 }
-
-// From -1 at the first to 1 at the last of `count` pixels.
-double image_coordinate(int index, int count) { return 2.0 * (index + 0.5) / count - 1.0; }
 
 }  // namespace
 
@@ -112,6 +80,18 @@ TriangulationScanner laser_line_scanner() {
   scanner.noise_correlation = 3.0;
   scanner.disparity_step = 1.0 / 16.0;
   scanner.flying_fraction = 0.6;
+  return scanner;
+}
+
+TriangulationScanner rgbd_camera() {
+  TriangulationScanner scanner;
+  scanner.baseline = 0.075;
+  scanner.disparity_noise = 0.06;
+  scanner.noise_growth = 1.0;
+  scanner.noise_correlation = 3.0;
+  scanner.disparity_step = 1.0 / 8.0;
+  scanner.flying_fraction = 0.5;
+  scanner.warp = 1.0;
   return scanner;
 }
 
@@ -134,19 +114,21 @@ Result<void> validate(const TriangulationScanner& s) {
 void scan_by_triangulation(RangeView& view, const TriangulationScanner& scanner,
                            const SensorScene& scene) {
   const Illumination illumination(scanner, scene);
-  const EdgeMixer edges(scanner, scene);
+  const EdgeMixer edges(scanner.flying_fraction, scene);
   const Grid<double> noise = pixel_noise(view.width(), view.height(), scanner.noise_correlation,
                                          scene.of_view(kDisparityNoise), scene.threads);
   const CalibrationWarp warp(scene.of_sensor(kCalibrationWarp));
   const double scale = disparity_scale(scanner, scene);
   for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
     const auto signal = illumination.signal(u, v);
-    if (!signal) return lose(view, u, v);
+    if (!signal) return lose_sample(view, u, v);
     // Equations (S5) and (S6).
-    const double deviation = scanner.disparity_noise * std::pow(*signal, -scanner.noise_growth);
-    const double measured =
-        rounded_to(scale / edges.depth(u, v) + deviation * noise(u, v), scanner.disparity_step);
-    if (!(measured > 0.0)) return lose(view, u, v);
+    const double deviation =
+        scanner.disparity_noise * std::pow(*signal, -scanner.noise_growth) * scene.noise_factor(u);
+    const double measured = rounded_to(
+        scale / mixed_depth(scene.truth.range(u, v), edges.at(u, v)) + deviation * noise(u, v),
+        scanner.disparity_step);
+    if (!(measured > 0.0)) return lose_sample(view, u, v);
     view.range(u, v) = scale / measured + scanner.warp * scene.spacing *
                                               warp.at(image_coordinate(u, view.width()),
                                                       image_coordinate(v, view.height()));

@@ -44,6 +44,11 @@ TriangulationScanner structured_light_scanner();
 /// flying samples; a wider baseline and a coarser peak detector.
 TriangulationScanner laser_line_scanner();
 
+/// A pattern of infrared dots and a camera close beside it, as in the first depth cameras:
+/// disparity in eighths of a pixel by matching windows, hence steps and noise that grow with the
+/// square of the depth and are alike over a window; 75 mm of baseline at 1 m.
+TriangulationScanner rgbd_camera();
+
 /// kBadInput names a field out of its range.
 Result<void> validate(const TriangulationScanner& scanner);
 
