@@ -6,6 +6,7 @@ import pathlib
 from dataclasses import dataclass, field
 
 from suite.measure import run
+from suite.real_sets import icl_nuim
 from suite.system import PYTHON, ROOT_PEERS
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -38,6 +39,17 @@ class Case:
     """Real scans: degrees that poses are turned by, and the share of the object's size that they are moved by."""
     slow_peers: bool = False
     """Whether peers that take minutes are run on it."""
+    starts: tuple = ("given",)
+    """Stage `real`: the poses it is started from: `given`, `off` (by the pair `off`: degrees, and a length in its unit), `none`."""
+    off: tuple = ()
+    seeds: int = 1
+    """How many random starts of each kind."""
+    single: bool = False
+    """Whether it is a single view: nothing to align."""
+    make: object = None
+    """Writes the project of a set that is none: takes the source and a folder, returns its file."""
+    simulation: tuple = ()
+    """Simulated: the options it was simulated with, set by `prepare`."""
     folder: pathlib.Path = None
     project: pathlib.Path = None
     spacing: float = 0.0
@@ -58,9 +70,11 @@ class Case:
             self.project = scans / "scan.json"
             self.truth_views, self.truth_poses = scans / "truth/scan.json", scans / "truth.json"
             self.truth_mesh = mesh or scans / "truth/model.ply"
-            self.options = ()
+            self.simulation, self.options = self.options, ()
         else:
             self.project = test_data() / self.source
+            if self.make:
+                self.project = self.make(self.project, self.folder / "project")
             for name in ("truth_poses", "truth_mesh"):
                 if getattr(self, name):
                     setattr(self, name, test_data() / getattr(self, name))
@@ -106,13 +120,43 @@ def poses_of(path):
 
 SIXTEEN = ("--views", "16", "--seed", "5")
 SIMULATED = ("refine", "align", "merge", "chain")
+FIVE = {"seeds": 5, "starts": ("given", "off", "none"), "off": (4, 0.002), "unit": "m"}
+""""Off" of the raw Cyberware sets: 4 degrees and 2 mm."""
+
+
+def real_sets():
+    """Stage `real`: every real set that has views."""
+    real = ("real",)
+    return [
+        Case("bunny-real", "Stanford bunny, 10 raw Cyberware scans, published poses", real, "bunny/bun.conf", slow_peers=True, **FIVE),
+        Case("dragon-real", "Stanford dragon, 15 raw Cyberware scans, published poses", real, "dragon/dragonStandRight.conf", **FIVE),
+        Case("bear-real", "bear, 20 views, normals from photographs, range simulated on a reconstructed mesh, poses off by 2°", real,
+             "bear/scan.json", truth_poses="bear/truth.json"),
+        Case("kinect-real", "a room, 5 views of a depth camera (PCL's registration tutorial), no poses", real, "kinect", unit="m",
+             starts=("none",)),
+        Case("rgbd-real", "a room, 5 rendered depth images (ICL-NUIM) with a trajectory", real, "rgbd", unit="m", make=icl_nuim),
+        Case("panel-real", "panel of Nehab et al. 2005, one view with measured normals", real, "panel/panel-small-conf.ply",
+             options=("--fc", "panel/panel-small.fc"), single=True),
+    ]
+
+
+def hard_objects(quick):
+    """Stage `hard`: what the defects are simulated on."""
+    hard = ("hard",)
+    if quick:
+        return [Case("owl-hard", "built-in object, 8 views of 192x192", hard, simulated=True,
+                     options=("--views", "8", "--width", "192", "--height", "192", "--mesh-divisions", "128", "--seed", "5"))]
+    return [Case("owl-hard", "built-in object, 16 views of 512x512", hard, simulated=True, options=SIXTEEN),
+            Case("lion-hard", "lion statue, 16 views of 512x512", hard, "meshes/lionstatue.obj", simulated=True, options=SIXTEEN),
+            Case("falcon-hard", "falcon statue, 16 views of 512x512", hard, "meshes/falconstatue.obj", simulated=True,
+                 options=SIXTEEN)]
 
 
 def all_cases(quick):
     if quick:
         size = ("--width", "192", "--height", "192", "--mesh-divisions", "128")
         return [Case("owl", "built-in object, 12 views of 192x192", SIMULATED, simulated=True, slow_peers=True,
-                     options=size)]
+                     options=size), *hard_objects(quick)]
     return [
         Case("owl", "built-in object, 12 views of 512x512, white noise of positions, normals of 1.5° noise and 4° smooth bias",
              SIMULATED, simulated=True, slow_peers=True),
@@ -141,4 +185,5 @@ def all_cases(quick):
              simulated=True, options=SIXTEEN),
         Case("panel", "panel of Nehab et al. 2005, one view of 512x384 with measured normals", ("fit",),
              "panel/panel-small-conf.ply", options=("--fc", "panel/panel-small.fc")),
+        *real_sets(), *hard_objects(quick),
     ]

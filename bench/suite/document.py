@@ -20,6 +20,14 @@ CAPTIONS = {
              "*accuracy*: from result to truth; *completeness*: from truth to result; *within 0.5*: part of the true area that has "
              "the result within half a spacing; *normals*: mean angle, over the true area.",
     "chain": "From scans as measured, at their starting poses, to the model.",
+    "real": "{machine}; {programs}. Real sets through `relief run` with its defaults. *given*, *off* (4°, 2 mm), *none* (and shuffled): the "
+            "poses that a method starts from. *own*: median distance of samples from the planes of their partners in all overlapping pairs at "
+            "these poses, by `bench/peers/pair_residuals.py`; *common*: the same of all samples that have a partner at the published "
+            "poses (without such, at relief's), whether they still have one or not. Lengths in sample spacings.",
+    "hard": "{machine}; {programs}. 16 views with one defect of real scans each (8 in the quick case) through `relief run` with its defaults. *depth*: RMS of "
+            "the refined views, *before*: of the scans; *model*: RMS of what was measured, and *back* from all of the truth; *x clean*: "
+            "against the same views without the defect; *bound*: what the defect leaves to be known, likewise: the same program on "
+            "as much white noise, with fewer samples, or what rigid motions and averages leave of a systematic error (`bench/suite/hard.py`).",
     "sixteen": "Sixteen views, range noise of 0.3 spacings, normals of 1.5 deg noise and 4 deg smooth bias: aligned, refined, aligned again, "
                "merged and polished with the defaults, at the poses found and at the true ones. *measured*: from the measured vertices' "
                "part of the model to the truth, RMS and mean angle of normals; *completeness* and *normals back*: from all of the truth.",
@@ -71,14 +79,18 @@ def sections(results):
         rows = [line for line in results["rows"] if line["stage"] == stage]
         content[stage] = "Not measured yet."
         if rows:
-            content[stage] = f"{CAPTIONS[stage]}\n\n{render(rows)}\n\nCommands (*{rows[0]['case']}*):\n\n{command_lines(rows)}"
+            caption = CAPTIONS[stage].replace("{machine}", results["machine"]).replace("{programs}", results["programs"])
+            content[stage] = f"{caption}\n\n{render(rows)}\n\nCommands (*{rows[0]['case']}*):\n\n{command_lines(rows)}"
     return content
 
 
-def update(path, results):
+def update(path, results, with_machine=True):
+    """Replaces the sections of all stages that were measured. `with_machine`: also the list of machine and cases."""
     text = path.read_text(encoding="utf-8")
+    measured = {line["stage"] for line in results["rows"]} | ({"machine"} if with_machine else set())
     for name, content in sections(results).items():
-        text = section(text, name, content)
+        if name in measured:
+            text = section(text, name, content)
     path.write_text(text, encoding="utf-8")
 
 

@@ -122,5 +122,52 @@ def sixteen_table(rows):
     return markdown(header, lines)
 
 
+def count(line):
+    return f"{line['aligned']} of {line['views']}" if "aligned" in line else ""
+
+
+def model_cells(line):
+    if "closed" not in line:
+        return ["", "", ""]
+    filled = percent(line["filled"]) if line.get("filled") is not None else ""
+    return ["closed" if line["closed"] else "open", str(line["components"]), filled]
+
+
+def real_table(rows):
+    header = ["case", "method, start", "views aligned", "pairs", "own", "p90", "common", "model", "components", "filled", "time"]
+    lines, case = [], None
+    for line in rows:
+        start = [line["case"] if line["case"] != case else "", line["method"]]
+        case = line["case"]
+        if line.get("missing") or "failed" in line:
+            body = ["not installed" if line.get("missing") else failure(line["failed"])] + [""] * (len(header) - 3)
+        else:
+            own, common = line.get("own", {}), line.get("common", {})
+            shown = lambda value: "" if value is None else number(value)
+            body = [count(line), str(line.get("pairs", "")), shown(own.get("median")), shown(own.get("p90")), shown(common.get("median")),
+                    *model_cells(line), f"{number(line['cost']['wall'])} s" if "cost" in line else ""]
+        lines.append(start + body)
+    return markdown(header, lines)
+
+
+def hard_table(rows):
+    header = ["case", "defect", "views aligned", "before", "depth", "x clean", "bound", "model", "x clean", "bound", "back", "normals",
+              "surface", "time"]
+    lines, case = [], None
+    for line in rows:
+        start = [line["case"] if line["case"] != case else "", line["method"]]
+        case = line["case"]
+        if "failed" in line:
+            lines.append(start + [failure(line["failed"])] + [""] * (len(header) - 3))
+            continue
+        shown = lambda value: "" if value is None else number(value)
+        times = lambda key, of: f"{number(line[of][key])}" if key in line[of] else ""
+        lines.append(start + [
+            count(line), shown(line.get("before")), shown(line.get("depth")), times("depth", "ratio"), times("depth", "bound"),
+            shown(line.get("model")), times("model", "ratio"), times("model", "bound"), shown(line.get("back")),
+            f"{number(line['model_normals'])}°" if "model_normals" in line else "", model_cells(line)[0], f"{number(line['cost']['wall'])} s"])
+    return markdown(header, lines)
+
+
 TABLES = {"refine": refine_table, "fit": fit_table, "align": align_table, "merge": merge_table, "chain": chain_table,
-          "sixteen": sixteen_table}
+          "sixteen": sixteen_table, "real": real_table, "hard": hard_table}
