@@ -184,6 +184,11 @@ class PlyParser {
 
   Result<void> reserve(std::size_t e) {
     PlyElement& element = file_.elements[e];
+    if (element.properties.empty() && element.count > 0)
+      return bad_input(path_, "the header promises " + std::to_string(element.count) +
+                                  " of element " + element.name +
+                                  " without any property, so the file holds nothing of them; its "
+                                  "header is wrong");
     const std::size_t least = least_bytes(e);
     if (least > 0 && element.count > (rest_.size() + 1) / least)
       return bad_input(path_, "the header promises " + std::to_string(element.count) +
@@ -202,7 +207,6 @@ class PlyParser {
 
   Result<void> parse_ascii(std::size_t e) {
     PlyElement& element = file_.elements[e];
-    if (element.properties.empty()) return {};
     for (std::size_t i = 0; i < element.count; ++i) {
       std::string_view line = take_line();
       for (std::string_view probe = line; next_word(probe).empty();) {  // skips blank lines
@@ -254,7 +258,7 @@ class PlyParser {
 
   Result<void> parse_binary(std::size_t e) {
     PlyElement& element = file_.elements[e];
-    for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
+    for (std::size_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         PlyProperty& property = element.properties[p];
         std::size_t length = 1;

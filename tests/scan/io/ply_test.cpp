@@ -5,6 +5,7 @@
 
 #include "scan/io/grid_file.h"
 #include "scan/io/ply_file.h"
+#include "tests/support/limited_memory.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
@@ -12,6 +13,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::LimitedMemory;
 using testing::TemporaryFolder;
 
 std::string error_of(std::string_view content) {
@@ -129,6 +131,20 @@ TEST(PlyGrid, PlacesVerticesAndLeavesGaps) {
   EXPECT_FALSE(read->points(1, 0).allFinite());
   EXPECT_EQ(read->points(2, 0), Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(read->confidence(2, 0), 0.5f);
+}
+
+TEST(PlyGrid, RefusesPlacesThatTakeNoRoomInTheFile) {
+  const TemporaryFolder folder;
+  const auto path =
+      folder.write("a.ply",
+                   "ply\nformat ascii 1.0\nobj_info num_cols 65536\nobj_info num_rows 65536\n"
+                   "element vertex 1\nproperty char x\nproperty char y\nproperty char z\n"
+                   "element range_grid 4294967296\nend_header\n1 2 3\n");
+  const LimitedMemory limit(std::size_t{1} << 30);
+  const auto read = read_grid_file(path);
+  ASSERT_FALSE(read.ok());
+  EXPECT_THAT(read.error().message, HasSubstr("a.ply"));
+  EXPECT_THAT(read.error().message, HasSubstr("element range_grid without any property"));
 }
 
 TEST(PlyGrid, PointsThatAreNotFiniteAreNoSamples) {
