@@ -9,13 +9,12 @@
 
 #include "scan/io/grid_file.h"
 #include "scan/io/io_error.h"
+#include "scan/io/pcd_header.h"
 #include "scan/range_view.h"
 
 namespace relief {
 
 namespace {
-
-constexpr std::size_t kMaxSide = 1u << 16;
 
 // PCL reports on the console, by a setting of the whole process: one reader at a time, in silence.
 class SilentPcl {
@@ -36,34 +35,18 @@ class SilentPcl {
   pcl::console::VERBOSITY_LEVEL level_;
 };
 
-struct Header {
+// Whether PCL, which trusts what it reads, reads the header alike.
+bool reads_alike(const std::filesystem::path& path, const PcdHeader& header) {
   pcl::PCLPointCloud2 cloud;
-  Eigen::Vector4f origin = Eigen::Vector4f::Zero();
-  Eigen::Quaternionf orientation = Eigen::Quaternionf::Identity();
-  int version = 0;
-  int data_type = 0;  // 0 ASCII, 1 binary, 2 compressed
+  Eigen::Vector4f origin;
+  Eigen::Quaternionf orientation;
+  int version = 0, data_type = 0;
   unsigned int data_start = 0;
-};
-
-// The bytes that the header promises, against those that are there: PCL itself trusts the header.
-Result<void> check_header(const Header& header, const std::filesystem::path& path) {
-  const std::size_t width = header.cloud.width, height = header.cloud.height;
-  if (height <= 1)
-    return bad_input(path, "this PCD is not organized (HEIGHT 1); a scan needs the sensor's grid");
-  if (width == 0 || width > kMaxSide || height > kMaxSide)
-    return bad_input(path, "bad size in the PCD header");
-  std::error_code code;
-  const std::size_t bytes = std::filesystem::file_size(path, code);
-  if (code || header.data_start > bytes) return bad_input(path, "truncated PCD");
-  const std::size_t left = bytes - header.data_start, points = width * height;
-  const std::size_t promised = points * header.cloud.point_step;
-  const std::size_t least = header.data_type == 0   ? points * 2 * header.cloud.fields.size() - 1
-                            : header.data_type == 1 ? promised
-                                                    : 8 + promised / 300;  // LZF shrinks less
-  if (left < least)
-    return bad_input(path, "truncated PCD: " + std::to_string(points) + " points promised, " +
-                               std::to_string(left) + " bytes left for them");
-  return {};
+  return pcl::PCDReader().readHeader(path.string(), cloud, origin, orientation, version, data_type,
+                                     data_start) >= 0 &&
+         cloud.width == header.width && cloud.height == header.height &&
+         cloud.fields.size() == header.fields && cloud.point_step == header.point_bytes &&
+         data_type == static_cast<int>(header.data) && data_start == header.data_start;
 }
 
 const pcl::PCLPointField* find_field(const pcl::PCLPointCloud2& cloud, const std::string& name) {
@@ -149,16 +132,16 @@ Result<GridFile> grid_from_cloud(const pcl::PCLPointCloud2& cloud,
 Result<GridFile> read_pcd_grid(const std::filesystem::path& path) {
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code)) return bad_input(path, "no such file");
+  const auto header = read_pcd_header(path);
+  if (!header) return header.error();
   const SilentPcl silence;
   try {
-    pcl::PCDReader reader;
-    Header header;
-    if (reader.readHeader(path.string(), header.cloud, header.origin, header.orientation,
-                          header.version, header.data_type, header.data_start) < 0)
-      return bad_input(path, "damaged PCD header");
-    if (auto checked = check_header(header, path); !checked) return checked.error();
+    if (!reads_alike(path, *header)) return bad_input(path, "damaged PCD header");
     pcl::PCLPointCloud2 cloud;
-    if (reader.read(path.string(), cloud, header.origin, header.orientation, header.version) < 0)
+    Eigen::Vector4f origin;
+    Eigen::Quaternionf orientation;
+    int version = 0;
+    if (pcl::PCDReader().read(path.string(), cloud, origin, orientation, version) < 0)
       return bad_input(path, "damaged or truncated PCD");
     return grid_from_cloud(cloud, path);
   } catch (const std::exception& exception) {

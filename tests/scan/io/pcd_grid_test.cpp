@@ -1,15 +1,18 @@
+#include <cstring>
 #include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "scan/io/grid_file.h"
+#include "tests/support/limited_memory.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::LimitedMemory;
 using testing::TemporaryFolder;
 
 std::string header(const std::string& size, const std::string& data) {
@@ -78,6 +81,48 @@ TEST(PcdGrid, RefusesWhatIsNoGrid) {
   EXPECT_THAT(error(header(kSize, "binary") + binary_points().substr(1)), HasSubstr("truncated"));
   EXPECT_THAT(error(""), HasSubstr("a.pcd"));
   EXPECT_FALSE(read_grid_file(folder / "missing.pcd").ok());
+}
+
+std::string large_header(const std::string& data) {
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\n"
+         "WIDTH 65536\nHEIGHT 65536\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4294967296\nDATA " +
+         data + "\n";
+}
+
+TEST(PcdGrid, AHeaderAloneTakesNoMemory) {
+  const TemporaryFolder folder;
+  const LimitedMemory limit(std::size_t{1} << 30);
+  for (const char* data : {"ascii", "binary", "binary_compressed"}) {
+    const auto read = read_grid_file(folder.write("a.pcd", large_header(data) + "0 0 1\n"));
+    ASSERT_FALSE(read.ok()) << data;
+    EXPECT_THAT(read.error().message, HasSubstr("a.pcd: truncated PCD: 4294967296 points")) << data;
+  }
+}
+
+TEST(PcdGrid, HoldsCompressedSizesAgainstTheFile) {
+  const TemporaryFolder folder;
+  const auto error = [&](std::uint32_t compressed, std::uint32_t whole) {
+    std::string bytes(8, '\0');
+    std::memcpy(bytes.data(), &compressed, 4);
+    std::memcpy(bytes.data() + 4, &whole, 4);
+    const auto read = read_grid_file(
+        folder.write("a.pcd", header(kSize, "binary_compressed") + bytes + std::string(40, 'x')));
+    return read.ok() ? std::string("no error") : read.error().message;
+  };
+  const LimitedMemory limit(std::size_t{1} << 30);
+  EXPECT_THAT(error(41, 144), HasSubstr("41 compressed bytes promised, 40 left"));
+  EXPECT_THAT(error(40, 4000000000u), HasSubstr("4000000000 bytes for 6 points of 24"));
+}
+
+TEST(PcdGrid, NamesTheLineOfABadHeader) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& size) {
+    const auto read = read_grid_file(folder.write("a.pcd", header(size, "ascii") + kPoints));
+    return read.ok() ? std::string("no error") : read.error().message;
+  };
+  EXPECT_THAT(error("WIDTH 3\nHEIGHT two\n"), HasSubstr("line 8 of the PCD header: 'two'"));
+  EXPECT_THAT(error("WIDTH 3\nWIDTH 3\nHEIGHT 2\n"), HasSubstr("a second line WIDTH"));
+  EXPECT_THAT(error("WIDTH 3\nHEIGHT 3\n"), HasSubstr("bad size"));
 }
 
 TEST(PcdGrid, DamagedFilesNeverCrash) {
