@@ -6,9 +6,8 @@
 #include <optional>
 #include <thread>
 
-#include <unistd.h>
-
 #include "scan/parallel.h"
+#include "scan/system_memory.h"
 
 namespace relief {
 
@@ -18,16 +17,11 @@ namespace {
 // grids, see docs/hybrid.md.
 std::size_t bytes_per_pixel(Solver solver) { return solver == Solver::kMultigrid ? 400 : 3000; }
 
-std::size_t half_of_physical_memory() {
-  return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
-         static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE)) / 2;
-}
-
 }  // namespace
 
 int views_at_once(const std::vector<RangeView>& views, const RefineOptions& options,
                   std::size_t memory) {
-  const std::size_t budget = memory > 0 ? memory : half_of_physical_memory();
+  const std::size_t budget = memory > 0 ? memory : usable_memory() / 2;
   std::vector<std::size_t> needs;
   for (const RangeView& view : views)
     needs.push_back(view.range.size() * bytes_per_pixel(options.solver));

@@ -9,7 +9,7 @@ namespace relief {
 
 /// How many of `views` are refined at once: as many as there are threads, as long as the memory
 /// that refining the largest ones takes beyond that of the views themselves stays within `memory`
-/// [bytes]; 0: half of what the machine has. At least one. With fewer views than threads each view
+/// [bytes]; 0: half of usable_memory(). At least one. With fewer views than threads each view
 /// gets several threads.
 int views_at_once(const std::vector<RangeView>& views, const RefineOptions& options,
                   std::size_t memory = 0);
