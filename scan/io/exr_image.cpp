@@ -8,6 +8,7 @@
 #include <ImfIO.h>
 #include <ImfInputFile.h>
 
+#include "scan/io/exr_header.h"
 #include "scan/io/image_io.h"
 #include "scan/io/io_error.h"
 
@@ -53,8 +54,7 @@ std::vector<std::string> choose_channels(const exr::ChannelList& channels) {
 }
 
 // Reads into the data window, which becomes the image: the display window is for viewers.
-Result<Image> read_exr(exr::IStream& stream, std::size_t file_bytes,
-                       const std::filesystem::path& path) {
+Result<Image> read_exr(exr::IStream& stream, const std::filesystem::path& path) {
   exr::InputFile file(stream);
   const auto window = file.header().dataWindow();
   const std::vector<std::string> names = choose_channels(file.header().channels());
@@ -62,11 +62,6 @@ Result<Image> read_exr(exr::IStream& stream, std::size_t file_bytes,
     return bad_input(path, "no channel to read: a depth is in Z, Y or R, a normal in R, G and B");
   const auto width = static_cast<std::int64_t>(window.max.x) - window.min.x + 1;
   const auto height = static_cast<std::int64_t>(window.max.y) - window.min.y + 1;
-  if (auto size = check_image_size(static_cast<std::size_t>(std::max<std::int64_t>(width, 0)),
-                                   static_cast<std::size_t>(std::max<std::int64_t>(height, 0)),
-                                   2 * names.size(), file_bytes, path);
-      !size)
-    return size.error();
   Image image(static_cast<int>(width), static_cast<int>(height), static_cast<int>(names.size()));
   exr::FrameBuffer frame;
   for (std::size_t c = 0; c < names.size(); ++c) {
@@ -86,9 +81,10 @@ Result<Image> read_exr(exr::IStream& stream, std::size_t file_bytes,
 }  // namespace
 
 Result<Image> decode_exr(std::string_view content, const std::filesystem::path& path) {
+  if (auto checked = check_exr_headers(content, path); !checked) return checked.error();
   try {
     MemoryStream stream(content, path.string());
-    return read_exr(stream, content.size(), path);
+    return read_exr(stream, path);
   } catch (const std::exception& exception) {
     return bad_input(path, std::string("damaged or unsupported OpenEXR: ") + exception.what());
   }

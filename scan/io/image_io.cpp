@@ -9,16 +9,12 @@
 #include <cstring>
 
 #include "scan/io/atomic_file.h"
+#include "scan/io/image_limits.h"
 #include "scan/io/io_error.h"
 
 namespace relief {
 
 namespace {
-
-constexpr std::size_t kMaxSide = 1u << 16;
-constexpr std::size_t kMaxPixels = 1u << 28;
-// No codec of the formats read here shrinks more than LZW at its longest codes.
-constexpr std::size_t kMaxCompression = 4096;
 
 // The next token of a PFM header; the one byte of white space after it is consumed too.
 std::string_view next_token(std::string_view& rest) {
@@ -45,18 +41,6 @@ float load_float(const char* bytes, bool little_endian) {
 
 }  // namespace
 
-Result<void> check_image_size(std::size_t width, std::size_t height, std::size_t bytes_per_pixel,
-                              std::size_t file_bytes, const std::filesystem::path& path) {
-  const std::string size = std::to_string(width) + "x" + std::to_string(height);
-  if (width == 0 || height == 0) return bad_input(path, "the image is empty (" + size + ")");
-  if (width > kMaxSide || height > kMaxSide || width * height > kMaxPixels)
-    return bad_input(path, "the header says " + size + " pixels, more than can be read");
-  if (width * height * bytes_per_pixel / kMaxCompression > file_bytes)
-    return bad_input(path, "the header says " + size + " pixels, far more than a file of " +
-                               std::to_string(file_bytes) + " bytes can hold; it is truncated");
-  return {};
-}
-
 Result<Image> decode_pfm(std::string_view content, const std::filesystem::path& path) {
   std::string_view rest = content;
   const std::string_view magic = next_token(rest);
@@ -67,8 +51,9 @@ Result<Image> decode_pfm(std::string_view content, const std::filesystem::path& 
       !parse_all(next_token(rest), scale) || !std::isfinite(scale) || scale == 0.0)
     return bad_input(path, "bad PFM header; expected width, height and a scale that is not 0");
   const std::size_t channels = magic == "PF" ? 3 : 1;
-  if (auto size = check_image_size(width, height, channels * 4, content.size(), path); !size)
-    return size.error();
+  const ImageHeader header{width, height, channels * 32, channels};
+  if (auto checked = check_image_header(header, content.size(), path); !checked)
+    return checked.error();
   const std::size_t row_values = width * channels;
   if (rest.size() < row_values * height * 4)
     return bad_input(path, "truncated: " + std::to_string(row_values * height * 4) +

@@ -38,7 +38,8 @@ struct Image {
 
 /// Reads an image by its ending: .png (8 or 16 bit), .tif/.tiff (8 or 16 bit integer; 16, 32 or 64
 /// bit float), .exr (half or float), .pfm. Alpha channels are dropped, palettes resolved. Truncated
-/// and corrupt files are errors (kBadInput).
+/// and corrupt files are errors (kBadInput). Nothing is allocated that check_image_header() (see
+/// image_limits.h) does not allow.
 Result<Image> read_image(const std::filesystem::path& path);
 
 /// The bytes of a 32-bit float TIFF, deflated, of a real image.
@@ -52,10 +53,5 @@ Result<Image> decode_png(std::string_view content, const std::filesystem::path& 
 Result<Image> decode_tiff(std::string_view content, const std::filesystem::path& path);
 Result<Image> decode_exr(std::string_view content, const std::filesystem::path& path);
 Result<Image> decode_pfm(std::string_view content, const std::filesystem::path& path);
-
-/// An error unless an image of this size can be in a file of `file_bytes`: a corrupt header must
-/// not make the reader allocate without bounds.
-Result<void> check_image_size(std::size_t width, std::size_t height, std::size_t bytes_per_pixel,
-                              std::size_t file_bytes, const std::filesystem::path& path);
 
 }  // namespace relief

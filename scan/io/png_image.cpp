@@ -7,6 +7,7 @@
 #include <png.h>
 
 #include "scan/io/image_io.h"
+#include "scan/io/image_limits.h"
 #include "scan/io/io_error.h"
 
 namespace relief {
@@ -47,9 +48,10 @@ void on_write(png_structp png, png_bytep data, png_size_t length) {
 void on_flush(png_structp) {}
 
 // Samples become 8 or 16 bits (in the machine's byte order), grey or RGB.
-bool read_header(png_structp png, png_infop info) {
+bool read_header(png_structp png, png_infop info, std::size_t& pixel_bits) {
   if (setjmp(png_jmpbuf(png))) return false;
   png_read_info(png, info);
+  pixel_bits = std::size_t{png_get_bit_depth(png, info)} * png_get_channels(png, info);
   const int colour = png_get_color_type(png, info);
   if (colour == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png);
   if (colour == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png, info) < 8)
@@ -104,16 +106,17 @@ class PngReader {
 
   Result<Image> read(std::size_t file_bytes, const std::filesystem::path& path) {
     if (!info_) return bad_input(path, "out of memory");
-    if (!read_header(png_, info_)) return damaged(path);
+    if (!read_header(png_, info_, pixel_bits_)) return damaged(path);
     const std::size_t width = png_get_image_width(png_, info_);
     const std::size_t height = png_get_image_height(png_, info_);
     const int channels = png_get_channels(png_, info_);
     const bool wide = png_get_bit_depth(png_, info_) == 16;
     const std::size_t row_bytes = png_get_rowbytes(png_, info_);
-    if (auto size = check_image_size(width, height, row_bytes / std::max<std::size_t>(width, 1),
-                                     file_bytes, path);
-        !size)
-      return size.error();
+    if (auto checked = check_image_header(
+            {width, height, pixel_bits_, static_cast<std::size_t>(channels), kDeflate}, file_bytes,
+            path);
+        !checked)
+      return checked.error();
     std::vector<png_byte> bytes(row_bytes * height);
     if (!read_rows(png_, row_pointers(bytes, height).data())) return damaged(path);
 
@@ -132,6 +135,7 @@ class PngReader {
   }
 
   PngState state_;
+  std::size_t pixel_bits_ = 0;  // In the file.
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 
 #include "scan/progress.h"
@@ -13,11 +14,15 @@ struct ReadProjectOptions {
   /// best-fitting model is found from the points and named in the notes.
   std::filesystem::path fc_file;
   int threads = 0;  ///< Views are read in parallel; 0: one thread per core.
+  /// What all views may take [bytes]: a small file can hold a large image, and many views can name
+  /// it. 0: the memory that is free.
+  std::size_t memory = 0;
 };
 
 /// Reads what stands for a scan project: a `scan.json`, a Stanford `.conf`, one grid file
 /// (range-grid PLY, organized PCD), or a folder of grid files (or of a scan.json). Docs:
-/// file-formats.md. Errors are kBadInput and name file and place.
+/// file-formats.md. Errors name file and place: kBadInput; kUnsolvable for views without any sample
+/// and for more of them than `memory` holds.
 Result<ScanProject> read_project(const std::filesystem::path& path,
                                  const ReadProjectOptions& options = {},
                                  const Progress& progress = {});

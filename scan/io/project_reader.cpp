@@ -5,6 +5,7 @@
 #include "scan/io/project_io.h"
 #include "scan/io/view_spec.h"
 #include "scan/parallel.h"
+#include "scan/system_memory.h"
 
 namespace relief {
 
@@ -13,14 +14,15 @@ namespace {
 using LoadedViews = std::vector<std::optional<Result<LoadedView>>>;
 
 // Reads all views in parallel; those after an interruption stay empty.
-LoadedViews load_views(const std::vector<ViewSpec>& specs, int threads, const Progress& progress,
-                       std::atomic<bool>& interrupted) {
+LoadedViews load_views(const std::vector<ViewSpec>& specs, const ReadProjectOptions& options,
+                       const Progress& progress, std::atomic<bool>& interrupted) {
+  MemoryBudget memory(options.memory > 0 ? options.memory : free_memory());
   LoadedViews loaded(specs.size());
   std::atomic<std::size_t> done{0};
   const auto caller = std::this_thread::get_id();
-  parallel_for(specs.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(specs.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end && !interrupted; ++i) {
-      loaded[i].emplace(load_view(specs[i]));
+      loaded[i].emplace(load_view(specs[i], memory));
       const double fraction = static_cast<double>(++done) / static_cast<double>(specs.size());
       if (std::this_thread::get_id() == caller &&
           !report_progress(progress, fraction, "reading views"))
@@ -37,7 +39,7 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
   auto spec = read_project_spec(path, options.fc_file);
   if (!spec) return spec.error();
   std::atomic<bool> interrupted{false};
-  LoadedViews loaded = load_views(spec->views, options.threads, progress, interrupted);
+  LoadedViews loaded = load_views(spec->views, options, progress, interrupted);
   ScanProject project;
   project.unit = spec->unit;
   project.notes = spec->notes;

@@ -10,6 +10,7 @@
 
 #include "scan/io/image_io.h"
 #include "scan/io/io_error.h"
+#include "scan/io/tiff_layout.h"
 
 namespace relief {
 
@@ -81,35 +82,6 @@ TiffHandle open_tiff(MemoryFile& file, const char* mode) {
                     });
 }
 
-struct Layout {
-  std::uint32_t width = 0, height = 0;
-  std::uint16_t samples_per_pixel = 1, bits = 1, format = SAMPLEFORMAT_UINT;
-  std::uint16_t planar = PLANARCONFIG_CONTIG;
-
-  std::size_t sample_bytes() const { return bits / 8; }
-  bool separate() const { return planar == PLANARCONFIG_SEPARATE && samples_per_pixel > 1; }
-};
-
-Layout read_layout(TIFF* tiff) {
-  Layout layout;
-  TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &layout.width);
-  TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &layout.height);
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &layout.samples_per_pixel);
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &layout.bits);
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &layout.format);
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &layout.planar);
-  if (layout.format == SAMPLEFORMAT_VOID) layout.format = SAMPLEFORMAT_UINT;
-  return layout;
-}
-
-bool is_supported(const Layout& layout) {
-  if (layout.samples_per_pixel < 1 || layout.samples_per_pixel > 4) return false;
-  if (layout.format == SAMPLEFORMAT_UINT) return layout.bits == 8 || layout.bits == 16;
-  if (layout.format == SAMPLEFORMAT_IEEEFP)
-    return layout.bits == 16 || layout.bits == 32 || layout.bits == 64;
-  return false;
-}
-
 template <typename T>
 T load(const std::uint8_t* bytes) {
   T value;
@@ -117,7 +89,7 @@ T load(const std::uint8_t* bytes) {
   return value;
 }
 
-float sample_value(const Layout& layout, const std::uint8_t* bytes) {
+float sample_value(const TiffLayout& layout, const std::uint8_t* bytes) {
   if (layout.format == SAMPLEFORMAT_UINT)
     return layout.bits == 8 ? *bytes : load<std::uint16_t>(bytes);
   if (layout.bits == 16) return static_cast<float>(load<Eigen::half>(bytes));
@@ -127,7 +99,7 @@ float sample_value(const Layout& layout, const std::uint8_t* bytes) {
 
 // Copies a block of decoded samples, whose top left pixel is (u0,v0), into the image. `plane` is
 // the channel that a block of separate planes holds.
-void copy_block(const Layout& layout, const std::uint8_t* block, std::size_t block_width,
+void copy_block(const TiffLayout& layout, const std::uint8_t* block, std::size_t block_width,
                 std::size_t rows, int u0, int v0, int plane, Image& image) {
   const int in_block = layout.separate() ? 1 : layout.samples_per_pixel;
   const std::size_t row_bytes =
@@ -146,7 +118,7 @@ void copy_block(const Layout& layout, const std::uint8_t* block, std::size_t blo
   }
 }
 
-bool read_rows(TIFF* tiff, const Layout& layout, Image& image) {
+bool read_rows(TIFF* tiff, const TiffLayout& layout, Image& image) {
   std::vector<std::uint8_t> row(static_cast<std::size_t>(TIFFScanlineSize64(tiff)));
   const std::size_t in_block = layout.separate() ? 1 : layout.samples_per_pixel;
   if (row.size() < layout.width * in_block * layout.sample_bytes()) return false;
@@ -160,13 +132,16 @@ bool read_rows(TIFF* tiff, const Layout& layout, Image& image) {
   return true;
 }
 
-bool read_tiles(TIFF* tiff, const Layout& layout, std::size_t file_bytes, Image& image) {
+bool read_tiles(TIFF* tiff, const TiffLayout& layout, std::size_t file_bytes, Image& image) {
   std::uint32_t tile_width = 0, tile_height = 0;
   TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &tile_width);
   TIFFGetField(tiff, TIFFTAG_TILELENGTH, &tile_height);
   const std::size_t in_block = layout.separate() ? 1 : layout.samples_per_pixel;
   const std::size_t pixel_bytes = in_block * layout.sample_bytes();
-  if (!check_image_size(tile_width, tile_height, pixel_bytes, file_bytes, "")) return false;
+  TiffLayout one_tile = layout;
+  one_tile.width = tile_width;
+  one_tile.height = tile_height;
+  if (!check_tiff_layout(one_tile, file_bytes, "")) return false;
   std::vector<std::uint8_t> tile(static_cast<std::size_t>(TIFFTileSize64(tiff)));
   if (tile.size() < tile_width * pixel_bytes * tile_height) return false;
   for (int plane = 0; plane < (layout.separate() ? image.channels : 1); ++plane) {
@@ -213,27 +188,21 @@ Result<Image> decode_tiff(std::string_view content, const std::filesystem::path&
   file.input = content;
   const TiffHandle tiff = open_tiff(file, "rm");
   if (!tiff) return bad_input(path, "not a readable TIFF: " + file.message);
-  const Layout layout = read_layout(tiff.get());
-  if (!is_supported(layout))
-    return bad_input(
-        path, "unsupported TIFF: " + std::to_string(layout.samples_per_pixel) + " samples of " +
-                  std::to_string(layout.bits) +
-                  " bits; use 8 or 16 bit unsigned integers or 16, 32 or 64 bit float");
-  if (auto size =
-          check_image_size(layout.width, layout.height,
-                           layout.samples_per_pixel * layout.sample_bytes(), content.size(), path);
-      !size)
-    return size.error();
+  const TiffLayout layout = read_tiff_layout(tiff.get());
+  if (auto checked = check_tiff_layout(layout, content.size(), path); !checked)
+    return checked.error();
   const double max_value =
       layout.format == SAMPLEFORMAT_IEEEFP ? 0.0 : (layout.bits == 8 ? 255.0 : 65535.0);
-  Image image(static_cast<int>(layout.width), static_cast<int>(layout.height),
-              layout.samples_per_pixel >= 3 ? 3 : 1, max_value);
+  Image image(static_cast<int>(layout.width), static_cast<int>(layout.height), layout.channels(),
+              max_value);
   const bool read = TIFFIsTiled(tiff.get()) ? read_tiles(tiff.get(), layout, content.size(), image)
                                             : read_rows(tiff.get(), layout, image);
   if (!read)
     return bad_input(path, "damaged or truncated TIFF" +
                                (file.message.empty() ? std::string() : ": " + file.message));
-  return image;
+  if (layout.photometric == PHOTOMETRIC_MINISWHITE)
+    for (float& sample : image.samples) sample = static_cast<float>(max_value) - sample;
+  return upright(std::move(image), layout.orientation);
 }
 
 Result<std::string> encode_tiff(const Image& image) {

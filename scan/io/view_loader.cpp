@@ -7,6 +7,7 @@
 #include "scan/io/io_error.h"
 #include "scan/io/normal_map.h"
 #include "scan/io/view_spec.h"
+#include "scan/system_memory.h"
 
 namespace relief {
 
@@ -61,7 +62,23 @@ Camera camera_of(const CameraSpec& spec, int width, int height,
   return rational_camera(*points, spec.projection, *spec.view_direction);
 }
 
-Result<void> load_depth(const ViewSpec& spec, LoadedView& loaded) {
+// Claims what the grids of a view will take.
+Result<void> claim_memory(const ViewSpec& spec, int width, int height, MemoryBudget& memory) {
+  std::size_t pixel = sizeof(double) + 3 * sizeof(float);  // Range, and normals found or given.
+  if (spec.confidence) pixel += sizeof(float);
+  if (spec.deviation) pixel += sizeof(float);
+  if (spec.colour) pixel += sizeof(Colour);
+  const std::size_t bytes =
+      static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * pixel;
+  if (memory.take(bytes)) return {};
+  return Error{ErrorKind::kUnsolvable, main_file(spec).string() + ": view " + spec.name + " of " +
+                                           size_text(width, height) + " pixels needs " +
+                                           std::to_string((bytes >> 20) + 1) + " MiB of memory, " +
+                                           std::to_string(memory.left() >> 20) +
+                                           " MiB are left for views; give fewer or smaller ones"};
+}
+
+Result<void> load_depth(const ViewSpec& spec, MemoryBudget& memory, LoadedView& loaded) {
   const auto image = read_image(spec.depth->file);
   if (!image) return image.error();
   if (image->channels != 1)
@@ -70,6 +87,7 @@ Result<void> load_depth(const ViewSpec& spec, LoadedView& loaded) {
   if (auto size = check_camera_size(*spec.camera, width, height, spec); !size) return size;
   if (spec.camera->model == CameraSpec::Model::kRational)
     return bad_input(spec.depth->file, "a rational camera needs a grid of points, not a depth map");
+  if (auto claimed = claim_memory(spec, width, height, memory); !claimed) return claimed;
   RangeView& view = loaded.view;
   view.camera = camera_of(*spec.camera, width, height, nullptr);
   view.range = Grid<double>(width, height, kNoSample);
@@ -90,10 +108,11 @@ std::string projection_note(const GridCamera& fitted) {
   return "; no projection fits its grid to half a pixel, so it gives no projective matches";
 }
 
-Result<void> load_grid(const ViewSpec& spec, LoadedView& loaded) {
+Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& loaded) {
   auto grid = read_grid_file(*spec.grid);
   if (!grid) return grid.error();
   const int width = grid->points.width(), height = grid->points.height();
+  if (auto claimed = claim_memory(spec, width, height, memory); !claimed) return claimed;
   const bool direction_known =
       spec.camera &&
       (spec.camera->model != CameraSpec::Model::kOrthographic || spec.camera->view_direction);
@@ -204,12 +223,25 @@ void clean_confidence(Grid<float>& confidence) {
 
 }  // namespace
 
+bool MemoryBudget::take(std::size_t bytes) {
+  std::size_t left = left_;
+  while (bytes <= left)
+    if (left_.compare_exchange_weak(left, left - bytes)) return true;
+  return false;
+}
+
 Result<LoadedView> load_view(const ViewSpec& spec) {
+  MemoryBudget memory(free_memory());
+  return load_view(spec, memory);
+}
+
+Result<LoadedView> load_view(const ViewSpec& spec, MemoryBudget& memory) {
   LoadedView loaded;
   loaded.view.name = spec.name;
   loaded.view.world_from_view = spec.world_from_view;
   loaded.view.pose = spec.pose;
-  Result<void> step = spec.depth ? load_depth(spec, loaded) : load_grid(spec, loaded);
+  Result<void> step =
+      spec.depth ? load_depth(spec, memory, loaded) : load_grid(spec, memory, loaded);
   if (step && spec.mask) step = apply_mask(spec, loaded.view);
   if (step && spec.confidence) step = load_confidence(spec, loaded.view);
   if (step && spec.colour) step = load_colours(spec, loaded.view);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -83,7 +85,23 @@ struct LoadedView {
   std::vector<std::string> notes;
 };
 
-/// Reads the data of one view. A view without any sample is an error (kUnsolvable).
+/// Memory [bytes] that views may take together; may be used from several threads.
+class MemoryBudget {
+ public:
+  explicit MemoryBudget(std::size_t bytes) : left_(bytes) {}
+  std::size_t left() const { return left_; }
+  /// False when there is less: then nothing is taken.
+  bool take(std::size_t bytes);
+
+ private:
+  std::atomic<std::size_t> left_;
+};
+
+/// Reads the data of one view, within `memory`. A view without any sample is an error
+/// (kUnsolvable), as is one too large.
+Result<LoadedView> load_view(const ViewSpec& spec, MemoryBudget& memory);
+
+/// The same within the memory that is free.
 Result<LoadedView> load_view(const ViewSpec& spec);
 
 }  // namespace relief

@@ -14,6 +14,7 @@
 #include <tiffio.h>
 
 #include "scan/io/atomic_file.h"
+#include "tests/support/limited_memory.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
@@ -119,6 +120,92 @@ TEST(ImageIo, TiffReadsStripsTilesPlanesAndAllSampleTypes) {
   const Image bytes = ramp(10, 10, 1, 255, 2.0f);
   write_tiff<std::uint8_t>(path, bytes, SAMPLEFORMAT_UINT, false, false);
   expect_same(read_image(path), bytes);
+}
+
+// Where a stored pixel belongs, by TIFF 6.0: what row 0 and column 0 are on the upright image.
+Image turned(const Image& stored, int orientation) {
+  const bool swapped = orientation >= 5;
+  const int width = swapped ? stored.height : stored.width;
+  const int height = swapped ? stored.width : stored.height;
+  Image image(width, height, stored.channels, stored.max_value);
+  for (int v = 0; v < stored.height; ++v) {
+    for (int u = 0; u < stored.width; ++u) {
+      const int x = swapped ? v : u, y = swapped ? u : v;
+      const bool right =
+          orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
+      const bool bottom =
+          orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
+      for (int c = 0; c < stored.channels; ++c)
+        image(right ? width - 1 - x : x, bottom ? height - 1 - y : y, c) = stored(u, v, c);
+    }
+  }
+  return image;
+}
+
+// Sets a tag of a file that is there.
+void set_tag(const std::filesystem::path& path, std::uint32_t tag, std::uint16_t value) {
+  TIFF* tiff = TIFFOpen(path.c_str(), "r+");
+  TIFFSetField(tiff, tag, value);
+  TIFFRewriteDirectory(tiff);
+  TIFFClose(tiff);
+}
+
+TEST(ImageIo, TiffIsTurnedUprightByItsOrientation) {
+  const TemporaryFolder folder;
+  const auto path = folder / "a.tif";
+  for (const int channels : {1, 3}) {
+    const Image stored = ramp(5, 3, channels, 65535, 7.0f);
+    for (std::uint16_t orientation = 1; orientation <= 8; ++orientation) {
+      write_tiff<std::uint16_t>(path, stored, SAMPLEFORMAT_UINT, false, false);
+      set_tag(path, TIFFTAG_ORIENTATION, orientation);
+      SCOPED_TRACE(orientation);
+      expect_same(read_image(path), turned(stored, orientation));
+    }
+  }
+}
+
+TEST(ImageIo, TiffWhoseLeastIsWhiteIsInverted) {
+  const TemporaryFolder folder;
+  const auto path = folder / "a.tif";
+  Image image = ramp(5, 3, 1, 255, 7.0f);
+  write_tiff<std::uint8_t>(path, image, SAMPLEFORMAT_UINT, false, false);
+  set_tag(path, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISWHITE);
+  for (float& sample : image.samples) sample = 255.0f - sample;
+  expect_same(read_image(path), image);
+}
+
+TEST(ImageIo, TiffOfAnotherMeaningIsRefusedWithARemedy) {
+  const TemporaryFolder folder;
+  const auto path = folder / "a.tif";
+  const auto error = [&](std::uint16_t photometric) {
+    set_tag(path, TIFFTAG_PHOTOMETRIC, photometric);
+    const auto read = read_image(path);
+    return read.ok() ? std::string("no error") : read.error().message;
+  };
+  write_tiff<float>(path, ramp(5, 3, 1, 0.0, 0.37f), SAMPLEFORMAT_IEEEFP, false, false);
+  EXPECT_THAT(error(PHOTOMETRIC_MINISWHITE), HasSubstr("save it with the least as black"));
+  write_tiff<std::uint8_t>(path, ramp(5, 3, 1, 255, 2.0f), SAMPLEFORMAT_UINT, false, false);
+  EXPECT_THAT(error(PHOTOMETRIC_SEPARATED), HasSubstr("interpretation is 5; save it as grey"));
+  EXPECT_THAT(error(PHOTOMETRIC_CIELAB), HasSubstr("a.tif: unsupported TIFF"));
+}
+
+TEST(ImageIo, TiffPaletteIsRefusedWithARemedy) {
+  const TemporaryFolder folder;
+  const auto path = folder / "a.tif";
+  TIFF* tiff = TIFFOpen(path.c_str(), "w");
+  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 4);
+  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 1);
+  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 8);
+  TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_PALETTE);
+  std::vector<std::uint16_t> map(256, 500);
+  TIFFSetField(tiff, TIFFTAG_COLORMAP, map.data(), map.data(), map.data());
+  std::uint8_t row[4] = {0, 1, 2, 3};
+  TIFFWriteScanline(tiff, row, 0, 0);
+  TIFFClose(tiff);
+  const auto read = read_image(path);
+  ASSERT_FALSE(read.ok());
+  EXPECT_THAT(read.error().message, HasSubstr("colour palette"));
+  EXPECT_THAT(read.error().message, HasSubstr("save it as grey or RGB"));
 }
 
 TEST(ImageIo, PfmReadsBothByteOrdersFromTheBottomUp) {

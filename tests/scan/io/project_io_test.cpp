@@ -386,5 +386,29 @@ TEST(ProjectIo, WhatIsNoProjectIsNamed) {
   }
 }
 
+TEST(ProjectIo, ManyViewsOfOneFileAreBoundByTheMemory) {
+  const TemporaryFolder folder;
+  Image depth(64, 64, 1, 65535);
+  for (float& sample : depth.samples) sample = 1000.0f;
+  folder.write("depth.png", *encode_png(depth));
+  std::string views;
+  for (int i = 0; i < 50; ++i)
+    views += std::string(i > 0 ? "," : "") + R"({"name":")" + std::to_string(i) +
+             R"(","depth":{"file":"depth.png"},"camera":{"model":"pinhole","fx":60,"fy":60,)" +
+             R"("cx":31.5,"cy":31.5}})";
+  const auto path = folder.write(
+      "scan.json", R"({"format":"relief-scan","version":1,"unit":"mm","views":[)" + views + "]}");
+  constexpr std::size_t kView = 64 * 64 * 20;
+  ReadProjectOptions options;
+  options.memory = 50 * kView;
+  EXPECT_TRUE(read_project(path, options).ok());
+  options.memory = 50 * kView - 1;
+  const auto refused = read_project(path, options);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().kind, ErrorKind::kUnsolvable);
+  EXPECT_THAT(refused.error().message, HasSubstr("depth.png: view "));
+  EXPECT_THAT(refused.error().message, HasSubstr("give fewer or smaller ones"));
+}
+
 }  // namespace
 }  // namespace relief
