@@ -9,7 +9,7 @@
 #include "apps/console.h"
 #include "apps/mesh_report.h"
 #include "apps/stages.h"
-#include "scan/io/view_spec.h"
+#include "scan/io/view_loader.h"
 #include "scan/parallel.h"
 #include "scan/stopwatch.h"
 
@@ -128,7 +128,8 @@ using SharedView = std::shared_ptr<const RangeView>;
 // The views of a project, read one at a time.
 class ProjectViews {
  public:
-  explicit ProjectViews(std::vector<ViewSpec> specs) : specs_(std::move(specs)) {}
+  ProjectViews(std::vector<ViewSpec> specs, std::vector<ChosenConvention> conventions)
+      : specs_(std::move(specs)), conventions_(std::move(conventions)) {}
 
   ViewSource source() {
     return {specs_.size(), [this](std::size_t i) { return load(i); }};
@@ -140,6 +141,7 @@ class ProjectViews {
   Result<SharedView> load(std::size_t i) {
     auto loaded = load_view(specs_[i]);
     if (!loaded) return loaded.error();
+    set_normals(*loaded, conventions_[i]);
     if (i >= read_) {  // notes once
       for (const std::string& note : loaded->notes) Console::info(note);
       read_ = i + 1;
@@ -149,6 +151,7 @@ class ProjectViews {
   }
 
   std::vector<ViewSpec> specs_;
+  std::vector<ChosenConvention> conventions_;
   std::size_t read_ = 0, pixels_ = 0;
 };
 
@@ -182,7 +185,10 @@ Result<MergeStage> merge_stage_within_limit(const ProjectInput& input,
   if (!spec) return spec.error();
   for (const std::string& note : spec->notes) Console::info(note);
   const std::size_t count = spec->views.size();
-  ProjectViews views(std::move(spec->views));
+  auto conventions = find_conventions(spec->views);
+  if (!conventions) return conventions.error();
+  for (const std::string& note : conventions->notes) Console::info(note);
+  ProjectViews views(std::move(spec->views), std::move(conventions->views));
   auto merged =
       merge_from_source(views.source(), merge_options_of(options), console_progress("merge"));
   ScanProject project;

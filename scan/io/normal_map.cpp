@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <numbers>
+#include <utility>
 
 #include <Eigen/Geometry>
 
-#include "scan/grid_normals.h"
 #include "scan/io/io_error.h"
 #include "scan/median.h"
 
@@ -15,31 +13,7 @@ namespace relief {
 
 namespace {
 
-constexpr double kAgreesDeg = 35.0;       // median angle up to which a convention fits the depth
-constexpr double kContradictsDeg = 60.0;  // and from which it does not
-constexpr int kReferenceRadius = 3;
 const Eigen::Vector3f kNoNormal = Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
-
-struct Convention {
-  NormalAxes axes = NormalAxes::kOpencv;
-  NormalSpace space = NormalSpace::kCamera;
-};
-
-std::string name_of(NormalEncoding encoding, const Convention& convention) {
-  return std::string("encoding ") + (encoding == NormalEncoding::kRgb ? "rgb" : "unit") +
-         ", axes " + (convention.axes == NormalAxes::kOpencv ? "opencv" : "opengl") + ", space " +
-         (convention.space == NormalSpace::kCamera ? "camera" : "world");
-}
-
-// Takes decoded components into the view frame.
-Eigen::Matrix3d view_from_image(const Convention& convention, const RangeView& view) {
-  const Eigen::Matrix3d axes = convention.axes == NormalAxes::kOpengl
-                                   ? Eigen::Vector3d(1, -1, -1).asDiagonal().toDenseMatrix()
-                                   : Eigen::Matrix3d::Identity();
-  if (convention.space == NormalSpace::kWorld)
-    return view.world_from_view.linear().transpose() * axes;
-  return sensor_axes(view.camera) * axes;
-}
 
 Eigen::Vector3d decode(const Image& image, NormalEncoding encoding, int u, int v) {
   const Eigen::Vector3d value(image(u, v, 0), image(u, v, 1), image(u, v, 2));
@@ -53,117 +27,51 @@ bool is_direction(const Eigen::Vector3d& vector) {
   return length >= 0.5 && length <= 1.5;
 }
 
+// Median distance of the decoded vectors from unit length; 0 without any.
+double length_error(const Image& image, NormalEncoding encoding, const RangeView& view) {
+  std::vector<double> errors;
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      if (view.has_sample(u, v))
+        if (const double d = std::abs(decode(image, encoding, u, v).norm() - 1.0); d == d)
+          errors.push_back(d);
+  return median(errors);
+}
+
 // Integer images can hold components only as rgb; of a real image the encoding whose vectors are
 // closer to unit length.
 NormalEncoding find_encoding(const Image& image, const RangeView& view) {
   if (image.max_value > 0.0) return NormalEncoding::kRgb;
-  const auto deviation = [&](NormalEncoding encoding) {
-    std::vector<double> deviations;
-    for (int v = 0; v < view.height(); ++v)
-      for (int u = 0; u < view.width(); ++u)
-        if (view.has_sample(u, v))
-          if (const double d = std::abs(decode(image, encoding, u, v).norm() - 1.0); d == d)
-            deviations.push_back(d);
-    return deviations.empty() ? 0.0 : median(deviations);
-  };
-  return deviation(NormalEncoding::kUnit) <= deviation(NormalEncoding::kRgb) ? NormalEncoding::kUnit
-                                                                             : NormalEncoding::kRgb;
+  const double unit = length_error(image, NormalEncoding::kUnit, view);
+  return unit <= length_error(image, NormalEncoding::kRgb, view) ? NormalEncoding::kUnit
+                                                                 : NormalEncoding::kRgb;
 }
 
-// Median angle [deg] between the decoded normals and those of the depth; 180 without any.
-double median_angle_deg(const Image& image, NormalEncoding encoding, const Eigen::Matrix3d& to_view,
-                        const Grid<Eigen::Vector3f>& reference) {
-  std::vector<double> cosines;
-  for (int v = 0; v < reference.height(); ++v) {
-    for (int u = 0; u < reference.width(); ++u) {
-      if (!reference(u, v).allFinite()) continue;
-      const Eigen::Vector3d decoded = decode(image, encoding, u, v);
-      if (is_direction(decoded))
-        cosines.push_back((to_view * decoded).normalized().dot(reference(u, v).cast<double>()));
-    }
+// The usual conventions that agree with what is stated, the likelier first.
+std::vector<NormalConvention> usual_conventions(const NormalSpec& spec, const RangeView& view) {
+  std::vector<NormalConvention> usual;
+  for (const auto space : {NormalSpace::kCamera, NormalSpace::kWorld}) {
+    if (spec.space ? space != *spec.space
+                   : space == NormalSpace::kWorld && view.pose == PoseKind::kAbsent)
+      continue;
+    for (const auto axes : {NormalAxes::kOpencv, NormalAxes::kOpengl})
+      if (!spec.axes || axes == *spec.axes) usual.push_back(named_convention(axes, space));
   }
-  if (cosines.empty()) return 180.0;
-  return std::acos(std::clamp(median(cosines), -1.0, 1.0)) * 180.0 / std::numbers::pi;
+  return usual;
 }
 
-// Some thousand normals settle a convention.
-int stride_of(const RangeView& view) {
-  const double per_normal = static_cast<double>(view.sample_count()) / 4000.0;
-  return std::max(1, static_cast<int>(std::sqrt(per_normal)));
-}
-
-struct Scored {
-  Convention convention;
-  double angle_deg = 180.0;
-};
-
-class ConventionSearch {
- public:
-  ConventionSearch(const Image& image, NormalEncoding encoding, const RangeView& view)
-      : image_(image), encoding_(encoding), view_(view) {
-    reference_ =
-        estimate_normals(view, connect_samples(view),
-                         {.radius = kReferenceRadius, .stride = stride_of(view), .threads = 1});
-  }
-
-  // The best convention among those that agree with what is declared.
-  Scored best(std::optional<NormalAxes> axes, std::optional<NormalSpace> space) const {
-    Scored best;
-    best.angle_deg = 1000.0;
-    for (const auto s : {NormalSpace::kCamera, NormalSpace::kWorld}) {
-      if (space ? s != *space : s == NormalSpace::kWorld && view_.pose == PoseKind::kAbsent)
-        continue;
-      for (const auto a : {NormalAxes::kOpencv, NormalAxes::kOpengl}) {
-        if (axes && a != *axes) continue;
-        const Convention convention{a, s};
-        const double angle =
-            median_angle_deg(image_, encoding_, view_from_image(convention, view_), reference_);
-        if (angle < best.angle_deg) best = {convention, angle};
-      }
-    }
-    return best;
-  }
-
- private:
-  const Image& image_;
-  NormalEncoding encoding_;
-  const RangeView& view_;
-  Grid<Eigen::Vector3f> reference_;
-};
-
-std::string degrees(double angle) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f deg", angle);
-  return text;
-}
-
-// Unit normals of all samples whose vector is a direction and faces the sensor; the others are
-// counted in the notes.
-NormalMap keep_facing(Grid<Eigen::Vector3f> normals, const RangeView& view,
-                      const std::string& file) {
-  std::size_t averted = 0, undirected = 0;
-  for (int v = 0; v < view.height(); ++v) {
-    for (int u = 0; u < view.width(); ++u) {
-      Eigen::Vector3f& normal = normals(u, v);
-      const Eigen::Vector3d vector = normal.cast<double>();
-      normal = kNoNormal;
-      if (!view.has_sample(u, v)) continue;
-      if (!is_direction(vector))
-        ++undirected;
-      else if (!(vector.dot(view.camera.ray(u, v).direction) < 0.0))
-        ++averted;
-      else
-        normal = vector.normalized().cast<float>();
-    }
-  }
-  NormalMap map{std::move(normals), {}};
-  const std::string of = " of " + std::to_string(view.sample_count()) + " samples";
-  if (undirected > 0)
-    map.notes.push_back(file + ": " + std::to_string(undirected) + of + " have no normal");
-  if (averted > 0)
-    map.notes.push_back(file + ": the normals of " + std::to_string(averted) + of +
-                        " face away from the sensor and are not used");
-  return map;
+NormalEvidence evidence_of(const std::filesystem::path& file, const RangeView& view,
+                           const Grid<Eigen::Vector3f>& components) {
+  NormalEvidence evidence;
+  evidence.view = view.name;
+  evidence.file = file;
+  evidence.view_from_world = view.world_from_view.linear().transpose();
+  evidence.has_pose = view.pose != PoseKind::kAbsent;
+  Grid<Eigen::Vector3f> directions = components;
+  for (auto& vector : directions)
+    if (!is_direction(vector.cast<double>())) vector = kNoNormal;
+  evidence.patches = find_patches(view, directions);
+  return evidence;
 }
 
 }  // namespace
@@ -188,48 +96,66 @@ Eigen::Matrix3d sensor_axes(const Camera& camera) {
   return axes;
 }
 
-Result<NormalMap> decode_normals(const Image& image, const NormalSpec& spec,
-                                 const RangeView& view) {
-  const std::string file = spec.file.string();
+Result<StoredNormals> stored_in_image(const Image& image, const NormalSpec& spec,
+                                      const RangeView& view) {
   if (image.channels != 3) return bad_input(spec.file, "a normal map has three channels, not one");
   if (spec.space == NormalSpace::kWorld && view.pose == PoseKind::kAbsent)
     return bad_input(spec.file, "its normals are in world space, but view " + view.name +
                                     " has no world_from_view");
   const NormalEncoding encoding = spec.encoding ? *spec.encoding : find_encoding(image, view);
-  const ConventionSearch search(image, encoding, view);
-  const Scored chosen = search.best(spec.axes, spec.space);
-  std::vector<std::string> notes;
-  if (!spec.axes || !spec.space || !spec.encoding) {
-    if (chosen.angle_deg > kAgreesDeg)
-      return bad_input(spec.file, "no convention of normals fits the depth of view " + view.name +
-                                      ": the best, " + name_of(encoding, chosen.convention) +
-                                      ", is off by " + degrees(chosen.angle_deg) +
-                                      " (median); check the files, then state encoding, axes and "
-                                      "space");
-    notes.push_back("view " + view.name + ": normals found to be " +
-                    name_of(encoding, chosen.convention) + " (median angle to the depth " +
-                    degrees(chosen.angle_deg) + ")");
-  } else if (chosen.angle_deg > kContradictsDeg) {
-    const Scored other = search.best(std::nullopt, std::nullopt);
-    if (other.angle_deg < kAgreesDeg)
-      notes.push_back("warning: view " + view.name + ": the normals contradict the depth (median " +
-                      degrees(chosen.angle_deg) + ") as declared, but agree (" +
-                      degrees(other.angle_deg) + ") as " + name_of(encoding, other.convention));
-  }
-
-  const Eigen::Matrix3d to_view = view_from_image(chosen.convention, view);
-  Grid<Eigen::Vector3f> normals(view.width(), view.height(), kNoNormal);
+  StoredNormals stored;
+  stored.components = Grid<Eigen::Vector3f>(view.width(), view.height(), kNoNormal);
   for (int v = 0; v < view.height(); ++v)
     for (int u = 0; u < view.width(); ++u)
-      normals(u, v) = (to_view * decode(image, encoding, u, v)).cast<float>();
-  NormalMap map = keep_facing(std::move(normals), view, file);
-  map.notes.insert(map.notes.begin(), notes.begin(), notes.end());
-  return map;
+      stored.components(u, v) = decode(image, encoding, u, v).cast<float>();
+  stored.evidence = evidence_of(spec.file, view, stored.components);
+  stored.evidence.kind = NormalFileKind::kImage;
+  stored.evidence.encoding = encoding;
+  stored.evidence.usual = usual_conventions(spec, view);
+  stored.evidence.declared = spec.axes && spec.space && spec.encoding;
+  stored.evidence.view_from_camera = sensor_axes(view.camera);
+  return stored;
 }
 
-NormalMap clean_normals(Grid<Eigen::Vector3f> normals, const RangeView& view,
-                        const std::string& file) {
-  return keep_facing(std::move(normals), view, file);
+StoredNormals stored_in_grid(Grid<Eigen::Vector3f> normals, const std::filesystem::path& file,
+                             const RangeView& view) {
+  StoredNormals stored;
+  stored.components = std::move(normals);
+  stored.evidence = evidence_of(file, view, stored.components);
+  stored.evidence.kind = NormalFileKind::kGrid;
+  stored.evidence.usual = {NormalConvention{}};
+  stored.evidence.declared = true;
+  return stored;
+}
+
+std::vector<std::string> apply_convention(const StoredNormals& stored,
+                                          const ChosenConvention& chosen, RangeView& view) {
+  view.normals = {};
+  if (!chosen.usable) return {};
+  const Eigen::Matrix3d to_view = stored.evidence.view_from_stored(chosen.convention);
+  view.normals = Grid<Eigen::Vector3f>(view.width(), view.height(), kNoNormal);
+  std::size_t averted = 0, undirected = 0;
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      if (!view.has_sample(u, v)) continue;
+      const Eigen::Vector3d vector = to_view * stored.components(u, v).cast<double>();
+      if (!is_direction(vector))
+        ++undirected;
+      else if (!(vector.dot(view.camera.ray(u, v).direction) < 0.0))
+        ++averted;
+      else
+        view.normals(u, v) = vector.normalized().cast<float>();
+    }
+  }
+  std::vector<std::string> notes;
+  const std::string file = stored.evidence.file.string(),
+                    of = " of " + std::to_string(view.sample_count()) + " samples";
+  if (undirected > 0)
+    notes.push_back(file + ": " + std::to_string(undirected) + of + " have no normal");
+  if (averted > 0)
+    notes.push_back(file + ": the normals of " + std::to_string(averted) + of +
+                    " face away from the sensor and are not used");
+  return notes;
 }
 
 }  // namespace relief

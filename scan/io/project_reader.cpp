@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "scan/io/project_io.h"
+#include "scan/io/view_loader.h"
 #include "scan/io/view_spec.h"
 #include "scan/parallel.h"
 #include "scan/system_memory.h"
@@ -32,6 +33,19 @@ LoadedViews load_views(const std::vector<ViewSpec>& specs, const ReadProjectOpti
   return loaded;
 }
 
+// Settles the conventions of all normals together and gives the views their normals.
+Result<std::vector<std::string>> settle_normals(std::vector<LoadedView>& views) {
+  std::vector<NormalEvidence> evidence;
+  for (const LoadedView& loaded : views)
+    if (loaded.normals) evidence.push_back(loaded.normals->evidence);
+  auto choice = choose_conventions(evidence);
+  if (!choice) return choice.error();
+  auto chosen = choice->views.begin();
+  for (LoadedView& loaded : views)
+    if (loaded.normals) set_normals(loaded, *chosen++);
+  return std::move(choice->notes);
+}
+
 }  // namespace
 
 Result<ScanProject> read_project(const std::filesystem::path& path,
@@ -43,12 +57,19 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
   ScanProject project;
   project.unit = spec->unit;
   project.notes = spec->notes;
+  std::vector<LoadedView> views;
   for (auto& view : loaded) {
     if (!view) return Error{ErrorKind::kInterrupted, path.string() + ": reading was interrupted"};
     if (!view->ok()) return view->error();
-    project.views.push_back(std::move((*view)->view));
-    for (auto& note : (*view)->notes) project.notes.push_back(std::move(note));
+    views.push_back(std::move(**view));
   }
+  const auto notes = settle_normals(views);
+  if (!notes) return notes.error();
+  for (LoadedView& view : views) {
+    project.views.push_back(std::move(view.view));
+    for (auto& note : view.notes) project.notes.push_back(std::move(note));
+  }
+  project.notes.insert(project.notes.end(), notes->begin(), notes->end());
   return project;
 }
 

@@ -1,3 +1,5 @@
+#include "scan/io/view_loader.h"
+
 #include <cmath>
 #include <utility>
 
@@ -6,7 +8,6 @@
 #include "scan/io/image_io.h"
 #include "scan/io/io_error.h"
 #include "scan/io/normal_map.h"
-#include "scan/io/view_spec.h"
 #include "scan/system_memory.h"
 
 namespace relief {
@@ -140,11 +141,8 @@ Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& l
   loaded.view.range = std::move(fitted.range);
   loaded.view.confidence = std::move(grid->confidence);
   loaded.view.colours = std::move(grid->colours);
-  if (!grid->normals.empty() && !spec.normals) {
-    NormalMap map = clean_normals(std::move(grid->normals), loaded.view, spec.grid->string());
-    loaded.view.normals = std::move(map.normals);
-    loaded.notes.insert(loaded.notes.end(), map.notes.begin(), map.notes.end());
-  }
+  if (!grid->normals.empty() && !spec.normals)
+    loaded.normals = StoredNormals{std::move(grid->normals), {}, {}};
   return {};
 }
 
@@ -155,10 +153,7 @@ Result<void> apply_mask(const ViewSpec& spec, RangeView& view) {
     for (int u = 0; u < view.width(); ++u) {
       bool object = false;
       for (int c = 0; c < mask->channels; ++c) object |= (*mask)(u, v, c) > 0.0f;
-      if (object) continue;
-      view.range(u, v) = kNoSample;
-      if (view.has_normals())
-        view.normals(u, v) = Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
+      if (!object) view.range(u, v) = kNoSample;
     }
   }
   return {};
@@ -208,11 +203,14 @@ Result<void> load_deviation(const ViewSpec& spec, RangeView& view) {
 Result<void> load_normals(const ViewSpec& spec, LoadedView& loaded) {
   const auto image = read_matching(spec.normals->file, spec, loaded.view);
   if (!image) return image.error();
-  auto map = decode_normals(*image, *spec.normals, loaded.view);
-  if (!map) return map.error();
-  loaded.view.normals = std::move(map->normals);
-  loaded.notes.insert(loaded.notes.end(), map->notes.begin(), map->notes.end());
+  auto stored = stored_in_image(*image, *spec.normals, loaded.view);
+  if (!stored) return stored.error();
+  loaded.normals = std::move(*stored);
   return {};
+}
+
+void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
+  notes.insert(notes.end(), more.begin(), more.end());
 }
 
 // A confidence that is no number or negative says that the sample is not to be trusted.
@@ -252,10 +250,42 @@ Result<LoadedView> load_view(const ViewSpec& spec, MemoryBudget& memory) {
                  main_file(spec).string() + ": view " + spec.name +
                      " has no samples: every pixel is without a measurement or masked; leave the "
                      "view out or mend its mask"};
-  if (spec.normals) step = load_normals(spec, loaded);
-  if (!step) return step.error();
+  if (spec.normals) {
+    step = load_normals(spec, loaded);
+    if (!step) return step.error();
+  } else if (loaded.normals) {
+    loaded.normals = stored_in_grid(std::move(loaded.normals->components), *spec.grid, loaded.view);
+  }
+  if (loaded.normals) append(loaded.notes, loaded.normals->notes);
   clean_confidence(loaded.view.confidence);
   return loaded;
+}
+
+void set_normals(LoadedView& loaded, const ChosenConvention& chosen) {
+  if (!loaded.normals) return;
+  append(loaded.notes, apply_convention(*loaded.normals, chosen, loaded.view));
+  loaded.normals.reset();
+}
+
+Result<ConventionChoice> find_conventions(const std::vector<ViewSpec>& specs) {
+  std::vector<NormalEvidence> evidence;
+  std::vector<std::size_t> with_normals;
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    if (!specs[i].normals && !specs[i].grid) continue;
+    auto loaded = load_view(specs[i]);
+    if (!loaded) return loaded.error();
+    if (!loaded->normals) continue;
+    evidence.push_back(std::move(loaded->normals->evidence));
+    with_normals.push_back(i);
+  }
+  auto found = choose_conventions(evidence);
+  if (!found) return found;
+  ConventionChoice choice;
+  choice.notes = std::move(found->notes);
+  choice.views.resize(specs.size());
+  for (std::size_t k = 0; k < with_normals.size(); ++k)
+    choice.views[with_normals[k]] = found->views[k];
+  return choice;
 }
 
 }  // namespace relief

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -79,29 +78,5 @@ Result<ProjectSpec> parse_stanford_conf(const std::string& text, const std::file
 /// What read_project's `path` stands for, whichever form it has. `fc_file` may be empty.
 Result<ProjectSpec> read_project_spec(const std::filesystem::path& path,
                                       const std::filesystem::path& fc_file);
-
-struct LoadedView {
-  RangeView view;
-  std::vector<std::string> notes;
-};
-
-/// Memory [bytes] that views may take together; may be used from several threads.
-class MemoryBudget {
- public:
-  explicit MemoryBudget(std::size_t bytes) : left_(bytes) {}
-  std::size_t left() const { return left_; }
-  /// False when there is less: then nothing is taken.
-  bool take(std::size_t bytes);
-
- private:
-  std::atomic<std::size_t> left_;
-};
-
-/// Reads the data of one view, within `memory`. A view without any sample is an error
-/// (kUnsolvable), as is one too large.
-Result<LoadedView> load_view(const ViewSpec& spec, MemoryBudget& memory);
-
-/// The same within the memory that is free.
-Result<LoadedView> load_view(const ViewSpec& spec);
 
 }  // namespace relief

@@ -42,6 +42,26 @@ class NormalMaps : public ::testing::Test {
     return image;
   }
 
+  struct Decoded {
+    Grid<Eigen::Vector3f> normals;
+    std::vector<std::string> notes;
+  };
+
+  // Reads an image and settles its convention for this view alone.
+  Result<Decoded> decode_normals(const Image& image, const NormalSpec& spec,
+                                 const RangeView& view) const {
+    const auto stored = stored_in_image(image, spec, view);
+    if (!stored) return stored.error();
+    const auto choice = choose_conventions({stored->evidence});
+    if (!choice) return choice.error();
+    RangeView decoded = view;
+    Decoded result{{}, choice->notes};
+    const auto dropped = apply_convention(*stored, choice->views.front(), decoded);
+    result.notes.insert(result.notes.end(), dropped.begin(), dropped.end());
+    result.normals = decoded.normals;
+    return result;
+  }
+
   double largest_difference(const Grid<Eigen::Vector3f>& normals) const {
     double largest = 0.0;
     for (std::size_t i = 0; i < normals.size(); ++i)
@@ -108,13 +128,15 @@ TEST_F(NormalMaps, IsAnErrorWhenNothingFits) {
   EXPECT_THAT(map.error().message, HasSubstr("no convention"));
 }
 
-TEST_F(NormalMaps, WarnsWhenADeclarationContradictsTheDepth) {
+TEST_F(NormalMaps, AWrongDeclarationIsCorrectedAndNamed) {
   const auto map = decode_normals(
       encode(kGl, false),
       NormalSpec{"n", NormalEncoding::kUnit, NormalAxes::kOpencv, NormalSpace::kCamera}, view_);
   ASSERT_TRUE(map.ok());
+  EXPECT_LT(largest_difference(map->normals), 1e-6);
   ASSERT_FALSE(map->notes.empty());
   EXPECT_THAT(map->notes[0], HasSubstr("warning"));
+  EXPECT_THAT(map->notes[0], HasSubstr("opencv"));
   EXPECT_THAT(map->notes[0], HasSubstr("opengl"));
   EXPECT_THAT(map->notes[0], HasSubstr(view_.name));
 }
