@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "scan/io/normal_side.h"
 #include "scan/median.h"
 #include "scan/range_view.h"
 
@@ -182,15 +183,6 @@ std::optional<PinholeIntrinsics> fit_intrinsics(const Samples& samples, double s
 // +1 or -1: the sign with which `direction` leads away from the sensor (see the header).
 double away_from_sensor(const Eigen::Vector3d& direction, const GridFile& grid,
                         const Samples& samples, const RationalProjection& projection, double rms) {
-  std::size_t facing = 0, averted = 0;
-  for (const auto& normal : grid.normals) {
-    const double cosine = normal.cast<double>().dot(direction);
-    if (cosine < 0.0) ++facing;
-    if (cosine > 0.0) ++averted;
-  }
-  if (facing > 3 * averted) return 1.0;
-  if (averted > 3 * facing) return -1.0;
-
   // How many pixels the samples' picture shrinks per unit of depth, times their depth.
   DepthExtent depth, u_extent, v_extent;
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
@@ -205,6 +197,17 @@ double away_from_sensor(const Eigen::Vector3d& direction, const GridFile& grid,
                         (shrinking(projection.u_denominator) * u_extent.length() +
                          shrinking(projection.v_denominator) * v_extent.length());
   if (std::abs(pixels) > 1.0 + 4.0 * rms) return pixels > 0.0 ? 1.0 : -1.0;
+
+  if (normals_tell_side(grid)) {
+    std::size_t facing = 0, averted = 0;
+    for (const auto& normal : grid.normals) {
+      const double cosine = normal.cast<double>().dot(direction);
+      if (cosine < 0.0) ++facing;
+      if (cosine > 0.0) ++averted;
+    }
+    if (facing > 3 * averted) return 1.0;
+    if (averted > 3 * facing) return -1.0;
+  }
 
   return direction.z() <= 0.0 ? 1.0 : -1.0;
 }

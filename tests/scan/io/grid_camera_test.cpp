@@ -100,6 +100,24 @@ TEST(GridCamera, NormalsTellTheSideOfParallelRays) {
   EXPECT_GT(fit_camera(grid).model.ray(0, 0).direction.z(), 0.99);
 }
 
+TEST(GridCamera, NormalsOfAWrongConventionTellNoSide) {
+  const Camera camera = Camera::orthographic(80, 80, {-1, -1, 5}, {0.025, 0, 0}, {0, 0.025, 0},
+                                             -Eigen::Vector3d::UnitZ());
+  const RangeView view = render(sphere({0, 0, 0}, 0.9), camera);
+  GridFile grid = grid_of(view);
+  grid.normals = view.normals;
+  for (auto& normal : grid.normals) normal.z() = -normal.z();
+  EXPECT_LT(fit_camera(grid).model.ray(0, 0).direction.z(), -0.99);
+}
+
+TEST(GridCamera, PerspectiveTellsTheSideAgainstReversedNormals) {
+  GridFile grid = line_scan(5.0);
+  grid.normals = Grid<Eigen::Vector3f>(80, 80, Eigen::Vector3f::Constant(NAN));
+  for (std::size_t i = 0; i < grid.points.size(); ++i)
+    if (grid.points[i].allFinite()) grid.normals[i] = -grid.points[i].normalized().cast<float>();
+  EXPECT_LT(fit_camera(grid).model.ray(40, 40).direction.z(), -0.999);
+}
+
 TEST(GridCamera, AGivenDirectionIsKeptAndPointsStayExact) {
   const GridFile grid = line_scan(5.0);
   const Camera model = fit_orthographic(grid.points, -Eigen::Vector3d::UnitZ());
