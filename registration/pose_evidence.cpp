@@ -112,6 +112,12 @@ double joint_noise(const ViewSurface& a, const ViewSurface& b) {
   return std::hypot(a.noise(), b.noise());
 }
 
+// What neighbours share beyond the rounding of their ranges [sample spacings].
+double beyond_rounding(double shared, const ViewSurface& a, const ViewSurface& b) {
+  const double rounding = std::hypot(a.rounding(), b.rounding());
+  return std::sqrt(std::max(0.0, shared * shared - rounding * rounding)) / coarser_spacing(a, b);
+}
+
 // Pairs of samples up to a part of the smaller view's radius, but at least `spacings` apart.
 DistanceBand band(const ViewSurface& a, const ViewSurface& b, double nearest, double spacings) {
   const double spacing = coarser_spacing(a, b);
@@ -167,7 +173,12 @@ bool too_much_absent(const PoseEvidence& evidence, const PlausibleEvidence& limi
 
 bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
                      const PlausibleEvidence& limits) {
-  return evidence.local_rms > limits.max_coherent_rms * coarser_spacing(a, b);
+  return beyond_rounding(evidence.local_rms, a, b) > limits.max_coherent_rms;
+}
+
+double relative_coherent_rms(const PoseEvidence& evidence, const ViewSurface& a,
+                             const ViewSurface& b) {
+  return beyond_rounding(evidence.coherent_rms, a, b);
 }
 
 double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b) {
@@ -178,7 +189,7 @@ bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSur
                const PlausibleEvidence& limits) {
   return evidence.overlap >= limits.min_overlap && relative_rms(evidence, a, b) <= limits.max_rms &&
          evidence.normal_rms <= limits.max_normal_rms &&
-         evidence.coherent_rms <= limits.max_coherent_rms * coarser_spacing(a, b) &&
+         relative_coherent_rms(evidence, a, b) <= limits.max_coherent_rms &&
          !contradicts(evidence, limits);
 }
 

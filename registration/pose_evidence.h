@@ -66,6 +66,11 @@ bool too_much_absent(const PoseEvidence& evidence, const PlausibleEvidence& limi
 /// The RMS of the evidence in units of what noise and sampling of the two views explain.
 double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b);
 
+/// The coherent RMS of the evidence [sample spacings], less what the rounding of the ranges makes:
+/// all samples of a terrace are rounded alike.
+double relative_coherent_rms(const PoseEvidence& evidence, const ViewSurface& a,
+                             const ViewSurface& b);
+
 /// Whether close neighbours agree on a misfit. In views that are coarse against what they show that
 /// is where wrong poses show most; it may be noise alike over a few pixels too.
 bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,

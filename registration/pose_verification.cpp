@@ -20,6 +20,8 @@ constexpr double kUncommon = 2.0;
 // However bad a sensor is, pairs that deviate by more than so many times the general limits confirm
 // nothing.
 constexpr double kWidest = 5.0;
+// A calibration is made to the noise of its sensor: its errors are hardly more than twice that.
+constexpr double kWarpDeviations = 2.0;
 // Stray samples, flying pixels and moving parts stand in space seen empty at right poses as well:
 // of the samples that can be compared, fewer than these.
 constexpr double kStrays = 0.1;
@@ -87,7 +89,7 @@ void judge(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMoti
 // The limits, widened to what the pairs of these views have in common.
 PlausibleEvidence limits_of_views(const std::vector<ViewSurface>& surfaces,
                                   const std::vector<Judged>& pairs, PlausibleEvidence limits) {
-  std::vector<double> rms, normal_rms, coherent_rms, contradiction;
+  std::vector<double> rms, normal_rms, coherent_rms, contradiction, noise;
   for (const Judged& pair : pairs) {
     if (!pair.fit_known) continue;
     const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
@@ -95,15 +97,19 @@ PlausibleEvidence limits_of_views(const std::vector<ViewSurface>& surfaces,
     if (pair.evidence.contradiction > kStrays) continue;
     rms.push_back(relative_rms(pair.evidence, a, b));
     normal_rms.push_back(pair.evidence.normal_rms);
-    coherent_rms.push_back(pair.evidence.coherent_rms / std::max(a.spacing(), b.spacing()));
+    coherent_rms.push_back(relative_coherent_rms(pair.evidence, a, b));
+    noise.push_back(std::hypot(a.noise(), b.noise()) / std::max(a.spacing(), b.spacing()));
   }
-  const auto widen = [](double& limit, std::vector<double> values) {
-    limit = std::clamp(kUncommon * quantile(std::move(values), 0.5), limit, kWidest * limit);
+  const auto widen = [](double& limit, std::vector<double> values, double widest) {
+    limit =
+        std::clamp(kUncommon * quantile(std::move(values), 0.5), limit, std::max(limit, widest));
   };
-  widen(limits.max_rms, std::move(rms));
-  widen(limits.max_normal_rms, std::move(normal_rms));
-  widen(limits.max_coherent_rms, std::move(coherent_rms));
-  widen(limits.max_contradiction, std::move(contradiction));
+  widen(limits.max_rms, std::move(rms), kWidest * limits.max_rms);
+  widen(limits.max_normal_rms, std::move(normal_rms), kWidest * limits.max_normal_rms);
+  widen(limits.max_coherent_rms, std::move(coherent_rms),
+        std::max(kWidest * limits.max_coherent_rms,
+                 kWarpDeviations * quantile(std::move(noise), 0.5)));
+  widen(limits.max_contradiction, std::move(contradiction), kWidest * limits.max_contradiction);
   limits.min_overlap = kCountingOverlap;
   return limits;
 }

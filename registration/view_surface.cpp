@@ -8,11 +8,14 @@
 
 #include <Eigen/Dense>
 
+#include "registration/robust.h"
 #include "registration/unbiased_normals.h"
 #include "registration/view_noise.h"
 #include "scan/discontinuities.h"
 #include "scan/grid_normals.h"
 #include "scan/median_deviation.h"
+#include "scan/range_noise.h"
+#include "scan/small_gaps.h"
 
 namespace relief {
 
@@ -20,6 +23,12 @@ namespace {
 
 constexpr double kWantedNormalNoise = 0.035;  // [rad], two degrees
 constexpr int kSmallestNormalRadius = 2, kLargestNormalRadius = 5;
+// Rounded ranges make terraces. A window as wide as this many steps of the range sees several of
+// them on all but nearly frontal surfaces.
+constexpr double kTerraces = 1.5;
+constexpr int kLargestTerraceRadius = 8;
+// Gaps are bridged where more of the samples than this lie beside one.
+constexpr double kFewBesideGaps = 0.04;
 // Deviations of more than so many times what neighbours differ by are mostly of what they share.
 constexpr double kSharedErrors = 2.0;
 constexpr int kBlankReach = 2;  // [pixels]
@@ -42,22 +51,87 @@ void scatter(std::vector<std::uint32_t>& indices) {
                  [](std::uint64_t key) { return static_cast<std::uint32_t>(key); });
 }
 
-// What each sample counts for: its confidence, or, where deviations are known, which have the
-// confidence in them, the inverse of its variance relative to the view's median one. Empty: the
-// confidence; so, too, where errors are shared by neighbours: their sums over the surface, which
-// move poses, do not become smaller as the deviations of single samples do.
-Grid<float> sample_weights(const RangeView& view, double noise) {
-  const float typical = median_deviation(view);
-  if (!(typical > 0.0f) || typical > kSharedErrors * noise) return {};
+// Squares of `typical` over the deviation of each sample, times its confidence.
+template <typename Deviation>
+Grid<float> inverse_variances(const RangeView& view, double typical, const Deviation& deviation) {
   Grid<float> weights(view.width(), view.height(), 0.0f);
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
       weights(u, v) = view.confidence_at(u, v);
-      const float ratio = typical / view.deviation_at(u, v);
-      if (weights(u, v) > 0.0f && ratio > 0.0f) weights(u, v) = ratio * ratio;
+      const double ratio = typical / deviation(u, v);
+      if (weights(u, v) > 0.0f && ratio > 0.0) weights(u, v) = static_cast<float>(ratio * ratio);
     }
   }
   return weights;
+}
+
+// What each sample counts for: its confidence, or, where deviations are known, which have the
+// confidence in them, the inverse of its variance relative to the view's median one. Empty: the
+// confidence; so, too, where errors are shared by neighbours: their sums over the surface, which
+// move poses, do not become smaller as the deviations of single samples do. Noise that the ranges
+// show to change over the view counts like deviations.
+Grid<float> sample_weights(const RangeView& view, double noise, const RangeNoise& ranges) {
+  const double typical = median_deviation(view);
+  if (typical > 0.0 && typical <= kSharedErrors * noise)
+    return inverse_variances(view, typical, [&](int u, int v) { return view.deviation_at(u, v); });
+  if (typical > 0.0 || ranges.map.empty() || !ranges.known()) return {};
+  auto weights =
+      inverse_variances(view, ranges.sigma, [&](int u, int v) { return ranges.sigma_at(u, v); });
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u) weights(u, v) *= view.confidence_at(u, v);
+  return weights;
+}
+
+// The root mean square of the noise over the view, relative to that of a typical sample.
+double unevenness(const RangeView& view, const RangeNoise& ranges) {
+  if (ranges.map.empty() || !ranges.known()) return 1.0;
+  double squares = 0.0, count = 0.0;
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      if (view.has_sample(u, v)) squares += std::pow(ranges.sigma_at(u, v), 2), count += 1.0;
+  return count > 0.0 ? std::max(1.0, std::sqrt(squares / count) / ranges.sigma) : 1.0;
+}
+
+// How much of a step along the ray a surface moves along its normal: the median over samples.
+double typical_incidence(const RangeView& view, const Grid<Eigen::Vector3f>& normals) {
+  std::vector<double> cosines;
+  for (int v = 0; v < view.height(); v += 4)
+    for (int u = 0; u < view.width(); u += 4)
+      if (normals(u, v).allFinite())
+        cosines.push_back(std::abs(
+            view.camera.ray(u, v).direction.normalized().dot(normals(u, v).cast<double>())));
+  return cosines.empty() ? 1.0 : quantile(std::move(cosines), 0.5);
+}
+
+int normal_radius(double noise, double spacing, double step) {
+  int radius = kSmallestNormalRadius;
+  while (radius < kLargestNormalRadius && slope_noise(noise, spacing, radius) > kWantedNormalNoise)
+    ++radius;
+  if (step > 0.0 && spacing > 0.0)
+    radius = std::max(radius, static_cast<int>(std::ceil(std::min<double>(
+                                  kLargestTerraceRadius, kTerraces * step / spacing))));
+  return radius;
+}
+
+// The step of the ranges along the rays [unit], root mean square over the samples; 0 where they are
+// not rounded.
+double typical_step(const RangeView& view, const RangeNoise& noise) {
+  if (!noise.quantisation.exists()) return 0.0;
+  double squares = 0.0, count = 0.0;
+  for (int v = 0; v < view.height(); v += 4)
+    for (int u = 0; u < view.width(); u += 4)
+      if (view.has_sample(u, v)) {
+        const double length = view.camera.ray(u, v).direction.norm();
+        squares += std::pow(noise.quantisation.step_at(view.range(u, v), length), 2);
+        count += 1.0;
+      }
+  return count > 0.0 ? std::sqrt(squares / count) : 0.0;
+}
+
+// Slopes of terraces [rad]: over a window of half width `radius` [pixels] the rounding of the
+// ranges does not average out.
+double terrace_slope(double rounding, double spacing, int radius) {
+  return spacing > 0.0 ? rounding / (spacing * radius) : 0.0;
 }
 
 }  // namespace
@@ -66,8 +140,10 @@ ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& option
   assert(options.boundary_margin >= 1 && options.final_margin >= 1);
   if (options.normal_signal && view.has_normals())
     signal_levels_ = NormalSignal::levels_of(view.width(), view.height());
-  const ConnectedGrid grid = connect_grid(view, options.threads);
-  smooth_normals(grid, options);
+  const RangeNoise noise = estimate_range_noise(view, options.threads);
+  bridge_gaps(view, noise);
+  const ConnectedGrid grid = connect_grid(*view_, options.threads);
+  smooth_normals(grid, noise, options);
   select_samples(grid.points);
   if (samples_.empty() || (can_project() && !options.neighbour_index)) return;
   Eigen::Matrix3Xd points(3, samples_.size());
@@ -76,24 +152,55 @@ ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& option
   index_ = std::make_unique<NeighbourIndex>(points);
 }
 
-void ViewSurface::smooth_normals(const ConnectedGrid& grid, const ViewSurfaceOptions& options) {
+void ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise) {
+  BridgedRange filled = bridge_small_gaps(view, {.sigma = noise.sigma});
+  // Each bridged sample has about four measured ones beside it.
+  if (4.0 * static_cast<double>(filled.bridged_count) <
+      kFewBesideGaps * static_cast<double>(view.sample_count()))
+    return;
+  RangeView whole;
+  whole.name = view.name;
+  whole.camera = view.camera;
+  whole.range = std::move(filled.range);
+  whole.normals = view.normals;
+  whole.confidence = view.confidence;
+  whole.deviation = view.deviation;
+  for (std::size_t i = 0; i < whole.confidence.size(); ++i)
+    if (filled.bridged[i]) whole.confidence[i] = 1.0f;
+  bridged_ = std::move(filled.bridged);
+  filled_ = std::make_unique<const RangeView>(std::move(whole));
+  view_ = filled_.get();
+}
+
+void ViewSurface::smooth_normals(const ConnectedGrid& grid, const RangeNoise& ranges,
+                                 const ViewSurfaceOptions& options) {
   const RangeView& view = *view_;
   spacing_ = sample_spacing(grid.points, grid.edges);
   noise_ = position_noise(view, grid, options.threads);
-  if (options.normals == NormalSource::kGeometric) weights_ = sample_weights(view, noise_);
-  int radius = options.normal_radius > 0 ? options.normal_radius : kSmallestNormalRadius;
-  if (options.normal_radius == 0) {
-    while (radius < kLargestNormalRadius &&
-           slope_noise(noise_, spacing_, radius) > kWantedNormalNoise)
-      ++radius;
+  const double step = typical_step(view, ranges);
+  if (options.normals == NormalSource::kGeometric) weights_ = sample_weights(view, noise_, ranges);
+  const auto radius_for = [&] {
+    return options.normal_radius > 0 ? options.normal_radius
+                                     : normal_radius(noise_, spacing_, step);
+  };
+  if (step > 0.0) {
+    // Differences of rounded ranges are mostly zero: the ranges as a whole tell more.
+    const auto coarse = estimate_normals(
+        view, grid, {.radius = radius_for(), .stride = 4, .threads = options.threads});
+    const double incidence = typical_incidence(view, coarse);
+    noise_ = std::max(noise_, ranges.sigma * incidence);
+    rounding_ = step / std::sqrt(12.0) * incidence;
   }
-  normal_noise_ = slope_noise(noise_, spacing_, radius);
+  noise_ = std::max(noise_ * unevenness(view, ranges), rounding_);
+  const int radius = radius_for();
+  normal_noise_ =
+      std::hypot(slope_noise(noise_, spacing_, radius), terrace_slope(rounding_, spacing_, radius));
   const int outermost = std::min(options.boundary_margin, options.final_margin);
   auto normals = estimate_normals(
       view, grid, {.radius = radius, .margin = outermost, .threads = options.threads});
   if (options.normals == NormalSource::kMeasured && view.has_normals()) {
     for (std::size_t i = 0; i < normals.size(); ++i)
-      if (view.normals[i].allFinite()) normals[i] = view.normals[i];
+      if (view.normals[i].allFinite() && measured(i)) normals[i] = view.normals[i];
   }
   for (std::size_t i = 0; i < normals.size(); ++i) {
     if (grid.boundary[i] < outermost || !(weight(i) > 0.0))
@@ -102,6 +209,7 @@ void ViewSurface::smooth_normals(const ConnectedGrid& grid, const ViewSurfaceOpt
   normals_ = PackedNormals(normals);
   normals_.for_each([&](int u, int v, PackedNormal& normal) {
     normal.note = grid.boundary(u, v) < options.boundary_margin ? kEdge : kInner;
+    if (normal.note == kInner && !measured(grid.points.index(u, v))) normal.note = kBridged;
   });
 }
 
@@ -120,8 +228,10 @@ const NormalSignal& ViewSurface::prepared_signal() const {
 
 void ViewSurface::select_samples(const Grid<Eigen::Vector3d>& points) {
   normals_.for_each([&](int u, int v, const PackedNormal& normal) {
+    const std::size_t index = points.index(u, v);
+    if (!measured(index)) return;
     const bool inner = normal.note == kInner;
-    (inner ? samples_ : edge_samples_).push_back(static_cast<std::uint32_t>(points.index(u, v)));
+    (inner ? samples_ : edge_samples_).push_back(static_cast<std::uint32_t>(index));
     if (inner) mean_normal_ += normal.scaled();
   });
   scatter(edge_samples_);
@@ -159,7 +269,7 @@ std::optional<ViewSurface::Corners> ViewSurface::corners_of(const Eigen::Vector2
   if (!normals_.holds(u, v, u + 1, v + 1)) return std::nullopt;
   for (int k = 0; k < 4; ++k) {
     const PackedNormal& normal = normals_(u + k % 2, v + k / 2);
-    if (!normal.exists() || (part == SurfacePart::kInner && normal.note != kInner))
+    if (!normal.exists() || (part == SurfacePart::kInner && normal.note == kEdge))
       return std::nullopt;
   }
   const double a = pixel.x() - u_floor, b = pixel.y() - v_floor;
@@ -203,7 +313,7 @@ std::optional<SurfacePoint> ViewSurface::nearest(const Eigen::Vector2d& pixel,
   const int u = static_cast<int>(u_round), v = static_cast<int>(v_round);
   if (!normals_.holds(u, v, u, v)) return std::nullopt;
   const PackedNormal& normal = normals_(u, v);
-  if (!normal.exists() || (part == SurfacePart::kInner && normal.note != kInner))
+  if (!normal.exists() || (part == SurfacePart::kInner && normal.note == kEdge))
     return std::nullopt;
   return sample(static_cast<std::uint32_t>(view_->range.index(u, v)));
 }

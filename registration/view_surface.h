@@ -16,6 +16,7 @@
 namespace relief {
 
 struct ConnectedGrid;
+struct RangeNoise;
 
 enum class NormalSource {
   kGeometric,  ///< Of the measured surface, smoothed: right whatever the normal maps are.
@@ -67,12 +68,13 @@ struct SignalPoint {
 /// the two ways of finding the place in it that is closest to a point. Movable, not copyable.
 class ViewSurface {
  public:
-  /// The view outlives the surface with its grids unchanged: ranges are not copied.
+  /// The view outlives the surface with its grids unchanged: ranges are copied only where many of
+  /// its samples lie beside small gaps, which then are bridged (see bridge_small_gaps).
   explicit ViewSurface(const RangeView& view, const ViewSurfaceOptions& options = {});
   explicit ViewSurface(const RangeView&& view, const ViewSurfaceOptions& options = {}) = delete;
 
-  /// Grid indices of the usable samples (normal, positive confidence, off the boundary) in a
-  /// scattered order: every prefix is spread over the whole surface.
+  /// Grid indices of the usable samples (measured, normal, positive confidence, off the boundary)
+  /// in a scattered order: every prefix is spread over the whole surface.
   const std::vector<std::uint32_t>& samples() const { return samples_; }
   /// Those between the two margins, scattered too.
   const std::vector<std::uint32_t>& edge_samples() const { return edge_samples_; }
@@ -112,10 +114,14 @@ class ViewSurface {
   std::vector<Eigen::Vector2d> closest(const Eigen::Matrix3Xd& points) const;
 
   double spacing() const { return spacing_; }  ///< Median sample spacing [unit].
-  /// Standard deviation of the white noise of positions along the normal [unit], robustly from
-  /// third differences.
+  /// Standard deviation of the noise of positions along the normal [unit]: of the white part
+  /// robustly from third differences, of rounded ranges at least what their steps make; where it
+  /// changes over the view, its root mean square.
   double noise() const { return noise_; }
-  /// Standard deviation of the smoothed geometric normals due to that noise [rad].
+  /// Standard deviation of the part of the noise that the rounding of the ranges makes [unit]: all
+  /// samples of a terrace share it. 0 where ranges are not rounded.
+  double rounding() const { return rounding_; }
+  /// Standard deviation of the smoothed geometric normals due to noise and rounding [rad].
   double normal_noise() const { return normal_noise_; }
   const Eigen::Vector3d& centre() const { return centre_; }  ///< Mean sample, view frame.
   /// Unit mean normal of the samples: roughly towards the sensor, view frame.
@@ -125,7 +131,10 @@ class ViewSurface {
   }  ///< Of the sphere about centre() that holds all samples.
 
  private:
-  void smooth_normals(const ConnectedGrid& grid, const ViewSurfaceOptions& options);
+  void bridge_gaps(const RangeView& view, const RangeNoise& noise);
+  bool measured(std::size_t index) const { return bridged_.empty() || !bridged_[index]; }
+  void smooth_normals(const ConnectedGrid& grid, const RangeNoise& noise,
+                      const ViewSurfaceOptions& options);
   void select_samples(const Grid<Eigen::Vector3d>& points);
   struct Corners;
   std::optional<Corners> corners_of(const Eigen::Vector2d& pixel, SurfacePart part) const;
@@ -134,21 +143,24 @@ class ViewSurface {
   double weight(std::size_t index) const;
   const NormalSignal& prepared_signal() const;
 
-  static constexpr std::uint16_t kEdge = 0, kInner = 1;
+  static constexpr std::uint16_t kEdge = 0, kInner = 1, kBridged = 2;
 
   struct LazySignal {
     std::once_flag once;
     NormalSignal signal;
   };
 
-  const RangeView* view_;
-  PackedNormals normals_;  // Of usable samples, noting whether kInner or kEdge.
-  Grid<float> weights_;    // Empty: the view's confidences.
+  const RangeView* view_;                    // The one given, or filled_.
+  std::unique_ptr<const RangeView> filled_;  // The one given with its small gaps bridged.
+  Grid<std::uint8_t> bridged_;               // Empty: no gap was bridged.
+  PackedNormals
+      normals_;          // Of usable samples, noting whether kInner or kEdge, and of kBridged ones.
+  Grid<float> weights_;  // Empty: the view's confidences.
   int signal_levels_ = 0;
   std::unique_ptr<LazySignal> signal_ = std::make_unique<LazySignal>();
   std::vector<std::uint32_t> samples_, edge_samples_;
   std::unique_ptr<NeighbourIndex> index_;
-  double spacing_ = 0.0, noise_ = 0.0, normal_noise_ = 0.0, radius_ = 0.0;
+  double spacing_ = 0.0, noise_ = 0.0, rounding_ = 0.0, normal_noise_ = 0.0, radius_ = 0.0;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), mean_normal_ = Eigen::Vector3d::Zero();
 };
 

@@ -1,6 +1,8 @@
 #include "registration/coarse/link_limits.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -20,11 +22,18 @@ constexpr double kLeastNormalLimit = 0.12;
 constexpr double kLeastCoherentLimit = 0.12;  // [sample spacings]
 // A triangle may close by chance; more links that close loops tell the errors of the views.
 constexpr std::size_t kTellingLinks = 4;
-// Of those links most are right, and right ones deviate by little more than these do.
-constexpr double kShownQuantile = 0.75, kShownExcess = 1.25;
+// Right links deviate by no more than so many times the median of them.
+constexpr double kShownExcess = 1.6;
+// Absence depends on the pair: of links believed otherwise, nearly all show no more.
+constexpr double kAbsenceQuantile = 0.9;
+// So does the part of stray samples; wrong links show far more.
+constexpr double kStraysQuantile = 0.75;
+// A calibration is made to the noise of its sensor: its errors are hardly more than twice that.
+constexpr double kWarpDeviations = 2.0;
 // How far limits may follow.
-constexpr double kWidestRms = 2.5, kWidestCoherent = 5.0;
-constexpr double kWidestContradiction = 0.1;  // Stray samples are fewer.
+constexpr double kWidestRms = 2.5, kWidestCoherent = 5.0, kWidestContradiction = 2.5;
+// Standard deviations of the normals' noise by which those of right poses may differ.
+constexpr double kNormalDeviations = 3.0;
 
 // The deviations of links, one list for each kind of evidence.
 struct Deviations {
@@ -34,7 +43,7 @@ struct Deviations {
     const ViewSurface &a = surfaces[link.a], &b = surfaces[link.b];
     rms.push_back(relative_rms(link.evidence, a, b));
     normal_rms.push_back(link.evidence.normal_rms);
-    coherent_rms.push_back(link.evidence.coherent_rms / std::max(a.spacing(), b.spacing()));
+    coherent_rms.push_back(relative_coherent_rms(link.evidence, a, b));
     contradiction.push_back(link.evidence.contradiction);
     absence.push_back(link.evidence.absence);
   }
@@ -54,8 +63,13 @@ std::vector<const PoseLink*> best_of_each_pair(const std::vector<ViewSurface>& s
   return links_of_pairs;
 }
 
-double shown_by(std::vector<double> values, double fraction) {
-  return kShownExcess * quantile(std::move(values), fraction);
+PlausibleEvidence widest_limits(const PlausibleEvidence& general) {
+  PlausibleEvidence widest = general;
+  widest.max_rms *= kWidestRms;
+  widest.max_coherent_rms *= kWidestCoherent;
+  widest.max_contradiction = std::min(1.0, kWidestContradiction * general.max_contradiction);
+  widest.max_absence = 1.0;
+  return widest;
 }
 
 // What links that close loops show of the errors, never beyond `widest`; zero where too few do.
@@ -66,16 +80,24 @@ PlausibleEvidence shown_errors(const std::vector<ViewSurface>& surfaces,
   for (std::size_t k = 0; k < links.size(); ++k)
     if (loops[k] > 0) found.add(links[k], surfaces);
   PlausibleEvidence shown = widest;
-  const bool telling = found.rms.size() >= kTellingLinks;
-  const auto take = [&](double& limit, std::vector<double> values, double fraction) {
-    limit = telling ? std::min(limit, shown_by(std::move(values), fraction)) : 0.0;
+  shown.max_coherent_rms = std::numeric_limits<double>::infinity();  // See may_be_right().
+  if (found.rms.size() < kTellingLinks) return {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  const auto take = [](double& limit, std::vector<double> values) {
+    limit = std::min(limit, kShownExcess * quantile(std::move(values), 0.5));
   };
-  take(shown.max_rms, std::move(found.rms), kShownQuantile);
-  take(shown.max_normal_rms, std::move(found.normal_rms), kShownQuantile);
-  take(shown.max_coherent_rms, std::move(found.coherent_rms), kShownQuantile);
-  take(shown.max_contradiction, std::move(found.contradiction), kShownQuantile);
-  // A laser and a camera lose what either does not see: how much depends on the pair.
-  take(shown.max_absence, std::move(found.absence), 0.9);
+  take(shown.max_rms, std::move(found.rms));
+  take(shown.max_normal_rms, std::move(found.normal_rms));
+  take(shown.max_coherent_rms, std::move(found.coherent_rms));
+  shown.max_contradiction =
+      std::min(shown.max_contradiction,
+               kShownExcess * quantile(std::move(found.contradiction), kStraysQuantile));
+  // A laser and a camera lose what either does not see.
+  std::vector<double> absence;
+  for (std::size_t k = 0; k < links.size(); ++k)
+    if (loops[k] > 0 &&
+        plausible(links[k].evidence, surfaces[links[k].a], surfaces[links[k].b], shown))
+      absence.push_back(links[k].evidence.absence);
+  shown.max_absence = quantile(std::move(absence), kAbsenceQuantile);
   return shown;
 }
 
@@ -113,13 +135,16 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
   return loops;
 }
 
-PlausibleEvidence widest_limits(const PlausibleEvidence& general) {
-  PlausibleEvidence widest = general;
-  widest.max_rms *= kWidestRms;
-  widest.max_coherent_rms *= kWidestCoherent;
-  widest.max_contradiction = std::max(general.max_contradiction, kWidestContradiction);
-  widest.max_absence = 1.0;
-  return widest;
+bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+                  const PlausibleEvidence& general) {
+  PlausibleEvidence limits = widest_limits(general);
+  limits.max_normal_rms = std::min(
+      general.max_normal_rms,
+      kLeastNormalLimit + kNormalDeviations * std::hypot(a.normal_noise(), b.normal_noise()));
+  limits.max_coherent_rms =
+      std::max(limits.max_coherent_rms, kWarpDeviations * std::hypot(a.noise(), b.noise()) /
+                                            std::max(a.spacing(), b.spacing()));
+  return plausible(evidence, a, b, limits);
 }
 
 LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,

@@ -18,9 +18,10 @@ struct LinkLimits {
   PlausibleEvidence confirmed;  ///< Links that loops confirm, and pairs at poses of chains.
 };
 
-/// What is believed at all as long as nothing is known of the errors of these views: noise that is
-/// alike over many pixels, and calibration errors, do not tell from shape in a single pair.
-PlausibleEvidence widest_limits(const PlausibleEvidence& general);
+/// Whether a pose may be right although it deviates by more than `general` allows: smooth errors of
+/// a calibration move surfaces apart, but hardly turn their normals nor stand in space seen empty.
+bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+                  const PlausibleEvidence& general);
 
 /// Fits the limits to the links of a project. Errors of a sensor are in all of its pairs: links
 /// that close loops with each other show how large they are, and the limits follow. A link that

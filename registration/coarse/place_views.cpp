@@ -101,7 +101,6 @@ class Placing {
     options.association = options_.association;
     PlausibleEvidence limits = options_.limits;
     limits.max_coherent_rms = std::max(limits.max_coherent_rms, grouping_.confirmed_coherent_rms);
-    const PlausibleEvidence widest = widest_limits(options_.limits);
     constexpr std::size_t kAtOnce = 8;
     for (std::size_t begin = 0; begin < pairs.size(); begin += kAtOnce) {
       if (!go_on(fraction, "comparing views")) return false;
@@ -115,7 +114,8 @@ class Placing {
       for (std::size_t k = 0; k < count; ++k) {
         const auto [a, b] = pairs[begin + k];
         std::erase_if(found[k], [&](const PoseHypothesis& hypothesis) {
-          return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], widest);
+          return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits) &&
+                 !may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
         });
         if (found[k].empty()) continue;
         const bool ambiguous = repeats_itself(a, views[a], scale, limits) ||
