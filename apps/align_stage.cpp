@@ -78,7 +78,12 @@ Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options
   }
 
   AlignStage stage;
-  stage.complete = alignment->complete();
+  const bool solved = alignment->termination != RefinementTermination::kSolverFailed;
+  if (!solved)
+    Console::warning(
+        "the poses are not refined to the end, as their equations are not finite: look for "
+        "infinite or huge confidences and coordinates");
+  stage.complete = alignment->complete() && solved;
   stage.report = alignment_report(*alignment);
   const double seconds = watch.seconds();
   stage.report["seconds"] = seconds;

@@ -68,11 +68,12 @@ std::size_t left_out(const Json& section) {
 Json alignment_gain(const Json& first, const Json& again, const std::vector<RangeView>& views) {
   const double std_first = median_pose_std(first), std_again = median_pose_std(again);
   const std::size_t lost = left_out(again);
+  const bool solved = again.value("termination", "") != "solver failed";
   return {{"rms", {{"first", first["rms"]}, {"again", again["rms"]}}},
           {"pose_std", {{"first", std_first}, {"again", std_again}}},
           {"moved", mean_motion(views, aligned_poses(first), aligned_poses(again))},
           {"left_out", lost},
-          {"kept", std_again <= std_first && lost == 0}};
+          {"kept", solved && std_again <= std_first && lost == 0}};
 }
 
 std::vector<std::string> gain_table(const Json& gain, const std::string& unit) {

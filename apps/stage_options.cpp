@@ -75,8 +75,9 @@ void add_refine_options(CLI::App& command, RefineFlags& flags) {
       ->transform(CLI::CheckedTransformer(kSolvers))
       ->default_str("multigrid");
   group
-      ->add_option("--memory", flags.memory_mb,
-                   "Memory for the views refined at once [MiB]; 0: half of what the process may use")
+      ->add_option(
+          "--memory", flags.memory_mb,
+          "Memory for the views refined at once [MiB]; 0: half of what the process may use")
       ->capture_default_str();
 }
 

@@ -14,7 +14,8 @@ namespace relief {
 
 /// Each stage with its progress, its log lines and its section of the report.
 
-/// Sets the poses of `project`. `complete` is false when a view could not be aligned.
+/// Sets the poses of `project`. `complete` is false when a view could not be aligned or the poses
+/// could not be refined to the end.
 struct AlignStage {
   bool complete = true;
   Json report;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "registration/dense_refinement.h"
 #include "registration/joint_solver.h"
@@ -162,6 +163,11 @@ std::size_t last_samples(const JointRefinementOptions& options, std::size_t pair
   return wanted == 0 ? share : std::min(wanted, share);
 }
 
+bool all_finite(const std::vector<RigidMotion>& poses) {
+  return std::all_of(poses.begin(), poses.end(),
+                     [](const RigidMotion& pose) { return pose.matrix().allFinite(); });
+}
+
 // The last steps, with all samples; gives the covariance too.
 void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair>& pairs,
             const SearchLevel& level, const std::vector<bool>& sliding,
@@ -179,8 +185,13 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
       return match.by_normal_maps(i) ? match(i).normals : NormalMatches();
     });
   }
-  const auto refined =
-      refine_densely(pointers_to(surfaces), pairs, result.held, dense, result.world_from_view);
+  auto poses = result.world_from_view;
+  const auto refined = refine_densely(pointers_to(surfaces), pairs, result.held, dense, poses);
+  if (!all_finite(poses) || !refined.covariance.allFinite()) {
+    result.termination = RefinementTermination::kSolverFailed;
+    return;
+  }
+  result.world_from_view = std::move(poses);
   result.iterations += refined.iterations;
   result.last_motion = refined.last_motion;
   if (refined.last_motion > level.tolerance)
@@ -231,7 +242,11 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
                               levels[l].signal_level, sliding);
       const auto matches = parallel_map<DirectedMatches>(match.size(), options.threads, match);
       const auto before = result.world_from_view;
-      solve_poses(surfaces, matches, result.held, solver, result.world_from_view);
+      if (solve_poses(surfaces, matches, result.held, solver, result.world_from_view) ==
+          PoseSolution::kFailed) {
+        result.termination = RefinementTermination::kSolverFailed;
+        return result;
+      }
       ++result.iterations;
       result.last_motion = largest_motion(pointers_to(surfaces), before, result.world_from_view);
       if (result.last_motion <= levels[l].tolerance) {
@@ -247,6 +262,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   }
   release_freed_memory();  // What solving took; the last steps grow as large.
   finish(surfaces, pairs, levels.back(), sliding, options, result);
+  if (result.termination == RefinementTermination::kSolverFailed) return result;
   const SearchLevel& last = levels.back();
   describe_fit(
       PairMatcher(surfaces, result.world_from_view, pairs,
@@ -263,6 +279,8 @@ std::string_view to_string(RefinementTermination termination) {
       return "iteration limit";
     case RefinementTermination::kNoOverlap:
       return "no overlap";
+    case RefinementTermination::kSolverFailed:
+      return "solver failed";
   }
   return "unknown";
 }

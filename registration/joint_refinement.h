@@ -39,6 +39,9 @@ enum class RefinementTermination {
   kConverged,
   kIterationLimit,  ///< Poses still moved by more than the tolerance.
   kNoOverlap,       ///< No two views overlap at the starting poses: nothing was done.
+  /// The equations of the poses are not finite, as from infinite confidences: the poses are the
+  /// last ones before that, and neither pairs nor covariances are known.
+  kSolverFailed,
 };
 
 struct JointRefinement {
@@ -75,7 +78,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
                                        const JointRefinementOptions& options = {},
                                        const Progress& progress = {});
 
-/// `converged`, `iteration limit` or `no overlap`.
+/// `converged`, `iteration limit`, `no overlap` or `solver failed`.
 std::string_view to_string(RefinementTermination termination);
 
 }  // namespace relief

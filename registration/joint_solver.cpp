@@ -113,9 +113,10 @@ class PairCost : public ceres::SizedCostFunction<7, 7, 7> {
 
 }  // namespace
 
-void solve_poses(const std::vector<ViewSurface>& surfaces,
-                 const std::vector<DirectedMatches>& matches, const std::vector<bool>& fixed,
-                 const JointSolverOptions& options, std::vector<RigidMotion>& world_from_view) {
+PoseSolution solve_poses(const std::vector<ViewSurface>& surfaces,
+                         const std::vector<DirectedMatches>& matches,
+                         const std::vector<bool>& fixed, const JointSolverOptions& options,
+                         std::vector<RigidMotion>& world_from_view) {
   PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
   CompressedPairs pairs(blocks.values, options.threads);
   for (const auto& pair : matches) {
@@ -143,11 +144,12 @@ void solve_poses(const std::vector<ViewSurface>& surfaces,
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
-  if (!summary.IsSolutionUsable()) return;
+  if (!summary.IsSolutionUsable()) return PoseSolution::kFailed;
   for (std::size_t i = 0; i < surfaces.size(); ++i)
     if (!fixed[i])
       world_from_view[i] =
           pose_from_parameters(blocks.values[i], surfaces[i].centre(), blocks.world_centre);
+  return PoseSolution::kUsable;
 }
 
 }  // namespace relief

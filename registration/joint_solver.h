@@ -24,11 +24,18 @@ struct JointSolverOptions {
   int threads = 0;         ///< 0: one per core. Never changes the result.
 };
 
+enum class PoseSolution {
+  kUsable,  ///< The poses are those of the least cost found.
+  kFailed,  ///< No step could be computed, as of terms that are not finite: the poses are as given.
+};
+
 /// One minimisation of (R3) and (R9) over all poses with fixed correspondences: Levenberg-Marquardt
 /// with the Cauchy loss and a sparse Cholesky factorisation; the terms of a directed pair make
 /// seven residuals, whatever their number (R3a). Poses with `fixed` are not touched.
-void solve_poses(const std::vector<ViewSurface>& surfaces,
-                 const std::vector<DirectedMatches>& matches, const std::vector<bool>& fixed,
-                 const JointSolverOptions& options, std::vector<RigidMotion>& world_from_view);
+[[nodiscard]] PoseSolution solve_poses(const std::vector<ViewSurface>& surfaces,
+                                       const std::vector<DirectedMatches>& matches,
+                                       const std::vector<bool>& fixed,
+                                       const JointSolverOptions& options,
+                                       std::vector<RigidMotion>& world_from_view);
 
 }  // namespace relief

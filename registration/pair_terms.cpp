@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 
@@ -40,6 +41,12 @@ class CauchyLosses {
 
 CompressedTerms square_root(const NormalEquations& sum, double losses) {
   // Free of units: rotations count as much as translations.
+  if (!sum.matrix.allFinite() || !sum.gradient.allFinite() || !std::isfinite(losses)) {
+    // Without this, comparisons below would take the pair for one that says nothing.
+    CompressedTerms unusable;
+    unusable.residuals.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return unusable;
+  }
   const Vector6d diagonal = sum.matrix.diagonal();
   const Vector6d scale =
       (diagonal.array() > 0.0).select(diagonal.cwiseMax(1e-300).cwiseSqrt(), Vector6d::Ones());

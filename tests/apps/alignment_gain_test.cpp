@@ -38,6 +38,12 @@ TEST(AlignmentGain, IsDroppedWhereDeviationsGrow) {
   EXPECT_THAT(gain_table(gain, "mm"), Contains(HasSubstr("no gain expected")));
 }
 
+TEST(AlignmentGain, IsDroppedWhereTheSolverFailed) {
+  Json again = section(0.1, {view("a", true, 0.0), view("b", true, 0.0)});
+  again["termination"] = "solver failed";
+  EXPECT_FALSE(alignment_gain(kFirst, again, {})["kept"]);
+}
+
 TEST(AlignmentGain, IsDroppedWhereAViewNoLongerFits) {
   const Json again = section(0.1, {view("a", true, 0.01), view("b", false, 0.0)});
   const Json gain = alignment_gain(kFirst, again, {});
