@@ -5,6 +5,7 @@
 #include "apps/console.h"
 #include "apps/pair_table.h"
 #include "apps/stages.h"
+#include "registration/apply_alignment.h"
 #include "scan/stopwatch.h"
 
 namespace relief {
@@ -69,13 +70,8 @@ Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options
   for (const std::string& note : alignment->notes) Console::info(note);
   log_pairs(*alignment, project.unit);
   std::size_t aligned = 0;
-  for (std::size_t i = 0; i < project.views.size(); ++i) {
-    const ViewReport& view = alignment->views[i];
-    aligned += view.aligned ? 1 : 0;
-    if (!view.aligned) continue;
-    project.views[i].world_from_view = view.world_from_view;
-    if (project.views[i].pose == PoseKind::kAbsent) project.views[i].pose = PoseKind::kGuess;
-  }
+  for (const ViewReport& view : alignment->views) aligned += view.aligned ? 1 : 0;
+  apply_alignment(*alignment, project.views);
 
   AlignStage stage;
   const bool solved = alignment->termination != RefinementTermination::kSolverFailed;

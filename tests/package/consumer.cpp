@@ -1,10 +1,12 @@
 // Simulates a few scans, aligns, refines and merges them through the installed headers only.
 #include <cstdio>
+#include <utility>
 #include <vector>
 
 #include "fusion/merge_views.h"
 #include "hybrid/refine_view.h"
 #include "registration/align_views.h"
+#include "registration/apply_alignment.h"
 #include "scan/simulation/simulate.h"
 
 int main() {
@@ -18,11 +20,11 @@ int main() {
   std::vector<relief::RangeView> views = simulation->scans.views;
   const auto alignment = relief::align_views(views);
   if (!alignment) return 1;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    views[i].world_from_view = alignment->views[i].world_from_view;
-    const auto refined = relief::refine_view(views[i]);
+  relief::apply_alignment(*alignment, views);
+  for (relief::RangeView& view : views) {
+    auto refined = relief::refine_view(view);
     if (!refined) return 1;
-    views[i] = refined->view;
+    view = std::move(refined->view);
   }
   const auto model = relief::merge_views(views);
   if (!model || !model->check.watertight()) return 1;

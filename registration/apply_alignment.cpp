@@ -1,0 +1,18 @@
+#include "registration/apply_alignment.h"
+
+#include <cassert>
+#include <cstddef>
+
+namespace relief {
+
+void apply_alignment(const Alignment& alignment, std::vector<RangeView>& views) {
+  assert(alignment.views.size() == views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const ViewReport& report = alignment.views[i];
+    if (!report.aligned) continue;
+    views[i].world_from_view = report.world_from_view;
+    if (views[i].pose == PoseKind::kAbsent) views[i].pose = PoseKind::kGuess;
+  }
+}
+
+}  // namespace relief

@@ -1,0 +1,34 @@
+#include "registration/apply_alignment.h"
+
+#include <gtest/gtest.h>
+
+namespace relief {
+namespace {
+
+ViewReport report_at(double x, bool aligned) {
+  ViewReport report;
+  report.world_from_view = RigidMotion(Eigen::Translation3d(x, 0, 0));
+  report.aligned = aligned;
+  return report;
+}
+
+TEST(ApplyAlignment, GivesAlignedViewsTheirPoseAndItsKind) {
+  std::vector<RangeView> views(4);
+  views[1].pose = PoseKind::kGuess;
+  views[2].pose = PoseKind::kKnown;
+  Alignment alignment;
+  for (const double x : {1.0, 2.0, 3.0}) alignment.views.push_back(report_at(x, true));
+  alignment.views.push_back(report_at(4.0, false));
+  apply_alignment(alignment, views);
+
+  const PoseKind kinds[] = {PoseKind::kGuess, PoseKind::kGuess, PoseKind::kKnown,
+                            PoseKind::kAbsent};
+  const double places[] = {1.0, 2.0, 3.0, 0.0};
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    EXPECT_EQ(views[i].pose, kinds[i]) << i;
+    EXPECT_EQ(views[i].world_from_view.translation().x(), places[i]) << i;
+  }
+}
+
+}  // namespace
+}  // namespace relief
