@@ -63,13 +63,10 @@ constexpr double kNoiseDeviations = 4.0;
 class StepErrors {
  public:
   StepErrors(const RangeView& view, int threads)
-      : view_(view), noise_(estimate_range_noise(view, threads)) {
-    // Steps of the range that noise hides are a part of the noise.
-    rounded_ = typical_rounding() > noise_.sigma;
-  }
+      : view_(view), noise_(estimate_range_noise(view, threads)) {}
 
-  // Whether ranges are rounded by more than their noise.
-  bool rounded() const { return rounded_; }
+  // Steps of the range that noise hides are a part of the noise.
+  bool rounded() const { return noise_.rounded(); }
 
   // In units of the lateral distance, round (u,v).
   struct At {
@@ -79,7 +76,7 @@ class StepErrors {
   At at(int u, int v, double lateral) const {
     const double sigma = noise_.sigma_at(u, v);
     At errors{kNoiseDeviations * std::numbers::sqrt2 * sigma / lateral, 0.0};
-    if (!rounded_) return errors;
+    if (!rounded()) return errors;
     const double metric = view_.camera.ray(u, v).direction.norm();
     const double step = noise_.quantisation.step_at(view_.range(u, v), metric);
     errors.rounding = step / lateral;
@@ -88,21 +85,8 @@ class StepErrors {
   }
 
  private:
-  double typical_rounding() const {
-    constexpr int kStride = 8;
-    std::vector<double> roundings;
-    if (!noise_.quantisation.exists()) return 0.0;
-    for (int v = 0; v < view_.height(); v += kStride)
-      for (int u = 0; u < view_.width(); u += kStride)
-        if (view_.has_sample(u, v))
-          roundings.push_back(noise_.quantisation.step_at(view_.range(u, v),
-                                                          view_.camera.ray(u, v).direction.norm()));
-    return median(roundings);
-  }
-
   const RangeView& view_;
   RangeNoise noise_;
-  bool rounded_ = false;
 };
 
 // The steps between neighbours along one direction, judged one by one.

@@ -15,6 +15,8 @@ namespace {
 
 using Pixel = std::array<int, 2>;
 constexpr std::array<Pixel, 4> kNeighbours{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+constexpr std::array<Pixel, 8> kAllNeighbours{
+    {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}};
 
 // The samples connected to (u,v), but at most one more than `most`.
 std::vector<Pixel> group_of(int u, int v, const GridEdges& edges, std::size_t most) {
@@ -57,17 +59,17 @@ struct GapEnds {
 
 class Filling {
  public:
-  Filling(const RangeView& measured, int widest, RangeView& view)
-      : measured_(measured), widest_(widest), view_(view) {}
+  Filling(const Grid<std::uint8_t>& filled, int widest, RangeView& view)
+      : filled_(filled), widest_(widest), view_(view) {}
 
   // All but the range, which is there already.
   void fill(int u, int v) {
     find_sources(u, v);
     if (view_.has_normals() && !view_.has_normal(u, v)) view_.normals(u, v) = mean_normal();
     if (!view_.confidence.empty())
-      view_.confidence(u, v) = mean([&](int x, int y) { return measured_.confidence(x, y); });
+      view_.confidence(u, v) = mean([&](int x, int y) { return view_.confidence(x, y); });
     if (!view_.deviation.empty())
-      view_.deviation(u, v) = mean([&](int x, int y) { return measured_.deviation(x, y); });
+      view_.deviation(u, v) = mean([&](int x, int y) { return view_.deviation(x, y); });
     if (!view_.colours.empty()) view_.colours(u, v) = mean_colour();
   }
 
@@ -83,7 +85,7 @@ class Filling {
     const GapEnds row = ends(u, v, 1, 0), column = ends(u, v, 0, 1);
     const bool both = row.weight > 0.0 && column.weight > 0.0;
     const auto makes = [&](const GapEnds& one) {
-      return one.weight > 0.0 && one.range(measured_) == view_.range(u, v);
+      return one.weight > 0.0 && one.range(view_) == view_.range(u, v);
     };
     if (!both || !makes(column)) add(row);
     if (!both || !makes(row) || makes(column)) add(column);
@@ -106,16 +108,17 @@ class Filling {
             1.0 / length};
   }
 
+  bool measured(int u, int v) const { return view_.has_sample(u, v) && !filled_(u, v); }
   int distance(int u, int v, int du, int dv) const {
     for (int k = 1; k <= widest_; ++k)
-      if (measured_.has_sample(u + k * du, v + k * dv)) return k;
+      if (measured(u + k * du, v + k * dv)) return k;
     return 0;
   }
 
   Eigen::Vector3f mean_normal() const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const auto& [u, v, weight] : sources_)
-      if (measured_.has_normal(u, v)) sum += weight * measured_.normals(u, v).cast<double>();
+      if (view_.has_normal(u, v)) sum += weight * view_.normals(u, v).cast<double>();
     const double length = sum.norm();
     if (!(length > 0.0)) return Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
     return (sum / length).cast<float>();
@@ -136,17 +139,59 @@ class Filling {
 
   Colour mean_colour() const {
     const auto channel = [&](std::size_t k) {
-      const float value = mean([&](int u, int v) { return float{measured_.colours(u, v)[k]}; });
+      const float value =
+          mean([&](int u, int v) { return static_cast<float>(view_.colours(u, v)[k]); });
       return static_cast<std::uint8_t>(std::lround(value));
     };
     return {channel(0), channel(1), channel(2)};
   }
 
-  const RangeView& measured_;
+  const Grid<std::uint8_t>& filled_;
   int widest_;
   RangeView& view_;
   std::vector<Source> sources_;
 };
+
+// Whether most pixels around have samples: where most have none a gap is no gap.
+bool mostly_samples(const RangeView& measured, int u, int v) {
+  constexpr int kReach = 2;
+  int samples = 0, pixels = 0;
+  for (int y = v - kReach; y <= v + kReach; ++y) {
+    for (int x = u - kReach; x <= u + kReach; ++x) {
+      pixels += measured.range.contains(x, y) ? 1 : 0;
+      samples += measured.has_sample(x, y) ? 1 : 0;
+    }
+  }
+  return 2 * samples >= pixels;
+}
+
+// Those of the bridged pixels whose gap is bridged as a whole: the rest of a hole stays a hole, and
+// what is outside of a silhouette stays outside.
+Grid<std::uint8_t> whole_gaps(const RangeView& measured, const Grid<std::uint8_t>& bridged) {
+  Grid<std::uint8_t> whole(bridged.width(), bridged.height(), 0), visited = whole;
+  std::vector<Pixel> gap;
+  for (int v = 0; v < bridged.height(); ++v) {
+    for (int u = 0; u < bridged.width(); ++u) {
+      if (visited(u, v) || measured.has_sample(u, v)) continue;
+      bool fillable = true;
+      visited(u, v) = 1;
+      gap.assign(1, {u, v});
+      for (std::size_t next = 0; next < gap.size(); ++next) {
+        const auto [pu, pv] = gap[next];
+        fillable = fillable && bridged(pu, pv) && mostly_samples(measured, pu, pv);
+        for (const auto& [du, dv] : kAllNeighbours) {
+          const int x = pu + du, y = pv + dv;
+          if (!visited.contains(x, y) || visited(x, y) || measured.has_sample(x, y)) continue;
+          visited(x, y) = 1;
+          gap.push_back({x, y});
+        }
+      }
+      if (!fillable) continue;
+      for (const auto& [pu, pv] : gap) whole(pu, pv) = 1;
+    }
+  }
+  return whole;
+}
 
 }  // namespace
 
@@ -167,23 +212,25 @@ Grid<std::uint8_t> flying_samples(const RangeView& view, const GridEdges& edges,
 FilledView fill_small_gaps(const RangeView& view, const GridEdges& edges,
                            const FillOptions& options) {
   FilledView result;
-  RangeView measured = view;
+  result.view = view;
   const auto flying = flying_samples(view, edges, options.largest_flying);
   for (std::size_t i = 0; i < flying.size(); ++i) {
     if (!flying[i]) continue;
-    measured.range[i] = kNoSample;
+    result.view.range[i] = kNoSample;
     ++result.flying;
   }
   SmallGapOptions gaps;
   gaps.widest = options.widest_gap;
-  gaps.sigma =
-      options.sigma > 0.0 ? options.sigma : estimate_range_noise(measured, options.threads).sigma;
-  BridgedRange bridged = bridge_small_gaps(measured, gaps);
-  result.view = measured;
-  result.view.range = std::move(bridged.range);
-  result.filled = std::move(bridged.bridged);
-  result.filled_count = bridged.bridged_count;
-  Filling filling(measured, options.widest_gap, result.view);
+  gaps.sigma = options.sigma > 0.0 ? options.sigma
+                                   : estimate_range_noise(result.view, options.threads).sigma;
+  const BridgedRange bridged = bridge_small_gaps(result.view, gaps);
+  result.filled = whole_gaps(result.view, bridged.bridged);
+  for (std::size_t i = 0; i < result.filled.size(); ++i) {
+    if (!result.filled[i]) continue;
+    result.view.range[i] = bridged.range[i];
+    ++result.filled_count;
+  }
+  Filling filling(result.filled, options.widest_gap, result.view);
   for (int v = 0; v < view.height(); ++v)
     for (int u = 0; u < view.width(); ++u)
       if (result.filled(u, v)) filling.fill(u, v);

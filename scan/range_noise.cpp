@@ -25,7 +25,7 @@ constexpr std::size_t kFewest = 30;
 
 // Variance of the logarithm of a robust sigma, times the number of differences it is from: measured
 // on white noise. The differences overlap, and what lies in the tails is not used.
-constexpr double kLogVariance = 3.0;
+constexpr double kLogVariance = 4.5;
 
 // The map is given where tiles differ by more than chance by at least this, one standard deviation
 // of the logarithm: less changes no weight that matters.
@@ -110,7 +110,7 @@ class TiledNoise {
       noise.sigma = sigma_of_all();
     }
     noise.differences = count();
-    if (noise.differences < kFewest) return {quantisation_, 0.0, {}, noise.differences};
+    if (noise.differences < kFewest) return {quantisation_, 0.0, {}, 0.0, noise.differences};
     find_tile_sigmas();
     // Interpolated samples show in each tile another part of the noise.
     if (!blind && shrink()) {
@@ -278,28 +278,29 @@ class TiledNoise {
 
   // A rounded range errs by step / sqrt(12), even where all its neighbours err alike.
   void apply_quantisation(RangeNoise& noise) const {
-    if (noise.quantisation.exists()) {
-      Grid<float> map(view_.width(), view_.height(), static_cast<float>(noise.sigma));
-      if (!noise.map.empty()) map = noise.map;
-      for (int v = 0; v < view_.height(); ++v)
-        for (int u = 0; u < view_.width(); ++u)
-          if (view_.has_sample(u, v)) map(u, v) = std::max(map(u, v), rounding_error(u, v));
-      noise.map = std::move(map);
+    if (!quantisation_.exists() && noise.map.empty()) return;
+    if (noise.map.empty())
+      noise.map = {view_.width(), view_.height(), static_cast<float>(noise.sigma)};
+    std::vector<float> sigmas, steps;
+    for (int v = 0; v < view_.height(); ++v) {
+      for (int u = 0; u < view_.width(); ++u) {
+        if (!view_.has_sample(u, v)) continue;
+        steps.push_back(step_at(u, v));
+        noise.map(u, v) = std::max(noise.map(u, v), steps.back() / std::sqrt(12.0f));
+        sigmas.push_back(noise.map(u, v));
+      }
     }
-    if (noise.map.empty()) return;
-    std::vector<float> sigmas;
-    for (int v = 0; v < view_.height(); ++v)
-      for (int u = 0; u < view_.width(); ++u)
-        if (view_.has_sample(u, v)) sigmas.push_back(noise.map(u, v));
-    const float lowest = *std::min_element(sigmas.begin(), sigmas.end());
-    const float highest = *std::max_element(sigmas.begin(), sigmas.end());
+    const auto [lowest, highest] = std::minmax_element(sigmas.begin(), sigmas.end());
+    const bool alike = *highest <= *lowest * (1.0f + static_cast<float>(kLeastSpread));
     noise.sigma = median(sigmas);
-    if (highest <= lowest * (1.0f + static_cast<float>(kLeastSpread))) noise.map = {};
+    noise.step = median(steps);
+    if (alike) noise.map = {};
   }
 
-  float rounding_error(int u, int v) const {
+  float step_at(int u, int v) const {
+    if (!quantisation_.exists()) return 0.0f;
     const double metric = view_.camera.ray(u, v).direction.norm();
-    return static_cast<float>(quantisation_.step_at(view_.range(u, v), metric) / std::sqrt(12.0));
+    return static_cast<float>(quantisation_.step_at(view_.range(u, v), metric));
   }
 
   const RangeView& view_;

@@ -19,9 +19,12 @@ struct RangeNoise {
   /// The same of each pixel, where it changes over the view by more than chance; of pixels without
   /// a sample, too. Empty where it is the same everywhere.
   Grid<float> map;
+  double step = 0.0;            ///< Of a typical sample, by rounding [unit]; 0: none.
   std::size_t differences = 0;  ///< Used; a few hundred give sigma to a tenth.
 
   bool known() const { return sigma > 0.0; }
+  /// Whether ranges are rounded by more than their noise: then errors of neighbours are alike.
+  bool rounded() const { return step > sigma; }
   double sigma_at(int u, int v) const { return map.empty() ? sigma : double{map(u, v)}; }
 };
 

@@ -84,13 +84,15 @@ TEST(FilledView, TakesFlyingSamplesAway) {
 }
 
 TEST(FilledView, KeepsIslandsBetweenMissingSamples) {
-  RangeView view = ball(0.1);
-  for (int v = 0; v < kSide; ++v)
-    for (int u = 0; u < kSide; ++u)
-      if (u % 6 >= 2 || v % 6 >= 2) view.range(u, v) = kNoSample;
-  const FilledView filled = fill_small_gaps(view);
-  EXPECT_EQ(filled.flying, 0u);
-  EXPECT_EQ(filled.filled_count, 0u);
+  for (const int period : {2, 4, 6}) {
+    RangeView view = ball(0.1);
+    for (int v = 0; v < kSide; ++v)
+      for (int u = 0; u < kSide; ++u)
+        if (2 * (u % period) >= period || 2 * (v % period) >= period) view.range(u, v) = kNoSample;
+    const FilledView filled = fill_small_gaps(view);
+    EXPECT_EQ(filled.flying, 0u);
+    EXPECT_EQ(filled.filled_count, 0u);
+  }
 }
 
 TEST(FilledView, KeepsHolesAndOcclusionEdges) {
@@ -105,6 +107,14 @@ TEST(FilledView, KeepsHolesAndOcclusionEdges) {
   for (int v = 0; v < kSide; ++v) EXPECT_FALSE(filled.view.has_sample(60, v));
   EXPECT_FALSE(filled.view.has_sample(23, 23));
   EXPECT_EQ(filled.filled_count, 0u);
+}
+
+TEST(FilledView, KeepsRoundHolesWhole) {
+  RangeView view = ball(0.1);
+  for (int v = 50; v < 70; ++v)
+    for (int u = 50; u < 70; ++u)
+      if (std::hypot(u - 60, v - 60) < 3.5) view.range(u, v) = kNoSample;
+  EXPECT_EQ(fill_small_gaps(view).filled_count, 0u);
 }
 
 TEST(FilledView, FillsWhatElseIsKnown) {
