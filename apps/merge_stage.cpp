@@ -20,6 +20,8 @@ namespace {
 Json merge_report(const MergeResult& merged) {
   Json report = to_json(merged.check);
   report["filled_area_fraction"] = merged.filled_area_fraction;
+  report["flying_samples"] = merged.flying_samples;
+  report["filled_samples"] = merged.filled_samples;
   report["components_removed"] = merged.components_removed;
   report["faces_removed"] = merged.faces_removed;
   report["voxel_size"] = merged.voxel_size;

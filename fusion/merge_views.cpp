@@ -39,8 +39,9 @@ Result<double> typical_deviation(const ViewSource& views, MemoryLimit* memory) {
   return median(std::move(medians));
 }
 
-// What preparing a view takes for a while, per pixel of its grid [bytes]: normals, edges, borders.
-constexpr std::size_t kPreparation = 100;
+// What preparing a view takes for a while, per pixel of its grid [bytes]: normals, edges, borders,
+// and a copy of it with its small gaps filled.
+constexpr std::size_t kPreparation = 150;
 
 class Preparation {
  public:
@@ -99,6 +100,13 @@ class Preparation {
   std::vector<ViewSampler> samplers_;
   std::size_t without_pose_ = 0;
 };
+
+void count_samples(const std::vector<ViewSampler>& views, MergeResult& result) {
+  for (const ViewSampler& view : views) {
+    result.flying_samples += view.flying();
+    result.filled_samples += view.filled();
+  }
+}
 
 // Refined views, those that know their deviations, hold detail that a lattice as coarse as the
 // samples blurs; in views as measured there is only noise below the spacing (docs/fusion.md).
@@ -199,6 +207,7 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
   const auto samplers = Preparation(options, *deviation, memory.get())(views, result.notes);
   if (!samplers) return samplers.error();
   release_freed_memory();
+  count_samples(*samplers, result);
   choose_scales(*samplers, options, *deviation > 0.0, result);
 
   auto mesh = closed_surface(*samplers, options, result, memory.get(), progress);

@@ -54,6 +54,8 @@ struct MergeResult {
   double voxel_size = 0.0;            ///< As used [unit].
   double truncation = 0.0;            ///< As used [unit].
   double view_noise = 0.0;            ///< Median standard deviation of the views' positions [unit].
+  std::size_t flying_samples = 0;     ///< Left out: see scan/filled_view.h.
+  std::size_t filled_samples = 0;     ///< Interpolated in small gaps of the views.
   std::size_t components_removed = 0;
   std::size_t faces_removed = 0;   ///< In the removed components.
   std::vector<std::string> notes;  ///< What the user should know, one line each.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scan/discontinuities.h"
+#include "scan/filled_view.h"
 #include "scan/grid_normals.h"
 #include "scan/median.h"
 
@@ -131,11 +132,15 @@ float sample_weight(const RangeView& view, int u, int v, const Eigen::Vector3f& 
 
 }  // namespace
 
-QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options) {
+QuadSurface surface_of(const RangeView& measured, const QuadSurfaceOptions& options) {
+  const FilledView filled = fill_small_gaps(measured, {.threads = options.threads});
+  const RangeView& view = filled.view;
   const ConnectedGrid grid = connect_grid(view, options.threads);
   const auto& [points, edges, border] = grid;
   const Grid<Eigen::Vector3f> normals = surface_normals(view, grid, options.threads);
   QuadSurface surface;
+  surface.flying = filled.flying;
+  surface.filled = filled.filled_count;
   surface.spacing = sample_spacing(points, edges);
   surface.noise = position_noise(grid, normals);
   place_quads(find_quads(view, edges, normals, options.smallest_patch), options.memory, surface);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include <Eigen/Core>
@@ -50,6 +51,9 @@ struct QuadSurface {
   /// is off the mean of its four neighbours; curvature makes it err on the large side.
   double noise = 0.0;
 
+  std::size_t flying = 0;  ///< Samples left out as flying_samples tells.
+  std::size_t filled = 0;  ///< Samples interpolated in small gaps: fill_small_gaps.
+
   bool quad(int u, int v) const { return marks(u, v) & kQuad; }
   bool corner(int u, int v) const { return marks(u, v) & kCorner; }
   /// The place of a sample, relative to the centre.
@@ -59,7 +63,8 @@ struct QuadSurface {
 };
 
 /// Normals are the measured ones where there are any, else those of the measured surface. Samples
-/// without confidence are left out.
+/// without confidence and flying samples are left out, and small gaps are filled: a filled sample
+/// weighs as much as those it is interpolated from.
 QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options);
 
 }  // namespace relief

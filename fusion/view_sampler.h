@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -88,8 +89,10 @@ class ViewSampler {
            surface_.colours.size() * sizeof(Colour);
   }
 
-  double spacing() const { return surface_.spacing; }  ///< See QuadSurface.
-  double noise() const { return surface_.noise; }      ///< See QuadSurface.
+  double spacing() const { return surface_.spacing; }     ///< See QuadSurface.
+  double noise() const { return surface_.noise; }         ///< See QuadSurface.
+  std::size_t flying() const { return surface_.flying; }  ///< See QuadSurface.
+  std::size_t filled() const { return surface_.filled; }  ///< See QuadSurface.
 
  private:
   struct Patch;

@@ -155,7 +155,8 @@ TEST(ViewSampler, TellsFarPointsFromNearOnesByDepth) {
 
 TEST(ViewSampler, SaysNothingOutsideItsSamples) {
   RangeView view = render(testing::plane({0, 0, 0}, {0, 0, 1}), cameras()[0], kPose);
-  view.range(30, 29) = kNoSample;
+  for (int v = 26; v < 33; ++v)
+    for (int u = 27; u < 34; ++u) view.range(u, v) = kNoSample;
   const ViewSampler sampler = sampler_of(view);
   EXPECT_FALSE(sampler.observe({1000, 0, 0}, 0.0));
   EXPECT_FALSE(sampler.observe(kPose * Eigen::Vector3d(0, 0, -5), 0.0));
