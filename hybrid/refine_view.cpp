@@ -1,16 +1,22 @@
 #include "hybrid/refine_view.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hybrid/contradicted_normals.h"
 #include "hybrid/noise_model.h"
 #include "hybrid/normal_correction.h"
 #include "hybrid/normal_screening.h"
+#include "hybrid/prepared_view.h"
 #include "hybrid/robust_solve.h"
+#include "hybrid/smooth_change.h"
 #include "hybrid/unexplained_steps.h"
 #include "hybrid/view_problem.h"
+#include "scan/filled_view.h"
 #include "scan/stopwatch.h"
 
 namespace relief {
@@ -76,10 +82,14 @@ Result<void> validate(const RefineOptions& options) {
   return {};
 }
 
+// Noise that is more harmful than it looks from sample to sample by this factor is shared.
+constexpr double kShared = 2.0;
+
 // The steps of refine_view, each of which may end it early.
 class Refinement {
  public:
-  Refinement(const RangeView& view, const RefineOptions& options) : options_(options) {
+  Refinement(const RangeView& view, const RefineOptions& options)
+      : measured_(view), options_(options) {
     result_.view = view;
     result_.kept = view.sample_count();
     const double known = PositionConfidence(view).nominal_deviation();
@@ -88,15 +98,13 @@ class Refinement {
 
   // Whether there is something to solve; if not, the status says why.
   bool prepare() {
-    RangeView& view = result_.view;
-    edges_ = connect_samples(view, options_.discontinuities, options_.threads);
-    const RangeSteps steps = screen(view);
-    NoiseEstimate estimate = estimate_noise(steps, options_.threads);
-    if (options_.sigma_position)
-      estimate.sigma_position = estimate.sigma_local = *options_.sigma_position;
-    if (options_.sigma_normal) estimate.sigma_normal = *options_.sigma_normal;
-    if (estimate.sigma_local > 0.0)
-      edges_ = cut_unexplained_steps(edges_, steps, estimate, options_.threads);
+    ranges_ = prepare_view(measured_, options_.discontinuities, options_.threads);
+    edges_ = ranges_.edges;
+    const RangeView trusted = screen(ranges_.view);
+    const RangeSteps steps = range_steps(trusted, edges_, options_.threads);
+    const NoiseEstimate estimate = estimate_errors(trusted, steps);
+    RangeView& view = result_.view = std::move(ranges_.view);
+    if (estimate.sigma_local > 0.0) cut_steps(steps, estimate);
     problem_ = make_view_problem(view, edges_, options_.stencil, options_.threads);
     if (problem_.empty()) return stop(why_empty());
     noise_ = make_noise_model(options_, estimate, problem_);
@@ -113,7 +121,12 @@ class Refinement {
     result_.status = solved.status;
     result_.rounds = solved.rounds;
     result_.iterations = solved.iterations;
-    if (solved.status != RefineStatus::kSolverFailed) finish(solved);
+    if (solved.status == RefineStatus::kSolverFailed)
+      keep_as_measured(solved.status);
+    else if (contradicts(solved.y))
+      keep_as_measured(RefineStatus::kContradiction);
+    else
+      finish(solved);
     return true;
   }
 
@@ -121,19 +134,68 @@ class Refinement {
 
  private:
   bool stop(RefineStatus status) {
-    result_.status = status;
+    keep_as_measured(status);
     return false;
   }
 
-  // Replaces wild normals, and measures the steps without them.
-  RangeSteps screen(RangeView& view) {
-    if (options_.robust_rounds == 0) return range_steps(view, edges_, options_.threads);
+  void keep_as_measured(RefineStatus status) {
+    result_.view = measured_;
+    result_.status = status;
+  }
+
+  // The errors that the steps between measured samples show, but no less of the ranges than
+  // rounding leaves. Where the noise changes over the view, that of a typical sample.
+  NoiseEstimate estimate_errors(const RangeView& trusted, const RangeSteps& steps) {
+    const bool all_measured = ranges_.flying + ranges_.filled == 0;
+    NoiseEstimate estimate = estimate_noise(
+        all_measured ? steps : range_steps(trusted, ranges_.measured_edges, options_.threads),
+        options_.threads);
+    const double sigma = ranges_.noise.sigma;
+    if (options_.sigma_position) {
+      estimate.sigma_position = estimate.sigma_local = *options_.sigma_position;
+    } else if (ranges_.noise.rounded()) {
+      estimate.sigma_position = std::max(estimate.sigma_position, sigma);
+      estimate.sigma_local = std::max(estimate.sigma_local, sigma);
+    }
+    // What changes from sample to sample tells nothing of errors that neighbours share.
+    if (!ranges_.noise.map.empty() && measured_.deviation.empty() && estimate.sigma_local > 0.0 &&
+        estimate.sigma_position < kShared * sigma && confirms(steps, ranges_.noise.map))
+      count_by_noise(ranges_);
+    if (!ranges_.variance.empty() && !ranges_.noise.rounded() && !options_.sigma_position) {
+      estimate.sigma_position = sigma * estimate.sigma_position / estimate.sigma_local;
+      estimate.sigma_local = sigma;
+    }
+    if (options_.sigma_normal) estimate.sigma_normal = *options_.sigma_normal;
+    return estimate;
+  }
+
+  // Samples that are cut off from all around fly, too: they follow their neighbours and normals.
+  void cut_steps(const RangeSteps& steps, const NoiseEstimate& estimate) {
+    const GridEdges all = edges_;
+    edges_ = cut_unexplained_steps(all, steps, estimate, ranges_.variance, options_.threads);
+    const auto flying = flying_samples(result_.view, edges_);
+    const auto count = std::count(flying.begin(), flying.end(), std::uint8_t{1});
+    if (count == 0) return;
+    ranges_.flying += static_cast<std::size_t>(count);
+    take_confidence(flying, result_.view);
+    for (int v = 0; v < flying.height(); ++v) {
+      for (int u = 0; u < flying.width(); ++u) {
+        if (flying(u, v) || (flying.contains(u + 1, v) && flying(u + 1, v)))
+          edges_.right(u, v) = all.right(u, v);
+        if (flying(u, v) || (flying.contains(u, v + 1) && flying(u, v + 1)))
+          edges_.down(u, v) = all.down(u, v);
+      }
+    }
+  }
+
+  // Replaces wild normals; gives the view without them.
+  RangeView screen(RangeView& view) {
+    if (options_.robust_rounds == 0) return view;
     ScreenedNormals screened = screen_normals(view, options_.threads);
-    const RangeSteps steps =
-        range_steps(without(view, screened.isolated), edges_, options_.threads);
+    RangeView trusted = without(view, screened.isolated);
     view.normals = std::move(screened.normals);
     result_.replaced_normals = screened.count;
-    return steps;
+    return trusted;
   }
 
   void turn_contradicted_normals(const NoiseEstimate& estimate) {
@@ -159,6 +221,14 @@ class Refinement {
     return true;
   }
 
+  // Whether the normals bent the surface by more than refining takes of its noise. Sigmas that are
+  // given are believed.
+  bool contradicts(const Eigen::VectorXd& y) const {
+    if (options_.lambda || options_.sigma_normal) return false;
+    const double step = ranges_.noise.rounded() ? ranges_.noise.step : 0.0;
+    return smooth_change(problem_, y.head(static_cast<Eigen::Index>(problem_.size())), step).bent();
+  }
+
   void finish(const RobustSolve& solved) {
     const Eigen::VectorXd& y = solved.y;
     const auto count = static_cast<Eigen::Index>(problem_.size());
@@ -171,7 +241,10 @@ class Refinement {
     Grid<float> deviation;
     if (solved.deviation.size() > 0)
       deviation = deviations(result_.view, problem_, noise_.sigma_position, solved.deviation);
+    result_.view.confidence = std::move(ranges_.confidence);
     result_.view.deviation = std::move(deviation);
+    result_.flying = ranges_.flying;
+    result_.filled = ranges_.filled;
     result_.rms_change = rms(y.head(count));
     result_.refined = problem_.size();
     result_.kept = problem_.pinned;
@@ -180,7 +253,9 @@ class Refinement {
     result_.lambda = equivalent_lambda(noise_);
   }
 
+  const RangeView& measured_;
   RefineOptions options_;
+  PreparedView ranges_;
   RefinedView result_;
   GridEdges edges_;
   ViewProblem problem_;
@@ -199,6 +274,8 @@ std::string_view to_string(RefineStatus status) {
       return "no confidence";
     case RefineStatus::kNoNoise:
       return "noise unknown";
+    case RefineStatus::kContradiction:
+      return "ranges and normals contradict each other";
     case RefineStatus::kNotConverged:
       return "not converged";
     case RefineStatus::kSolverFailed:

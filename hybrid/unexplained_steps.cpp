@@ -52,7 +52,7 @@ Side side_of(const Line& line, int direction) {
   return side;
 }
 
-bool is_unexplained(const Line& line, const NoiseEstimate& noise) {
+bool is_unexplained(const Line& line, const NoiseEstimate& noise, double range_variance) {
   const double step = line.discrepancy(0);
   if (!(step == step)) return false;
   const Side before = side_of(line, -1), after = side_of(line, 1);
@@ -60,10 +60,9 @@ bool is_unexplained(const Line& line, const NoiseEstimate& noise) {
   const auto position_part = [](const Side& s) { return s.count < kReach ? 1.0 : kMedianVariance; };
   const double sensitivity = line.at(line.steps.sensitivity, 0);
   const double slopes = 0.5 * (before.count + after.count) * sensitivity;
-  const double variance =
-      (position_part(before) + position_part(after)) * noise.sigma_local * noise.sigma_local +
-      slopes * sensitivity * noise.sigma_normal * noise.sigma_normal +
-      slopes * slopes * noise.bias * noise.bias;
+  const double variance = (position_part(before) + position_part(after)) * range_variance +
+                          slopes * sensitivity * noise.sigma_normal * noise.sigma_normal +
+                          slopes * slopes * noise.bias * noise.bias;
   if (jump * jump <= kDeviations * kDeviations * variance) return false;
   // The cut is where the step is, not beside it.
   const auto not_larger = [&](int k) { return !(std::abs(line.discrepancy(k)) > std::abs(step)); };
@@ -71,10 +70,15 @@ bool is_unexplained(const Line& line, const NoiseEstimate& noise) {
 }
 
 void cut(const RangeSteps::Direction& steps, int du, int dv, const NoiseEstimate& noise,
-         int threads, Grid<std::uint8_t>& connected) {
+         const Grid<float>& variance, int threads, Grid<std::uint8_t>& connected) {
+  const auto variance_at = [&](int u, int v) {
+    const double factor = variance.empty() ? 1.0 : double{variance(u, v)};
+    return factor * noise.sigma_local * noise.sigma_local;
+  };
   const auto cut_row = [&](int v) {
     for (int u = 0; u < connected.width(); ++u)
-      if (connected(u, v) && is_unexplained({steps, u, v, du, dv}, noise)) connected(u, v) = 0;
+      if (connected(u, v) && is_unexplained({steps, u, v, du, dv}, noise, variance_at(u, v)))
+        connected(u, v) = 0;
   };
   parallel_for(static_cast<std::size_t>(connected.height()), 16, threads,
                [&](std::size_t begin, std::size_t end) {
@@ -85,10 +89,11 @@ void cut(const RangeSteps::Direction& steps, int du, int dv, const NoiseEstimate
 }  // namespace
 
 GridEdges cut_unexplained_steps(const GridEdges& edges, const RangeSteps& steps,
-                                const NoiseEstimate& noise, int threads) {
+                                const NoiseEstimate& noise, const Grid<float>& variance,
+                                int threads) {
   GridEdges remaining = edges;
-  cut(steps.along_rows, 1, 0, noise, threads, remaining.right);
-  cut(steps.along_columns, 0, 1, noise, threads, remaining.down);
+  cut(steps.along_rows, 1, 0, noise, variance, threads, remaining.right);
+  cut(steps.along_columns, 0, 1, noise, variance, threads, remaining.down);
   return remaining;
 }
 

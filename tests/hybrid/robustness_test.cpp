@@ -209,8 +209,9 @@ TEST(Robustness, RealisticSensorsComeOutBetterInEveryRespect) {
     const RangeView exact = inner;
     for (int v = 0; v < inner.height(); ++v)
       for (int u = 0; u < inner.width(); ++u)
-        if (!edges.connected(u, v, 1, 0) || !edges.connected(u, v, -1, 0) ||
-            !edges.connected(u, v, 0, 1) || !edges.connected(u, v, 0, -1) ||
+        if (!view.has_sample(u, v) || !edges.connected(u, v, 1, 0) ||
+            !edges.connected(u, v, -1, 0) || !edges.connected(u, v, 0, 1) ||
+            !edges.connected(u, v, 0, -1) ||
             std::abs(view.range(u, v) - exact.range(u, v)) > 3.0 * simulation->spacing)
           inner.range(u, v) = kNoSample;
     const ViewErrors raw = errors_of(view, inner), after = errors_of(refined(view).view, inner);
