@@ -1,7 +1,10 @@
 #include "apps/command.h"
 
+#include <utility>
+
 #include "apps/console.h"
 #include "apps/exit_status.h"
+#include "scan/static_background.h"
 
 namespace relief {
 
@@ -32,11 +35,29 @@ void add_project_input(CLI::App& command, ProjectInput& input) {
                      "Intrinsics of grids without a camera: a file with fx fy cx cy");
 }
 
+void add_background_option(CLI::App& command, ProjectInput& input) {
+  input.look_for_background = true;
+  command
+      .add_option_function<std::string>(
+          "--background",
+          [&input](const std::string& what) { input.keep_background = what == "keep"; },
+          "What stands still in the camera's frame while the object turns: auto (leave it out) or "
+          "keep")
+      ->check(CLI::IsMember({"auto", "keep"}))
+      ->default_str("auto");
+}
+
 Result<ScanProject> read_with_notes(const ProjectInput& input, const CommonOptions& common) {
   ReadProjectOptions options = input.options;
   options.threads = common.threads;
   auto project = read_project(input.path, options, console_progress("read"));
   if (!project) return project;
+  if (input.look_for_background) {
+    const StaticBackground background = find_static_background(project->views, common.threads);
+    if (!input.keep_background) remove_background(background, project->views);
+    for (std::string& line : describe(background, !input.keep_background))
+      project->notes.push_back(std::move(line));
+  }
   std::size_t samples = 0, with_normals = 0;
   for (const RangeView& view : project->views) {
     samples += view.sample_count();

@@ -42,10 +42,15 @@ void add_common_options(CLI::App& command, CommonOptions& options);
 struct ProjectInput {
   std::filesystem::path path;
   ReadProjectOptions options;
+  bool look_for_background = false;  ///< Whether the command works on the object alone.
+  bool keep_background = false;      ///< Name what is found, but leave it in.
 };
 
 /// Adds the positional PROJECT and --fc.
 void add_project_input(CLI::App& command, ProjectInput& input);
+
+/// Adds --background to a command that works on the object alone.
+void add_background_option(CLI::App& command, ProjectInput& input);
 
 /// Reads the project with progress, and logs what the reader found out by itself.
 Result<ScanProject> read_with_notes(const ProjectInput& input, const CommonOptions& common);

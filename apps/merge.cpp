@@ -57,6 +57,7 @@ void add_merge(CLI::App& app, Action& action) {
   auto command = std::make_shared<MergeCommand>();
   auto* sub = app.add_subcommand("merge", "Merge aligned views to one watertight mesh");
   add_project_input(*sub, command->input);
+  add_background_option(*sub, command->input);
   sub->add_option("-o,--output", command->output,
                   "Mesh file; its ending (.ply .obj .stl .vtp .glb) is its format")
       ->required()

@@ -11,6 +11,7 @@
 #include "apps/stages.h"
 #include "scan/io/view_loader.h"
 #include "scan/parallel.h"
+#include "scan/static_background.h"
 #include "scan/stopwatch.h"
 
 namespace relief {
@@ -130,8 +131,9 @@ using SharedView = std::shared_ptr<const RangeView>;
 // The views of a project, read one at a time.
 class ProjectViews {
  public:
-  ProjectViews(std::vector<ViewSpec> specs, std::vector<ChosenConvention> conventions)
-      : specs_(std::move(specs)), conventions_(std::move(conventions)) {}
+  ProjectViews(std::vector<ViewSpec> specs, std::vector<ChosenConvention> conventions,
+               const StaticBackground& background)
+      : specs_(std::move(specs)), conventions_(std::move(conventions)), background_(background) {}
 
   ViewSource source() {
     return {specs_.size(), [this](std::size_t i) { return load(i); }};
@@ -144,6 +146,7 @@ class ProjectViews {
     auto loaded = load_view(specs_[i]);
     if (!loaded) return loaded.error();
     set_normals(*loaded, conventions_[i]);
+    remove_background(background_.masks[i], loaded->view);
     if (i >= read_) {  // notes once
       for (const std::string& note : loaded->notes) Console::info(note);
       read_ = i + 1;
@@ -154,6 +157,7 @@ class ProjectViews {
 
   std::vector<ViewSpec> specs_;
   std::vector<ChosenConvention> conventions_;
+  const StaticBackground& background_;
   std::size_t read_ = 0, pixels_ = 0;
 };
 
@@ -169,6 +173,41 @@ Result<void> check_room_to_polish(const MergeResult& merged, std::size_t pixels,
                fmt::format("polishing needs about {} MiB, more than the memory limit of {} MiB: "
                            "raise the limit or merge with --no-polish",
                            needed >> 20, limit >> 20)};
+}
+
+// What the search for a background holds: ranges, depths, edges [bytes a pixel].
+constexpr std::size_t kSearchedPixel = 24;
+
+// The background of views that are read one at a time and of which only the ranges are kept.
+// Nothing where these alone would exceed half of the limit.
+Result<StaticBackground> find_background(const ProjectInput& input,
+                                         const std::vector<ViewSpec>& specs,
+                                         const MergeStageOptions& options) {
+  StaticBackground none;
+  none.masks.resize(specs.size());
+  if (!input.look_for_background || input.keep_background) return none;
+  std::vector<RangeView> views;
+  std::size_t pixels = 0;
+  for (const ViewSpec& spec : specs) {
+    auto loaded = load_view(spec);
+    if (!loaded) return loaded.error();
+    RangeView view;
+    view.camera = loaded->view.camera;
+    view.range = std::move(loaded->view.range);
+    view.world_from_view = loaded->view.world_from_view;
+    view.pose = loaded->view.pose;
+    pixels += view.range.size();
+    views.push_back(std::move(view));
+    if (2 * kSearchedPixel * pixels > options.merge.memory) {
+      Console::warning(
+          "background not looked for: the ranges of all views exceed half of the "
+          "memory limit; raise it, or give the views masks");
+      return none;
+    }
+  }
+  StaticBackground found = find_static_background(views, options.threads);
+  for (const std::string& line : describe(found, true)) Console::info(line);
+  return found;
 }
 
 }  // namespace
@@ -190,7 +229,10 @@ Result<MergeStage> merge_stage_within_limit(const ProjectInput& input,
   auto conventions = find_conventions(spec->views);
   if (!conventions) return conventions.error();
   for (const std::string& note : conventions->notes) Console::info(note);
-  ProjectViews views(std::move(spec->views), std::move(conventions->views));
+  auto background = find_background(input, spec->views, options);
+  if (!background) return background.error();
+  release_freed_memory();
+  ProjectViews views(std::move(spec->views), std::move(conventions->views), *background);
   auto merged =
       merge_from_source(views.source(), merge_options_of(options), console_progress("merge"));
   ScanProject project;
@@ -202,6 +244,7 @@ Result<MergeStage> merge_stage_within_limit(const ProjectInput& input,
     auto all = read_project(input.path, read, console_progress("read"));
     if (!all) return all.error();
     project = std::move(*all);
+    remove_background(*background, project.views);
     return &project;
   };
   return finish(std::move(merged), options, watch, load);

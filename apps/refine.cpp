@@ -45,6 +45,7 @@ void add_refine(CLI::App& app, Action& action) {
   auto* sub = app.add_subcommand(
       "refine", "Solve each view for the surface that agrees with its positions and normals");
   add_project_input(*sub, command->input);
+  add_background_option(*sub, command->input);
   sub->add_option("-o,--output", command->output, "Folder for the refined project")->required();
   add_refine_options(*sub, command->flags);
   add_common_options(*sub, command->common);

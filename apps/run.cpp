@@ -132,6 +132,7 @@ void add_run(CLI::App& app, Action& action) {
   auto command = std::make_shared<RunCommand>();
   auto* sub = app.add_subcommand("run", "Align, refine, align again and merge: the whole way");
   add_project_input(*sub, command->input);
+  add_background_option(*sub, command->input);
   sub->add_option("-o,--output", command->output,
                   "Folder for model.ply, the refined project (scan.json) and report.json")
       ->required();
