@@ -27,6 +27,9 @@ constexpr int kSmallestNormalRadius = 2, kLargestNormalRadius = 5;
 // them on all but nearly frontal surfaces.
 constexpr double kTerraces = 1.5;
 constexpr int kLargestTerraceRadius = 8;
+// Noise of more than this part of a step dithers the rounding: its errors are white then, and are
+// in the noise already.
+constexpr double kDither = 0.5;
 // Gaps are bridged where more of the samples than this lie beside one.
 constexpr double kFewBesideGaps = 0.04;
 // Deviations of more than so many times what neighbours differ by are mostly of what they share.
@@ -177,7 +180,7 @@ void ViewSurface::smooth_normals(const ConnectedGrid& grid, const RangeNoise& ra
   const RangeView& view = *view_;
   spacing_ = sample_spacing(grid.points, grid.edges);
   noise_ = position_noise(view, grid, options.threads);
-  const double step = typical_step(view, ranges);
+  double step = typical_step(view, ranges);
   if (options.normals == NormalSource::kGeometric) weights_ = sample_weights(view, noise_, ranges);
   const auto radius_for = [&] {
     return options.normal_radius > 0 ? options.normal_radius
@@ -188,12 +191,17 @@ void ViewSurface::smooth_normals(const ConnectedGrid& grid, const RangeNoise& ra
     const auto coarse = estimate_normals(
         view, grid, {.radius = radius_for(), .stride = 4, .threads = options.threads});
     const double incidence = typical_incidence(view, coarse);
-    noise_ = std::max(noise_, ranges.sigma * incidence);
-    rounding_ = step / std::sqrt(12.0) * incidence;
+    if (noise_ >= kDither * step * incidence) {
+      step = 0.0;
+    } else {
+      noise_ = std::max(noise_, ranges.sigma * incidence);
+      rounding_ = step / std::sqrt(12.0) * incidence;
+    }
   }
-  noise_ = std::max(noise_ * unevenness(view, ranges), rounding_);
   const int radius = radius_for();
-  normal_noise_ =
+  normal_noise_ = slope_noise(noise_, spacing_, radius);
+  noise_ = std::max(noise_ * unevenness(view, ranges), rounding_);
+  normal_error_ =
       std::hypot(slope_noise(noise_, spacing_, radius), terrace_slope(rounding_, spacing_, radius));
   const int outermost = std::min(options.boundary_margin, options.final_margin);
   auto normals = estimate_normals(

@@ -121,8 +121,11 @@ class ViewSurface {
   /// Standard deviation of the part of the noise that the rounding of the ranges makes [unit]: all
   /// samples of a terrace share it. 0 where ranges are not rounded.
   double rounding() const { return rounding_; }
-  /// Standard deviation of the smoothed geometric normals due to noise and rounding [rad].
+  /// Standard deviation of the smoothed geometric normals due to the noise of typical samples
+  /// [rad].
   double normal_noise() const { return normal_noise_; }
+  /// The same due to the noise of all samples and to terraces of rounded ranges [rad].
+  double normal_error() const { return normal_error_; }
   const Eigen::Vector3d& centre() const { return centre_; }  ///< Mean sample, view frame.
   /// Unit mean normal of the samples: roughly towards the sensor, view frame.
   const Eigen::Vector3d& mean_normal() const { return mean_normal_; }
@@ -160,7 +163,8 @@ class ViewSurface {
   std::unique_ptr<LazySignal> signal_ = std::make_unique<LazySignal>();
   std::vector<std::uint32_t> samples_, edge_samples_;
   std::unique_ptr<NeighbourIndex> index_;
-  double spacing_ = 0.0, noise_ = 0.0, rounding_ = 0.0, normal_noise_ = 0.0, radius_ = 0.0;
+  double spacing_ = 0.0, noise_ = 0.0, rounding_ = 0.0, normal_noise_ = 0.0, normal_error_ = 0.0,
+         radius_ = 0.0;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), mean_normal_ = Eigen::Vector3d::Zero();
 };
 

@@ -140,7 +140,7 @@ bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const View
   PlausibleEvidence limits = widest_limits(general);
   limits.max_normal_rms = std::min(
       general.max_normal_rms,
-      kLeastNormalLimit + kNormalDeviations * std::hypot(a.normal_noise(), b.normal_noise()));
+      kLeastNormalLimit + kNormalDeviations * std::hypot(a.normal_error(), b.normal_error()));
   limits.max_coherent_rms =
       std::max(limits.max_coherent_rms, kWarpDeviations * std::hypot(a.noise(), b.noise()) /
                                             std::max(a.spacing(), b.spacing()));
