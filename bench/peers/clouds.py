@@ -100,16 +100,25 @@ def overlap_tree(clouds, cell):
     return tree
 
 
-def sensor_direction(camera, points, world_from_view):
+def shared_direction(document):
+    """Where the sensors of a set look, in their own frames: the mean over the views that say so, for those that do not. None where
+    no view does."""
+    known = [entry["camera"]["view_direction"] for entry in document["views"] if entry.get("camera", {}).get("view_direction")]
+    return np.mean(np.array(known, float), axis=0) if known else None
+
+
+def sensor_direction(camera, shared, world_from_view):
     """Where the sensor looks, in the world, and where it is; a sensor of parallel rays is nowhere."""
-    if camera.get("model") in ("pinhole", "pinhole_gl"):
+    direction = camera.get("view_direction", shared)
+    if camera.get("model") in ("pinhole", "pinhole_gl") or direction is None:
         return None, world_from_view[:3, 3].tolist()
-    return (world_from_view[:3, :3] @ np.array(camera["view_direction"])).tolist(), None
+    return (world_from_view[:3, :3] @ np.array(direction)).tolist(), None
 
 
 def convert(project, output):
     document = json.loads((project / "scan.json").read_text())
     views, clouds, all_normals, spacings = [], [], [], []
+    shared = shared_direction(document)
     for entry in document["views"]:
         width, height, vertices, places = read_grid(project / entry["grid"]["file"])
         pose = np.array(entry.get("world_from_view", np.eye(4)))
@@ -130,7 +139,7 @@ def convert(project, output):
             depth = np.zeros(width * height, np.float32)
             depth[places] = local[:, 2]
             np.save(output / f"{stem}.npy", depth.reshape(height, width))
-        direction, position = sensor_direction(camera, local, pose)
+        direction, position = sensor_direction(camera, shared, pose)
         views.append({"name": entry["name"], "stem": stem, "camera": camera, "world_from_view": pose.tolist(),
                       "direction": direction, "position": position})
         clouds.append(points[keep])

@@ -25,7 +25,7 @@ import pathlib
 import sys
 
 import numpy as np
-from clouds import columns, read_grid
+from clouds import columns, read_grid, shared_direction
 from scipy.spatial import cKDTree
 
 NEIGHBOURS = 20
@@ -50,13 +50,14 @@ def grid_spacing(points, places, width, height):
 class View:
     """One scan in its own frame, with its normals."""
 
-    def __init__(self, folder, entry, samples, random):
+    def __init__(self, folder, entry, shared, samples, random):
         self.name = entry["name"]
         width, height, vertices, places = read_grid(folder / entry["grid"]["file"])
         self.points = columns(vertices, "xyz")
         self.spacing = grid_spacing(self.points, places, width, height)
         self.tree = cKDTree(self.points)
         self.camera = entry.get("camera", {})
+        self.direction = self.camera.get("view_direction", None if self.camera else shared)
         chosen = random.permutation(len(self.points))[:samples]
         self.chosen = self.points[np.sort(chosen)]
         self.normals = np.full(self.points.shape, np.nan)
@@ -64,8 +65,8 @@ class View:
 
     def to_sensor(self, points):
         """Directions from points towards the sensor; only their sign against a normal matters."""
-        if self.camera.get("view_direction"):
-            return np.broadcast_to(-np.array(self.camera["view_direction"], float), points.shape)
+        if self.direction is not None:
+            return np.broadcast_to(-np.array(self.direction, float), points.shape)
         return -points
 
     def normals_at(self, indices):
@@ -169,7 +170,8 @@ def arguments():
 def measure(options):
     document = json.loads((options.project / "scan.json").read_text())
     random = np.random.default_rng(SEED)
-    views = [View(options.project, entry, options.samples, random) for entry in document["views"]]
+    shared = shared_direction(document)
+    views = [View(options.project, entry, shared, options.samples, random) for entry in document["views"]]
     spacing = float(np.median([view.spacing for view in views]))
     distance = options.distance * spacing
     report, reference, chosen = {"views": len(views), "spacing": spacing, "sets": []}, None, None
