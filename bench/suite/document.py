@@ -23,11 +23,11 @@ CAPTIONS = {
     "real": "{machine}; {programs}. Real sets through `relief run` with its defaults. *given*, *off* (4°, 2 mm), *none* (and shuffled): the "
             "poses that a method starts from. *own*: median distance of samples from the planes of their partners in all overlapping pairs at "
             "these poses, by `bench/peers/pair_residuals.py`; *common*: the same of all samples that have a partner at the published "
-            "poses (without such, at relief's), whether they still have one or not. Lengths in sample spacings.",
+            "poses (without such, at those of the method that placed most views), whether they still have one or not. Lengths in sample spacings.",
     "hard": "{machine}; {programs}. 16 views with one defect of real scans each (8 in the quick case) through `relief run` with its defaults. *depth*: RMS of "
             "the refined views, *before*: of the scans; *model*: RMS of what was measured, and *back* from all of the truth; *x clean*: "
             "against the same views without the defect; *bound*: what the defect leaves to be known, likewise: the same program on "
-            "as much white noise, with fewer samples, or what rigid motions and averages leave of a systematic error (`bench/suite/hard.py`).",
+            "as much white noise, with fewer samples, or what rigid motions and averages leave of a systematic error, and in the depth those motions themselves (`bench/suite/hard.py`).",
     "sixteen": "Sixteen views, range noise of 0.3 spacings, normals of 1.5 deg noise and 4 deg smooth bias: aligned, refined, aligned again, "
                "merged and polished with the defaults, at the poses found and at the true ones. *measured*: from the measured vertices' "
                "part of the model to the truth, RMS and mean angle of normals; *completeness* and *normals back*: from all of the truth.",

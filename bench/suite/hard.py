@@ -10,6 +10,7 @@ from suite.merge import figures_of
 from suite.rows import row
 from suite.system import PYTHON, ROOT_PEERS
 
+ROW_BY_ROW = True  # `measure` leaves out the rows of an earlier run by itself.
 CLEAN = "clean"
 NOISE = 0.3  # Range noise of the clean views [spacings]: the default of `relief simulate`.
 
@@ -47,7 +48,12 @@ class Bounds:
         self.case, self.context, self.clean = case, context, clean
 
     def of(self, options, kind):
-        return getattr(self, kind)(*options) if "depth" in self.clean else {}
+        if "depth" not in self.clean or "model" not in self.clean:
+            return {}
+        try:
+            return getattr(self, kind)(*options)
+        except Failed:  # Of the bound alone; the figures of the defect stand.
+            return {}
 
     def none(self, *_):
         """The defect destroys nothing."""
@@ -76,8 +82,8 @@ class Bounds:
         return {key: figures[key] for key in ("depth", "model") if key in figures}
 
     def systematic(self, *options):
-        """What rigid motions and averaging leave of the defect, beside the clean views' own error. Nothing in a single view tells
-        of it, so that all of it stays in the depth."""
+        """What rigid motions and averages leave of the defect, beside the clean views' own error; in the depth the motions themselves, which
+        no views can tell from their poses."""
         folder = self.case.folder / "bounds"
         exact = ("--range-sensor", "exact", "--normal-sensor", "exact")
         grids = {}
@@ -92,10 +98,7 @@ class Bounds:
         _, output = run([PYTHON, ROOT_PEERS / "rigid_bound.py", *grids.values()], folder / f"{slug(options[0])}.log")
         left = json.loads(output)
         beside = lambda clean, more: math.sqrt(clean**2 + more**2)
-        bound = {"model": beside(self.clean["model"], left["model"])}
-        if options[0] == "--view-warp":
-            bound["depth"] = beside(self.clean["depth"], options[1])
-        return bound
+        return {"depth": beside(self.clean["depth"], left["motion"]), "model": beside(self.clean["model"], left["model"])}
 
 
 def simulate(case, context, folder, options):
@@ -114,7 +117,9 @@ def by_relief(case, context, name, options):
         cost = relief.cost(folder / "run.log", "run", scans / "scan.json", "-o", out)
     except Failed as failure:
         return failure, figures
-    report = json.loads((out / "report.json").read_text())
+    report = json.loads((out / "report.json").read_text()) if (out / "report.json").exists() else {}
+    if "align" not in report:
+        return Failed("relief run wrote no report of the alignment"), figures
     figures["aligned"] = sum(view["aligned"] for view in report["align"]["views"])
     figures["views"] = len(report["align"]["views"])
     figures.update(depth_figures(relief, out / "scan.json", scans, spacing, folder / "views.log"))
@@ -137,16 +142,19 @@ def depth_figures(relief, project, scans, spacing, log):
 
 
 def measure(case, context):
-    rows, clean = [], {}
+    """A row at a time, so that a run that ends early keeps what it has."""
+    clean = next((line for line in context.earlier if line["method"] == CLEAN), {})
     for name, (options, bound) in DEFECTS.items():
-        if context.defects and name not in context.defects and name != CLEAN:
+        wanted = not context.defects or name in context.defects or name == CLEAN
+        if not wanted or any(line["method"] == name for line in context.earlier):
             continue
         cost, figures = by_relief(case, context, name, options)
-        if name == CLEAN:
-            clean = figures
-        figures["ratio"] = {key: figures[key] / clean[key] for key in ("depth", "model") if figures.get(key) and clean.get(key)}
-        found = Bounds(case, context, clean).of(options, bound)
-        figures["bound"] = {key: value / clean[key] for key, value in found.items()}
-        line = row(case, name, cost, **figures)
-        rows.append(line)
-    return rows
+        clean = figures if name == CLEAN else clean
+        figures["ratio"] = ratios(figures, clean)
+        figures["bound"] = ratios(Bounds(case, context, clean).of(options, bound), clean)
+        yield row(case, name, cost, **figures)
+
+
+def ratios(figures, clean):
+    """Of depth and model against those of the clean views."""
+    return {key: figures[key] / clean[key] for key in ("depth", "model") if figures.get(key) and clean.get(key)}
