@@ -74,6 +74,13 @@ def pcl_planes(case, folder):
     return cost, motions_of(output)
 
 
+def pcl_tutorial(case, folder):
+    """PCL's tutorial of incremental registration, for which it has no program either."""
+    output = case.folder / "pcl-tutorial.json"
+    cost, _ = run([PCL_TUTORIAL, folder, output], case.folder / "pcl-tutorial.log")
+    return cost, motions_of(output)
+
+
 def cloudcompare(case, folder):
     """The overlap, which its users have to state, is that of the starting poses, rounded down to 10 %."""
     def register(source, target, overlap):
@@ -88,7 +95,7 @@ def cloudcompare(case, folder):
 
 
 PROGRAMS = ROOT / "build/bench/bench"  # cmake --preset bench && cmake --build --preset bench
-PAIRWISE, PCL_PLANES = PROGRAMS / "relief_pairwise_icp", PROGRAMS / "relief_pcl_align"
+PAIRWISE, PCL_PLANES, PCL_TUTORIAL = (PROGRAMS / f"relief_{name}" for name in ("pairwise_icp", "pcl_align", "pcl_tutorial"))
 PEERS = {"Open3D, multiway": ("Open3D", open3d("multiway")),
          "Open3D, ICP along the tree": ("Open3D", open3d("pairwise")),
          "PCL, ICP along the tree": ("PCL", pcl),

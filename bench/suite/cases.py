@@ -46,6 +46,8 @@ class Case:
     """How many random starts of each kind."""
     single: bool = False
     """Whether it is a single view: nothing to align."""
+    room: bool = False
+    """Whether it is a room in metres, seen by a depth camera in small steps."""
     make: object = None
     """Writes the project of a set that is none: takes the source and a folder, returns its file."""
     simulation: tuple = ()
@@ -133,8 +135,8 @@ def real_sets():
         Case("bear-real", "bear, 20 views, normals from photographs, range simulated on a reconstructed mesh, poses off by 2°", real,
              "bear/scan.json", truth_poses="bear/truth.json"),
         Case("kinect-real", "a room, 5 views of a depth camera (PCL's registration tutorial), no poses", real, "kinect", unit="m",
-             starts=("none",)),
-        Case("rgbd-real", "a room, 5 rendered depth images (ICL-NUIM) with a trajectory", real, "rgbd", unit="m", make=icl_nuim),
+             room=True, starts=("none",)),
+        Case("rgbd-real", "a room, 5 rendered depth images (ICL-NUIM) with a trajectory", real, "rgbd", unit="m", room=True, make=icl_nuim),
         Case("panel-real", "panel of Nehab et al. 2005, one view with measured normals", real, "panel/panel-small-conf.ply",
              options=("--fc", "panel/panel-small.fc"), single=True),
     ]

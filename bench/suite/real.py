@@ -3,7 +3,7 @@ by peers/pair_residuals.py, which shares nothing with relief's registration, for
 
 import json
 
-from suite.align import PCL_PLANES, open3d, pcl, pcl_planes
+from suite.align import PCL_PLANES, PCL_TUTORIAL, open3d, pcl, pcl_planes, pcl_tutorial
 from suite.inputs import multiply
 from suite.measure import Failed, run
 from suite.real_sets import start_project
@@ -44,7 +44,8 @@ def by_start(case, context, grids, kind):
             rows.append(not_installed(case, line))
             continue
         found.append((line, *by_peer(case, folder, starts[1], name, align)))
-    placed = [(name, poses) for name, _, _, poses in found if poses]
+    # Without published poses those of the method that placed most views are the reference.
+    placed = sorted(((name, poses) for name, _, _, poses in found if poses), key=lambda pair: -len(poses_with(pair[1])))
     compared = ([("published poses", case.reference)] if case.reference else []) + placed
     residuals = pair_residuals(case, grids, compared, folder / "residuals") if compared else {}
     lines = [row(case, name, cost, **{**figures, **residuals.get(name, {})}) for name, cost, figures, _ in found]
@@ -62,7 +63,9 @@ def by_relief(case, context, start, folder):
         cost = context.relief.cost(folder / "run.log", "run", start, "-o", out)
     except Failed as failure:
         return failure, {}, None
-    report = json.loads((out / "report.json").read_text())
+    report = json.loads((out / "report.json").read_text()) if (out / "report.json").exists() else {}
+    if "align" not in report:
+        return cost, {"aligned": 0, "views": len(poses_with(start))}, None
     views = report["align"]["views"]
     poses = {view["name"]: view["world_from_view"] for view in views if view["aligned"]}
     figures = {"aligned": len(poses), "views": len(views)}
@@ -78,6 +81,8 @@ def peers(case, context):
         return {}
     chosen = {"Open3D, multiway": (context.programs.has("Open3D"), open3d("multiway")),
               "PCL, point-to-plane ICP along the tree": (PCL_PLANES.exists(), pcl_planes)}
+    if case.room:
+        chosen["PCL, tutorial of incremental registration"] = (PCL_TUTORIAL.exists(), pcl_tutorial)
     if case.slow_peers:
         chosen["PCL, ICP along the tree"] = (context.programs.has("PCL"), pcl)
     return chosen
