@@ -32,6 +32,9 @@ constexpr int kLargestTerraceRadius = 8;
 constexpr double kDither = 0.5;
 // Gaps are bridged where more of the samples than this lie beside one.
 constexpr double kFewBesideGaps = 0.04;
+// That is, if the gaps would otherwise take so large a part of the samples: gaps that the shape
+// makes at creases and edges are better left open.
+constexpr double kLostToGaps = 0.5;
 // Deviations of more than so many times what neighbours differ by are mostly of what they share.
 constexpr double kSharedErrors = 2.0;
 constexpr int kBlankReach = 2;  // [pixels]
@@ -144,8 +147,8 @@ ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& option
   if (options.normal_signal && view.has_normals())
     signal_levels_ = NormalSignal::levels_of(view.width(), view.height());
   const RangeNoise noise = estimate_range_noise(view, options.threads);
-  bridge_gaps(view, noise);
-  const ConnectedGrid grid = connect_grid(*view_, options.threads);
+  ConnectedGrid grid = connect_grid(view, options.threads);
+  bridge_gaps(view, noise, options, grid);
   smooth_normals(grid, noise, options);
   select_samples(grid.points);
   if (samples_.empty() || (can_project() && !options.neighbour_index)) return;
@@ -155,7 +158,8 @@ ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& option
   index_ = std::make_unique<NeighbourIndex>(points);
 }
 
-void ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise) {
+void ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise,
+                              const ViewSurfaceOptions& options, ConnectedGrid& grid) {
   BridgedRange filled = bridge_small_gaps(view, {.sigma = noise.sigma});
   // Each bridged sample has about four measured ones beside it.
   if (4.0 * static_cast<double>(filled.bridged_count) <
@@ -170,6 +174,15 @@ void ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise) {
   whole.deviation = view.deviation;
   for (std::size_t i = 0; i < whole.confidence.size(); ++i)
     if (filled.bridged[i]) whole.confidence[i] = 1.0f;
+  ConnectedGrid connected = connect_grid(whole, options.threads);
+  const auto inner = [&](const ConnectedGrid& of) {
+    double count = 0.0;
+    for (std::size_t i = 0; i < of.boundary.size(); ++i)
+      count += !filled.bridged[i] && of.boundary[i] >= options.boundary_margin ? 1.0 : 0.0;
+    return count;
+  };
+  if (inner(grid) > (1.0 - kLostToGaps) * inner(connected)) return;
+  grid = std::move(connected);
   bridged_ = std::move(filled.bridged);
   filled_ = std::make_unique<const RangeView>(std::move(whole));
   view_ = filled_.get();

@@ -68,8 +68,8 @@ struct SignalPoint {
 /// the two ways of finding the place in it that is closest to a point. Movable, not copyable.
 class ViewSurface {
  public:
-  /// The view outlives the surface with its grids unchanged: ranges are copied only where many of
-  /// its samples lie beside small gaps, which then are bridged (see bridge_small_gaps).
+  /// The view outlives the surface with its grids unchanged: ranges are copied only where small
+  /// gaps would take half of its usable samples; these gaps are bridged (see bridge_small_gaps).
   explicit ViewSurface(const RangeView& view, const ViewSurfaceOptions& options = {});
   explicit ViewSurface(const RangeView&& view, const ViewSurfaceOptions& options = {}) = delete;
 
@@ -134,7 +134,8 @@ class ViewSurface {
   }  ///< Of the sphere about centre() that holds all samples.
 
  private:
-  void bridge_gaps(const RangeView& view, const RangeNoise& noise);
+  void bridge_gaps(const RangeView& view, const RangeNoise& noise,
+                   const ViewSurfaceOptions& options, ConnectedGrid& grid);
   bool measured(std::size_t index) const { return bridged_.empty() || !bridged_[index]; }
   void smooth_normals(const ConnectedGrid& grid, const RangeNoise& noise,
                       const ViewSurfaceOptions& options);
