@@ -33,17 +33,17 @@ std::vector<Pixel> group_of(int u, int v, const GridEdges& edges, std::size_t mo
   return group;
 }
 
-// Whether most of what is around a group are samples.
-bool among_samples(const RangeView& view, const std::vector<Pixel>& group) {
-  int samples = 0, around = 0;
+// Whether a group has samples beside it, from which it must be cut off by steps.
+bool beside_samples(const RangeView& view, const std::vector<Pixel>& group) {
   for (const auto& [u, v] : group) {
     for (const auto& [du, dv] : kNeighbours) {
-      if (std::find(group.begin(), group.end(), Pixel{u + du, v + dv}) != group.end()) continue;
-      ++around;
-      samples += view.has_sample(u + du, v + dv) ? 1 : 0;
+      const Pixel beside{u + du, v + dv};
+      if (std::find(group.begin(), group.end(), beside) == group.end() &&
+          view.has_sample(beside[0], beside[1]))
+        return true;
     }
   }
-  return 3 * samples >= 2 * around;
+  return false;
 }
 
 // The two samples that a gap lies between along one direction, and how they share in it.
@@ -203,7 +203,7 @@ Grid<std::uint8_t> flying_samples(const RangeView& view, const GridEdges& edges,
     for (int u = 0; u < view.width(); ++u) {
       if (!view.has_sample(u, v)) continue;
       const std::vector<Pixel> group = group_of(u, v, edges, most);
-      if (group.size() <= most && among_samples(view, group)) flying(u, v) = 1;
+      if (group.size() <= most && beside_samples(view, group)) flying(u, v) = 1;
     }
   }
   return flying;

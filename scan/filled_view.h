@@ -25,9 +25,8 @@ struct FilledView {
   std::size_t flying = 0;        ///< Measured samples that were taken away; most are filled, too.
 };
 
-/// 1 for samples that hang in the air: small groups cut off by steps from the samples around them.
-/// At least two thirds of their neighbours outside the group are samples, so that islands between
-/// missing samples are none.
+/// 1 for samples that hang in the air: small groups cut off by steps from all samples beside them.
+/// There are some: islands between missing samples do not fly.
 Grid<std::uint8_t> flying_samples(const RangeView& view, const GridEdges& edges,
                                   int largest_flying = FillOptions().largest_flying);
 
