@@ -16,6 +16,7 @@
 #include "hybrid/smooth_change.h"
 #include "hybrid/unexplained_steps.h"
 #include "hybrid/view_problem.h"
+#include "hybrid/wild_samples.h"
 #include "scan/filled_view.h"
 #include "scan/stopwatch.h"
 
@@ -83,7 +84,7 @@ Result<void> validate(const RefineOptions& options) {
 }
 
 // Noise that is more harmful than it looks from sample to sample by this factor is shared.
-constexpr double kShared = 2.0;
+constexpr double kShared = 3.0;
 
 // The steps of refine_view, each of which may end it early.
 class Refinement {
@@ -153,9 +154,9 @@ class Refinement {
     const double sigma = ranges_.noise.sigma;
     if (options_.sigma_position) {
       estimate.sigma_position = estimate.sigma_local = *options_.sigma_position;
-    } else if (ranges_.noise.rounded()) {
-      estimate.sigma_position = std::max(estimate.sigma_position, sigma);
-      estimate.sigma_local = std::max(estimate.sigma_local, sigma);
+    } else if (ranges_.noise.rounded() && estimate.sigma_position < kShared * sigma) {
+      // Neighbours rounded alike look like shared noise, but their errors have an end.
+      estimate.sigma_position = estimate.sigma_local = sigma;
     }
     // What changes from sample to sample tells nothing of errors that neighbours share.
     if (!ranges_.noise.map.empty() && measured_.deviation.empty() && estimate.sigma_local > 0.0 &&
@@ -169,11 +170,14 @@ class Refinement {
     return estimate;
   }
 
-  // Samples that are cut off from all around fly, too: they follow their neighbours and normals.
+  // Samples that are cut off from all around fly, too, and those that normals show to be wrong by
+  // themselves: they follow their neighbours and normals.
   void cut_steps(const RangeSteps& steps, const NoiseEstimate& estimate) {
     const GridEdges all = edges_;
     edges_ = cut_unexplained_steps(all, steps, estimate, ranges_.variance, options_.threads);
-    const auto flying = flying_samples(result_.view, edges_);
+    auto flying = flying_samples(result_.view, edges_);
+    const auto wild = wild_samples(steps, estimate, ranges_.variance, options_.threads);
+    for (std::size_t i = 0; i < wild.size(); ++i) flying[i] |= wild[i];
     const auto count = std::count(flying.begin(), flying.end(), std::uint8_t{1});
     if (count == 0) return;
     ranges_.flying += static_cast<std::size_t>(count);

@@ -102,6 +102,14 @@ TEST(RealNoise, FlyingSamplesAreTakenAway) {
   EXPECT_LT(depth_rms(result.view), 1.3 * clean_rms());
 }
 
+TEST(RealNoise, SamplesThatAreWrongByLittleFollowTheirNormals) {
+  RangeView view = measured();
+  for_some(view, 0.02, [&](std::size_t i, double size) {
+    if (std::abs(size) < 1.0) view.range[i] += size < 0.0 ? -1.8 : 1.8;
+  });
+  EXPECT_LT(depth_rms(refined(view).view), 1.2 * clean_rms());
+}
+
 TEST(RealNoise, RoundedRangesAreRefined) {
   for (const double step : {1.0, 2.0, 4.0}) {
     RangeView view = measured();
