@@ -31,11 +31,16 @@ Json view_report(const RefinedView& refined) {
           {"rms_change", refined.rms_change},
           {"median_deviation", median_deviation(refined.view)},
           {"samples_refined", refined.refined},
-          {"samples_kept", refined.kept}};
+          {"samples_kept", refined.kept},
+          {"flying_samples", refined.flying},
+          {"filled_samples", refined.filled}};
 }
 
 void log_view(const RefinedView& refined, const std::string& unit) {
-  if (is_failure(refined.status)) {
+  if (refined.status == RefineStatus::kContradiction) {
+    Console::warning(fmt::format("view {}: {}; it stays as measured: check the axes of its normals",
+                                 refined.view.name, to_string(refined.status)));
+  } else if (is_failure(refined.status)) {
     Console::warning(fmt::format("view {}: {}", refined.view.name, to_string(refined.status)));
   } else if (refined.status != RefineStatus::kRefined) {
     Console::info(fmt::format("view {}: {}", refined.view.name, to_string(refined.status)));

@@ -105,7 +105,7 @@ class Refinement {
     const RangeSteps steps = range_steps(trusted, edges_, options_.threads);
     const NoiseEstimate estimate = estimate_errors(trusted, steps);
     RangeView& view = result_.view = std::move(ranges_.view);
-    if (estimate.sigma_local > 0.0) cut_steps(steps, estimate);
+    if (estimate.sigma_local > 0.0) cut_steps(trusted, steps, estimate);
     problem_ = make_view_problem(view, edges_, options_.stencil, options_.threads);
     if (problem_.empty()) return stop(why_empty());
     noise_ = make_noise_model(options_, estimate, problem_);
@@ -170,14 +170,35 @@ class Refinement {
     return estimate;
   }
 
+  // Whichever edges there are: wild samples have few.
+  template <typename Visit>
+  void for_wild_samples(const RangeView& trusted, const NoiseEstimate& estimate,
+                        const Visit& visit) const {
+    const Grid<std::uint8_t> all(trusted.width(), trusted.height(), 1);
+    const RangeSteps steps = range_steps(trusted, {all, all}, options_.threads);
+    const auto wild = wild_samples(steps, estimate, ranges_.variance, options_.threads);
+    for (int v = 0; v < wild.height(); ++v)
+      for (int u = 0; u < wild.width(); ++u)
+        if (wild(u, v)) visit(u, v);
+  }
+
+  static bool joined(const GridEdges& edges, int u, int v) {
+    return edges.connected(u, v, 1, 0) || edges.connected(u, v, -1, 0) ||
+           edges.connected(u, v, 0, 1) || edges.connected(u, v, 0, -1);
+  }
+
   // Samples that are cut off from all around fly, too, and those that normals show to be wrong by
   // themselves: they follow their neighbours and normals.
-  void cut_steps(const RangeSteps& steps, const NoiseEstimate& estimate) {
+  void cut_steps(const RangeView& trusted, const RangeSteps& steps, const NoiseEstimate& estimate) {
     const GridEdges all = edges_;
     edges_ = cut_unexplained_steps(all, steps, estimate, ranges_.variance, options_.threads);
     auto flying = flying_samples(result_.view, edges_);
-    const auto wild = wild_samples(steps, estimate, ranges_.variance, options_.threads);
-    for (std::size_t i = 0; i < wild.size(); ++i) flying[i] |= wild[i];
+    for_wild_samples(trusted, estimate, [&](int u, int v) {
+      if (joined(all, u, v))
+        flying(u, v) = 1;
+      else
+        result_.view.range(u, v) = kNoSample, ++ranges_.flying;
+    });
     const auto count = std::count(flying.begin(), flying.end(), std::uint8_t{1});
     if (count == 0) return;
     ranges_.flying += static_cast<std::size_t>(count);
