@@ -60,6 +60,38 @@ double moving_radius(const std::vector<RangeView>& views, const DepthStack& stac
   return all > 0.0 ? std::sqrt(squares / all) : 0.0;
 }
 
+enum class Sight { kNothing, kSame, kThrough };
+
+// Whether a view has a sample at a point of its frame, give or take `far` in all directions, or
+// sees through it.
+Sight look_at(const RangeView& view, const Eigen::Vector3d& point, double far) {
+  constexpr int kSteps = 3;  // to each side
+  const auto pixel = view.camera.project(point);
+  if (!pixel) return Sight::kNothing;
+  const int u = static_cast<int>(std::lround(pixel->x()));
+  const int v = static_cast<int>(std::lround(pixel->y()));
+  if (!view.has_sample(u, v)) return Sight::kNothing;
+  const auto behind = [&](int at_u, int at_v) {
+    const Ray ray = view.camera.ray(at_u, at_v);
+    return (view.range(at_u, at_v) - ray.range_of(point)) * ray.direction.norm();
+  };
+  const double here = behind(u, v);
+  if (here < -far) return Sight::kNothing;
+  if (here <= far) return Sight::kSame;
+  const Ray ray = view.camera.ray(u, v), beside = view.camera.ray_at(u + 1.0, v + 1.0);
+  const double footprint =
+      (beside.at(beside.range_of(point)) - ray.at(ray.range_of(point))).norm() / std::sqrt(2.0);
+  const double step = std::max(1.0, far / (kSteps * footprint));
+  for (int j = -kSteps; j <= kSteps; ++j) {
+    for (int i = -kSteps; i <= kSteps; ++i) {
+      const int at_u = u + static_cast<int>(std::lround(i * step));
+      const int at_v = v + static_cast<int>(std::lround(j * step));
+      if (view.has_sample(at_u, at_v) && std::abs(behind(at_u, at_v)) <= far) return Sight::kSame;
+    }
+  }
+  return Sight::kThrough;
+}
+
 // Carries the probes into other views.
 PoseEvidence test_poses(const std::vector<RangeView>& views, const DepthStack& stack,
                         const std::vector<Probe>& probes, double far, int threads) {
@@ -78,17 +110,16 @@ PoseEvidence test_poses(const std::vector<RangeView>& views, const DepthStack& s
         if (other == probes[k].view) continue;
         const RangeView& to = views[stack.views[other]];
         const Eigen::Vector3d point = to.world_from_view.inverse() * in_world;
-        const auto pixel = to.camera.project(point);
-        if (!pixel) continue;
-        const int u = static_cast<int>(std::lround(pixel->x()));
-        const int v = static_cast<int>(std::lround(pixel->y()));
-        if (!to.has_sample(u, v)) continue;
-        const Ray ray = to.camera.ray(u, v);
-        const double behind = (to.range(u, v) - ray.range_of(point)) * ray.direction.norm();
-        if (behind > far)
-          ++part.refuted;
-        else if (behind >= -far)
-          ++part.confirmed;
+        switch (look_at(to, point, far)) {
+          case Sight::kThrough:
+            ++part.refuted;
+            break;
+          case Sight::kSame:
+            ++part.confirmed;
+            break;
+          case Sight::kNothing:
+            break;
+        }
       }
     }
   });

@@ -103,13 +103,14 @@ std::vector<Grid<SampleKind>> classify_samples(const DepthStack& stack,
       for (std::size_t i = 0; i < stack.size(); ++i) {
         const float depth = stack.depths[i](u, v);
         if (!(depth == depth)) continue;
-        if (stands)
-          kinds[i](u, v) = std::abs(depth - surface.depth(u, v)) <= tolerance
-                               ? SampleKind::kStanding
-                               : SampleKind::kMoving;
+        // Nearer than what is surely behind it: that moved in front. What is behind all that stands
+        // still may be seen here by this view alone.
+        if (stands && std::abs(depth - surface.depth(u, v)) <= tolerance)
+          kinds[i](u, v) = SampleKind::kStanding;
+        else if (depth < (stands ? surface.depth(u, v) - tolerance : behind - 2.0f * tolerance))
+          kinds[i](u, v) = SampleKind::kMoving;
         else
-          kinds[i](u, v) =
-              depth < behind - 2.0f * tolerance ? SampleKind::kMoving : SampleKind::kUnknown;
+          kinds[i](u, v) = SampleKind::kUnknown;
       }
     }
   });

@@ -25,8 +25,8 @@ StandingSurface find_standing_surface(const DepthStack& stack, int threads = 0);
 enum class SampleKind : std::uint8_t {
   kNone,      ///< No sample.
   kStanding,  ///< On a piece of the standing surface.
-  kMoving,    ///< Other views see what is behind it, or it is behind what stands still.
-  kUnknown,   ///< Too few views see this pixel, or not farther than here.
+  kMoving,    ///< Other views see what is behind it.
+  kUnknown,   ///< No other view sees farther here, or only one.
 };
 
 /// The kinds of the samples of each view of the stack.
