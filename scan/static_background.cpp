@@ -1,6 +1,7 @@
 #include "scan/static_background.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -21,6 +22,8 @@ constexpr double kRefuted = 0.5;     // share of refuted samples of a background
 constexpr double kConfirmed = 0.2;   // and of what the poses describe
 constexpr double kMostAttached = 0.05;
 constexpr int kSidesBeyond = 3;
+constexpr std::array<float, 4> kTolerances = {1.0f, 2.0f, 4.0f, 8.0f};  // of the stack's
+constexpr double kCovered = 0.99;                                       // of the largest background
 constexpr std::size_t kLargestSpeck = 9;  // samples that noise alone cuts off,
 constexpr float kSpeckReach = 3.0f;       // as far from the background, in tolerances
 
@@ -136,27 +139,64 @@ std::size_t count(const Grid<std::uint8_t>& mask) {
   return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1));
 }
 
-void search(const std::vector<RangeView>& views, const DepthStack& stack, int threads,
+// What is found with one tolerance.
+struct Attempt {
+  StandingSurface surface;
+  std::vector<Grid<SampleKind>> kinds;
+  std::vector<Verdict> verdicts;
+  std::size_t background = 0, undecided = 0;  // Samples on such pieces.
+};
+
+Attempt attempt(const std::vector<RangeView>& views, const DepthStack& stack,
+                const std::vector<GridEdges>& edges, int threads) {
+  Attempt result;
+  result.surface = find_standing_surface(stack, threads);
+  if (result.surface.pieces == 0) return result;
+  result.kinds = classify_samples(stack, result.surface, threads);
+  const StandingEvidence evidence =
+      gather_evidence(views, stack, result.surface, result.kinds, edges, threads);
+  const double least = kLeastPart * static_cast<double>(evidence.standing + evidence.moving);
+  const bool moves = static_cast<double>(evidence.moving) >= least;
+  for (const PieceEvidence& piece : evidence.pieces) {
+    result.verdicts.push_back(moves ? judge(piece, evidence) : Verdict::kObject);
+    if (result.verdicts.back() == Verdict::kBackground) result.background += piece.samples;
+    if (result.verdicts.back() == Verdict::kUndecided &&
+        static_cast<double>(piece.samples) >= least)
+      result.undecided += piece.samples;
+  }
+  return result;
+}
+
+// Noise that neighbouring samples share is larger than their differences show: wider tolerances are
+// tried, and the narrowest that covers the background is taken.
+Attempt best_attempt(const std::vector<RangeView>& views, DepthStack& stack,
+                     const std::vector<GridEdges>& edges, int threads) {
+  const Grid<float> narrow = stack.tolerance;
+  const auto widen = [&](float factor) {
+    for (std::size_t i = 0; i < narrow.size(); ++i) stack.tolerance[i] = factor * narrow[i];
+  };
+  std::vector<std::size_t> samples;
+  for (const float factor : kTolerances) {
+    widen(factor);
+    samples.push_back(attempt(views, stack, edges, threads).background);
+  }
+  const double enough =
+      kCovered * static_cast<double>(*std::max_element(samples.begin(), samples.end()));
+  std::size_t k = 0;
+  while (static_cast<double>(samples[k]) < enough) ++k;
+  widen(kTolerances[k]);
+  return attempt(views, stack, edges, threads);
+}
+
+void search(const std::vector<RangeView>& views, DepthStack& stack, int threads,
             StaticBackground& found) {
-  const StandingSurface surface = find_standing_surface(stack, threads);
-  if (surface.pieces == 0) return;
-  const std::vector<Grid<SampleKind>> kinds = classify_samples(stack, surface, threads);
   const auto edges = parallel_map<GridEdges>(
       stack.size(), threads, [&](std::size_t i) { return connect_samples(views[stack.views[i]]); });
-  const StandingEvidence evidence = gather_evidence(views, stack, surface, kinds, edges, threads);
-  const double least = kLeastPart * static_cast<double>(evidence.standing + evidence.moving);
-  if (static_cast<double>(evidence.moving) < least) return;
-  std::vector<Verdict> verdicts;
-  bool any = false;
-  for (const PieceEvidence& piece : evidence.pieces) {
-    verdicts.push_back(judge(piece, evidence));
-    any = any || verdicts.back() == Verdict::kBackground;
-    if (verdicts.back() == Verdict::kUndecided && static_cast<double>(piece.samples) >= least)
-      found.undecided += piece.samples;
-  }
-  if (!any) return;
+  const Attempt best = best_attempt(views, stack, edges, threads);
+  found.undecided += best.undecided;
+  if (best.background == 0) return;
   auto masks = parallel_map<Grid<std::uint8_t>>(stack.size(), threads, [&](std::size_t i) {
-    return ViewMask(stack, i, kinds[i], surface, verdicts, edges[i]).take();
+    return ViewMask(stack, i, best.kinds[i], best.surface, best.verdicts, edges[i]).take();
   });
   for (std::size_t i = 0; i < stack.size(); ++i) {
     const std::size_t samples = count(masks[i]);
@@ -174,7 +214,7 @@ StaticBackground find_static_background(const std::vector<RangeView>& views, int
   StaticBackground found;
   found.masks.resize(views.size());
   if (views.size() < kFewestViews) return found;
-  for (const DepthStack& stack : stack_depths(views, threads))
+  for (DepthStack& stack : stack_depths(views, threads))
     if (stack.size() >= kFewestViews) search(views, stack, threads, found);
   return found;
 }

@@ -25,7 +25,7 @@ struct StaticBackground {
 /// Finds the background of views that share a camera, at least three. A surface that stands still
 /// is background if
 /// - the poses of the views, where they describe what moves, would have it elsewhere: other views
-///   see through it there by more than a tenth of the size of what moves; or
+///   see through it there, with nothing within a tenth of the radius of what moves; or
 /// - without such poses, if it reaches beyond what moves on three sides of the image or more and is
 ///   continuous with it nowhere, but for a twentieth of the pixels where both meet.
 /// Nothing is found where nothing moves. The same for any number of `threads`; 0: one per core.
