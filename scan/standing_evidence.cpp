@@ -93,16 +93,16 @@ Sight look_at(const RangeView& view, const Eigen::Vector3d& point, double far) {
 }
 
 // Carries the probes into other views.
-PoseEvidence test_poses(const std::vector<RangeView>& views, const DepthStack& stack,
-                        const std::vector<Probe>& probes, double far, int threads) {
+CarriedSamples test_poses(const std::vector<RangeView>& views, const DepthStack& stack,
+                          const std::vector<Probe>& probes, double far, int threads) {
   const std::size_t step = std::max<std::size_t>(1, stack.size() / kOtherViews);
-  const auto add = [](PoseEvidence a, const PoseEvidence& b) {
-    return PoseEvidence{a.confirmed + b.confirmed, a.refuted + b.refuted};
+  const auto add = [](CarriedSamples a, const CarriedSamples& b) {
+    return CarriedSamples{a.confirmed + b.confirmed, a.refuted + b.refuted};
   };
   constexpr std::size_t kAtOnce = 128;
-  std::vector<PoseEvidence> parts((probes.size() + kAtOnce - 1) / kAtOnce);
+  std::vector<CarriedSamples> parts((probes.size() + kAtOnce - 1) / kAtOnce);
   parallel_for(probes.size(), kAtOnce, threads, [&](std::size_t begin, std::size_t end) {
-    PoseEvidence& part = parts[begin / kAtOnce];
+    CarriedSamples& part = parts[begin / kAtOnce];
     for (std::size_t k = begin; k < end; ++k) {
       const RangeView& from = views[stack.views[probes[k].view]];
       const Eigen::Vector3d in_world = from.world_from_view * from.point(probes[k].u, probes[k].v);
@@ -123,8 +123,8 @@ PoseEvidence test_poses(const std::vector<RangeView>& views, const DepthStack& s
       }
     }
   });
-  PoseEvidence all;
-  for (const PoseEvidence& part : parts) all = add(all, part);
+  CarriedSamples all;
+  for (const CarriedSamples& part : parts) all = add(all, part);
   return all;
 }
 
@@ -176,8 +176,8 @@ bool moves(const Grid<SampleKind>& kinds, int u, int v) {
 
 }  // namespace
 
-bool PoseEvidence::enough() const { return confirmed + refuted >= 200; }
-double PoseEvidence::refuted_share() const {
+bool CarriedSamples::enough() const { return confirmed + refuted >= 200; }
+double CarriedSamples::refuted_share() const {
   const double all = static_cast<double>(confirmed + refuted);
   return all > 0.0 ? static_cast<double>(refuted) / all : 0.0;
 }

@@ -11,7 +11,7 @@ namespace relief {
 
 /// Whether the poses of the views let a set of samples be part of what they see: a sample carried
 /// into another view is refuted where that view sees through it by far.
-struct PoseEvidence {
+struct CarriedSamples {
   std::size_t confirmed = 0, refuted = 0;
   bool enough() const;
   double refuted_share() const;
@@ -24,7 +24,7 @@ struct PieceEvidence {
   std::size_t beside = 0;    ///< Pairs of neighbouring pixels, one on it and one that moves,
   std::size_t attached = 0;  ///< and how many of these are on one continuous surface.
   int sides = 0;             ///< Of the image of what moves beyond which it reaches, 0 to 4.
-  PoseEvidence poses;
+  CarriedSamples poses;
   double attached_share() const;
 };
 
@@ -32,7 +32,7 @@ struct StandingEvidence {
   std::vector<PieceEvidence> pieces;
   std::size_t standing = 0, moving = 0;  ///< Samples in all views.
   bool has_poses = false;                ///< All views have one.
-  PoseEvidence moving_poses;             ///< Of what moves: whether the poses describe its motion.
+  CarriedSamples moving_poses;           ///< Of what moves: whether the poses describe its motion.
 };
 
 /// `edges` are those of each view of the stack.
