@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
+#include "scan/background_mask.h"
 #include "scan/depth_stack.h"
 #include "scan/discontinuities.h"
-#include "scan/disjoint_sets.h"
 #include "scan/parallel.h"
 #include "scan/standing_evidence.h"
 #include "scan/standing_surface.h"
@@ -24,8 +23,6 @@ constexpr double kMostAttached = 0.05;
 constexpr int kSidesBeyond = 3;
 constexpr std::array<float, 4> kTolerances = {1.0f, 2.0f, 4.0f, 8.0f};  // of the stack's
 constexpr double kCovered = 0.99;                                       // of the largest background
-constexpr std::size_t kLargestSpeck = 9;  // samples that noise alone cuts off,
-constexpr float kSpeckReach = 3.0f;       // as far from the background, in tolerances
 
 enum class Verdict { kObject, kBackground, kUndecided };
 
@@ -42,98 +39,6 @@ Verdict judge(const PieceEvidence& piece, const StandingEvidence& all) {
   const bool apart = piece.beside > 0 && piece.attached_share() <= kMostAttached;
   return apart ? Verdict::kBackground : Verdict::kUndecided;
 }
-
-// Marks the samples of a view that belong to the background: those on its pieces, and others that
-// hang together with them and not with the rest.
-class ViewMask {
- public:
-  ViewMask(const DepthStack& stack, std::size_t view, const Grid<SampleKind>& kinds,
-           const StandingSurface& surface, const std::vector<Verdict>& verdicts,
-           const GridEdges& edges)
-      : kinds_(kinds), edges_(edges), mask_(kinds.width(), kinds.height(), 0) {
-    for (std::size_t i = 0; i < kinds.size(); ++i)
-      mask_[i] = kinds[i] == SampleKind::kStanding &&
-                 verdicts[static_cast<std::size_t>(surface.piece[i])] == Verdict::kBackground;
-    add_unknown();
-    for (std::size_t i = 0; i < kinds.size(); ++i)
-      near_[i] =
-          std::abs(stack.depths[view][i] - surface.depth[i]) <= kSpeckReach * stack.tolerance[i];
-    add_specks();
-  }
-
-  Grid<std::uint8_t> take() { return std::move(mask_); }
-
- private:
-  // Calls `body(a, b)` for the indices of samples that are neighbours on one surface.
-  template <typename Body>
-  void for_each_edge(const Body& body) const {
-    for (int v = 0; v < mask_.height(); ++v) {
-      for (int u = 0; u < mask_.width(); ++u) {
-        if (edges_.right(u, v)) body(mask_.index(u, v), mask_.index(u + 1, v));
-        if (edges_.down(u, v)) body(mask_.index(u, v), mask_.index(u, v + 1));
-      }
-    }
-  }
-
-  // Components of samples of which few views know more, by what they are attached to.
-  void add_unknown() {
-    const auto unknown = [&](std::size_t i) { return kinds_[i] == SampleKind::kUnknown; };
-    DisjointSets sets(mask_.size());
-    for_each_edge([&](std::size_t a, std::size_t b) {
-      if (unknown(a) && unknown(b))
-        sets.join(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
-    });
-    std::vector<std::uint32_t> to_background(mask_.size(), 0), to_others(mask_.size(), 0);
-    for_each_edge([&](std::size_t a, std::size_t b) {
-      if (unknown(a) == unknown(b)) return;
-      const std::size_t inside = unknown(a) ? a : b, outside = unknown(a) ? b : a;
-      ++(mask_[outside] ? to_background : to_others)[sets.find(static_cast<std::uint32_t>(inside))];
-    });
-    for (std::uint32_t i = 0; i < mask_.size(); ++i)
-      if (unknown(i) && to_background[sets.find(i)] > to_others[sets.find(i)]) mask_[i] = 1;
-  }
-
-  // Small components of what is left that the background surrounds, and that are close to it: the
-  // rim of the object may be cut off from it, too.
-  void add_specks() {
-    const auto left = [&](std::size_t i) { return kinds_[i] != SampleKind::kNone && !mask_[i]; };
-    DisjointSets sets(mask_.size());
-    for_each_edge([&](std::size_t a, std::size_t b) {
-      if (left(a) && left(b))
-        sets.join(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
-    });
-    std::vector<std::uint32_t> sizes(mask_.size(), 0), beside(mask_.size(), 0),
-        around(mask_.size(), 0);
-    for (int v = 0; v < mask_.height(); ++v) {
-      for (int u = 0; u < mask_.width(); ++u) {
-        const auto i = static_cast<std::uint32_t>(mask_.index(u, v));
-        if (!left(i)) continue;
-        const std::uint32_t set = sets.find(i);
-        ++sizes[set];
-        for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-          if (!mask_.contains(u + du, v + dv)) continue;
-          const auto j = static_cast<std::uint32_t>(mask_.index(u + du, v + dv));
-          if (kinds_[j] == SampleKind::kNone || (left(j) && sets.find(j) == set)) continue;
-          ++around[set];
-          beside[set] += mask_[j];
-        }
-      }
-    }
-    for (std::uint32_t i = 0; i < mask_.size(); ++i) {
-      if (!left(i)) continue;
-      const std::uint32_t set = sets.find(i);
-      speck_[i] = near_[i] && sizes[set] <= kLargestSpeck && 2 * beside[set] > around[set];
-    }
-    for (std::uint32_t i = 0; i < mask_.size(); ++i)
-      if (speck_[i]) mask_[i] = 1;
-  }
-
-  const Grid<SampleKind>& kinds_;
-  const GridEdges& edges_;
-  Grid<std::uint8_t> mask_;
-  std::vector<bool> near_ = std::vector<bool>(mask_.size(), false);  // the standing surface
-  std::vector<bool> speck_ = std::vector<bool>(mask_.size(), false);
-};
 
 std::size_t count(const Grid<std::uint8_t>& mask) {
   return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1));
@@ -195,8 +100,14 @@ void search(const std::vector<RangeView>& views, DepthStack& stack, int threads,
   const Attempt best = best_attempt(views, stack, edges, threads);
   found.undecided += best.undecided;
   if (best.background == 0) return;
+  Grid<float> background = best.surface.depth;
+  for (std::size_t i = 0; i < background.size(); ++i) {
+    const std::int32_t piece = best.surface.piece[i];
+    if (piece < 0 || best.verdicts[static_cast<std::size_t>(piece)] != Verdict::kBackground)
+      background[i] = static_cast<float>(kNoSample);
+  }
   auto masks = parallel_map<Grid<std::uint8_t>>(stack.size(), threads, [&](std::size_t i) {
-    return ViewMask(stack, i, best.kinds[i], best.surface, best.verdicts, edges[i]).take();
+    return mark_background(stack, i, best.kinds[i], background, edges[i]);
   });
   for (std::size_t i = 0; i < stack.size(); ++i) {
     const std::size_t samples = count(masks[i]);

@@ -149,6 +149,17 @@ TEST(StaticBackground, APlateBehindATurningObjectIsFoundToThePixel) {
   }
 }
 
+// Two views of twelve look through the middle of the ring.
+TEST(StaticBackground, APlateSeenThroughAGapOfTheObjectIsFound) {
+  const Surface ring = nearest_of({sphere({0, 8, 8}, 8.5), sphere({0, -8, 8}, 8.5),
+                                   sphere({0, 8, -8}, 8.5), sphere({0, -8, -8}, 8.5)});
+  const Scans scans = turn(ring, kPlate, 12, 0.0);
+  ASSERT_EQ(scans.truth[0](79, 59), 1);
+  const Mistakes errors = mistakes(scans, find_static_background(scans.views));
+  EXPECT_EQ(errors.wrong, 0u);
+  EXPECT_EQ(errors.far, 0u);
+}
+
 TEST(StaticBackground, RemovingItLeavesTheObject) {
   Scans scans = turn(figure(), kPlate);
   const StaticBackground found = find_static_background(scans.views);
