@@ -1,7 +1,6 @@
 #include "fusion/isosurface.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <compare>
 #include <utility>
@@ -39,7 +38,9 @@ float least_value(const SparseField& field) {
   return static_cast<float>(1e-3 * field.lattice().spacing);
 }
 
-// Runs VTK's contour filter on the 8^3 cells of a block. One object per thread.
+// Runs VTK's contour filter on the 8^3 cells of a block. One object per thread. The filter gets the
+// signs of the values alone, which decide how vertices are joined: every vertex is then in the very
+// middle of its edge, whose name no rounding can change, however much its two values differ.
 class BlockContour {
  public:
   BlockContour() {
@@ -56,7 +57,7 @@ class BlockContour {
   // Appends the corners of the block's triangles.
   void extract(const SparseField& field, std::size_t b, std::vector<VertexKey>& corners) {
     field.gather(b, padded_);
-    if (!load(least_value(field))) return;
+    if (!load_signs()) return;
     values_->Modified();
     image_->Modified();
     contour_->Update();
@@ -65,7 +66,6 @@ class BlockContour {
     vtkIdType count = 0;
     const vtkIdType* ids = nullptr;
     for (triangles->InitTraversal(); triangles->GetNextCell(count, ids);) {
-      assert(count == 3);
       // VTK winds triangles to face smaller values.
       for (const vtkIdType k : {0, 2, 1})
         corners.push_back(key(field.first_node(b), output, ids[k]));
@@ -74,33 +74,32 @@ class BlockContour {
 
  private:
   // False when all values have one sign.
-  bool load(float least) {
+  bool load_signs() {
     bool positive = false, negative = false;
     float* out = values_->GetPointer(0);
     for (int z = 0; z < kBrickNodes; ++z) {
       for (int y = 0; y < kBrickNodes; ++y) {
         for (int x = 0; x < kBrickNodes; ++x) {
-          const float value = away_from_zero(padded_[padded_index(x, y, z)], least);
-          (value > 0.0f ? positive : negative) = true;
-          *out++ = value;
+          const bool outside = padded_[padded_index(x, y, z)] > 0.0f;
+          (outside ? positive : negative) = true;
+          *out++ = outside ? 1.0f : -1.0f;
         }
       }
     }
     return positive && negative;
   }
 
-  // Two coordinates of a contour point are integers, exactly; the third lies between two.
+  // Two coordinates of a contour point are integers, exactly; the third lies half between two.
   static VertexKey key(const Node& first, vtkPolyData* output, vtkIdType id) {
     double place[3];
     output->GetPoint(id, place);
     Node node;
-    std::uint32_t axis = 3;
+    std::uint32_t axis = 0;
     for (int k = 0; k < 3; ++k) {
       const double below = std::floor(place[k]);
       node[k] = static_cast<int>(below);
       if (place[k] != below) axis = static_cast<std::uint32_t>(k);
     }
-    assert(axis < 3);
     return {key_of(first + node), axis};
   }
 
@@ -148,7 +147,6 @@ Eigen::Vector3d zero_on_edge(const SparseField& field, const VertexKey& key) {
   const float least = least_value(field);
   const double a = away_from_zero(field.value(node), least);
   const double b = away_from_zero(field.value(node + Node(Node::Unit(axis))), least);
-  assert((a > 0.0) != (b > 0.0));
   Eigen::Vector3d place = node.cast<double>();
   place[axis] += a / (a - b);
   return field.lattice().origin + field.lattice().spacing * place;

@@ -73,6 +73,23 @@ TEST(Isosurface, ThroughLatticeNodesHasNoDegenerateFaces) {
   EXPECT_TRUE(check_mesh(extract_isosurface(field, 1)).watertight());
 }
 
+// Beside a value ten million times as large the zero is nearer to a node than single precision can
+// tell from it.
+TEST(Isosurface, OfValuesThatDifferBeyondPrecisionIsAClosedManifold) {
+  for (const double outside : {1e4, 1e7, 1e10}) {
+    const SparseField field = field_of(2, [&](const Node& n) {
+      return (n.cast<double>() - Eigen::Vector3d(7.3, 7.1, 7.6)).norm() < 4.2 ? -1.0 : outside;
+    });
+    const TriangleMesh mesh = extract_isosurface(field, 1);
+    const MeshCheck check = check_mesh(mesh);
+    EXPECT_TRUE(check.closed()) << outside;
+    EXPECT_TRUE(check.manifold()) << outside;
+    EXPECT_GT(check.volume, 0.0) << outside;
+    for (const auto& p : mesh.vertices)
+      EXPECT_LT((field.lattice().coordinates(p) - Eigen::Vector3d(7.3, 7.1, 7.6)).norm(), 4.21);
+  }
+}
+
 TEST(Isosurface, ThreadsDoNotChangeAByte) {
   std::mt19937 random(3);
   const SparseField field =
