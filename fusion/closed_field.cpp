@@ -171,12 +171,12 @@ void fix_outside(SparseField& field, const Node& cells, float outside,
 // close to their solution and differ from it in short waves only.
 ObstacleSolverOptions solver_options(bool coarsest, const ClosedFieldOptions& options) {
   ObstacleSolverOptions solver;
+  solver.max_sweeps = options.max_sweeps;
   solver.threads = options.threads;
   solver.memory = options.memory;
   if (coarsest) {
     const double cells = options.coarse_cells + 2.0 * kPaddingCells;
     solver.relaxation = 2.0 / (1.0 + std::sin(std::numbers::pi / cells));
-    solver.max_sweeps = 400;
   }
   return solver;
 }
@@ -243,7 +243,9 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
     PagedArray<NodeConstraint> constraints(field.block_count() * kBlockNodes, options.memory);
     impose_evidence(field, views, truncation, limit, constraints, options);
     if (coarsest) fix_outside(field, domain.coarse_cells, limit, constraints);
-    solve_obstacle_problem(field, constraints.span(), solver_options(coarsest, options));
+    result.moving_blocks +=
+        solve_obstacle_problem(field, constraints.span(), solver_options(coarsest, options))
+            .moving_blocks;
     field.close_zero_set(limit, options.threads);
     if (const auto kept = check(options.memory); !kept) return kept.error();
   }

@@ -14,6 +14,7 @@ struct ClosedFieldOptions {
   double voxel_size = 0.0;  ///< Spacing of the finest lattice [unit], > 0.
   double truncation = 0.0;  ///< Views measure up to this distance from their surface [unit], > 0.
   int coarse_cells = 40;    ///< Cells of the coarsest lattice along the longest side of the object.
+  int max_sweeps = 1000;    ///< Of the solver, on each lattice; it ends when all values rest.
   int threads = 0;
   MemoryLimit* memory = nullptr;  ///< Of the fields; may be null, else it outlives them.
 };
@@ -22,6 +23,9 @@ struct ClosedFieldOptions {
 /// is the closed surface; fields from the finest to the coarsest, each reading the next.
 struct ClosedField {
   std::vector<std::unique_ptr<SparseField>> levels;
+  /// Blocks, over all levels, in which values still changed when the solver's sweeps ended; 0: the
+  /// field is what its equations say, to the solver's tolerance.
+  std::size_t moving_blocks = 0;
   const SparseField& finest() const { return *levels.front(); }
 };
 

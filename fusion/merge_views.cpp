@@ -144,15 +144,20 @@ std::unique_ptr<MemoryLimit> limit_of(const MergeOptions& options,
 
 // All of the zero set. The field, the largest thing there is, is gone afterwards.
 Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views,
-                                    const MergeOptions& options, const MergeResult& scales,
+                                    const MergeOptions& options, MergeResult& result,
                                     MemoryLimit* memory, const Progress& progress) {
   ClosedFieldOptions field_options;
-  field_options.voxel_size = scales.voxel_size;
-  field_options.truncation = scales.truncation;
+  field_options.voxel_size = result.voxel_size;
+  field_options.truncation = result.truncation;
   field_options.threads = options.threads;
   field_options.memory = memory;
   const auto field = compute_closed_field(views, field_options, progress);
   if (!field) return field.error();
+  result.moving_blocks = field->moving_blocks;
+  if (field->moving_blocks > 0)
+    result.notes.push_back("the surface between the views is not final: in " +
+                           std::to_string(field->moving_blocks) +
+                           " blocks of voxels it still moved when its sweeps ended");
   if (!report_progress(progress, 0.85, "extract"))
     return Error{ErrorKind::kInterrupted, "merging was interrupted"};
   return extract_isosurface(field->finest(), options.threads, memory);

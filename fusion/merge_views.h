@@ -56,6 +56,9 @@ struct MergeResult {
   double view_noise = 0.0;            ///< Median standard deviation of the views' positions [unit].
   std::size_t flying_samples = 0;     ///< Left out: see scan/filled_view.h.
   std::size_t filled_samples = 0;     ///< Interpolated in small gaps of the views.
+  /// Blocks of 8 x 8 x 8 voxels where the field that closes the surface had not come to rest; 0: it
+  /// had everywhere. A note tells.
+  std::size_t moving_blocks = 0;
   std::size_t components_removed = 0;
   std::size_t faces_removed = 0;   ///< In the removed components.
   std::vector<std::string> notes;  ///< What the user should know, one line each.

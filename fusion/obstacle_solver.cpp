@@ -100,13 +100,14 @@ class RestlessBlocks {
 
 }  // namespace
 
-int solve_obstacle_problem(SparseField& field, std::span<const NodeConstraint> constraints,
-                           const ObstacleSolverOptions& options) {
+ObstacleSolution solve_obstacle_problem(SparseField& field,
+                                        std::span<const NodeConstraint> constraints,
+                                        const ObstacleSolverOptions& options) {
   RestlessBlocks restless(field, constraints, options);
   const auto relaxation = static_cast<float>(options.relaxation);
   for (int sweep = 0; sweep < options.max_sweeps; ++sweep) {
     const std::vector<std::size_t> blocks = restless.find();
-    if (blocks.empty()) return sweep;
+    if (blocks.empty()) return {sweep, 0};
     std::vector<float> change(blocks.size(), 0.0f);
     for (const int colour : {0, 1}) {
       parallel_for(blocks.size(), kBlocksAtOnce, options.threads, [&](auto begin, auto end) {
@@ -118,7 +119,7 @@ int solve_obstacle_problem(SparseField& field, std::span<const NodeConstraint> c
     }
     for (std::size_t k = 0; k < blocks.size(); ++k) restless.relaxed(blocks[k], change[k]);
   }
-  return options.max_sweeps;
+  return {options.max_sweeps, restless.find().size()};
 }
 
 }  // namespace relief

@@ -98,7 +98,7 @@ TEST_F(ObstacleSolver, IsExactForHarmonicFunctions) {
   fill(field_, harmonic);
   fill(
       field_, [](const Node&) { return 0.0; }, true);
-  EXPECT_LT(solve_obstacle_problem(field_, constraints_, options_), 1000);
+  EXPECT_EQ(solve_obstacle_problem(field_, constraints_, options_).moving_blocks, 0u);
   for (const Node& n : {Node(8, 8, 8), Node(1, 14, 3), Node(0, 0, 0)})
     EXPECT_NEAR(field_.value(n), harmonic(n), 1e-4);
 }
@@ -124,9 +124,22 @@ TEST_F(ObstacleSolver, LiesAboveItsFloorAndIsHarmonicWhereItDoesNotTouchIt) {
 // A value that no free node can change by makes no work.
 TEST_F(ObstacleSolver, BlocksAtRestAreLeftOut) {
   fill(field_, [](const Node& n) { return 0.125 * n.x(); });
-  EXPECT_LE(solve_obstacle_problem(field_, constraints_, options_), 2);
+  EXPECT_LE(solve_obstacle_problem(field_, constraints_, options_).sweeps, 2);
   fill(field_, [](const Node&) { return 0.0; });
-  EXPECT_EQ(solve_obstacle_problem(field_, constraints_, options_), 1);
+  EXPECT_EQ(solve_obstacle_problem(field_, constraints_, options_).sweeps, 1);
+}
+
+TEST_F(ObstacleSolver, TellsWhereValuesStillMoved) {
+  const auto rough = [](const Node& n) { return std::sin(3.0 * n.x() + 5.0 * n.y() + n.z()); };
+  fill(field_, rough);
+  options_.max_sweeps = 5;
+  const ObstacleSolution cut_short = solve_obstacle_problem(field_, constraints_, options_);
+  EXPECT_EQ(cut_short.sweeps, 5);
+  EXPECT_EQ(cut_short.moving_blocks, 8u);
+  options_.max_sweeps = 1000;
+  const ObstacleSolution rested = solve_obstacle_problem(field_, constraints_, options_);
+  EXPECT_LT(rested.sweeps, 1000);
+  EXPECT_EQ(rested.moving_blocks, 0u);
 }
 
 TEST_F(ObstacleSolver, ThreadsDoNotChangeAByte) {
