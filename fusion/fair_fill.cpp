@@ -32,6 +32,9 @@ constexpr double kHeld = 0.0;
 // plate that gives way by a voxel or two lies as before.
 constexpr int kMendedRings = 12;
 
+// Of places that are solved for step by step: a tenth of what the lattice's zeros are good to.
+constexpr double kTolerance = 1e-4;  // [voxels]
+
 // Memory for each vertex of the mesh, and for each that may move besides [bytes].
 constexpr std::size_t kVertex = 60, kMoving = 900;
 
@@ -40,7 +43,8 @@ struct Settling {
   std::map<std::uint32_t, PlateVertex> pinned;  // Vertices that are held.
   std::vector<std::uint32_t> fresh;             // Of these, the ones held in this round of mending.
   bool settled = false;
-  bool stays = false;  // As the closed field has it.
+  bool stays = false;     // As the closed field has it.
+  bool unsolved = false;  // For want of a solution.
 };
 
 class Fairing {
@@ -56,12 +60,14 @@ class Fairing {
         changed_(mesh.vertices.size(), 0) {}
 
   FairFill run() {
-    if (work_.empty()) return {{}, regions_.too_large()};
+    if (work_.empty()) return {};
     for (int round = 0; round <= kRounds; ++round) settle_all(round == kRounds);
     for (std::size_t v = 0; v < places_.size(); ++v) changed_[v] = places_[v] != mesh_.vertices[v];
     for (int round = 0; mend(round); ++round) {
     }
-    return {std::move(places_), regions_.too_large()};
+    const auto unsolved = static_cast<std::size_t>(std::count_if(
+        work_.begin(), work_.end(), [](const Settling& work) { return work.unsolved; }));
+    return {std::move(places_), unsolved};
   }
 
  private:
@@ -132,8 +138,11 @@ class Fairing {
     work.settled = true;
     if (patch.free.empty()) return;
     const std::vector<Eigen::Vector3d> rest =
-        rest_plate(mesh_, regions_.around(), patch, options_.memory);
-    if (rest.empty()) return restore(r);
+        rest_plate(mesh_, regions_.around(), patch, plate_options());
+    if (rest.empty()) {
+      work.unsolved = true;
+      return restore(r);
+    }
     EvidenceCollector collector(views_, options_.truncation, options_.voxel_size);
     for (std::size_t k = 0; k < rest.size(); ++k) {
       const std::uint32_t v = patch.free[k].vertex;
@@ -143,6 +152,15 @@ class Fairing {
       work.pinned.emplace(v, PlateVertex{v, places_[v]});
       work.settled = false;
     }
+  }
+
+  PlateOptions plate_options() const {
+    PlateOptions plate;
+    plate.most_factorised = options_.most_factorised;
+    plate.tolerance = kTolerance * options_.voxel_size;
+    plate.start = &places_;
+    plate.memory = options_.memory;
+    return plate;
   }
 
   bool in_empty_space(const Eigen::Vector3d& point, EvidenceCollector& collector) const {

@@ -13,7 +13,7 @@ namespace relief {
 
 struct FairFill {
   std::vector<Eigen::Vector3d> places;  ///< Of all vertices; empty when none moves.
-  std::size_t too_large = 0;            ///< Regions that stay as they are for their size.
+  std::size_t unsolved = 0;  ///< Regions that stay as they are since no plate was found for them.
 };
 
 /// Places for the filled vertices of a merged mesh (`filled` and `normals` set), with which the

@@ -17,9 +17,8 @@ struct FairFillOptions {
   double voxel_size = 0.0;  ///< As used for the field [unit].
   int threads = 0;
   MemoryLimit* memory = nullptr;  ///< May be null.
-  /// Regions with more vertices keep the closed field's surface: for one as large a solve takes 0.3
-  /// GB and some seconds.
-  std::size_t largest_region = 150000;
+  /// See PlateOptions.
+  std::size_t most_factorised = PlateOptions().most_factorised;
 };
 
 /// A connected set of vertices that may move: filled ones and a margin of what was measured.
@@ -43,10 +42,9 @@ class FairRegions {
   std::uint32_t region_of(std::uint32_t vertex) const { return region_of_[vertex]; }  ///< Or kNone.
   const FacesAround& around() const { return around_; }
   const SideNormals& normals() const { return normals_; }
-  std::size_t too_large() const { return too_large_; }  ///< Regions left out for their size.
 
  private:
-  void find(const FairFillOptions& options);
+  void find();
   bool is_crevice(const FairRegion& region) const;
   bool is_deep(const FairRegion& region) const;
   void add_border(FairRegion& region) const;
@@ -63,7 +61,6 @@ class FairRegions {
   SideNormals normals_;
   std::vector<FairRegion> regions_;
   std::vector<std::uint32_t> region_of_;
-  std::size_t too_large_ = 0;
 };
 
 }  // namespace relief

@@ -181,10 +181,11 @@ Error failed_check(const MeshCheck& check) {
 void fair_fill(const FairFillOptions& options, const std::vector<ViewSampler>& views,
                MergeResult& result) {
   FairFill fair = fair_filled_regions(result.mesh, views, options);
-  if (fair.too_large > 0)
-    result.notes.push_back(std::to_string(fair.too_large) +
-                           (fair.too_large == 1 ? " filled region is" : " filled regions are") +
-                           " too large to continue the slope of the surface around");
+  if (fair.unsolved > 0)
+    result.notes.push_back(std::to_string(fair.unsolved) +
+                           (fair.unsolved == 1 ? " filled region stays" : " filled regions stay") +
+                           " as membranes: no plate that continues the slope of the surface around "
+                           "was found for them");
   if (fair.places.empty()) return;
   result.mesh.vertices.swap(fair.places);
   relieve(options.memory, kMeshCheck * result.mesh.vertices.size());

@@ -6,9 +6,9 @@
 #include <unordered_map>
 
 #include <Eigen/Geometry>
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
+#include "fusion/large_plate.h"
 #include "scan/parallel.h"
 
 namespace relief {
@@ -27,15 +27,6 @@ constexpr Eigen::Index kLarge = 10000;
 
 using Sparse = Eigen::SparseMatrix<double>;
 using Entry = Eigen::Triplet<double>;
-
-// Knows before the numbers how many there will be.
-class Factor : public Eigen::SimplicialLDLT<Sparse, Eigen::Lower> {
- public:
-  std::size_t bytes() const {
-    constexpr std::size_t kEntry = sizeof(double) + sizeof(Sparse::StorageIndex);
-    return kEntry * static_cast<std::size_t>(m_matrix.data().size());
-  }
-};
 
 // Cotangents of a face's three angles, and its area.
 struct FaceShape {
@@ -72,6 +63,7 @@ class PlateSystem {
     const std::size_t rows = patch.free.size() + patch.held.size();
     known_.setZero(static_cast<Eigen::Index>(rows), 3);
     weights_.resize(static_cast<Eigen::Index>(rows));
+    area_.resize(static_cast<Eigen::Index>(rows));
     pull_.setZero(static_cast<Eigen::Index>(patch.free.size()));
     drawn_.setZero(static_cast<Eigen::Index>(patch.free.size()), 3);
     for (const PlateVertex& free : patch.free) {
@@ -86,19 +78,40 @@ class PlateSystem {
     entries_ = {};
   }
 
+  // Places by the factors of the whole system.
   std::vector<Eigen::Vector3d> solve(MemoryLimit* memory) const {
     const Sparse weighted = weights_.asDiagonal() * laplacian_;
     Sparse system = (laplacian_.transpose() * weighted).triangularView<Eigen::Lower>();
     system.diagonal() += pull_;
     const Eigen::MatrixX3d right = drawn_ - weighted.transpose() * known_;
     if (system.rows() > kLarge) release_freed_memory();
-    Factor factor;
+    SizedFactor factor;
     factor.analyzePattern(system);
     relieve(memory, factor.bytes());
     if (!check(memory)) return {};
     factor.factorize(system);
     if (factor.info() != Eigen::Success) return {};
-    const Eigen::MatrixX3d placed = factor.solve(right);
+    return places_of(factor.solve(right));
+  }
+
+  // Places by conjugate gradients from the places `start` of the vertices.
+  std::vector<Eigen::Vector3d> approach(const PlatePatch& patch,
+                                        const PlateOptions& options) const {
+    PlateEquations equations{laplacian_, weights_, area_, pull_, {}};
+    equations.right = drawn_ - laplacian_.transpose() * (weights_.asDiagonal() * known_);
+    Eigen::MatrixX3d places(equations.pull.rows(), 3);
+    for (Eigen::Index i = 0; i < places.rows(); ++i) {
+      const std::uint32_t v = patch.free[static_cast<std::size_t>(i)].vertex;
+      places.row(i) =
+          ((options.start ? (*options.start)[v] : mesh_.vertices[v]) - origin_).transpose();
+    }
+    release_freed_memory();
+    if (!approach_plate(equations, options.tolerance, options.memory, places)) return {};
+    return places_of(places);
+  }
+
+ private:
+  std::vector<Eigen::Vector3d> places_of(const Eigen::MatrixX3d& placed) const {
     if (!placed.allFinite()) return {};
     std::vector<Eigen::Vector3d> places;
     for (Eigen::Index i = 0; i < placed.rows(); ++i)
@@ -106,7 +119,6 @@ class PlateSystem {
     return places;
   }
 
- private:
   void add(double weight, std::uint32_t vertex) {
     if (const auto free = column_.find(vertex); free != column_.end()) {
       entries_.emplace_back(row_, free->second, weight);
@@ -140,7 +152,9 @@ class PlateSystem {
       }
     });
     add(-sum, v);
-    weights_(row_++) = stiffness / area_at(v);
+    area_(row_) = area_at(v);
+    weights_(row_) = stiffness / area_(row_);
+    ++row_;
   }
 
   const TriangleMesh& mesh_;
@@ -151,7 +165,7 @@ class PlateSystem {
   std::vector<Entry> entries_;
   Sparse laplacian_;
   Eigen::MatrixX3d known_;
-  Eigen::VectorXd weights_, pull_;
+  Eigen::VectorXd weights_, area_, pull_;
   Eigen::MatrixX3d drawn_;
   int row_ = 0;
 };
@@ -173,11 +187,13 @@ FacesAround::FacesAround(const TriangleMesh& mesh, const std::vector<std::uint8_
 }
 
 std::vector<Eigen::Vector3d> rest_plate(const TriangleMesh& mesh, const FacesAround& around,
-                                        const PlatePatch& patch, MemoryLimit* memory) {
+                                        const PlatePatch& patch, const PlateOptions& options) {
   if (patch.free.empty()) return {};
-  relieve(memory, kSystem * patch.free.size());
-  if (!check(memory)) return {};
-  return PlateSystem(mesh, around, patch).solve(memory);
+  relieve(options.memory, kSystem * patch.free.size());
+  if (!check(options.memory)) return {};
+  const PlateSystem system(mesh, around, patch);
+  return patch.free.size() <= options.most_factorised ? system.solve(options.memory)
+                                                      : system.approach(patch, options);
 }
 
 }  // namespace relief

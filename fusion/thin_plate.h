@@ -44,6 +44,16 @@ struct PlatePatch {
   std::vector<PlateVertex> held;  ///< All neighbours of free ones, and any others.
 };
 
+struct PlateOptions {
+  /// Up to so many free vertices the system is factorised, which takes about 2.5 kB for each of
+  /// 50,000 and the more the more there are. Larger ones are solved step by step, from the places
+  /// that `start` has, by the factors of a Poisson problem alone (see approach_plate()).
+  std::size_t most_factorised = 150000;
+  double tolerance = 0.0;  ///< Of places solved for step by step [unit].
+  const std::vector<Eigen::Vector3d>* start = nullptr;  ///< Of all vertices; null: the mesh's.
+  MemoryLimit* memory = nullptr;                        ///< May be null.
+};
+
 /// Places of the free vertices that minimise the sum of squared mean curvature normals, each over
 /// its area, and of squared moves
 ///
@@ -51,9 +61,8 @@ struct PlatePatch {
 ///
 /// with the cotangent Laplacian L and the areas A of the mesh as given (Botsch and Kobbelt 2004).
 /// It keeps planes plane and does not move vertices along them. Empty when the system is singular:
-/// free vertices that nothing holds; and when `memory`, which may be null, cannot be kept. Takes
-/// about 2.5 kB for each of 50,000 free vertices, and the more the more there are.
+/// free vertices that nothing holds; and when `options.memory` cannot be kept.
 std::vector<Eigen::Vector3d> rest_plate(const TriangleMesh& mesh, const FacesAround& around,
-                                        const PlatePatch& patch, MemoryLimit* memory = nullptr);
+                                        const PlatePatch& patch, const PlateOptions& options = {});
 
 }  // namespace relief

@@ -66,13 +66,22 @@ TEST(FairFill, WhereNothingIsFilledNothingMoves) {
   EXPECT_TRUE(fair_filled_regions(sphere.mesh, sphere.samplers, options_of()).places.empty());
 }
 
-TEST(FairFill, RegionsAboveTheLargestStayAndAreCounted) {
+// Regions too large to be factorised, here all.
+TEST(FairFill, LargeRegionsComeToRestAsOthersDo) {
   const Merged sphere = merged(sphere_from(3, 14));
   FairFillOptions options = options_of();
-  options.largest_region = 100;
-  const FairFill fair = fair_filled_regions(sphere.mesh, sphere.samplers, options);
-  EXPECT_TRUE(fair.places.empty());
-  EXPECT_GE(fair.too_large, 1u);
+  const FairFill factorised = fair_filled_regions(sphere.mesh, sphere.samplers, options);
+  options.most_factorised = 0;
+  const FairFill large = fair_filled_regions(sphere.mesh, sphere.samplers, options);
+  EXPECT_EQ(large.unsolved, 0u);
+  ASSERT_EQ(large.places.size(), factorised.places.size());
+  ASSERT_FALSE(large.places.empty());
+  double moved = 0.0;
+  for (std::size_t v = 0; v < large.places.size(); ++v) {
+    EXPECT_LT((large.places[v] - factorised.places[v]).norm(), 0.01 * kVoxel) << v;
+    moved = std::max(moved, (large.places[v] - sphere.mesh.vertices[v]).norm());
+  }
+  EXPECT_GT(moved, kVoxel);
 }
 
 // Of random scenes, where views contradict each other.
