@@ -1,0 +1,60 @@
+# How tests are built and registered with CTest.
+include(GoogleTest)
+
+# Tests that the sanitizers leave to the other presets, as for --gtest_filter: they measure accuracy, or run code that other
+# tests run as well, many times over or on more data.
+set(RELIEF_UNSANITIZED_TESTS
+  Accuracy.*
+  AlignViews.ClosesARingOf24*
+  CoarsePlacing.PlacesTheBunny*
+  DenseRefinement.ReportsTheCovariance*
+  Icp.ReportsTheCovariance*
+  Program.RunsTheWholeWay*
+  RangeDeviation.ErrorsAreAsLarge*
+  RealScans.TheBunny*
+  RealScans.TwentyViews*)
+
+# The suites of tests in source files.
+function(relief_suites_of files result)
+  set(suites "")
+  foreach(file IN LISTS files)
+    file(STRINGS ${file} heads REGEX "^TEST(_F|_P)?\\(")
+    foreach(head IN LISTS heads)
+      string(REGEX REPLACE "^TEST(_F|_P)?\\( *([A-Za-z0-9_]+).*" "\\2" suite "${head}")
+      list(APPEND suites ${suite})
+    endforeach()
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+  endforeach()
+  list(REMOVE_DUPLICATES suites)
+  set(${result} ${suites} PARENT_SCOPE)
+endfunction()
+
+# One CTest test per suite: a sanitized program takes long to start, and what the tests of a suite share is made once.
+function(relief_add_suites name files)
+  relief_suites_of("${files}" suites)
+  list(JOIN RELIEF_UNSANITIZED_TESTS ":" left_out)
+  foreach(suite IN LISTS suites)
+    if("${suite}.*" IN_LIST RELIEF_UNSANITIZED_TESTS)
+      continue()
+    endif()
+    add_test(NAME ${name}.${suite}
+      COMMAND relief_${name}_tests "--gtest_filter=${suite}.*:*/${suite}.*-${left_out}")
+    set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT 1800)
+  endforeach()
+endfunction()
+
+# relief_test(NAME LIBRARIES ... SOURCES ...): one test program per folder, registered with CTest.
+function(relief_test name)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES;SOURCES" ${ARGN})
+  add_executable(relief_${name}_tests ${ARG_SOURCES})
+  target_include_directories(relief_${name}_tests PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(relief_${name}_tests PRIVATE ${ARG_LIBRARIES} relief_test_support relief_build_flags
+                                                     GTest::gmock GTest::gtest_main)
+  if(RELIEF_SANITIZE)
+    # Tests spend their time in the libraries; their own code compiles in two thirds of the time like this.
+    target_compile_options(relief_${name}_tests PRIVATE -Og)
+    relief_add_suites(${name} "${ARG_SOURCES}")
+  else()
+    gtest_discover_tests(relief_${name}_tests DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+  endif()
+endfunction()
