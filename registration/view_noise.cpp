@@ -58,4 +58,36 @@ double slope_noise(double noise, double spacing, int radius) {
   return spacing > 0.0 ? noise / (spacing * std::sqrt(moment)) : 0.0;
 }
 
+double unevenness(const RangeView& view, const RangeNoise& ranges) {
+  if (ranges.map.empty() || !ranges.known()) return 1.0;
+  double squares = 0.0, count = 0.0;
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      if (view.has_sample(u, v)) squares += std::pow(ranges.sigma_at(u, v), 2), count += 1.0;
+  return count > 0.0 ? std::max(1.0, std::sqrt(squares / count) / ranges.sigma) : 1.0;
+}
+
+double typical_incidence(const RangeView& view, const Grid<Eigen::Vector3f>& normals) {
+  std::vector<double> cosines;
+  for (int v = 0; v < view.height(); v += 4)
+    for (int u = 0; u < view.width(); u += 4)
+      if (normals(u, v).allFinite())
+        cosines.push_back(std::abs(
+            view.camera.ray(u, v).direction.normalized().dot(normals(u, v).cast<double>())));
+  return cosines.empty() ? 1.0 : quantile(std::move(cosines), 0.5);
+}
+
+double typical_step(const RangeView& view, const RangeNoise& noise) {
+  if (!noise.quantisation.exists()) return 0.0;
+  double squares = 0.0, count = 0.0;
+  for (int v = 0; v < view.height(); v += 4)
+    for (int u = 0; u < view.width(); u += 4)
+      if (view.has_sample(u, v)) {
+        const double length = view.camera.ray(u, v).direction.norm();
+        squares += std::pow(noise.quantisation.step_at(view.range(u, v), length), 2);
+        count += 1.0;
+      }
+  return count > 0.0 ? std::sqrt(squares / count) : 0.0;
+}
+
 }  // namespace relief

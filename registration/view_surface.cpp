@@ -8,12 +8,11 @@
 
 #include <Eigen/Dense>
 
-#include "registration/robust.h"
+#include "registration/sample_weights.h"
 #include "registration/unbiased_normals.h"
 #include "registration/view_noise.h"
 #include "scan/discontinuities.h"
 #include "scan/grid_normals.h"
-#include "scan/median_deviation.h"
 #include "scan/range_noise.h"
 #include "scan/small_gaps.h"
 
@@ -35,8 +34,6 @@ constexpr double kFewBesideGaps = 0.04;
 // That is, if the gaps would otherwise take so large a part of the samples: gaps that the shape
 // makes at creases and edges are better left open.
 constexpr double kLostToGaps = 0.5;
-// Deviations of more than so many times what neighbours differ by are mostly of what they share.
-constexpr double kSharedErrors = 2.0;
 constexpr int kBlankReach = 2;  // [pixels]
 
 // A bijection of 64-bit integers whose outputs look random (the finaliser of Steele, Lea and Flood
@@ -57,58 +54,6 @@ void scatter(std::vector<std::uint32_t>& indices) {
                  [](std::uint64_t key) { return static_cast<std::uint32_t>(key); });
 }
 
-// Squares of `typical` over the deviation of each sample, times its confidence.
-template <typename Deviation>
-Grid<float> inverse_variances(const RangeView& view, double typical, const Deviation& deviation) {
-  Grid<float> weights(view.width(), view.height(), 0.0f);
-  for (int v = 0; v < view.height(); ++v) {
-    for (int u = 0; u < view.width(); ++u) {
-      weights(u, v) = view.confidence_at(u, v);
-      const double ratio = typical / deviation(u, v);
-      if (weights(u, v) > 0.0f && ratio > 0.0) weights(u, v) = static_cast<float>(ratio * ratio);
-    }
-  }
-  return weights;
-}
-
-// What each sample counts for: its confidence, or, where deviations are known, which have the
-// confidence in them, the inverse of its variance relative to the view's median one. Empty: the
-// confidence; so, too, where errors are shared by neighbours: their sums over the surface, which
-// move poses, do not become smaller as the deviations of single samples do. Noise that the ranges
-// show to change over the view counts like deviations.
-Grid<float> sample_weights(const RangeView& view, double noise, const RangeNoise& ranges) {
-  const double typical = median_deviation(view);
-  if (typical > 0.0 && typical <= kSharedErrors * noise)
-    return inverse_variances(view, typical, [&](int u, int v) { return view.deviation_at(u, v); });
-  if (typical > 0.0 || ranges.map.empty() || !ranges.known()) return {};
-  auto weights =
-      inverse_variances(view, ranges.sigma, [&](int u, int v) { return ranges.sigma_at(u, v); });
-  for (int v = 0; v < view.height(); ++v)
-    for (int u = 0; u < view.width(); ++u) weights(u, v) *= view.confidence_at(u, v);
-  return weights;
-}
-
-// The root mean square of the noise over the view, relative to that of a typical sample.
-double unevenness(const RangeView& view, const RangeNoise& ranges) {
-  if (ranges.map.empty() || !ranges.known()) return 1.0;
-  double squares = 0.0, count = 0.0;
-  for (int v = 0; v < view.height(); ++v)
-    for (int u = 0; u < view.width(); ++u)
-      if (view.has_sample(u, v)) squares += std::pow(ranges.sigma_at(u, v), 2), count += 1.0;
-  return count > 0.0 ? std::max(1.0, std::sqrt(squares / count) / ranges.sigma) : 1.0;
-}
-
-// How much of a step along the ray a surface moves along its normal: the median over samples.
-double typical_incidence(const RangeView& view, const Grid<Eigen::Vector3f>& normals) {
-  std::vector<double> cosines;
-  for (int v = 0; v < view.height(); v += 4)
-    for (int u = 0; u < view.width(); u += 4)
-      if (normals(u, v).allFinite())
-        cosines.push_back(std::abs(
-            view.camera.ray(u, v).direction.normalized().dot(normals(u, v).cast<double>())));
-  return cosines.empty() ? 1.0 : quantile(std::move(cosines), 0.5);
-}
-
 int normal_radius(double noise, double spacing, double step) {
   int radius = kSmallestNormalRadius;
   while (radius < kLargestNormalRadius && slope_noise(noise, spacing, radius) > kWantedNormalNoise)
@@ -117,21 +62,6 @@ int normal_radius(double noise, double spacing, double step) {
     radius = std::max(radius, static_cast<int>(std::ceil(std::min<double>(
                                   kLargestTerraceRadius, kTerraces * step / spacing))));
   return radius;
-}
-
-// The step of the ranges along the rays [unit], root mean square over the samples; 0 where they are
-// not rounded.
-double typical_step(const RangeView& view, const RangeNoise& noise) {
-  if (!noise.quantisation.exists()) return 0.0;
-  double squares = 0.0, count = 0.0;
-  for (int v = 0; v < view.height(); v += 4)
-    for (int u = 0; u < view.width(); u += 4)
-      if (view.has_sample(u, v)) {
-        const double length = view.camera.ray(u, v).direction.norm();
-        squares += std::pow(noise.quantisation.step_at(view.range(u, v), length), 2);
-        count += 1.0;
-      }
-  return count > 0.0 ? std::sqrt(squares / count) : 0.0;
 }
 
 // Slopes of terraces [rad]: over a window of half width `radius` [pixels] the rounding of the
