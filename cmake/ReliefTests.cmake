@@ -11,8 +11,12 @@ set(RELIEF_UNSANITIZED_TESTS
   Icp.ReportsTheCovariance*
   Program.RunsTheWholeWay*
   RangeDeviation.ErrorsAreAsLarge*
+  RealScans.AllViewsOfTheDragon*
+  RealScans.FiveViewsOfARoom*
   RealScans.TheBunny*
-  RealScans.TwentyViews*)
+  RealScans.TheDragon*
+  RealScans.TwentyViews*
+  SensorErrors.*)
 
 # The suites of tests in source files.
 function(relief_suites_of files result)
