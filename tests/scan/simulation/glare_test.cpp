@@ -61,8 +61,9 @@ TEST(Glare, LeavesExactRangesWithoutARangeError) {
   glare.range_error = 0.0;
   const Spoiled spoiled(glare);
   for (std::size_t i = 0; i < spoiled.scan.range.size(); ++i)
-    if (spoiled.scan.range[i] == spoiled.scan.range[i])
+    if (spoiled.scan.range[i] == spoiled.scan.range[i]) {
       EXPECT_EQ(spoiled.scan.range[i], spoiled.bench.truth.range[i]);
+    }
 }
 
 TEST(Glare, NamesAFieldOutOfItsRange) {

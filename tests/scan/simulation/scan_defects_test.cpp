@@ -73,7 +73,9 @@ TEST(ScanDefects, RoundsRangesToSteps) {
   const Simulation simulation = simulated(options);
   const double step = 4.0 * simulation.spacing;
   for (const double range : simulation.scans.views[1].range)
-    if (range == range) EXPECT_NEAR(range / step, std::round(range / step), 1e-9);
+    if (range == range) {
+      EXPECT_NEAR(range / step, std::round(range / step), 1e-9);
+    }
   EXPECT_NEAR(rms(range_errors(simulation, 1)), 4.0 / std::sqrt(12.0), 0.05);
 }
 

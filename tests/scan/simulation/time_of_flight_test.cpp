@@ -100,7 +100,9 @@ TEST(TimeOfFlight, RangesAreMultiplesOfTheStep) {
   const SensorBench bench(testing::sphere({0, 0, 10}, 1.2));
   const double step = 2.0 * bench.scene().spacing;
   for (const double range : scanned(bench, camera).range)
-    if (range == range) EXPECT_NEAR(range / step, std::round(range / step), 1e-9);
+    if (range == range) {
+      EXPECT_NEAR(range / step, std::round(range / step), 1e-9);
+    }
 }
 
 TEST(TimeOfFlight, SamplesAtEdgesLieBetweenTheSides) {
