@@ -1,39 +1,55 @@
 # Several source files a compiler run, where CMAKE_UNITY_BUILD is on: headers are then read and templates
-# instantiated once for all of them, which more than halves the time of a sanitized build from nothing.
+# instantiated once for all of them.
 #
-# The unnamed namespaces of files compiled together are one. Files that define the same name at the start of a line go
-# into different groups, so that no file needs to know which names the others use.
+# The unnamed namespaces of files compiled together are one. Files that give the same name to different things at the
+# start of a line go into different groups, so that no file needs to know which names the others use.
 
 set(RELIEF_UNITY_FILES 8 CACHE STRING "How many source files at most are compiled together with CMAKE_UNITY_BUILD")
 
-# The names that a source file defines at the start of a line. Some too many do no harm.
-function(relief_defined_names file result)
+# The names that a source file defines at the start of a line, and those that it takes over by `using other::name`. Some
+# too many do no harm.
+function(relief_names_in file defined used)
   file(READ ${file} text)
   string(REGEX REPLACE "[][;]" "_" text "\n${text}")
   string(REGEX MATCHALL "\n[A-Za-z_][^\n]*" lines "${text}")
-  set(names "")
+  set(definitions "")
+  set(uses "")
   foreach(line IN LISTS lines)
-    if(line MATCHES "^\n(TEST|INSTANTIATE|namespace|using|template|extern)")
+    if(line MATCHES "^\n(TEST|INSTANTIATE|namespace|using namespace|template|extern)")
       continue()
     elseif(line MATCHES "^\n(struct|class|union|enum class|enum) ([A-Za-z0-9_]+)")
-      list(APPEND names ${CMAKE_MATCH_2})
+      list(APPEND definitions ${CMAKE_MATCH_2})
+    elseif(line MATCHES "^\nusing ([A-Za-z0-9_]+) =")
+      list(APPEND definitions ${CMAKE_MATCH_1})
+    elseif(line MATCHES "^\nusing .*::([A-Za-z0-9_]+)_$")
+      list(APPEND uses ${CMAKE_MATCH_1})
     elseif(line MATCHES "^\n([^=({]*[ &*])?([A-Za-z_][A-Za-z0-9_]*) *[=({]")
-      list(APPEND names ${CMAKE_MATCH_2})
+      list(APPEND definitions ${CMAKE_MATCH_2})
     endif()
   endforeach()
-  set(${result} "${names}" PARENT_SCOPE)
+  set(${defined} "${definitions}" PARENT_SCOPE)
+  set(${used} "${uses}" PARENT_SCOPE)
 endfunction()
 
-# The first group, from 0, that has a place left and defines none of `names`; an empty one at the latest.
-function(relief_first_group names result)
+function(relief_have_common first second result)
+  set(${result} FALSE PARENT_SCOPE)
+  foreach(item IN LISTS first)
+    if(item IN_LIST second)
+      set(${result} TRUE PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+endfunction()
+
+# The first group, from 0, that has a place left and gives none of these names to other things; an empty one at the latest.
+function(relief_first_group defined used result)
   set(group 0)
   while(TRUE)
-    set(common ${RELIEF_GROUP_${group}_NAMES})
-    list(REMOVE_ITEM common ${names} "")
-    list(LENGTH common left)
-    list(LENGTH RELIEF_GROUP_${group}_NAMES before)
     list(LENGTH RELIEF_GROUP_${group}_FILES files)
-    if(left EQUAL before AND files LESS RELIEF_UNITY_FILES)
+    set(names ${RELIEF_GROUP_${group}_DEFINED} ${RELIEF_GROUP_${group}_USED})
+    relief_have_common("${defined}" "${names}" defined_twice)
+    relief_have_common("${used}" "${RELIEF_GROUP_${group}_DEFINED}" used_and_defined)
+    if(files LESS RELIEF_UNITY_FILES AND NOT defined_twice AND NOT used_and_defined)
       break()
     endif()
     math(EXPR group "${group} + 1")
@@ -51,9 +67,10 @@ function(relief_group_sources target)
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
     cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${folder} NORMALIZE OUTPUT_VARIABLE file)
-    relief_defined_names(${file} names)
-    relief_first_group("${names}" group)
-    list(APPEND RELIEF_GROUP_${group}_NAMES ${names})
+    relief_names_in(${file} defined used)
+    relief_first_group("${defined}" "${used}" group)
+    list(APPEND RELIEF_GROUP_${group}_DEFINED ${defined})
+    list(APPEND RELIEF_GROUP_${group}_USED ${used})
     list(APPEND RELIEF_GROUP_${group}_FILES ${file})
     set_source_files_properties(${file} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP group_${group})
   endforeach()
