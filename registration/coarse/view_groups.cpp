@@ -28,13 +28,14 @@ bool same_place(const ViewSurface& view, const RigidMotion& x, const RigidMotion
 // Whether the two views could as well lie otherwise.
 bool undetermined(const PoseLink& link) { return link.evidence.slides || link.ambiguous; }
 
-// Best supported first, without those that are not believed.
-void sort_by_support(const std::vector<ViewSurface>& surfaces, const std::vector<int>& loops,
-                     const LinkLimits& limits, const ViewGroupOptions& options,
-                     std::vector<PoseLink>& links) {
+// Best supported first, without those that are not believed: these confirm no others either.
+void sort_by_support(const std::vector<ViewSurface>& surfaces, const LinkLimits& limits,
+                     const ViewGroupOptions& options, std::vector<PoseLink>& links) {
   const auto fits = [&](const PoseLink& link, const PlausibleEvidence& to) {
     return plausible(link.evidence, surfaces[link.a], surfaces[link.b], to);
   };
+  std::erase_if(links, [&](const PoseLink& link) { return !fits(link, limits.confirmed); });
+  const auto loops = count_loops(surfaces, links);
   const auto firm = [&](const PoseLink& link) {
     return fits(link, limits.lone) && !too_much_absent(link.evidence, limits.lone);
   };
@@ -44,8 +45,7 @@ void sort_by_support(const std::vector<ViewSurface>& surfaces, const std::vector
   };
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < links.size(); ++k)
-    if (fits(links[k], limits.confirmed) && (loops[k] > 0 || stands_alone(links[k])))
-      order.push_back(k);
+    if (loops[k] > 0 || stands_alone(links[k])) order.push_back(k);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
     const auto key = [&](std::size_t k) {
       return std::tuple(!undetermined(links[k]), firm(links[k]), loops[k] > 0,
@@ -259,9 +259,8 @@ ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<Pose
                       const ViewGroups& start, const std::vector<bool>& known,
                       const ViewGroupOptions& options) {
   assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
-  const auto loops = count_loops(surfaces, links);
-  const LinkLimits limits = fit_link_limits(surfaces, links, loops, options);
-  sort_by_support(surfaces, loops, limits, options, links);
+  const LinkLimits limits = fit_link_limits(surfaces, links, count_loops(surfaces, links), options);
+  sort_by_support(surfaces, limits, options, links);
   return Joining(surfaces, links, start, known, limits, options).run();
 }
 

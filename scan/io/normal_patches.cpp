@@ -10,6 +10,7 @@
 
 #include "scan/discontinuities.h"
 #include "scan/median.h"
+#include "scan/range_noise.h"
 #include "scan/range_quantisation.h"
 
 namespace relief {
@@ -194,6 +195,13 @@ GridEdges edges_of(const RangeView& view, const Terraces& terraces) {
   return connect_samples(view, options);
 }
 
+// Whether noise makes the samples of a window as thick a cloud as it is wide: planes through them
+// may lie anyhow, however well their residuals look.
+bool no_flatter_than_wide(const RangeView& view, int radius) {
+  const double width = radius * sample_spacing(view) / std::numbers::sqrt3;
+  return estimate_range_noise(view).sigma > 0.5 * width;
+}
+
 }  // namespace
 
 NormalPatches find_patches(const RangeView& view, const Grid<Eigen::Vector3f>& stored) {
@@ -209,7 +217,9 @@ NormalPatches find_patches(const RangeView& view, const Grid<Eigen::Vector3f>& s
     NormalPatches coarse = patches_of_radius(view, stored, edges, radius);
     if (!coarse.patches.empty()) found = std::move(coarse);
   }
-  const double least = std::max(typical_error(found), terraces.slope_error(found.radius));
+  constexpr double kAnyDirection = 1.0;  // [rad]
+  double least = std::max(typical_error(found), terraces.slope_error(found.radius));
+  if (no_flatter_than_wide(view, found.radius)) least = std::max(least, kAnyDirection);
   for (NormalPatch& patch : found.patches) patch.stddev = std::max(patch.stddev, least);
   return found;
 }
