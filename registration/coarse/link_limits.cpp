@@ -22,12 +22,11 @@ constexpr double kLeastNormalLimit = 0.12;
 constexpr double kLeastCoherentLimit = 0.12;  // [sample spacings]
 // A triangle may close by chance; more links that close loops tell the errors of the views.
 constexpr std::size_t kTellingLinks = 4;
-// Right links deviate by no more than so many times the median of them.
-constexpr double kShownExcess = 1.6;
-// Absence depends on the pair: of links believed otherwise, nearly all show no more.
-constexpr double kAbsenceQuantile = 0.9;
-// So does the part of stray samples; wrong links show far more.
-constexpr double kStraysQuantile = 0.75;
+// Pairs at poses of chains, and links that loops confirm, may deviate by so many times what the
+// better quarter of the pairs of views does.
+constexpr double kConfirmedExcess = 1.75;
+// Absence and strays depend on the pair: most links believed otherwise show no more.
+constexpr double kAbsenceQuantile = 0.9, kStraysQuantile = 0.75, kStraysExcess = 1.6;
 // A calibration is made to the noise of its sensor: its errors are hardly more than twice that.
 constexpr double kWarpDeviations = 2.0;
 // How far limits may follow.
@@ -37,15 +36,13 @@ constexpr double kNormalDeviations = 3.0;
 
 // The deviations of links, one list for each kind of evidence.
 struct Deviations {
-  std::vector<double> rms, normal_rms, coherent_rms, contradiction, absence;
+  std::vector<double> rms, normal_rms, coherent_rms;
 
   void add(const PoseLink& link, const std::vector<ViewSurface>& surfaces) {
     const ViewSurface &a = surfaces[link.a], &b = surfaces[link.b];
     rms.push_back(relative_rms(link.evidence, a, b));
     normal_rms.push_back(link.evidence.normal_rms);
-    coherent_rms.push_back(relative_coherent_rms(link.evidence, a, b));
-    contradiction.push_back(link.evidence.contradiction);
-    absence.push_back(link.evidence.absence);
+    coherent_rms.push_back(link.evidence.coherent_rms / std::max(a.spacing(), b.spacing()));
   }
 };
 
@@ -72,41 +69,54 @@ PlausibleEvidence widest_limits(const PlausibleEvidence& general) {
   return widest;
 }
 
-// What links that close loops show of the errors, never beyond `widest`; zero where too few do.
-PlausibleEvidence shown_errors(const std::vector<ViewSurface>& surfaces,
-                               const std::vector<PoseLink>& links, const std::vector<int>& loops,
-                               const PlausibleEvidence& widest) {
+// The limits that follow from what the better quarter of the pairs of views deviates by, `excess`
+// times; `general` ones are only tightened.
+PlausibleEvidence follow(const std::vector<ViewSurface>& surfaces,
+                         const std::vector<const PoseLink*>& links, double excess,
+                         PlausibleEvidence limits) {
   Deviations found;
-  for (std::size_t k = 0; k < links.size(); ++k)
-    if (loops[k] > 0) found.add(links[k], surfaces);
-  PlausibleEvidence shown = widest;
-  shown.max_coherent_rms = std::numeric_limits<double>::infinity();  // See may_be_right().
-  if (found.rms.size() < kTellingLinks) return {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-  const auto take = [](double& limit, std::vector<double> values) {
-    limit = std::min(limit, kShownExcess * quantile(std::move(values), 0.5));
+  for (const PoseLink* link : best_of_each_pair(surfaces, links)) found.add(*link, surfaces);
+  const auto tighten = [&](double& limit, std::vector<double> values, double least) {
+    if (values.empty()) return;
+    const double typical = quantile(std::move(values), kTypicalQuantile);
+    limit = std::min(limit, std::max(least, excess * typical));
   };
-  take(shown.max_rms, std::move(found.rms));
-  take(shown.max_normal_rms, std::move(found.normal_rms));
-  take(shown.max_coherent_rms, std::move(found.coherent_rms));
-  shown.max_contradiction =
-      std::min(shown.max_contradiction,
-               kShownExcess * quantile(std::move(found.contradiction), kStraysQuantile));
-  // A laser and a camera lose what either does not see.
-  std::vector<double> absence;
-  for (std::size_t k = 0; k < links.size(); ++k)
-    if (loops[k] > 0 &&
-        plausible(links[k].evidence, surfaces[links[k].a], surfaces[links[k].b], shown))
-      absence.push_back(links[k].evidence.absence);
-  shown.max_absence = quantile(std::move(absence), kAbsenceQuantile);
-  return shown;
+  tighten(limits.max_rms, std::move(found.rms), kLeastRmsLimit);
+  tighten(limits.max_normal_rms, std::move(found.normal_rms), kLeastNormalLimit);
+  tighten(limits.max_coherent_rms, std::move(found.coherent_rms), kLeastCoherentLimit);
+  return limits;
 }
 
-void widen(PlausibleEvidence& limits, const PlausibleEvidence& shown) {
-  limits.max_rms = std::max(limits.max_rms, shown.max_rms);
-  limits.max_normal_rms = std::max(limits.max_normal_rms, shown.max_normal_rms);
-  limits.max_coherent_rms = std::max(limits.max_coherent_rms, shown.max_coherent_rms);
-  limits.max_contradiction = std::max(limits.max_contradiction, shown.max_contradiction);
-  limits.max_absence = std::max(limits.max_absence, shown.max_absence);
+std::vector<const PoseLink*> those_within(const std::vector<ViewSurface>& surfaces,
+                                          const std::vector<PoseLink>& links,
+                                          const PlausibleEvidence& limits) {
+  std::vector<const PoseLink*> within;
+  for (const PoseLink& link : links)
+    if (plausible(link.evidence, surfaces[link.a], surfaces[link.b], limits))
+      within.push_back(&link);
+  return within;
+}
+
+// What links that close loops and are believed otherwise show of strays and of missing samples.
+// False where too few do.
+bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<PoseLink>& links,
+                   const std::vector<int>& loops, PlausibleEvidence& limits) {
+  PlausibleEvidence otherwise = limits;
+  otherwise.max_contradiction = std::min(1.0, kWidestContradiction * otherwise.max_contradiction);
+  std::vector<double> absence, contradiction;
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    const PoseLink& link = links[k];
+    if (loops[k] == 0 || !plausible(link.evidence, surfaces[link.a], surfaces[link.b], otherwise))
+      continue;
+    absence.push_back(link.evidence.absence);
+    contradiction.push_back(link.evidence.contradiction);
+  }
+  if (absence.size() < kTellingLinks) return false;
+  limits.max_absence = std::max(limits.max_absence, quantile(std::move(absence), kAbsenceQuantile));
+  limits.max_contradiction =
+      std::clamp(kStraysExcess * quantile(std::move(contradiction), kStraysQuantile),
+                 limits.max_contradiction, otherwise.max_contradiction);
+  return true;
 }
 
 }  // namespace
@@ -150,30 +160,27 @@ bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const View
 LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
                            const std::vector<PoseLink>& links, const std::vector<int>& loops,
                            const ViewGroupOptions& options) {
-  const PlausibleEvidence shown =
-      shown_errors(surfaces, links, loops, widest_limits(options.limits));
-  LinkLimits limits{options.limits, options.limits};
-  limits.confirmed.max_coherent_rms =
-      std::max(options.limits.max_coherent_rms, options.confirmed_coherent_rms);
-  widen(limits.confirmed, shown);
-
-  std::vector<const PoseLink*> believable;
-  for (const PoseLink& link : links)
-    if (plausible(link.evidence, surfaces[link.a], surfaces[link.b], limits.confirmed))
-      believable.push_back(&link);
-  Deviations found;
-  for (const PoseLink* link : best_of_each_pair(surfaces, believable)) found.add(*link, surfaces);
-  const auto tighten = [&](double& limit, std::vector<double> values, double least) {
-    if (values.empty()) return;
-    const double typical = quantile(std::move(values), kTypicalQuantile);
-    limit = std::min(limit, std::max(least, options.largest_excess * typical));
-  };
-  tighten(limits.lone.max_rms, std::move(found.rms), kLeastRmsLimit);
-  tighten(limits.lone.max_normal_rms, std::move(found.normal_rms), kLeastNormalLimit);
-  tighten(limits.lone.max_coherent_rms, std::move(found.coherent_rms), kLeastCoherentLimit);
-  widen(limits.lone, shown);
-  limits.confirmed.max_rms = limits.lone.max_rms;
-  limits.confirmed.max_normal_rms = limits.lone.max_normal_rms;
+  // Beyond the general limits where even the better pairs are, and loops close all the same.
+  std::vector<const PoseLink*> all;
+  for (const PoseLink& link : links) all.push_back(&link);
+  PlausibleEvidence open = options.limits;
+  open.max_rms *= kWidestRms;
+  open.max_coherent_rms = std::numeric_limits<double>::infinity();  // See may_be_right().
+  LinkLimits wide{follow(surfaces, all, options.largest_excess, open),
+                  follow(surfaces, all, kConfirmedExcess, open)};
+  wide.confirmed.max_coherent_rms =
+      std::max(wide.confirmed.max_coherent_rms, options.confirmed_coherent_rms);
+  if (follow_losses(surfaces, links, loops, wide.confirmed)) {
+    wide.lone.max_absence = wide.confirmed.max_absence;
+    wide.lone.max_contradiction = wide.confirmed.max_contradiction;
+    return wide;
+  }
+  PlausibleEvidence believed = options.limits;
+  believed.max_coherent_rms = std::max(believed.max_coherent_rms, options.confirmed_coherent_rms);
+  const auto links_believed = those_within(surfaces, links, believed);
+  LinkLimits limits{follow(surfaces, links_believed, options.largest_excess, options.limits), {}};
+  limits.confirmed = limits.lone;
+  limits.confirmed.max_coherent_rms = believed.max_coherent_rms;
   return limits;
 }
 

@@ -198,7 +198,13 @@ GridEdges edges_of(const RangeView& view, const Terraces& terraces) {
 // Whether noise makes the samples of a window as thick a cloud as it is wide: planes through them
 // may lie anyhow, however well their residuals look.
 bool no_flatter_than_wide(const RangeView& view, int radius) {
-  const double width = radius * sample_spacing(view) / std::numbers::sqrt3;
+  std::vector<double> spacings;  // Across the rays.
+  for (int v = 0; v < view.height(); v += 4)
+    for (int u = 0; u + 1 < view.width(); u += 4)
+      if (view.has_sample(u, v))
+        spacings.push_back(
+            (view.camera.ray(u + 1, v).at(view.range(u, v)) - view.point(u, v)).norm());
+  const double width = radius * median(spacings) / std::numbers::sqrt3;
   return estimate_range_noise(view).sigma > 0.5 * width;
 }
 
