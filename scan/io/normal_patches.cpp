@@ -223,7 +223,7 @@ NormalPatches find_patches(const RangeView& view, const Grid<Eigen::Vector3f>& s
     NormalPatches coarse = patches_of_radius(view, stored, edges, radius);
     if (!coarse.patches.empty()) found = std::move(coarse);
   }
-  constexpr double kAnyDirection = 1.0;  // [rad]
+  constexpr double kAnyDirection = 0.5 * std::numbers::pi;  // [rad]
   double least = std::max(typical_error(found), terraces.slope_error(found.radius));
   if (no_flatter_than_wide(view, found.radius)) least = std::max(least, kAnyDirection);
   for (NormalPatch& patch : found.patches) patch.stddev = std::max(patch.stddev, least);
