@@ -23,8 +23,9 @@ constexpr int kAlongTile = 24;  // At most so many differences along the side of
 constexpr std::size_t kFewestInTile = 32;
 constexpr std::size_t kFewest = 30;
 
-// Variance of the logarithm of a robust sigma, times the number of differences it is from: measured
-// on white noise. The differences overlap, and what lies in the tails is not used.
+// Variance of the logarithm of a robust sigma, times the number of differences it is from. One half
+// for independent Gaussian differences; estimated with a margin, since differences overlap and what
+// lies in the tails is not used.
 constexpr double kLogVariance = 4.5;
 
 // The map is given where tiles differ by more than chance by at least this, one standard deviation
