@@ -60,15 +60,6 @@ std::vector<const PoseLink*> best_of_each_pair(const std::vector<ViewSurface>& s
   return links_of_pairs;
 }
 
-PlausibleEvidence widest_limits(const PlausibleEvidence& general) {
-  PlausibleEvidence widest = general;
-  widest.max_rms *= kWidestRms;
-  widest.max_coherent_rms *= kWidestCoherent;
-  widest.max_contradiction = std::min(1.0, kWidestContradiction * general.max_contradiction);
-  widest.max_absence = 1.0;
-  return widest;
-}
-
 // The limits that follow from what the better quarter of the pairs of views deviates by, `excess`
 // times; `general` ones are only tightened.
 PlausibleEvidence follow(const std::vector<ViewSurface>& surfaces,
@@ -147,13 +138,15 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
 
 bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
                   const PlausibleEvidence& general) {
-  PlausibleEvidence limits = widest_limits(general);
+  PlausibleEvidence limits = general;
+  limits.max_rms *= kWidestRms;
+  limits.max_contradiction = std::min(1.0, kWidestContradiction * general.max_contradiction);
   limits.max_normal_rms = std::min(
       general.max_normal_rms,
       kLeastNormalLimit + kNormalDeviations * std::hypot(a.normal_error(), b.normal_error()));
-  limits.max_coherent_rms =
-      std::max(limits.max_coherent_rms, kWarpDeviations * std::hypot(a.noise(), b.noise()) /
-                                            std::max(a.spacing(), b.spacing()));
+  limits.max_coherent_rms = std::max(
+      kWidestCoherent * general.max_coherent_rms,
+      kWarpDeviations * std::hypot(a.noise(), b.noise()) / std::max(a.spacing(), b.spacing()));
   return plausible(evidence, a, b, limits);
 }
 
