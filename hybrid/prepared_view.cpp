@@ -80,7 +80,7 @@ void count_by_noise(PreparedView& prepared) {
 PreparedView prepare_view(const RangeView& view, const DiscontinuityOptions& options, int threads) {
   PreparedView prepared;
   prepared.noise = estimate_range_noise(view, threads);
-  prepared.edges = connect_samples(view, options, threads);
+  prepared.edges = connect_samples(view, prepared.noise, options, threads);
   FillOptions fill;
   fill.sigma = prepared.noise.sigma;
   fill.threads = threads;

@@ -77,10 +77,11 @@ ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& option
   if (options.normal_signal && view.has_normals())
     signal_levels_ = NormalSignal::levels_of(view.width(), view.height());
   const RangeNoise noise = estimate_range_noise(view, options.threads);
-  ConnectedGrid grid = connect_grid(view, options.threads);
+  ConnectedGrid grid = connect_grid(view, noise, options.threads);
   bridge_gaps(view, noise, options, grid);
   smooth_normals(grid, noise, options);
   select_samples(grid.points);
+  if (options.normal_signal && view.has_normals()) signal_->edges = std::move(grid.edges);
   if (samples_.empty() || (can_project() && !options.neighbour_index)) return;
   Eigen::Matrix3Xd points(3, samples_.size());
   for (std::size_t i = 0; i < samples_.size(); ++i)
@@ -172,7 +173,8 @@ double ViewSurface::weight(std::size_t index) const {
 const NormalSignal& ViewSurface::prepared_signal() const {
   std::call_once(signal_->once, [this] {
     const UnbiasedNormalOptions options{.noise = noise_, .spacing = spacing_};
-    signal_->signal = NormalSignal(unbiased_normals(*view_, connect_samples(*view_), options));
+    const GridEdges edges = std::move(signal_->edges);
+    signal_->signal = NormalSignal(unbiased_normals(*view_, edges, options));
   });
   return signal_->signal;
 }

@@ -11,12 +11,10 @@
 #include "registration/neighbour_index.h"
 #include "registration/normal_signal.h"
 #include "registration/packed_normals.h"
+#include "scan/discontinuities.h"
 #include "scan/range_view.h"
 
 namespace relief {
-
-struct ConnectedGrid;
-struct RangeNoise;
 
 enum class NormalSource {
   kGeometric,  ///< Of the measured surface, smoothed: right whatever the normal maps are.
@@ -151,6 +149,7 @@ class ViewSurface {
 
   struct LazySignal {
     std::once_flag once;
+    GridEdges edges;  // Of the view, until the signal is prepared.
     NormalSignal signal;
   };
 

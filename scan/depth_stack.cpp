@@ -5,7 +5,6 @@
 
 #include "scan/median.h"
 #include "scan/parallel.h"
-#include "scan/range_noise.h"
 
 namespace relief {
 
@@ -57,11 +56,7 @@ Grid<float> depths_of(const RangeView& view, const Camera& camera) {
   return depths;
 }
 
-Grid<float> tolerance_of(const DepthStack& stack, const std::vector<RangeView>& views,
-                         int threads) {
-  const auto noises = parallel_map<RangeNoise>(stack.size(), threads, [&](std::size_t i) {
-    return estimate_range_noise(views[stack.views[i]], 1);
-  });
+Grid<float> tolerance_of(const DepthStack& stack, int threads) {
   Grid<float> tolerance(stack.camera.width(), stack.camera.height(), 0.0f);
   parallel_rows(tolerance.height(), threads, [&](int v) {
     std::vector<double> sigmas;
@@ -73,7 +68,7 @@ Grid<float> tolerance_of(const DepthStack& stack, const std::vector<RangeView>& 
         const float depth = stack.depths[i](u, v);
         if (!(depth == depth)) continue;
         depths.push_back(depth);
-        sigmas.push_back(noises[i].sigma_at(u, v));
+        sigmas.push_back(stack.noises[i].sigma_at(u, v));
       }
       if (depths.empty()) continue;
       const Ray ray = stack.camera.ray(u, v);
@@ -95,7 +90,7 @@ std::vector<DepthStack> stack_depths(const std::vector<RangeView>& views, int th
     while (k < stacks.size() && !same_rays(views[stacks[k].views.front()], views[i], ranges[k]))
       ++k;
     if (k == stacks.size()) {
-      stacks.push_back({views[i].camera, {}, {}, {}});
+      stacks.emplace_back().camera = views[i].camera;
       ranges.push_back(median_range(views[i]));
     }
     stacks[k].views.push_back(i);
@@ -104,7 +99,10 @@ std::vector<DepthStack> stack_depths(const std::vector<RangeView>& views, int th
     stack.depths = parallel_map<Grid<float>>(stack.size(), threads, [&](std::size_t i) {
       return depths_of(views[stack.views[i]], stack.camera);
     });
-    stack.tolerance = tolerance_of(stack, views, threads);
+    stack.noises = parallel_map<RangeNoise>(stack.size(), threads, [&](std::size_t i) {
+      return estimate_range_noise(views[stack.views[i]], 1);
+    });
+    stack.tolerance = tolerance_of(stack, threads);
   }
   return stacks;
 }

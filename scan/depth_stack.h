@@ -5,6 +5,7 @@
 
 #include "scan/camera.h"
 #include "scan/grid.h"
+#include "scan/range_noise.h"
 #include "scan/range_view.h"
 
 namespace relief {
@@ -14,6 +15,7 @@ struct DepthStack {
   Camera camera;                    ///< Of the first view; its rays serve all of them.
   std::vector<std::size_t> views;   ///< Which views these are.
   std::vector<Grid<float>> depths;  ///< Distance along the common ray [unit]; NaN: no sample.
+  std::vector<RangeNoise> noises;   ///< Of the views.
   /// How far two depths of one point that stands still may be apart [unit]: five standard
   /// deviations of the noise and one sample spacing.
   Grid<float> tolerance;

@@ -7,7 +7,6 @@
 
 #include "scan/median.h"
 #include "scan/parallel.h"
-#include "scan/range_noise.h"
 
 namespace relief {
 
@@ -62,8 +61,7 @@ constexpr double kNoiseDeviations = 4.0;
 // What steps between neighbours the sensor's errors explain.
 class StepErrors {
  public:
-  StepErrors(const RangeView& view, int threads)
-      : view_(view), noise_(estimate_range_noise(view, threads)) {}
+  StepErrors(const RangeView& view, const RangeNoise& noise) : view_(view), noise_(noise) {}
 
   // Steps of the range that noise hides are a part of the noise.
   bool rounded() const { return noise_.rounded(); }
@@ -86,7 +84,7 @@ class StepErrors {
 
  private:
   const RangeView& view_;
-  RangeNoise noise_;
+  const RangeNoise& noise_;
 };
 
 // The steps between neighbours along one direction, judged one by one.
@@ -158,10 +156,15 @@ Grid<std::uint8_t> connect_direction(const RangeView& view, int du, int dv,
 
 }  // namespace
 
-GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options, int threads) {
-  const StepErrors errors(view, threads);
+GridEdges connect_samples(const RangeView& view, const RangeNoise& noise,
+                          const DiscontinuityOptions& options, int threads) {
+  const StepErrors errors(view, noise);
   return {connect_direction(view, 1, 0, options, errors, threads),
           connect_direction(view, 0, 1, options, errors, threads)};
+}
+
+GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options, int threads) {
+  return connect_samples(view, estimate_range_noise(view, threads), options, threads);
 }
 
 Grid<std::uint8_t> boundary_distance(const RangeView& view, const GridEdges& edges) {
@@ -188,12 +191,16 @@ Grid<std::uint8_t> boundary_distance(const RangeView& view, const GridEdges& edg
   return distance;
 }
 
-ConnectedGrid connect_grid(const RangeView& view, int threads) {
+ConnectedGrid connect_grid(const RangeView& view, const RangeNoise& noise, int threads) {
   ConnectedGrid grid;
   grid.points = points_of(view);
-  grid.edges = connect_samples(view, {}, threads);
+  grid.edges = connect_samples(view, noise, {}, threads);
   grid.boundary = boundary_distance(view, grid.edges);
   return grid;
+}
+
+ConnectedGrid connect_grid(const RangeView& view, int threads) {
+  return connect_grid(view, estimate_range_noise(view, threads), threads);
 }
 
 }  // namespace relief

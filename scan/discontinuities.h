@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "scan/grid.h"
+#include "scan/range_noise.h"
 #include "scan/range_view.h"
 
 namespace relief {
@@ -43,6 +44,10 @@ struct DiscontinuityOptions {
 GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options = {},
                           int threads = 1);
 
+/// The same, with the noise of the view that the caller has estimated already.
+GridEdges connect_samples(const RangeView& view, const RangeNoise& noise,
+                          const DiscontinuityOptions& options = {}, int threads = 1);
+
 /// Chessboard distance [pixels] of each sample to the nearest pixel that has no sample or is cut
 /// off by an occlusion edge, or to the border of the grid: 0 on such boundary samples themselves
 /// and where there is no sample, capped at 255.
@@ -56,5 +61,6 @@ struct ConnectedGrid {
 };
 
 ConnectedGrid connect_grid(const RangeView& view, int threads = 1);
+ConnectedGrid connect_grid(const RangeView& view, const RangeNoise& noise, int threads = 1);
 
 }  // namespace relief

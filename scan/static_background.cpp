@@ -95,8 +95,9 @@ Attempt best_attempt(const std::vector<RangeView>& views, DepthStack& stack,
 
 void search(const std::vector<RangeView>& views, DepthStack& stack, int threads,
             StaticBackground& found) {
-  const auto edges = parallel_map<GridEdges>(
-      stack.size(), threads, [&](std::size_t i) { return connect_samples(views[stack.views[i]]); });
+  const auto edges = parallel_map<GridEdges>(stack.size(), threads, [&](std::size_t i) {
+    return connect_samples(views[stack.views[i]], stack.noises[i]);
+  });
   const Attempt best = best_attempt(views, stack, edges, threads);
   found.undecided += best.undecided;
   if (best.background == 0) return;

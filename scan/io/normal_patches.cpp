@@ -188,16 +188,16 @@ Terraces find_terraces(const RangeView& view) {
 }
 
 // Steps of the rounding connect like any surface.
-GridEdges edges_of(const RangeView& view, const Terraces& terraces) {
+GridEdges edges_of(const RangeView& view, const RangeNoise& noise, const Terraces& terraces) {
   DiscontinuityOptions options;
   if (terraces.height > 0.0)
     options.free_step = std::max(options.free_step, 1.5 * terraces.height / terraces.spacing);
-  return connect_samples(view, options);
+  return connect_samples(view, noise, options);
 }
 
 // Whether noise makes the samples of a window as thick a cloud as it is wide: planes through them
 // may lie anyhow, however well their residuals look.
-bool no_flatter_than_wide(const RangeView& view, int radius) {
+bool no_flatter_than_wide(const RangeView& view, const RangeNoise& noise, int radius) {
   std::vector<double> spacings;  // Across the rays.
   for (int v = 0; v < view.height(); v += 4)
     for (int u = 0; u + 1 < view.width(); u += 4)
@@ -205,14 +205,15 @@ bool no_flatter_than_wide(const RangeView& view, int radius) {
         spacings.push_back(
             (view.camera.ray(u + 1, v).at(view.range(u, v)) - view.point(u, v)).norm());
   const double width = radius * median(spacings) / std::numbers::sqrt3;
-  return estimate_range_noise(view).sigma > 0.5 * width;
+  return noise.sigma > 0.5 * width;
 }
 
 }  // namespace
 
 NormalPatches find_patches(const RangeView& view, const Grid<Eigen::Vector3f>& stored) {
   const Terraces terraces = find_terraces(view);
-  const GridEdges edges = edges_of(view, terraces);
+  const RangeNoise ranges = estimate_range_noise(view);
+  const GridEdges edges = edges_of(view, ranges, terraces);
   NormalPatches found = patches_of_radius(view, stored, edges, kSmallestRadius);
   // The error of noise falls with the square of the window's width, that of terraces with it.
   const double noise = std::sqrt(median_stddev(found.patches) / kGoodNormal);
@@ -225,7 +226,7 @@ NormalPatches find_patches(const RangeView& view, const Grid<Eigen::Vector3f>& s
   }
   constexpr double kAnyDirection = 0.5 * std::numbers::pi;  // [rad]
   double least = std::max(typical_error(found), terraces.slope_error(found.radius));
-  if (no_flatter_than_wide(view, found.radius)) least = std::max(least, kAnyDirection);
+  if (no_flatter_than_wide(view, ranges, found.radius)) least = std::max(least, kAnyDirection);
   for (NormalPatch& patch : found.patches) patch.stddev = std::max(patch.stddev, least);
   return found;
 }
