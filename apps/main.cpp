@@ -4,9 +4,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "apps/command.h"
-#include "apps/console.h"
-#include "apps/exit_status.h"
+#include "apps/commands/command.h"
+#include "apps/reports/console.h"
+#include "apps/reports/exit_status.h"
 #include "apps/version.h"
 
 int main(int argc, char** argv) {

@@ -23,15 +23,15 @@
 
 #include <CLI/CLI.hpp>
 
-#include "registration/align_views.h"
-#include "registration/pose_evidence.h"
-#include "scan/evaluation/pose_errors.h"
-#include "scan/io/mesh_io.h"
-#include "scan/io/poses_io.h"
-#include "scan/io/project_io.h"
-#include "scan/simulation/geodesic_sphere.h"
-#include "scan/simulation/mesh_object.h"
-#include "scan/simulation/simulate.h"
+#include "relief/registration/align_views.h"
+#include "registration/verification/pose_evidence.h"
+#include "relief/evaluation/pose_errors.h"
+#include "relief/io/mesh_io.h"
+#include "relief/io/poses_io.h"
+#include "relief/io/project_io.h"
+#include "scan/simulation/objects/geodesic_sphere.h"
+#include "relief/simulation/mesh_object.h"
+#include "relief/simulation/simulate.h"
 
 namespace relief {
 namespace {

@@ -13,9 +13,9 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
-#include "fusion/merge_views.h"
-#include "hybrid/polish_mesh.h"
-#include "scan/io/mesh_io.h"
+#include "relief/fusion/merge_views.h"
+#include "relief/hybrid/polish_mesh.h"
+#include "relief/io/mesh_io.h"
 #include "tests/fusion/scenes.h"
 
 namespace relief {

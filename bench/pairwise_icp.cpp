@@ -14,9 +14,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "registration/icp.h"
-#include "registration/view_surface.h"
-#include "scan/io/project_io.h"
+#include "registration/pairwise/icp.h"
+#include "registration/surface/view_surface.h"
+#include "relief/io/project_io.h"
 
 namespace {
 

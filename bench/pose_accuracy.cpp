@@ -12,9 +12,9 @@
 
 #include <Eigen/Dense>
 
-#include "registration/joint_refinement.h"
-#include "scan/evaluation/pose_bound.h"
-#include "scan/simulation/simulate.h"
+#include "registration/posegraph/joint_refinement.h"
+#include "relief/evaluation/pose_bound.h"
+#include "relief/simulation/simulate.h"
 
 namespace relief {
 namespace {

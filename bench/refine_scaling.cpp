@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "bench/wavy_view.h"
-#include "hybrid/refine_view.h"
-#include "hybrid/view_problem.h"
-#include "hybrid/view_solver.h"
-#include "scan/parallel.h"
-#include "scan/simulation/simulate.h"
+#include "relief/hybrid/refine_view.h"
+#include "hybrid/model/view_problem.h"
+#include "hybrid/solver/view_solver.h"
+#include "scan/base/parallel.h"
+#include "relief/simulation/simulate.h"
 
 namespace relief {
 namespace {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "bench/wavy_view.h"
-#include "hybrid/refine_view.h"
-#include "hybrid/view_problem.h"
-#include "hybrid/view_solver.h"
+#include "relief/hybrid/refine_view.h"
+#include "hybrid/model/view_problem.h"
+#include "hybrid/solver/view_solver.h"
 
 namespace relief {
 namespace {

@@ -6,10 +6,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include "fusion/merge_views.h"
-#include "hybrid/refine_view.h"
-#include "registration/align_views.h"
-#include "scan/simulation/simulate.h"
+#include "relief/fusion/merge_views.h"
+#include "relief/hybrid/refine_view.h"
+#include "relief/registration/align_views.h"
+#include "relief/simulation/simulate.h"
 
 namespace relief {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "scan/counter_random.h"
+#include "relief/scan/counter_random.h"
 
 namespace relief {
 

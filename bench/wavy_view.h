@@ -1,7 +1,7 @@
 #pragma once
 
-#include "hybrid/view_problem.h"
-#include "scan/range_view.h"
+#include "hybrid/model/view_problem.h"
+#include "relief/scan/range_view.h"
 
 namespace relief {
 

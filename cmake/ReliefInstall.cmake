@@ -1,17 +1,13 @@
-# Installs the libraries, their headers and a CMake package: find_package(relief) gives relief::scan,
-# relief::registration, relief::hybrid and relief::fusion.
+# Installs the libraries and a CMake package: find_package(relief) gives relief::scan, relief::io, relief::simulation,
+# relief::evaluation, relief::registration, relief::hybrid and relief::fusion. Headers: see relief_library().
 include(CMakePackageConfigHelpers)
 
-set(relief_libraries relief_scan relief_registration relief_hybrid relief_fusion)
+set(relief_libraries relief_scan relief_io relief_simulation relief_evaluation relief_registration relief_hybrid
+                     relief_fusion)
 install(TARGETS ${relief_libraries} EXPORT relief_targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT relief_targets NAMESPACE relief:: FILE reliefTargets.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/relief)
-foreach(folder scan registration hybrid fusion)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}
-          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relief
-          FILES_MATCHING PATTERN "*.h" PATTERN "*_private.h" EXCLUDE)
-endforeach()
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/reliefConfig.cmake.in
   ${PROJECT_BINARY_DIR}/reliefConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/relief)

@@ -23,15 +23,17 @@ if(RELIEF_SANITIZE)
   endif()
 endif()
 
-# relief_library(NAME): a static library relief_NAME, alias relief::NAME, rooted at the project folder.
-# Sources follow with target_sources, heavy dependencies with target_link_libraries(... PRIVATE).
+# relief_library(NAME): a static library relief_NAME, alias relief::NAME. Its public headers are below include/relief/NAME
+# of its folder; all other headers are private and found from the project folder. Sources follow with target_sources,
+# heavy dependencies with target_link_libraries(... PRIVATE).
 function(relief_library name)
   add_library(relief_${name} STATIC)
   add_library(relief::${name} ALIAS relief_${name})
   set_target_properties(relief_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
-  target_include_directories(relief_${name} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/relief>)
+  target_include_directories(relief_${name}
+    PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PRIVATE ${PROJECT_SOURCE_DIR})
+  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/include/relief DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   target_link_libraries(relief_${name} PUBLIC Eigen3::Eigen PRIVATE $<BUILD_INTERFACE:relief_build_flags>)
   target_compile_features(relief_${name} PUBLIC cxx_std_20)
 endfunction()

@@ -1,21 +1,21 @@
-#include "fusion/merge_views.h"
+#include "relief/fusion/merge_views.h"
 
 #include <algorithm>
 #include <optional>
 #include <sstream>
 
-#include "fusion/closed_field.h"
-#include "fusion/crease_edges.h"
-#include "fusion/fair_fill.h"
-#include "fusion/filled_regions.h"
-#include "fusion/isosurface.h"
-#include "fusion/vertex_attributes.h"
-#include "fusion/vertex_colours.h"
-#include "fusion/view_sampler.h"
-#include "scan/median.h"
-#include "scan/median_deviation.h"
-#include "scan/mesh_components.h"
-#include "scan/parallel.h"
+#include "fusion/tsdf/closed_field.h"
+#include "fusion/mesh/crease_edges.h"
+#include "fusion/holes/fair_fill.h"
+#include "fusion/holes/filled_regions.h"
+#include "fusion/surface/isosurface.h"
+#include "fusion/surface/vertex_attributes.h"
+#include "fusion/surface/vertex_colours.h"
+#include "fusion/views/view_sampler.h"
+#include "scan/base/median.h"
+#include "scan/base/median_deviation.h"
+#include "scan/mesh/mesh_components.h"
+#include "scan/base/parallel.h"
 
 namespace relief {
 

@@ -1,4 +1,4 @@
-#include "hybrid/refine_view.h"
+#include "relief/hybrid/refine_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,18 +7,18 @@
 #include <utility>
 #include <vector>
 
-#include "hybrid/contradicted_normals.h"
-#include "hybrid/noise_model.h"
-#include "hybrid/normal_correction.h"
-#include "hybrid/normal_screening.h"
-#include "hybrid/prepared_view.h"
-#include "hybrid/robust_solve.h"
-#include "hybrid/smooth_change.h"
-#include "hybrid/unexplained_steps.h"
-#include "hybrid/view_problem.h"
-#include "hybrid/wild_samples.h"
-#include "scan/filled_view.h"
-#include "scan/stopwatch.h"
+#include "hybrid/normals/normal_outliers.h"
+#include "hybrid/noise/noise_model.h"
+#include "hybrid/normals/normal_correction.h"
+#include "hybrid/normals/normal_screening.h"
+#include "hybrid/model/prepared_view.h"
+#include "hybrid/solver/robust_solve.h"
+#include "hybrid/model/smooth_change.h"
+#include "hybrid/normals/unexplained_steps.h"
+#include "hybrid/model/view_problem.h"
+#include "hybrid/normals/wild_samples.h"
+#include "scan/grid/filled_view.h"
+#include "scan/base/stopwatch.h"
 
 namespace relief {
 

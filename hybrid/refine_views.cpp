@@ -1,4 +1,4 @@
-#include "hybrid/refine_views.h"
+#include "relief/hybrid/refine_views.h"
 
 #include <algorithm>
 #include <atomic>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <thread>
 
-#include "scan/parallel.h"
-#include "scan/system_memory.h"
+#include "scan/base/parallel.h"
+#include "scan/base/system_memory.h"
 
 namespace relief {
 

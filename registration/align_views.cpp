@@ -1,11 +1,11 @@
-#include "registration/align_views.h"
+#include "relief/registration/align_views.h"
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
-#include "registration/given_poses.h"
-#include "scan/parallel.h"
+#include "registration/verification/given_poses.h"
+#include "scan/base/parallel.h"
 
 namespace relief {
 

@@ -1,4 +1,4 @@
-#include "registration/apply_alignment.h"
+#include "relief/registration/align_views.h"
 
 #include <cassert>
 #include <cstddef>

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fusion/merge_views.h"
+#include "relief/fusion/merge_views.h"
 #include "tests/fusion/scenes.h"
 
 namespace relief {

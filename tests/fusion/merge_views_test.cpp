@@ -1,4 +1,4 @@
-#include "fusion/merge_views.h"
+#include "relief/fusion/merge_views.h"
 
 #include <algorithm>
 #include <cmath>

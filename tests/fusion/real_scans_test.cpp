@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "fusion/merge_views.h"
-#include "scan/io/project_io.h"
+#include "relief/fusion/merge_views.h"
+#include "relief/io/project_io.h"
 #include "tests/support/test_data.h"
 
 namespace relief {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "fusion/sparse_field.h"
-#include "scan/range_view.h"
+#include "fusion/tsdf/sparse_field.h"
+#include "relief/scan/range_view.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::testing {

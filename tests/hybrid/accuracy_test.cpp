@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hybrid/refine_view.h"
+#include "relief/hybrid/refine_view.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 

@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 
-#include "scan/discontinuities.h"
-#include "scan/grid_normals.h"
+#include "relief/scan/discontinuities.h"
+#include "scan/grid/grid_normals.h"
 
 namespace relief::testing {
 

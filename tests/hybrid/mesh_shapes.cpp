@@ -6,8 +6,8 @@
 #include <numbers>
 #include <tuple>
 
-#include "scan/counter_random.h"
-#include "scan/simulation/geodesic_sphere.h"
+#include "relief/scan/counter_random.h"
+#include "scan/simulation/objects/geodesic_sphere.h"
 
 namespace relief::testing {
 

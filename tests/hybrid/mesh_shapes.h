@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
-#include "hybrid/mesh_normals.h"
-#include "scan/triangle_mesh.h"
+#include "relief/hybrid/mesh_normals.h"
+#include "relief/scan/triangle_mesh.h"
 
 namespace relief::testing {
 

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "hybrid/refine_view.h"
-#include "scan/grid_normals.h"
-#include "scan/io/project_io.h"
+#include "relief/hybrid/refine_view.h"
+#include "scan/grid/grid_normals.h"
+#include "relief/io/project_io.h"
 #include "tests/support/test_data.h"
 
 namespace relief {

@@ -1,4 +1,4 @@
-#include "hybrid/refine_view.h"
+#include "relief/hybrid/refine_view.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "hybrid/refine_views.h"
+#include "relief/hybrid/refine_views.h"
 
 #include <cstring>
 

@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "hybrid/refine_view.h"
-#include "scan/simulation/simulate.h"
+#include "relief/hybrid/refine_view.h"
+#include "relief/simulation/simulate.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 

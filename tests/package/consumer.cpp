@@ -3,11 +3,11 @@
 #include <utility>
 #include <vector>
 
-#include "fusion/merge_views.h"
-#include "hybrid/refine_view.h"
-#include "registration/align_views.h"
-#include "registration/apply_alignment.h"
-#include "scan/simulation/simulate.h"
+#include "relief/fusion/merge_views.h"
+#include "relief/hybrid/refine_view.h"
+#include "relief/registration/align_views.h"
+#include "relief/registration/align_views.h"
+#include "relief/simulation/simulate.h"
 
 int main() {
   relief::SimulationOptions options;

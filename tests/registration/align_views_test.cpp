@@ -1,4 +1,4 @@
-#include "registration/align_views.h"
+#include "relief/registration/align_views.h"
 
 #include <algorithm>
 #include <cstring>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "registration/icp.h"
+#include "registration/pairwise/icp.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief {

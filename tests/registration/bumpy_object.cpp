@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "scan/rigid_motion.h"
+#include "relief/scan/rigid_motion.h"
 
 namespace relief::testing {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "scan/range_view.h"
+#include "relief/scan/range_view.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::testing {

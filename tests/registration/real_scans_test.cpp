@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "registration/align_views.h"
-#include "registration/icp.h"
-#include "scan/io/poses_io.h"
-#include "scan/io/project_io.h"
+#include "relief/registration/align_views.h"
+#include "registration/pairwise/icp.h"
+#include "relief/io/poses_io.h"
+#include "relief/io/project_io.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/registration/relief_views.h"
 #include "tests/support/test_data.h"

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "scan/range_view.h"
+#include "relief/scan/range_view.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::testing {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "registration/align_views.h"
+#include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief {

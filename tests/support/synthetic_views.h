@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "scan/range_view.h"
+#include "relief/scan/range_view.h"
 
 namespace relief::testing {
 

@@ -5,14 +5,14 @@
 
 #include <gtest/gtest.h>
 
-#include "scan/io/atomic_file.h"
-#include "scan/io/grid_file.h"
-#include "scan/io/image_io.h"
-#include "scan/io/mesh_codecs.h"
-#include "scan/io/mesh_io.h"
-#include "scan/io/ply_file.h"
-#include "scan/io/ply_grid_writer.h"
-#include "scan/io/view_spec.h"
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/grids/grid_file.h"
+#include "scan/io/images/image_io.h"
+#include "scan/io/meshes/mesh_codecs.h"
+#include "relief/io/mesh_io.h"
+#include "scan/io/files/ply_file.h"
+#include "scan/io/grids/ply_grid_writer.h"
+#include "scan/io/project/view_spec.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 

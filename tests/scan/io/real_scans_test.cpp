@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scan/io/project_io.h"
+#include "relief/io/project_io.h"
 #include "tests/support/test_data.h"
 
 namespace relief {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "scan/simulation/reflectance.h"
-#include "scan/simulation/sensor_scene.h"
-#include "scan/simulation/simulate.h"
+#include "relief/simulation/reflectance.h"
+#include "relief/simulation/sensor_scene.h"
+#include "relief/simulation/simulate.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::testing {

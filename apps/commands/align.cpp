@@ -1,0 +1,56 @@
+#include <memory>
+
+#include "apps/commands/command.h"
+#include "apps/reports/console.h"
+#include "apps/reports/exit_status.h"
+#include "apps/reports/output.h"
+#include "apps/options/stage_options.h"
+#include "apps/stages/stages.h"
+
+namespace relief {
+
+namespace {
+
+struct AlignCommand {
+  CommonOptions common;
+  ProjectInput input;
+  AlignOptions options;
+  std::filesystem::path output;
+};
+
+int align(const AlignCommand& command) {
+  auto project = read_with_notes(command.input, command.common);
+  if (!project) return fail(project.error());
+  if (const auto ready = prepare_folder_of(command.output); !ready) return fail(ready.error());
+  AlignOptions options = command.options;
+  options.threads = command.common.threads;
+  const auto stage = align_stage(*project, options);
+  if (!stage) return fail(stage.error());
+  warn_of_unaligned(stage->report);
+
+  const auto written =
+      write_project_poses(*project, command.input.path, command.input.options, command.output);
+  if (!written) return fail(written.error());
+  const auto reported = write_report(report_path(command.common, command.output), "align",
+                                     stage->report, command.common);
+  if (!reported) return fail(reported.error());
+  Console::info("wrote " + command.output.string());
+  return stage->complete ? kDone : kDataDoesNotAllow;
+}
+
+}  // namespace
+
+void add_align(CLI::App& app, Action& action) {
+  auto command = std::make_shared<AlignCommand>();
+  auto* sub = app.add_subcommand("align", "Find the poses of all views");
+  add_project_input(*sub, command->input);
+  add_background_option(*sub, command->input);
+  sub->add_option("-o,--output", command->output,
+                  "A scan.json with the poses found; it refers to the data of the input")
+      ->required();
+  add_align_options(*sub, command->options);
+  add_common_options(*sub, command->common);
+  sub->callback([command, &action] { action = [command] { return align(*command); }; });
+}
+
+}  // namespace relief

@@ -1,0 +1,78 @@
+#include "apps/commands/command.h"
+
+#include <utility>
+
+#include "apps/reports/console.h"
+#include "apps/reports/exit_status.h"
+#include "relief/scan/static_background.h"
+
+namespace relief {
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+  auto* quiet = command.add_flag("-q,--quiet", options.quiet, "Only errors on standard error");
+  command.add_flag("-v,--verbose", options.verbose, "More detail on standard error")
+      ->excludes(quiet);
+  command.add_flag("--json", options.json, "Print the report to standard output");
+  command.add_option("--threads", options.threads, "Number of threads; 0: one per core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
+  command.add_option("--report", options.report,
+                     "File of the report instead of report.json beside the output");
+  command.parse_complete_callback([&options] {
+    Console::set_verbosity(options.quiet     ? Verbosity::kQuiet
+                           : options.verbose ? Verbosity::kVerbose
+                                             : Verbosity::kNormal);
+  });
+}
+
+void add_project_input(CLI::App& command, ProjectInput& input) {
+  command
+      .add_option("project", input.path,
+                  "scan.json, Stanford .conf, a grid (range-grid PLY, organized PCD), or a folder")
+      ->required();
+  command.add_option("--fc", input.options.fc_file,
+                     "Intrinsics of grids without a camera: a file with fx fy cx cy");
+}
+
+void add_background_option(CLI::App& command, ProjectInput& input) {
+  input.look_for_background = true;
+  command
+      .add_option_function<std::string>(
+          "--background",
+          [&input](const std::string& what) { input.keep_background = what == "keep"; },
+          "What stands still in the camera's frame while the object turns: auto (leave it out) or "
+          "keep")
+      ->check(CLI::IsMember({"auto", "keep"}))
+      ->default_str("auto");
+}
+
+Result<ScanProject> read_with_notes(const ProjectInput& input, const CommonOptions& common) {
+  ReadProjectOptions options = input.options;
+  options.threads = common.threads;
+  auto project = read_project(input.path, options, console_progress("read"));
+  if (!project) return project;
+  if (input.look_for_background) {
+    const StaticBackground background = find_static_background(project->views, common.threads);
+    if (!input.keep_background) remove_background(background, project->views);
+    for (std::string& line : describe(background, !input.keep_background))
+      project->notes.push_back(std::move(line));
+  }
+  std::size_t samples = 0, with_normals = 0;
+  for (const RangeView& view : project->views) {
+    samples += view.sample_count();
+    with_normals += view.has_normals() ? 1 : 0;
+  }
+  for (const std::string& note : project->notes) Console::info(note);
+  Console::info(input.path.string() + ": " + std::to_string(project->views.size()) + " views, " +
+                std::to_string(samples) + " samples, " + std::to_string(with_normals) +
+                " views with normals, unit " + project->unit);
+  return project;
+}
+
+int fail(const Error& error) {
+  Console::error(error.message);
+  return exit_status(error);
+}
+
+}  // namespace relief

@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <memory>
+
+#include "apps/commands/command.h"
+#include "apps/reports/console.h"
+#include "apps/reports/exit_status.h"
+#include "apps/options/input_kind.h"
+#include "relief/io/mesh_io.h"
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+namespace {
+
+struct ConvertCommand {
+  CommonOptions common;
+  ProjectInput input;
+  std::filesystem::path output;
+  WriteProjectOptions project;
+};
+
+TriangleMesh concatenate(const ScanProject& project) {
+  TriangleMesh all;
+  const bool all_have_normals =
+      std::all_of(project.views.begin(), project.views.end(),
+                  [](const RangeView& view) { return view.has_normals(); });
+  const bool all_have_colours =
+      std::all_of(project.views.begin(), project.views.end(),
+                  [](const RangeView& view) { return !view.colours.empty(); });
+  for (const RangeView& view : project.views) {
+    const TriangleMesh mesh = mesh_from_view(view);
+    const auto offset = static_cast<std::uint32_t>(all.vertices.size());
+    all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+    if (all_have_normals)
+      all.normals.insert(all.normals.end(), mesh.normals.begin(), mesh.normals.end());
+    if (all_have_colours)
+      all.colours.insert(all.colours.end(), mesh.colours.begin(), mesh.colours.end());
+    for (const auto& face : mesh.faces)
+      all.faces.push_back({face[0] + offset, face[1] + offset, face[2] + offset});
+  }
+  return all;
+}
+
+int convert_mesh(const ConvertCommand& command) {
+  const auto mesh = read_mesh(command.input.path);
+  if (!mesh) return fail(mesh.error());
+  if (const auto written = write_mesh(*mesh, command.output); !written)
+    return fail(written.error());
+  Console::info(command.output.string() + ": " + std::to_string(mesh->vertices.size()) +
+                " vertices, " + std::to_string(mesh->faces.size()) + " faces");
+  return kDone;
+}
+
+int convert_project(const ConvertCommand& command) {
+  const auto project = read_with_notes(command.input, command.common);
+  if (!project) return fail(project.error());
+  const auto written =
+      is_mesh_path(command.output)
+          ? write_mesh(concatenate(*project), command.output)
+          : write_project(*project, command.output, console_progress("write"), command.project);
+  if (!written) return fail(written.error());
+  Console::info("wrote " + command.output.string());
+  return kDone;
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app, Action& action) {
+  auto command = std::make_shared<ConvertCommand>();
+  auto* sub = app.add_subcommand("convert", "Convert between project and mesh formats");
+  sub->add_option("input", command->input.path,
+                  "A mesh (.ply .obj .stl), or anything that is read as a project")
+      ->required();
+  sub->add_option("--fc", command->input.options.fc_file,
+                  "Intrinsics of grids without a camera: a file with fx fy cx cy");
+  sub->add_option("-o,--output", command->output,
+                  "A mesh file (.ply .obj .stl .vtp .glb; the views of a project become one mesh), "
+                  "or a folder for a project")
+      ->required();
+  sub->add_flag("--grids", command->project.grids,
+                "Views of a project as range-grid PLY files, points that other programs read");
+  add_common_options(*sub, command->common);
+  sub->callback([command, &action] {
+    action = [command] {
+      return is_triangle_mesh_file(command->input.path) ? convert_mesh(*command)
+                                                        : convert_project(*command);
+    };
+  });
+}
+
+}  // namespace relief

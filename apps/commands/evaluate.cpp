@@ -1,0 +1,235 @@
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "apps/commands/command.h"
+#include "apps/reports/console.h"
+#include "apps/reports/evaluation_plots.h"
+#include "apps/reports/evaluation_report.h"
+#include "apps/reports/exit_status.h"
+#include "apps/options/input_kind.h"
+#include "apps/reports/output.h"
+#include "scan/evaluation/base/angles.h"
+#include "scan/evaluation/base/error_colours.h"
+#include "relief/evaluation/mesh_alignment.h"
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/meshes/coloured_mesh.h"
+#include "relief/io/mesh_io.h"
+#include "relief/io/poses_io.h"
+
+namespace relief {
+
+namespace {
+
+struct EvaluateCommand {
+  CommonOptions common;
+  ProjectInput result;
+  std::filesystem::path truth;
+  MeshDistanceOptions mesh;
+  bool align = false;
+  double colour_scale = 0.0;  ///< Error of full colour [unit]; 0: that of 95 % of the surface.
+  std::filesystem::path output, plots;
+};
+
+// The figures as JSON to standard output, to --report, and to report.json in the output folder.
+Result<void> deliver(const EvaluateCommand& command, const Json& figures) {
+  if (command.common.json) std::cout << Json({{"evaluate", figures}}).dump(2) << "\n" << std::flush;
+  CommonOptions silent = command.common;
+  silent.json = false;
+  const bool to_file = !command.common.report.empty() || !command.output.empty();
+  if (!to_file) return {};
+  return write_report(report_path(silent, command.output / "errors.ply"), "evaluate", figures,
+                      silent);
+}
+
+// A mesh with the distances of its vertices to `other` as quality and as colours.
+Result<void> write_errors(TriangleMesh mesh, const TriangleMesh& other, bool with_sign,
+                          double scale, int threads, const std::filesystem::path& file) {
+  auto distances = signed_distances(mesh, other, threads);
+  if (!with_sign)
+    for (double& distance : distances) distance = std::abs(distance);
+  mesh.quality.assign(distances.begin(), distances.end());
+  const std::string comment = fmt::format(
+      "quality: distance to the other surface{}; colours: blue {:.6g}, grey 0, red {:.6g}",
+      with_sign ? ", negative inside" : "", -scale, scale);
+  auto written = write_coloured_mesh(mesh, colours_of_errors(distances, scale), comment, file);
+  if (written) Console::info("wrote " + file.string() + ": " + comment);
+  return written;
+}
+
+Result<void> write_both_errors(const EvaluateCommand& command, const TriangleMesh& result,
+                               const TriangleMesh& truth, double scale) {
+  const int threads = command.common.threads;
+  if (auto done = write_errors(result, truth, true, scale, threads, command.output / "errors.ply");
+      !done)
+    return done;
+  return write_errors(truth, result, false, scale, threads, command.output / "completeness.ply");
+}
+
+// Brings the result into the frame of the truth and notes how.
+Result<void> move_to_truth(const EvaluateCommand& command, const TriangleMesh& truth,
+                           TriangleMesh& result, Json& figures) {
+  const auto fit =
+      align_mesh(result, truth, {.seed = command.common.seed, .threads = command.common.threads});
+  if (!fit) return fit.error();
+  for (auto& vertex : result.vertices) vertex = fit->truth_from_result * vertex;
+  const Eigen::Matrix3f rotation = fit->truth_from_result.linear().cast<float>();
+  for (auto& normal : result.normals) normal = rotation * normal;
+  figures["alignment"] = {{"truth_from_result", to_json(fit->truth_from_result)},
+                          {"median_distance", fit->median_distance},
+                          {"iterations", fit->iterations},
+                          {"converged", fit->converged}};
+  if (!fit->converged) Console::warning("the alignment with the truth did not settle");
+  if (!command.common.json)
+    fmt::print("aligned: the result was turned by {:.4g} deg and moved\n",
+               degrees(rotation_angle(fit->truth_from_result)));
+  return {};
+}
+
+Result<void> evaluate_mesh(const EvaluateCommand& command) {
+  auto result = read_mesh(command.result.path);
+  if (!result) return result.error();
+  const auto truth = read_mesh(command.truth);
+  if (!truth) return truth.error();
+  Json alignment = Json::object();
+  if (command.align)
+    if (auto moved = move_to_truth(command, *truth, *result, alignment); !moved) return moved;
+  MeshDistanceOptions options = command.mesh;
+  options.threads = command.common.threads;
+  options.seed = command.common.seed;
+  const auto comparison = compare_meshes(*result, *truth, options, console_progress("evaluate"));
+  if (!comparison) return comparison.error();
+
+  const MeshCheck check =
+      check_mesh(*result, {.self_intersections = true, .threads = command.common.threads});
+  if (!command.common.json) print_table(*comparison, check, "");
+  const double p95 = comparison->accuracy.all.distance.p95;
+  const double scale = command.colour_scale > 0.0 ? command.colour_scale : p95 > 0.0 ? p95 : 1.0;
+  Json figures = to_json(*comparison, check);
+  figures["colour_scale"] = scale;
+  figures.update(alignment);
+  if (auto delivered = deliver(command, figures); !delivered) return delivered;
+  if (!command.output.empty())
+    if (auto written = write_both_errors(command, *result, *truth, scale); !written) return written;
+  return command.plots.empty() ? Result<void>() : plot_distances(*comparison, "", command.plots);
+}
+
+// The samples of `result` under the true poses of a file that holds poses only.
+Result<ScanProject> truth_from_poses(const ScanProject& result, const std::filesystem::path& file) {
+  const auto poses = read_poses(file);
+  if (!poses) return poses.error();
+  std::map<std::string, RigidMotion> by_name;
+  for (const NamedPose& pose : *poses) by_name.emplace(pose.name, pose.world_from_view);
+  ScanProject truth = result;
+  for (RangeView& view : truth.views) {
+    const auto found = by_name.find(view.name);
+    if (found == by_name.end())
+      return Error{ErrorKind::kBadInput, file.string() + ": has no pose for view " + view.name};
+    view.world_from_view = found->second;
+    view.pose = PoseKind::kKnown;
+  }
+  return truth;
+}
+
+// Whether a JSON file is more than a list of poses.
+bool holds_views(const std::filesystem::path& path) {
+  if (path.extension() != ".json") return true;
+  const auto text = read_file(path);
+  return !text || text->find("relief-scan") != std::string::npos;
+}
+
+bool have_poses(const ScanProject& project) {
+  return std::all_of(project.views.begin(), project.views.end(),
+                     [](const RangeView& view) { return view.pose != PoseKind::kAbsent; });
+}
+
+Result<void> plot_views(const ViewSpectra& spectra, const ScanProject& result,
+                        const ScanProject& truth, const std::filesystem::path& folder) {
+  if (auto done = plot_spectra(spectra, result.unit, folder); !done) return done;
+  const auto pairs = pair_views(result, truth);
+  if (!pairs) return pairs.error();
+  for (const ViewAndTruth& pair : *pairs)
+    if (auto done = plot_error_maps(error_maps(pair), result.unit, folder); !done) return done;
+  return {};
+}
+
+Result<void> evaluate_project(const EvaluateCommand& command) {
+  const auto result = read_with_notes(command.result, command.common);
+  if (!result) return result.error();
+  const bool with_views = holds_views(command.truth);
+  ProjectInput truth_input{command.truth, command.result.options};
+  const auto truth = with_views ? read_with_notes(truth_input, command.common)
+                                : truth_from_poses(*result, command.truth);
+  if (!truth) return truth.error();
+
+  Json figures = Json::object();
+  std::optional<ViewSpectra> spectra;
+  if (with_views) {
+    const ViewErrorOptions options{.threads = command.common.threads};
+    const auto views = evaluate_views(*result, *truth, options);
+    if (!views) return views.error();
+    auto by_frequency = evaluate_spectra(*result, *truth, options, console_progress("evaluate"));
+    if (!by_frequency) return by_frequency.error();
+    spectra = *std::move(by_frequency);
+    figures = to_json(*views);
+    figures["spectra"] = to_json(*spectra);
+    if (!command.common.json) {
+      print_table(*views, result->unit);
+      print_table(*spectra, result->unit);
+    }
+  }
+  if (result->views.size() > 1 && have_poses(*result)) {
+    const auto poses = evaluate_poses(*result, *truth);
+    if (!poses) return poses.error();
+    figures["poses"] = to_json(*poses);
+    if (!command.common.json) print_table(*poses, result->unit);
+  }
+  if (auto delivered = deliver(command, figures); !delivered) return delivered;
+  if (command.plots.empty() || !spectra) return {};
+  return plot_views(*spectra, *result, *truth, command.plots);
+}
+
+int evaluate(const EvaluateCommand& command) {
+  for (const auto& folder : {command.output, command.plots})
+    if (!folder.empty())
+      if (const auto ready = prepare_folder(folder); !ready) return fail(ready.error());
+  const auto done = is_triangle_mesh_file(command.result.path) ? evaluate_mesh(command)
+                                                               : evaluate_project(command);
+  return done ? kDone : fail(done.error());
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, Action& action) {
+  auto command = std::make_shared<EvaluateCommand>();
+  auto* sub = app.add_subcommand("evaluate", "Errors of a mesh, of views or of poses");
+  sub->add_option("result", command->result.path, "A mesh, or a project")->required();
+  sub->add_option("--fc", command->result.options.fc_file,
+                  "Intrinsics of grids without a camera: a file with fx fy cx cy");
+  sub->add_option("--truth", command->truth,
+                  "A mesh for a mesh; for a project, the true project or a file of true poses")
+      ->required();
+  sub->add_option("--thresholds,--threshold", command->mesh.thresholds,
+                  "Distances of the F-score; default: multiples of the spacing");
+  sub->add_flag("--align", command->align,
+                "Meshes: fit the result to the truth by a rigid motion first, from any pose");
+  sub->add_option("--samples", command->mesh.samples, "Points on each mesh")->capture_default_str();
+  sub->add_option(
+      "-o,--output", command->output,
+      "Folder for report.json and, of meshes, errors.ply and completeness.ply, coloured");
+  sub->add_option("--colour-scale", command->colour_scale,
+                  "Error that has full colour; default: that of 95 % of the surface")
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--plots", command->plots,
+                  "Folder for plots by gnuplot, and their data: distances and histogram of meshes, "
+                  "spectra and error images of views");
+  add_common_options(*sub, command->common);
+  sub->callback([command, &action] { action = [command] { return evaluate(*command); }; });
+}
+
+}  // namespace relief

@@ -1,0 +1,74 @@
+#include <memory>
+
+#include "apps/commands/command.h"
+#include "apps/reports/console.h"
+#include "apps/reports/exit_status.h"
+#include "apps/reports/output.h"
+#include "apps/options/stage_options.h"
+#include "apps/stages/stages.h"
+#include "relief/io/mesh_io.h"
+
+namespace relief {
+
+namespace {
+
+struct MergeCommand {
+  CommonOptions common;
+  ProjectInput input;
+  MergeFlags merge;
+  std::size_t memory_mb = 0;
+  std::filesystem::path output;
+};
+
+Result<MergeStage> in_memory(const MergeCommand& command, const MergeStageOptions& options) {
+  const auto project = read_with_notes(command.input, command.common);
+  if (!project) return project.error();
+  if (const auto ready = prepare_folder_of(command.output); !ready) return ready.error();
+  return merge_stage(*project, options);
+}
+
+Result<MergeStage> within_limit(const MergeCommand& command, const MergeStageOptions& options) {
+  if (const auto ready = prepare_folder_of(command.output); !ready) return ready.error();
+  return merge_stage_within_limit(command.input, options);
+}
+
+int merge(const MergeCommand& command) {
+  MergeStageOptions options = command.merge.resolved();
+  options.threads = command.common.threads;
+  options.merge.memory = command.memory_mb << 20;
+  options.merge.scratch_folder =
+      command.output.has_parent_path() ? command.output.parent_path() : ".";
+  const auto stage =
+      options.merge.memory > 0 ? within_limit(command, options) : in_memory(command, options);
+  if (!stage) return fail(stage.error());
+
+  if (const auto written = write_mesh(stage->mesh, command.output); !written)
+    return fail(written.error());
+  const auto reported = write_report(report_path(command.common, command.output), "merge",
+                                     stage->report, command.common);
+  if (!reported) return fail(reported.error());
+  Console::info("wrote " + command.output.string());
+  return kDone;
+}
+
+}  // namespace
+
+void add_merge(CLI::App& app, Action& action) {
+  auto command = std::make_shared<MergeCommand>();
+  auto* sub = app.add_subcommand("merge", "Merge aligned views to one watertight mesh");
+  add_project_input(*sub, command->input);
+  add_background_option(*sub, command->input);
+  sub->add_option("-o,--output", command->output,
+                  "Mesh file; its ending (.ply .obj .stl .vtp .glb) is its format")
+      ->required()
+      ->check(known_mesh_ending());
+  add_merge_options(*sub, command->merge);
+  sub->add_option("--memory", command->memory_mb,
+                  "Memory to keep to [MiB]: views are read one at a time, large fields lie in "
+                  "temporary files beside the output; 0: no limit")
+      ->capture_default_str();
+  add_common_options(*sub, command->common);
+  sub->callback([command, &action] { action = [command] { return merge(*command); }; });
+}
+
+}  // namespace relief

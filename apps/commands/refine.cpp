@@ -1,0 +1,55 @@
+#include <memory>
+
+#include "apps/commands/command.h"
+#include "apps/reports/console.h"
+#include "apps/reports/exit_status.h"
+#include "apps/reports/output.h"
+#include "apps/options/stage_options.h"
+#include "apps/stages/stages.h"
+
+namespace relief {
+
+namespace {
+
+struct RefineCommand {
+  CommonOptions common;
+  ProjectInput input;
+  RefineFlags flags;
+  std::filesystem::path output;
+};
+
+int refine(const RefineCommand& command) {
+  auto project = read_with_notes(command.input, command.common);
+  if (!project) return fail(project.error());
+  if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
+  RefineOptions options = command.flags.resolved();
+  options.threads = command.common.threads;
+  options.seed = command.common.seed;
+  const auto stage = refine_stage(*project, options, command.flags.memory());
+  if (!stage) return fail(stage.error());
+
+  if (const auto written = write_project(*project, command.output, console_progress("write"));
+      !written)
+    return fail(written.error());
+  const auto reported = write_report(report_path(command.common, command.output / "scan.json"),
+                                     "refine", stage->report, command.common);
+  if (!reported) return fail(reported.error());
+  Console::info("wrote " + (command.output / "scan.json").string());
+  return stage->complete ? kDone : kDataDoesNotAllow;
+}
+
+}  // namespace
+
+void add_refine(CLI::App& app, Action& action) {
+  auto command = std::make_shared<RefineCommand>();
+  auto* sub = app.add_subcommand(
+      "refine", "Solve each view for the surface that agrees with its positions and normals");
+  add_project_input(*sub, command->input);
+  add_background_option(*sub, command->input);
+  sub->add_option("-o,--output", command->output, "Folder for the refined project")->required();
+  add_refine_options(*sub, command->flags);
+  add_common_options(*sub, command->common);
+  sub->callback([command, &action] { action = [command] { return refine(*command); }; });
+}
+
+}  // namespace relief

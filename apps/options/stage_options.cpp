@@ -1,0 +1,189 @@
+#include "apps/options/stage_options.h"
+
+#include <map>
+#include <numbers>
+#include <string>
+
+namespace relief {
+
+namespace {
+
+const std::map<std::string, Stencil> kStencils = {{"edge", Stencil::kCompactEdge},
+                                                  {"paper", Stencil::kPaperCentral}};
+const std::map<std::string, BiasModel> kBiasModels = {
+    {"latent", BiasModel::kLatent}, {"two-step", BiasModel::kTwoStep}, {"none", BiasModel::kNone}};
+const std::map<std::string, MeshForm> kForms = {{"normal", MeshForm::kAlongNormals},
+                                                {"full", MeshForm::kFull}};
+const std::map<std::string, Solver> kSolvers = {{"multigrid", Solver::kMultigrid},
+                                                {"cholesky", Solver::kCholesky}};
+const std::map<std::string, GivenPoses> kGivenPoses = {
+    {"check", GivenPoses::kCheck}, {"trust", GivenPoses::kTrust}, {"ignore", GivenPoses::kIgnore}};
+// The names that the option --coarse had for them.
+const std::map<std::string, GivenPoses> kCoarseSearches = {
+    {"auto", GivenPoses::kCheck}, {"never", GivenPoses::kTrust}, {"always", GivenPoses::kIgnore}};
+
+constexpr double kRadians = std::numbers::pi / 180.0;
+
+}  // namespace
+
+RefineOptions RefineFlags::resolved() const {
+  RefineOptions resolved = options;
+  if (sigma_normal_deg) resolved.sigma_normal = *sigma_normal_deg * kRadians;
+  return resolved;
+}
+
+MergeStageOptions MergeFlags::resolved() const {
+  MergeStageOptions resolved = options;
+  if (no_polish)
+    resolved.polish.reset();
+  else if (polish_sigma_normal_deg)
+    resolved.polish->sigma_normal = *polish_sigma_normal_deg * kRadians;
+  return resolved;
+}
+
+void add_refine_options(CLI::App& command, RefineFlags& flags) {
+  auto* group = command.add_option_group("Refinement");
+  RefineOptions& options = flags.options;
+  group->add_option("--stencil", options.stencil, "Normal constraints: edge, or the published ones")
+      ->transform(CLI::CheckedTransformer(kStencils))
+      ->default_str("edge");
+  group->add_option("--bias", options.bias, "Low-frequency error of the normals")
+      ->transform(CLI::CheckedTransformer(kBiasModels))
+      ->default_str("latent");
+  group
+      ->add_option("--sigma-position", options.sigma_position,
+                   "Noise of the range [unit]; default: estimated per view")
+      ->check(CLI::PositiveNumber);
+  group
+      ->add_option("--sigma-normal", flags.sigma_normal_deg,
+                   "Noise of the normals [deg]; default: estimated per view")
+      ->check(CLI::PositiveNumber);
+  group->add_option(
+      "--lambda", options.lambda,
+      "Weight of positions against normals as published, in (0, 1); replaces the noise "
+      "of the normals");
+  group
+      ->add_option("--smoothing-scale", options.smoothing_scale,
+                   "Scale of the two-step correction [samples]; default: where the errors cross")
+      ->check(CLI::PositiveNumber);
+  group->add_option("--robust-rounds", options.robust_rounds, "Rounds of robust reweighting")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  group->add_flag("--deviation,!--no-deviation", options.deviation,
+                  "Find the standard deviation of every refined sample (the default)");
+  group->add_option("--solver", options.solver, "Linear solver: multigrid or cholesky")
+      ->transform(CLI::CheckedTransformer(kSolvers))
+      ->default_str("multigrid");
+  group
+      ->add_option(
+          "--memory", flags.memory_mb,
+          "Memory for the views refined at once [MiB]; 0: half of what the process may use")
+      ->capture_default_str();
+}
+
+void add_align_options(CLI::App& command, AlignOptions& options) {
+  auto* group = command.add_option_group("Alignment");
+  JointRefinementOptions& refinement = options.refinement;
+  group
+      ->add_option("--poses", options.starting_poses.given,
+                   "Given poses: check (refined, kept unless other views refute them), trust "
+                   "(refined, kept always), ignore (all poses are found by shape)")
+      ->transform(CLI::CheckedTransformer(kGivenPoses))
+      ->default_str("check");
+  group->add_option("--coarse", options.starting_poses.given, "The former name of --poses")
+      ->transform(CLI::CheckedTransformer(kCoarseSearches))
+      ->group("");
+  group
+      ->add_option("--correspondences", refinement.correspondences,
+                   "Correspondences per direction of a pair of views")
+      ->check(CLI::Range(6, 1000000))
+      ->capture_default_str();
+  group
+      ->add_option("--search-distance", refinement.search_distance,
+                   "How far off the starting poses may be [unit]; 0: a fifth of a view's radius")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  group
+      ->add_option("--min-overlap", refinement.min_overlap,
+                   "Pairs of views that share less than this fraction are not used")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  group
+      ->add_option_function<std::string>(
+          "--normals",
+          [&options](const std::string& use) { options.surface.normal_signal = use == "auto"; },
+          "Align normal maps too: auto (where geometry slides) or off")
+      ->check(CLI::IsMember({"auto", "off"}))
+      ->default_str("auto");
+  group
+      ->add_option("--max-iterations", refinement.max_iterations,
+                   "Renewals of the correspondences, per level")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+namespace {
+
+void add_polish_options(CLI::App& command, MergeFlags& flags) {
+  auto* group = command.add_option_group("Polishing");
+  PolishOptions& options = *flags.options.polish;
+  group->add_flag("--no-polish", flags.no_polish,
+                  "Leave the mesh as merged, not refined with the normals of the views");
+  group
+      ->add_option("--polish-form", options.form,
+                   "How vertices move: normal (along the surface normal) or full (in space)")
+      ->transform(CLI::CheckedTransformer(kForms))
+      ->default_str("normal");
+  group
+      ->add_option("--polish-sigma-position", options.sigma_position,
+                   "Error of the merged positions [unit]; default: per vertex, as merged")
+      ->check(CLI::PositiveNumber);
+  group
+      ->add_option("--polish-sigma-normal", flags.polish_sigma_normal_deg,
+                   "Error of the blended normals [deg]; default: per vertex, from the views")
+      ->check(CLI::PositiveNumber);
+}
+
+}  // namespace
+
+void add_merge_options(CLI::App& command, MergeFlags& flags) {
+  auto* group = command.add_option_group("Merging");
+  MergeOptions& options = flags.options.merge;
+  group
+      ->add_option(
+          "--voxel", options.voxel_size,
+          "Lattice spacing [unit]; 0: the median sample spacing, 0.8 of it for refined views")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  group
+      ->add_option("--truncation", options.truncation,
+                   "How far from a view's surface it counts [unit]; 0: from voxel and noise")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  group->add_flag_callback(
+      "--keep-components", [&options] { options.keep_components = true; },
+      "Keep surfaces apart from the largest one");
+  group
+      ->add_option_function<std::string>(
+          "--holes", [&options](const std::string& holes) { options.keep_holes = holes == "keep"; },
+          "What to do where no view measured: fill, or keep open")
+      ->check(CLI::IsMember({"fill", "keep"}))
+      ->default_str("fill");
+  group
+      ->add_option("--largest-fill", options.largest_fill,
+                   "Holes that reach farther than this from what was measured stay open [unit]; 0: "
+                   "all are filled")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  DecimationOptions& decimation = flags.options.decimation;
+  group->add_option("--faces", decimation.faces, "Decimate to this number of faces; 0: do not")
+      ->capture_default_str();
+  group
+      ->add_option("--decimation-error", decimation.max_error,
+                   "Decimate as far as the surface moves by no more than this [unit]; 0: no bound")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  add_polish_options(command, flags);
+}
+
+}  // namespace relief

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "apps/reports/report.h"
+#include "relief/evaluation/error_statistics.h"
+#include "relief/evaluation/mesh_distance.h"
+#include "relief/evaluation/pose_errors.h"
+#include "relief/evaluation/view_errors.h"
+#include "relief/evaluation/view_spectra.h"
+#include "relief/scan/mesh_check.h"
+
+namespace relief {
+
+Json to_json(const MeshComparison& comparison, const MeshCheck& check);
+Json to_json(const ViewErrorReport& report);
+Json to_json(const ViewSpectra& spectra);
+Json to_json(const PoseErrorReport& report);
+
+/// The same figures for people, on standard output. `unit` is that of the lengths.
+void print_table(const MeshComparison& comparison, const MeshCheck& check, const std::string& unit);
+void print_table(const ViewErrorReport& report, const std::string& unit);
+void print_table(const ViewSpectra& spectra, const std::string& unit);
+void print_table(const PoseErrorReport& report, const std::string& unit);
+
+}  // namespace relief

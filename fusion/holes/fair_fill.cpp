@@ -1,0 +1,272 @@
+#include "fusion/holes/fair_fill.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <unordered_map>
+#include <utility>
+
+#include "fusion/tsdf/tsdf_integration.h"
+#include "fusion/holes/thin_plate.h"
+#include "scan/mesh/moved_faces.h"
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+// How far a filled vertex may be in space seen empty, and in front of a surface where the outermost
+// rays meet it: what the lattice resolves.
+constexpr double kIntrusion = 0.25, kInFront = 0.5;  // [voxels]
+// The closed field's surface is that far at most in the way of such rays.
+constexpr double kFarthestRetreat = 1.5;  // [voxels]
+
+// Rounds of finding what a plate must not do, and of holding it there.
+constexpr int kRounds = 3;
+
+// Stiffness at vertices that are held because their faces were spoiled: the membrane there tells
+// no slope worth going on with.
+constexpr double kHeld = 0.0;
+
+// What a vertex that is held for its spoiled faces changes, and what stays: this many edges away a
+// plate that gives way by a voxel or two lies as before.
+constexpr int kMendedRings = 12;
+
+// Of places that are solved for step by step: a tenth of what the lattice's zeros are good to.
+constexpr double kTolerance = 1e-4;  // [voxels]
+
+// Memory for each vertex of the mesh, and for each that may move besides [bytes].
+constexpr std::size_t kVertex = 60, kMoving = 900;
+
+// How far the work on a region has come.
+struct Settling {
+  std::map<std::uint32_t, PlateVertex> pinned;  // Vertices that are held.
+  std::vector<std::uint32_t> fresh;             // Of these, the ones held in this round of mending.
+  bool settled = false;
+  bool stays = false;     // As the closed field has it.
+  bool unsolved = false;  // For want of a solution.
+};
+
+class Fairing {
+ public:
+  Fairing(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+          const FairFillOptions& options)
+      : mesh_(mesh),
+        views_(views),
+        options_(options),
+        regions_(mesh, views, options),
+        work_(regions_.all().size()),
+        places_(mesh.vertices),
+        changed_(mesh.vertices.size(), 0) {}
+
+  FairFill run() {
+    if (work_.empty()) return {};
+    for (int round = 0; round <= kRounds; ++round) settle_all(round == kRounds);
+    for (std::size_t v = 0; v < places_.size(); ++v) changed_[v] = places_[v] != mesh_.vertices[v];
+    for (int round = 0; mend(round); ++round) {
+    }
+    const auto unsolved = static_cast<std::size_t>(std::count_if(
+        work_.begin(), work_.end(), [](const Settling& work) { return work.unsolved; }));
+    return {std::move(places_), unsolved};
+  }
+
+ private:
+  // Under a limit one region at a time: only so is it known what all take together.
+  void settle_all(bool last) {
+    parallel_for(work_.size(), 1, options_.memory ? 1 : options_.threads,
+                 [&](std::size_t begin, std::size_t end) {
+                   for (std::size_t r = begin; r < end; ++r)
+                     if (!work_[r].settled) settle(r, last);
+                 });
+  }
+
+  // What may move of a region, and what holds it.
+  PlatePatch patch_of(std::size_t r) const {
+    PlatePatch patch;
+    patch.held = regions_.all()[r].border;
+    for (const PlateVertex& vertex : regions_.all()[r].vertices) add(r, vertex, patch);
+    return patch;
+  }
+
+  void add(std::size_t r, const PlateVertex& vertex, PlatePatch& patch) const {
+    const auto pin = work_[r].pinned.find(vertex.vertex);
+    if (pin == work_[r].pinned.end())
+      patch.free.push_back(vertex);
+    else
+      patch.held.push_back(pin->second);
+  }
+
+  // The same near the vertices held of late. What is around goes on as it lies, with its slope.
+  PlatePatch patch_near_fresh(std::size_t r) const {
+    const std::unordered_map<std::uint32_t, int> rings = rings_around(work_[r].fresh);
+    PlatePatch patch;
+    patch.held = regions_.all()[r].border;
+    for (const PlateVertex& vertex : regions_.all()[r].vertices) {
+      const auto ring = rings.find(vertex.vertex);
+      if (ring == rings.end()) continue;
+      if (ring->second <= kMendedRings)
+        add(r, vertex, patch);
+      else  // the slope of the first of these rings depends on the second
+        patch.held.push_back({vertex.vertex, places_[vertex.vertex],
+                              ring->second == kMendedRings + 1 ? vertex.stiffness : 0.0});
+    }
+    return patch;
+  }
+
+  // Edges from the nearest of some vertices to those that are no farther than concerns a plate.
+  std::unordered_map<std::uint32_t, int> rings_around(std::vector<std::uint32_t> ring) const {
+    std::unordered_map<std::uint32_t, int> rings;
+    for (const std::uint32_t v : ring) rings.emplace(v, 0);
+    for (int distance = 1; distance <= kMendedRings + 2; ++distance) {
+      std::vector<std::uint32_t> next;
+      for (const std::uint32_t v : ring)
+        regions_.around().visit(v, [&](std::uint32_t face) {
+          for (const std::uint32_t other : mesh_.faces[face])
+            if (rings.emplace(other, distance).second) next.push_back(other);
+        });
+      ring = std::move(next);
+    }
+    return rings;
+  }
+
+  // Lets the region come to rest, and pins what would then be in space seen empty.
+  void settle(std::size_t r, bool last) {
+    relieve(options_.memory);
+    Settling& work = work_[r];
+    const PlatePatch patch = work.fresh.empty() ? patch_of(r) : patch_near_fresh(r);
+    work.fresh.clear();
+    work.settled = true;
+    if (patch.free.empty()) return;
+    const std::vector<Eigen::Vector3d> rest =
+        rest_plate(mesh_, regions_.around(), patch, plate_options());
+    if (rest.empty()) {
+      work.unsolved = true;
+      return restore(r);
+    }
+    EvidenceCollector collector(views_, options_.truncation, options_.voxel_size);
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+      const std::uint32_t v = patch.free[k].vertex;
+      places_[v] = allowed(v, rest[k], collector);
+      changed_[v] = 1;
+      if (places_[v] == rest[k] || last) continue;
+      work.pinned.emplace(v, PlateVertex{v, places_[v]});
+      work.settled = false;
+    }
+  }
+
+  PlateOptions plate_options() const {
+    PlateOptions plate;
+    plate.most_factorised = options_.most_factorised;
+    plate.tolerance = kTolerance * options_.voxel_size;
+    plate.start = &places_;
+    plate.memory = options_.memory;
+    return plate;
+  }
+
+  bool in_empty_space(const Eigen::Vector3d& point, EvidenceCollector& collector) const {
+    const Evidence evidence = collector.collect(point);
+    return evidence.clearance > kIntrusion * options_.voxel_size ||
+           evidence.in_front > kInFront * options_.voxel_size;
+  }
+
+  // The farthest point on a vertex's way to `end` that is in no space seen empty. If its start is,
+  // the nearest behind the surface that is not.
+  Eigen::Vector3d allowed(std::uint32_t v, const Eigen::Vector3d& end,
+                          EvidenceCollector& collector) const {
+    if (!mesh_.filled[v] || !in_empty_space(end, collector)) return end;
+    const Eigen::Vector3d& start = mesh_.vertices[v];
+    if (!in_empty_space(start, collector)) return last_sound(start, end, collector);
+    const Eigen::Vector3d behind =
+        start - kFarthestRetreat * options_.voxel_size * mesh_.normals[v].cast<double>();
+    return in_empty_space(behind, collector) ? start : last_sound(behind, start, collector);
+  }
+
+  // Of the points from `sound`, which is in no space seen empty, to `empty`, which is: the last
+  // that is not.
+  Eigen::Vector3d last_sound(Eigen::Vector3d sound, Eigen::Vector3d empty,
+                             EvidenceCollector& collector) const {
+    for (int step = 0; step < 6; ++step) {
+      const Eigen::Vector3d middle = 0.5 * (sound + empty);
+      (in_empty_space(middle, collector) ? empty : sound) = middle;
+    }
+    return sound;
+  }
+
+  void restore(std::size_t r) {
+    for (const PlateVertex& free : regions_.all()[r].vertices) {
+      places_[free.vertex] = mesh_.vertices[free.vertex];
+      changed_[free.vertex] = 1;
+    }
+    work_[r].stays = work_[r].settled = true;
+  }
+
+  // Faces that intersect have slipped along the surface, as slivers do: their vertices then move
+  // along the normal only. Where that does not help they stay, with more and more of those around
+  // them, while the rest comes to rest anew; in the end the region goes back. False: there was
+  // none.
+  bool mend(int round) {
+    const std::vector<std::uint32_t> spoiled =
+        spoiled_faces(mesh_, places_, changed_, 2.0 * options_.voxel_size, options_.threads);
+    std::fill(changed_.begin(), changed_.end(), 0);
+    EvidenceCollector collector(views_, options_.truncation, options_.voxel_size);
+    bool any = false;
+    for (const std::uint32_t f : spoiled) {
+      for (const std::uint32_t v : mesh_.faces[f]) {
+        const std::uint32_t r = regions_.region_of(v);
+        if (r == FairRegions::kNone || work_[r].stays) continue;
+        any = true;
+        if (round < kRounds)
+          keep_from_slipping(v, collector);
+        else if (round < 2 * kRounds)
+          hold(v);
+        else
+          restore(r);
+      }
+    }
+    if (any && round >= kRounds && round < 2 * kRounds) settle_all(true);
+    return any;
+  }
+
+  // Keeps a vertex and its neighbours where the closed field has them.
+  void hold(std::uint32_t vertex) {
+    regions_.around().visit(vertex, [&](std::uint32_t f) {
+      for (const std::uint32_t v : mesh_.faces[f]) {
+        const std::uint32_t r = regions_.region_of(v);
+        if (r == FairRegions::kNone) continue;
+        places_[v] = mesh_.vertices[v];
+        work_[r].pinned[v] = {v, places_[v], kHeld};
+        work_[r].fresh.push_back(v);
+        work_[r].settled = false;
+        changed_[v] = 1;
+      }
+    });
+  }
+
+  void keep_from_slipping(std::uint32_t v, EvidenceCollector& collector) {
+    const Eigen::Vector3d normal = regions_.normals().at(v), start = mesh_.vertices[v];
+    places_[v] = allowed(v, start + normal.dot(places_[v] - start) * normal, collector);
+    changed_[v] = 1;
+  }
+
+  const TriangleMesh& mesh_;
+  const std::vector<ViewSampler>& views_;
+  const FairFillOptions& options_;
+  const FairRegions regions_;
+  std::vector<Settling> work_;
+  std::vector<Eigen::Vector3d> places_;  // Of the vertices, as far as they have been moved.
+  std::vector<std::uint8_t> changed_;    // Vertices whose faces are still to be looked at.
+};
+
+}  // namespace
+
+FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+                             const FairFillOptions& options) {
+  const auto filled = static_cast<std::size_t>(std::count_if(
+      mesh.filled.begin(), mesh.filled.end(), [](std::uint8_t flag) { return flag != 0; }));
+  if (filled == 0) return {};
+  relieve(options.memory, kVertex * mesh.vertices.size() + kMoving * filled);
+  if (!check(options.memory)) return {};
+  return Fairing(mesh, views, options).run();
+}
+
+}  // namespace relief

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fusion/holes/fair_regions.h"
+#include "fusion/views/view_sampler.h"
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+struct FairFill {
+  std::vector<Eigen::Vector3d> places;  ///< Of all vertices; empty when none moves.
+  std::size_t unsolved = 0;  ///< Regions that stay as they are since no plate was found for them.
+};
+
+/// Places for the filled vertices of a merged mesh (`filled` and `normals` set), with which the
+/// surface goes on across the border of what was measured with the slope it arrives with, or, where
+/// the closed field left it at a sharp angle, spans the border plainly. It stays out of space that
+/// a view saw empty, or leaves it where it can, and intersects itself nowhere it did not.
+FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+                             const FairFillOptions& options);
+
+}  // namespace relief

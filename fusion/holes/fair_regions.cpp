@@ -1,0 +1,219 @@
+#include "fusion/holes/fair_regions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "fusion/tsdf/tsdf_integration.h"
+#include "fusion/holes/filled_regions.h"
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+// Between the surface that was measured and that of the closed field, at a common border: with less
+// than 30 degrees the surface goes on, with more than 60 the object has an edge.
+constexpr double kSmooth = 0.866, kSharp = 0.5;
+
+// Where the middle of a region lies against its border's tangent planes, as sine: this far behind
+// them the surface turns away on all sides, this far in front of them it is a crevice.
+constexpr double kBehind = 0.5, kInFront = 0.05;
+
+// Vertices across a crevice, twice its area over the length of its border.
+constexpr double kNarrow = 16.0;
+
+// Rings of measured vertices round the filled ones that move with them.
+constexpr int kMargin = 3;
+
+// Rings of measured vertices beyond these that tell how the surface curves towards the border.
+constexpr int kApproach = 6;
+
+// A surface that, as it curves where it was measured, would turn by less than this part of what the
+// filled surface has to turn by has an edge at its border: the wall of a block, not a sphere.
+constexpr double kCarried = 0.5;
+
+// Of each vertex the number of edges to the nearest filled one, at most `most` + 1.
+std::vector<std::uint8_t> rings_around_filled(const TriangleMesh& mesh, int most) {
+  std::vector<std::uint8_t> rings(mesh.vertices.size());
+  for (std::size_t v = 0; v < rings.size(); ++v)
+    rings[v] = mesh.filled[v] ? 0 : static_cast<std::uint8_t>(most + 1);
+  for (int ring = 1; ring <= most; ++ring)
+    for (const auto& face : mesh.faces) {
+      if (std::none_of(face.begin(), face.end(), [&](auto v) { return rings[v] == ring - 1; }))
+        continue;
+      for (const std::uint32_t v : face)
+        rings[v] = std::min(rings[v], static_cast<std::uint8_t>(ring));
+    }
+  return rings;
+}
+
+std::vector<std::uint8_t> up_to(int ring, const std::vector<std::uint8_t>& rings) {
+  std::vector<std::uint8_t> flags(rings.size());
+  for (std::size_t v = 0; v < flags.size(); ++v) flags[v] = rings[v] <= ring;
+  return flags;
+}
+
+double stiffness_of(double cosine) {
+  const double s = std::clamp((cosine - kSharp) / (kSmooth - kSharp), 0.0, 1.0);
+  return s * s * s;
+}
+
+double pull_of(int ring, double voxel) { return std::pow(std::ldexp(voxel, 1 - ring), -4); }
+
+}  // namespace
+
+FairRegions::FairRegions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+                         const FairFillOptions& options)
+    : mesh_(mesh),
+      rings_(rings_around_filled(mesh, kMargin + 1 + kApproach)),
+      around_(mesh, up_to(kMargin + kApproach, rings_)),
+      normals_(mesh, rings_, kMargin + 1) {
+  find();
+  parallel_for(regions_.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+    relieve(options.memory);
+    for (std::size_t r = begin; r < end; ++r) prepare(regions_[r], views, options);
+  });
+}
+
+void FairRegions::find() {
+  const std::vector<std::uint32_t> first = regions_of(mesh_, up_to(kMargin, rings_));
+  std::map<std::uint32_t, FairRegion> candidates;
+  for (std::uint32_t v = 0; v < first.size(); ++v)
+    if (rings_[v] <= kMargin) candidates[first[v]].vertices.push_back({v, mesh_.vertices[v]});
+  region_of_.assign(first.size(), kNone);
+  for (auto& [start, region] : candidates) {
+    add_border(region);
+    if (region.border.empty() || !is_deep(region) || is_crevice(region)) continue;
+    for (const PlateVertex& free : region.vertices)
+      region_of_[free.vertex] = static_cast<std::uint32_t>(regions_.size());
+    regions_.push_back(std::move(region));
+  }
+}
+
+// Whether the region has a filled vertex among filled ones only. Else there is no shape to find.
+bool FairRegions::is_deep(const FairRegion& region) const {
+  return std::any_of(region.vertices.begin(), region.vertices.end(), [&](const PlateVertex& free) {
+    bool deep = mesh_.filled[free.vertex];
+    around_.visit(free.vertex, [&](std::uint32_t f) {
+      for (const std::uint32_t w : mesh_.faces[f]) deep = deep && mesh_.filled[w];
+    });
+    return deep;
+  });
+}
+
+void FairRegions::add_border(FairRegion& region) const {
+  std::vector<std::uint32_t> border;
+  for (const PlateVertex& free : region.vertices)
+    around_.visit(free.vertex, [&](std::uint32_t f) {
+      for (const std::uint32_t w : mesh_.faces[f])
+        if (rings_[w] > kMargin) border.push_back(w);
+    });
+  std::sort(border.begin(), border.end());
+  border.erase(std::unique(border.begin(), border.end()), border.end());
+  for (const std::uint32_t v : border) region.border.push_back({v, mesh_.vertices[v]});
+}
+
+// How far the middle of a region lies behind the tangent planes of its border, on average, against
+// its distance: negative in a valley.
+double FairRegions::behind_border(const FairRegion& region) const {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const PlateVertex& free : region.vertices) centre += mesh_.vertices[free.vertex];
+  centre /= static_cast<double>(region.vertices.size());
+  double behind = 0.0, away = 0.0;
+  for (const PlateVertex& held : region.border) {
+    const Eigen::Vector3d to_centre = centre - held.place;
+    behind -= to_centre.dot(mesh_.normals[held.vertex].cast<double>());
+    away += to_centre.norm();
+  }
+  return behind / away;
+}
+
+// Whether a region lies in a narrow valley. There the closed field knows both walls; a plate would
+// go on with their slopes and dig deep.
+bool FairRegions::is_crevice(const FairRegion& region) const {
+  const auto filled = static_cast<double>(
+      std::count_if(region.vertices.begin(), region.vertices.end(),
+                    [&](const PlateVertex& free) { return mesh_.filled[free.vertex] != 0; }));
+  return behind_border(region) < -kInFront &&
+         2.0 * filled < kNarrow * static_cast<double>(region.border.size());
+}
+
+// The direction that most of what is filled faces if it ends straight walls, else zero.
+Eigen::Vector3d FairRegions::facing_of_lid(const FairRegion& region, double voxel) const {
+  if (behind_border(region) <= kBehind) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d facing = Eigen::Vector3d::Zero();
+  double area = 0.0;  // Of the filled faces, six times.
+  for (const PlateVertex& free : region.vertices) {
+    if (!mesh_.filled[free.vertex]) continue;
+    around_.visit(free.vertex, [&](std::uint32_t f) {
+      facing += face_cross(mesh_, f);
+      area += face_cross(mesh_, f).norm();
+    });
+  }
+  facing.normalize();
+  const auto mean_turn = [&](const std::vector<std::uint32_t>& ring) {
+    double sum = 0.0;
+    for (const std::uint32_t v : ring)
+      sum += std::acos(std::clamp(mesh_.normals[v].cast<double>().dot(facing), -1.0, 1.0));
+    return sum / static_cast<double>(ring.size());
+  };
+  std::vector<std::uint32_t> ring;
+  for (const PlateVertex& held : region.border) ring.push_back(held.vertex);
+  const double turn = mean_turn(ring);
+  for (int k = 0; k < kApproach && !ring.empty(); ++k) ring = ring_beyond(ring);
+  if (ring.empty()) return Eigen::Vector3d::Zero();
+  const double half_width = std::sqrt(area / (6.0 * std::numbers::pi));
+  // Equation (8).
+  const double carried = (mean_turn(ring) - turn) * half_width / (kApproach * voxel);
+  return turn > std::acos(kSharp) && carried < kCarried * turn ? facing : Eigen::Vector3d::Zero();
+}
+
+// The vertices beside those of a ring that are one edge farther from what was filled.
+std::vector<std::uint32_t> FairRegions::ring_beyond(const std::vector<std::uint32_t>& ring) const {
+  std::vector<std::uint32_t> next;
+  for (const std::uint32_t v : ring)
+    around_.visit(v, [&](std::uint32_t f) {
+      for (const std::uint32_t w : mesh_.faces[f])
+        if (rings_[w] == rings_[v] + 1) next.push_back(w);
+    });
+  std::sort(next.begin(), next.end());
+  next.erase(std::unique(next.begin(), next.end()), next.end());
+  return next;
+}
+
+bool FairRegions::is_beside_measured(std::uint32_t vertex) const {
+  bool beside = false;
+  around_.visit(vertex, [&](std::uint32_t f) {
+    for (const std::uint32_t w : mesh_.faces[f]) beside = beside || rings_[w] == 1;
+  });
+  return beside;
+}
+
+void FairRegions::prepare(FairRegion& region, const std::vector<ViewSampler>& views,
+                          const FairFillOptions& options) const {
+  EvidenceCollector collector(views, options.truncation, options.voxel_size);
+  const Eigen::Vector3d lid = facing_of_lid(region, options.voxel_size);
+  for (PlateVertex& free : region.vertices) {
+    const int ring = rings_[free.vertex];
+    if (ring == 0) {
+      // The wall goes on as far as the closed field has it before the lid begins.
+      if (lid.isZero() || !is_beside_measured(free.vertex)) continue;
+      free.pull = pull_of(1, options.voxel_size);
+      free.stiffness = 0.0;
+      continue;
+    }
+    // Beside what is filled the closed field draws the surface off what was measured.
+    const Eigen::Vector3d normal = mesh_.normals[free.vertex].cast<double>();
+    free.place -= collector.collect(free.place, normal).distance * normal;
+    free.pull = pull_of(ring, options.voxel_size);
+    if (ring != 1) continue;
+    double cosine = normals_.cosine(free.vertex, around_);
+    if (!lid.isZero()) cosine = std::min(cosine, lid.dot(normals_.at(free.vertex)));
+    free.stiffness = stiffness_of(cosine);
+  }
+}
+
+}  // namespace relief

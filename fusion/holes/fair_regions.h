@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "fusion/holes/side_normals.h"
+#include "fusion/holes/thin_plate.h"
+#include "fusion/views/view_sampler.h"
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+struct FairFillOptions {
+  double truncation = 0.0;  ///< As used for the field [unit].
+  double voxel_size = 0.0;  ///< As used for the field [unit].
+  int threads = 0;
+  MemoryLimit* memory = nullptr;  ///< May be null.
+  /// See PlateOptions.
+  std::size_t most_factorised = PlateOptions().most_factorised;
+};
+
+/// A connected set of vertices that may move: filled ones and a margin of what was measured.
+struct FairRegion {
+  /// Filled vertices are where the mesh has them; the margin's places are where the views measured
+  /// the surface, to which it is drawn the more the farther it is from what was filled.
+  std::vector<PlateVertex> vertices;
+  std::vector<PlateVertex> border;  ///< Measured vertices beside these. They stay.
+};
+
+/// The regions of a merged mesh (`filled` and `normals` set) whose shape can be improved: those
+/// with filled vertices that have only filled neighbours, and with a border, but not crevices.
+class FairRegions {
+ public:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  FairRegions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+              const FairFillOptions& options);
+
+  const std::vector<FairRegion>& all() const { return regions_; }
+  std::uint32_t region_of(std::uint32_t vertex) const { return region_of_[vertex]; }  ///< Or kNone.
+  const FacesAround& around() const { return around_; }
+  const SideNormals& normals() const { return normals_; }
+
+ private:
+  void find();
+  bool is_crevice(const FairRegion& region) const;
+  bool is_deep(const FairRegion& region) const;
+  void add_border(FairRegion& region) const;
+  double behind_border(const FairRegion& region) const;
+  Eigen::Vector3d facing_of_lid(const FairRegion& region, double voxel) const;
+  bool is_beside_measured(std::uint32_t vertex) const;
+  std::vector<std::uint32_t> ring_beyond(const std::vector<std::uint32_t>& ring) const;
+  void prepare(FairRegion& region, const std::vector<ViewSampler>& views,
+               const FairFillOptions& options) const;
+
+  const TriangleMesh& mesh_;
+  std::vector<std::uint8_t> rings_;  // Edges to the nearest filled vertex, up to a few.
+  FacesAround around_;
+  SideNormals normals_;
+  std::vector<FairRegion> regions_;
+  std::vector<std::uint32_t> region_of_;
+};
+
+}  // namespace relief

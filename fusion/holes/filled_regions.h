@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+/// The part of the surface's area in faces with a filled vertex.
+double filled_area_fraction(const TriangleMesh& mesh);
+
+/// For each vertex in `set` the first one of its region (those of the set joined by edges); for
+/// others themselves.
+std::vector<std::uint32_t> regions_of(const TriangleMesh& mesh,
+                                      const std::vector<std::uint8_t>& set);
+
+/// Drops the faces at filled vertices, region by region, of those that have a vertex farther than
+/// `largest` [unit] from what was measured (`quality` of filled vertices). Vertices no face uses go
+/// as well.
+void open_holes(TriangleMesh& mesh, double largest);
+
+}  // namespace relief

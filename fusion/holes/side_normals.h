@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fusion/holes/thin_plate.h"
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+/// Normals of what was measured and of what was filled, near the border between them, each averaged
+/// over some rings of vertices of its own side: the border itself is too ragged to tell how the two
+/// meet.
+class SideNormals {
+ public:
+  /// Of faces with a vertex at most `reach` edges from a filled one, as `rings` tells.
+  SideNormals(const TriangleMesh& mesh, const std::vector<std::uint8_t>& rings, int reach);
+
+  /// Of one vertex, of length 1; zero where it is unknown.
+  Eigen::Vector3d at(std::uint32_t vertex) const;
+
+  /// Cosine of the angle between the two sides at a measured vertex beside filled ones; 1 where it
+  /// cannot be told.
+  double cosine(std::uint32_t vertex, const FacesAround& around) const;
+
+ private:
+  bool is_measured(std::uint32_t face) const;
+  void average();
+
+  const TriangleMesh& mesh_;
+  std::vector<std::uint32_t> faces_;
+  std::unordered_map<std::uint32_t, Eigen::Vector3d> normals_;
+};
+
+}  // namespace relief

@@ -1,0 +1,199 @@
+#include "fusion/holes/thin_plate.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+#include <Eigen/SparseCore>
+
+#include "fusion/holes/large_plate.h"
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+// Contours have slivers. A face counts as no thinner than this against its longest side, which
+// bounds its cotangents and so the condition of the system.
+constexpr double kLeastThickness = 0.05;
+
+// What a system takes without its factor, for each free vertex [bytes].
+constexpr std::size_t kSystem = 1000;
+
+// Unknowns of a system whose factor is large against what was needed to set it up.
+constexpr Eigen::Index kLarge = 10000;
+
+using Sparse = Eigen::SparseMatrix<double>;
+using Entry = Eigen::Triplet<double>;
+
+// Cotangents of a face's three angles, and its area.
+struct FaceShape {
+  std::array<double, 3> cotangents;
+  double area = 0.0;
+};
+
+FaceShape shape_of(const TriangleMesh& mesh, std::uint32_t face) {
+  FaceShape shape;
+  std::array<Eigen::Vector3d, 3> sides;  // opposite to each corner
+  double longest = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    sides[static_cast<std::size_t>(k)] =
+        mesh.corner(face, (k + 2) % 3) - mesh.corner(face, (k + 1) % 3);
+    longest = std::max(longest, sides[static_cast<std::size_t>(k)].squaredNorm());
+  }
+  const double twice_area = std::max(sides[0].cross(sides[1]).norm(), kLeastThickness * longest);
+  for (std::size_t k = 0; k < 3; ++k)
+    shape.cotangents[k] = -sides[(k + 1) % 3].dot(sides[(k + 2) % 3]) / twice_area;
+  shape.area = 0.5 * twice_area;
+  return shape;
+}
+
+// Rows of the Laplacian of a patch, split into what multiplies free vertices and what is known.
+class PlateSystem {
+ public:
+  PlateSystem(const TriangleMesh& mesh, const FacesAround& around, const PlatePatch& patch)
+      : mesh_(mesh), around_(around) {
+    column_.reserve(2 * patch.free.size());
+    for (const PlateVertex& free : patch.free)
+      column_.emplace(free.vertex, static_cast<int>(column_.size()));
+    for (const PlateVertex& support : patch.held) held_.emplace(support.vertex, support.place);
+    origin_ = mesh.vertices[patch.free.front().vertex];
+    const std::size_t rows = patch.free.size() + patch.held.size();
+    known_.setZero(static_cast<Eigen::Index>(rows), 3);
+    weights_.resize(static_cast<Eigen::Index>(rows));
+    area_.resize(static_cast<Eigen::Index>(rows));
+    pull_.setZero(static_cast<Eigen::Index>(patch.free.size()));
+    drawn_.setZero(static_cast<Eigen::Index>(patch.free.size()), 3);
+    for (const PlateVertex& free : patch.free) {
+      pull_(row_) = free.pull * area_at(free.vertex);
+      drawn_.row(row_) = pull_(row_) * (free.place - origin_).transpose();
+      add_row(free.vertex, free.stiffness);
+    }
+    for (const PlateVertex& support : patch.held) add_row(support.vertex, support.stiffness);
+    laplacian_.resize(static_cast<Eigen::Index>(rows),
+                      static_cast<Eigen::Index>(patch.free.size()));
+    laplacian_.setFromTriplets(entries_.begin(), entries_.end());
+    entries_ = {};
+  }
+
+  // Places by the factors of the whole system.
+  std::vector<Eigen::Vector3d> solve(MemoryLimit* memory) const {
+    const Sparse weighted = weights_.asDiagonal() * laplacian_;
+    Sparse system = (laplacian_.transpose() * weighted).triangularView<Eigen::Lower>();
+    system.diagonal() += pull_;
+    const Eigen::MatrixX3d right = drawn_ - weighted.transpose() * known_;
+    if (system.rows() > kLarge) release_freed_memory();
+    SizedFactor factor;
+    factor.analyzePattern(system);
+    relieve(memory, factor.bytes());
+    if (!check(memory)) return {};
+    factor.factorize(system);
+    if (factor.info() != Eigen::Success) return {};
+    return places_of(factor.solve(right));
+  }
+
+  // Places by conjugate gradients from the places `start` of the vertices.
+  std::vector<Eigen::Vector3d> approach(const PlatePatch& patch,
+                                        const PlateOptions& options) const {
+    PlateEquations equations{laplacian_, weights_, area_, pull_, {}};
+    equations.right = drawn_ - laplacian_.transpose() * (weights_.asDiagonal() * known_);
+    Eigen::MatrixX3d places(equations.pull.rows(), 3);
+    for (Eigen::Index i = 0; i < places.rows(); ++i) {
+      const std::uint32_t v = patch.free[static_cast<std::size_t>(i)].vertex;
+      places.row(i) =
+          ((options.start ? (*options.start)[v] : mesh_.vertices[v]) - origin_).transpose();
+    }
+    release_freed_memory();
+    if (!approach_plate(equations, options.tolerance, options.memory, places)) return {};
+    return places_of(places);
+  }
+
+ private:
+  std::vector<Eigen::Vector3d> places_of(const Eigen::MatrixX3d& placed) const {
+    if (!placed.allFinite()) return {};
+    std::vector<Eigen::Vector3d> places;
+    for (Eigen::Index i = 0; i < placed.rows(); ++i)
+      places.push_back(origin_ + placed.row(i).transpose());
+    return places;
+  }
+
+  void add(double weight, std::uint32_t vertex) {
+    if (const auto free = column_.find(vertex); free != column_.end()) {
+      entries_.emplace_back(row_, free->second, weight);
+      return;
+    }
+    const auto held = held_.find(vertex);
+    const Eigen::Vector3d& place = held != held_.end() ? held->second : mesh_.vertices[vertex];
+    known_.row(row_) += weight * (place - origin_).transpose();
+  }
+
+  double area_at(std::uint32_t v) const {
+    double area = 0.0;
+    around_.visit(v, [&](std::uint32_t face) { area += shape_of(mesh_, face).area / 3.0; });
+    return area;
+  }
+
+  void add_row(std::uint32_t v, double stiffness) {
+    double sum = 0.0;
+    around_.visit(v, [&](std::uint32_t face) {
+      const FaceShape shape = shape_of(mesh_, face);
+      const auto& corners = mesh_.faces[face];
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (corners[k] == v) continue;
+        const std::size_t opposite =
+            3 - k -
+            static_cast<std::size_t>(std::find(corners.begin(), corners.end(), v) -
+                                     corners.begin());
+        const double weight = 0.5 * shape.cotangents[opposite];
+        add(weight, corners[k]);
+        sum += weight;
+      }
+    });
+    add(-sum, v);
+    area_(row_) = area_at(v);
+    weights_(row_) = stiffness / area_(row_);
+    ++row_;
+  }
+
+  const TriangleMesh& mesh_;
+  const FacesAround& around_;
+  std::unordered_map<std::uint32_t, int> column_;
+  std::unordered_map<std::uint32_t, Eigen::Vector3d> held_;
+  Eigen::Vector3d origin_;
+  std::vector<Entry> entries_;
+  Sparse laplacian_;
+  Eigen::MatrixX3d known_;
+  Eigen::VectorXd weights_, area_, pull_;
+  Eigen::MatrixX3d drawn_;
+  int row_ = 0;
+};
+
+}  // namespace
+
+FacesAround::FacesAround(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted)
+    : first_(mesh.vertices.size() + 1, 0) {
+  const auto for_wanted = [&](const auto& visit) {
+    for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+      for (const std::uint32_t v : mesh.faces[f])
+        if (wanted[v]) visit(v, f);
+  };
+  for_wanted([&](std::uint32_t v, std::uint32_t) { ++first_[v + 1]; });
+  for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
+  faces_.resize(first_.back());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for_wanted([&](std::uint32_t v, std::uint32_t f) { faces_[next[v]++] = f; });
+}
+
+std::vector<Eigen::Vector3d> rest_plate(const TriangleMesh& mesh, const FacesAround& around,
+                                        const PlatePatch& patch, const PlateOptions& options) {
+  if (patch.free.empty()) return {};
+  relieve(options.memory, kSystem * patch.free.size());
+  if (!check(options.memory)) return {};
+  const PlateSystem system(mesh, around, patch);
+  return patch.free.size() <= options.most_factorised ? system.solve(options.memory)
+                                                      : system.approach(patch, options);
+}
+
+}  // namespace relief

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fusion/memory/memory_limit.h"
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+/// The faces at each vertex of a part of a mesh.
+class FacesAround {
+ public:
+  /// Of the vertices with `wanted` set.
+  FacesAround(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted);
+
+  /// Calls `visit(face)` for the faces at a vertex, in ascending order; none for unwanted vertices.
+  template <typename Visit>
+  void visit(std::uint32_t vertex, const Visit& visit) const {
+    for (std::size_t k = first_[vertex]; k < first_[vertex + 1]; ++k) visit(faces_[k]);
+  }
+
+ private:
+  std::vector<std::uint32_t> first_, faces_;
+};
+
+/// A vertex of a plate.
+struct PlateVertex {
+  std::uint32_t vertex = 0;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< Where it is held, or drawn to.
+  /// How stiffly the surface goes on across it: 0, it is a hinge; 1, it keeps its slope.
+  double stiffness = 1.0;
+  /// How strongly a free vertex is drawn to its place [1/length^4]: a plate follows waves longer
+  /// than about 2 pi / pull^(1/4) and smooths shorter ones away. 0: not at all.
+  double pull = 0.0;
+};
+
+/// A part of a mesh whose vertices take the places where a thin elastic plate would come to rest.
+struct PlatePatch {
+  std::vector<PlateVertex> free;
+  std::vector<PlateVertex> held;  ///< All neighbours of free ones, and any others.
+};
+
+struct PlateOptions {
+  /// Up to so many free vertices the system is factorised, which takes about 2.5 kB for each of
+  /// 50,000 and the more the more there are. Larger ones are solved step by step, from the places
+  /// that `start` has, by the factors of a Poisson problem alone (see approach_plate()).
+  std::size_t most_factorised = 150000;
+  double tolerance = 0.0;  ///< Of places solved for step by step [unit].
+  const std::vector<Eigen::Vector3d>* start = nullptr;  ///< Of all vertices; null: the mesh's.
+  MemoryLimit* memory = nullptr;                        ///< May be null.
+};
+
+/// Places of the free vertices that minimise the sum of squared mean curvature normals, each over
+/// its area, and of squared moves
+///
+///   sum_v stiffness_v |(L x)_v|^2 / A_v + sum_v pull_v A_v |x_v - x_v^0|^2                    (7)
+///
+/// with the cotangent Laplacian L and the areas A of the mesh as given (Botsch and Kobbelt 2004).
+/// It keeps planes plane and does not move vertices along them. Empty when the system is singular:
+/// free vertices that nothing holds; and when `options.memory` cannot be kept.
+std::vector<Eigen::Vector3d> rest_plate(const TriangleMesh& mesh, const FacesAround& around,
+                                        const PlatePatch& patch, const PlateOptions& options = {});
+
+}  // namespace relief

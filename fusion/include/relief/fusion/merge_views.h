@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "relief/scan/mesh_check.h"
+#include "relief/scan/progress.h"
+#include "relief/scan/range_view.h"
+#include "relief/scan/result.h"
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+struct MergeOptions {
+  /// Spacing of the lattice the surface is extracted from [unit]; 0: the median sample spacing of
+  /// the views, or 0.8 of it when they know their deviations (refined views do).
+  double voxel_size = 0.0;
+  /// Views contribute to the signed distance up to this far from their surface [unit]; 0: three
+  /// voxels, or four standard deviations of the views' noise and one voxel if that is more.
+  double truncation = 0.0;
+  /// The weight of a sample grows from a view's silhouettes over this many pixels.
+  int silhouette_ramp = 6;
+  /// Leave the surface open where no view measured it. The result is then not watertight.
+  bool keep_holes = false;
+  /// Leave open, whole, the holes that reach farther than this from what was measured [unit], along
+  /// the surface that would fill them; 0: no bound.
+  double largest_fill = 0.0;
+  /// Keep surfaces apart from the largest one.
+  bool keep_components = false;
+  int threads = 0;  ///< 0: one per core. The result does not depend on it.
+  /// Resident memory of the whole process that merging keeps to [bytes], as MemoryLimit does; 0: no
+  /// limit. The result does not depend on it. It takes more than the result's mesh and its check.
+  std::size_t memory = 0;
+  std::filesystem::path scratch_folder;  ///< For temporary files under a limit; empty: TMPDIR.
+};
+
+/// Views given one at a time, so that they need not all be in memory. `load(i)` is called twice for
+/// each i below `count`; its errors end the merging.
+struct ViewSource {
+  std::size_t count = 0;
+  std::function<Result<std::shared_ptr<const RangeView>>(std::size_t i)> load;
+};
+
+struct MergeResult {
+  /// With quality (expected error; for filled vertices the distance to the nearest measured one),
+  /// number of views, filled flag and normal of each vertex, and its colour if views have colours.
+  TriangleMesh mesh;
+  MeshCheck check;                    ///< Of `mesh`.
+  double filled_area_fraction = 0.0;  ///< Of the area before holes are opened.
+  double voxel_size = 0.0;            ///< As used [unit].
+  double truncation = 0.0;            ///< As used [unit].
+  double view_noise = 0.0;            ///< Median standard deviation of the views' positions [unit].
+  std::size_t flying_samples = 0;     ///< Left out: see scan/grid/filled_view.h.
+  std::size_t filled_samples = 0;     ///< Interpolated in small gaps of the views.
+  /// Blocks of 8 x 8 x 8 voxels where the field that closes the surface had not come to rest; 0: it
+  /// had everywhere. A note tells.
+  std::size_t moving_blocks = 0;
+  std::size_t components_removed = 0;
+  std::size_t faces_removed = 0;   ///< In the removed components.
+  std::vector<std::string> notes;  ///< What the user should know, one line each.
+};
+
+/// Merges views, taken at their `world_from_view`, to one surface that is closed, edge- and
+/// vertex-manifold, oriented outwards and of positive volume. The order of the views does not
+/// matter. Views without samples or without a pose are left out, with a note.
+///
+/// Errors, all kUnsolvable: no views, no view with both a pose and connected samples, a voxel size
+/// far too small or too large for the object, a surface that fails its final check, or a memory
+/// limit that is too low (the message tells what is needed); kCannotWrite when temporary files
+/// cannot be made; kInterrupted.
+Result<MergeResult> merge_views(const std::vector<RangeView>& views,
+                                const MergeOptions& options = {}, const Progress& progress = {});
+Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOptions& options = {},
+                                      const Progress& progress = {});
+
+}  // namespace relief

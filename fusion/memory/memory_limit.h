@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+
+#include "relief/scan/result.h"
+
+namespace relief {
+
+/// Keeps a computation below a limit of memory. Large arrays made under a limit (PagedArray) lie in
+/// temporary files that are mapped to memory. Work on them goes brick by brick; between bricks
+/// relieve() looks at how much memory the process has, and near the limit hands all pages of these
+/// files back to the system; the next access fetches them again. So a limit changes where numbers
+/// lie and never what they are.
+///
+/// The files have no name: nothing of them is left whichever way the process ends. May be used from
+/// any thread; must outlive the arrays made under it. Where functions take a pointer to a limit,
+/// null means none.
+class MemoryLimit {
+ public:
+  /// `limit`: resident memory of the whole process [bytes]. `folder`: where the files are made, a
+  /// disk best; empty: TMPDIR, or /tmp. `resident` tells the memory the process has; other than the
+  /// default for tests only.
+  explicit MemoryLimit(std::size_t limit, std::filesystem::path folder = {},
+                       std::function<std::size_t()> resident = {});
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+
+  /// Makes room for `needed` [bytes] that are about to be allocated; the default serves the work on
+  /// a brick.
+  void relieve(std::size_t needed = kBrickBytes);
+
+  /// The first of what went wrong so far: kUnsolvable when the limit could not be kept, the message
+  /// telling what is needed; kCannotWrite when no file could be made.
+  Result<void> check() const;
+
+  /// Whether the files are themselves in memory (a tmpfs), where they spare the system nothing.
+  bool folder_is_memory() const;
+
+  const std::filesystem::path& folder() const { return folder_; }
+  std::size_t releases() const;  ///< How often pages were handed back.
+
+  /// A zeroed block in a file of its own; null when that cannot be made, which check() tells.
+  void* map(std::size_t bytes);
+  void unmap(void* address);
+
+ private:
+  static constexpr std::size_t kBrickBytes = std::size_t{16} << 20;
+
+  void* map_file(int file, std::size_t bytes);
+  void fail(ErrorKind kind, const std::string& message);
+
+  std::size_t limit_;
+  std::filesystem::path folder_;
+  std::function<std::size_t()> resident_;
+  mutable std::mutex mutex_;
+  std::map<void*, std::size_t> blocks_;
+  std::size_t releases_ = 0;
+  std::optional<Error> failure_;
+};
+
+/// Resident memory of this process [bytes].
+std::size_t resident_memory();
+
+/// The same where there may be no limit.
+inline void relieve(MemoryLimit* limit) {
+  if (limit) limit->relieve();
+}
+inline void relieve(MemoryLimit* limit, std::size_t needed) {
+  if (limit) limit->relieve(needed);
+}
+inline Result<void> check(const MemoryLimit* limit) {
+  return limit ? limit->check() : Result<void>();
+}
+
+}  // namespace relief

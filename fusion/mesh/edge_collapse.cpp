@@ -1,0 +1,184 @@
+#include "fusion/mesh/edge_collapse.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <iterator>
+#include <queue>
+#include <tuple>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace relief {
+
+namespace {
+
+// Part of the squared length of an edge in its cost: where all is flat, short edges go first and
+// faces stay well shaped.
+constexpr double kLengthShare = 1e-4;
+
+constexpr double kLeastCosine = 0.5;      // Between a face before and after.
+constexpr double kLeastRoundness = 0.05;  // Twice the area over the longest edge squared.
+
+struct Candidate {
+  double cost;
+  std::uint32_t from, to;
+  std::uint32_t from_stamp, to_stamp;
+  bool operator>(const Candidate& other) const {
+    return std::tie(cost, from, to) > std::tie(other.cost, other.from, other.to);
+  }
+};
+
+class Collapser {
+ public:
+  Collapser(TriangleMesh& mesh, const EdgeCollapseOptions& options)
+      : mesh_(mesh),
+        options_(options),
+        faces_of_(mesh.vertices.size()),
+        planes_(mesh.vertices.size(), Eigen::Matrix4d::Zero()),
+        stamp_(mesh.vertices.size(), 0),
+        fixed_(mesh.vertices.size(), 0),
+        gone_(mesh.faces.size(), 0),
+        left_(mesh.faces.size()) {
+    for (const auto& vertex : mesh.vertices) centre_ += vertex;
+    centre_ /= static_cast<double>(std::max<std::size_t>(1, mesh.vertices.size()));
+    for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) add_face(f);
+    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) fixed_[v] = on_border(v);
+    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v)
+      for (const std::uint32_t w : neighbours(v)) propose(v, w);
+  }
+
+  void run() {
+    while (left_ > options_.faces && !queue_.empty()) {
+      const Candidate next = queue_.top();
+      queue_.pop();
+      if (next.from_stamp == stamp_[next.from] && next.to_stamp == stamp_[next.to] &&
+          allowed(next.from, next.to))
+        collapse(next.from, next.to);
+    }
+    std::size_t kept = 0;
+    for (std::size_t f = 0; f < mesh_.faces.size(); ++f)
+      if (!gone_[f]) mesh_.faces[kept++] = mesh_.faces[f];
+    mesh_.faces.resize(kept);
+  }
+
+ private:
+  static constexpr std::uint32_t kRemoved = 0xffffffffu;  // A stamp that no candidate has.
+
+  static bool has(const TriangleMesh::Face& face, std::uint32_t v) {
+    return face[0] == v || face[1] == v || face[2] == v;
+  }
+
+  void add_face(std::uint32_t f) {
+    const auto& face = mesh_.faces[f];
+    const Eigen::Vector3d normal = face_cross(mesh_, f).normalized();
+    Eigen::Vector4d plane;
+    plane << normal, -normal.dot(mesh_.corner(f, 0) - centre_);
+    for (const std::uint32_t v : face) {
+      faces_of_[v].push_back(f);
+      planes_[v] += plane * plane.transpose();
+    }
+  }
+
+  // Vertices round v, in ascending order.
+  std::vector<std::uint32_t> neighbours(std::uint32_t v) const {
+    std::vector<std::uint32_t> around;
+    for (const std::uint32_t f : faces_of_[v])
+      for (const std::uint32_t w : mesh_.faces[f])
+        if (w != v) around.push_back(w);
+    std::sort(around.begin(), around.end());
+    around.erase(std::unique(around.begin(), around.end()), around.end());
+    return around;
+  }
+
+  // Round an inner vertex of a manifold there are as many neighbours as faces.
+  bool on_border(std::uint32_t v) const { return neighbours(v).size() != faces_of_[v].size(); }
+
+  void propose(std::uint32_t from, std::uint32_t to) {
+    if (fixed_[from]) return;
+    Eigen::Vector4d place;
+    place << mesh_.vertices[to] - centre_, 1.0;
+    const double squares = place.dot((planes_[from] + planes_[to]) * place);
+    if (squares > options_.max_error * options_.max_error) return;
+    const double length = (mesh_.vertices[to] - mesh_.vertices[from]).squaredNorm();
+    queue_.push(
+        {std::max(0.0, squares) + kLengthShare * length, from, to, stamp_[from], stamp_[to]});
+  }
+
+  bool allowed(std::uint32_t from, std::uint32_t to) const {
+    return keeps_topology(from, to) && keeps_shape(from, to);
+  }
+
+  // The link condition.
+  bool keeps_topology(std::uint32_t from, std::uint32_t to) const {
+    const auto a = neighbours(from), b = neighbours(to);
+    std::vector<std::uint32_t> common;
+    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
+    if (common.size() != 2) return false;
+    const auto spans = [&](std::uint32_t v) {
+      return std::any_of(faces_of_[v].begin(), faces_of_[v].end(), [&](std::uint32_t f) {
+        return has(mesh_.faces[f], common[0]) && has(mesh_.faces[f], common[1]);
+      });
+    };
+    return !(spans(from) && spans(to));
+  }
+
+  bool keeps_shape(std::uint32_t from, std::uint32_t to) const {
+    return std::all_of(faces_of_[from].begin(), faces_of_[from].end(), [&](std::uint32_t f) {
+      if (has(mesh_.faces[f], to)) return true;
+      std::array<Eigen::Vector3d, 3> corners;
+      for (std::size_t k = 0; k < 3; ++k)
+        corners[k] = mesh_.vertices[mesh_.faces[f][k] == from ? to : mesh_.faces[f][k]];
+      const Eigen::Vector3d u = corners[1] - corners[0], v = corners[2] - corners[0];
+      const Eigen::Vector3d before = face_cross(mesh_, f), after = u.cross(v);
+      const double longest =
+          std::max({u.squaredNorm(), v.squaredNorm(), (corners[2] - corners[1]).squaredNorm()});
+      return after.norm() > kLeastRoundness * longest &&
+             before.dot(after) > kLeastCosine * before.norm() * after.norm();
+    });
+  }
+
+  void collapse(std::uint32_t from, std::uint32_t to) {
+    for (const std::uint32_t f : faces_of_[from]) {
+      auto& face = mesh_.faces[f];
+      if (has(face, to)) {
+        gone_[f] = 1;
+        --left_;
+        for (const std::uint32_t w : face)
+          if (w != from) std::erase(faces_of_[w], f);
+      } else {
+        std::replace(face.begin(), face.end(), from, to);
+        faces_of_[to].push_back(f);
+      }
+    }
+    faces_of_[from].clear();
+    planes_[to] += planes_[from];
+    stamp_[from] = kRemoved;
+    ++stamp_[to];
+    for (const std::uint32_t w : neighbours(to)) {
+      propose(w, to);
+      propose(to, w);
+    }
+  }
+
+  TriangleMesh& mesh_;
+  EdgeCollapseOptions options_;
+  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();
+  std::vector<std::vector<std::uint32_t>> faces_of_;
+  std::vector<Eigen::Matrix4d> planes_;  // Sums of squared distances to planes, as quadratic forms.
+  std::vector<std::uint32_t> stamp_;     // Renewed when the planes of a vertex change.
+  std::vector<std::uint8_t> fixed_, gone_;
+  std::size_t left_;
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
+};
+
+}  // namespace
+
+void collapse_edges(TriangleMesh& mesh, const EdgeCollapseOptions& options) {
+  Collapser(mesh, options).run();
+}
+
+}  // namespace relief

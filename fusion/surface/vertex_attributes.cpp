@@ -1,0 +1,76 @@
+#include "fusion/surface/vertex_attributes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+#include "fusion/tsdf/tsdf_integration.h"
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+// How many measurements the view noise counts for against a vertex's own scatter.
+constexpr double kPriorWeight = 3.0;
+
+float standard_error(const Evidence& evidence, double view_noise) {
+  const double own = evidence.effective_views - 1.0;
+  const double variance =
+      (kPriorWeight * view_noise * view_noise + evidence.effective_views * evidence.variance) /
+      (kPriorWeight + std::max(0.0, own));
+  return static_cast<float>(std::sqrt(variance / std::max(1.0, evidence.effective_views)));
+}
+
+}  // namespace
+
+void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+                           const VertexAttributeOptions& options) {
+  const std::size_t count = mesh.vertices.size();
+  mesh.normals = vertex_normals(mesh);
+  mesh.views.assign(count, 0);
+  mesh.filled.assign(count, 0);
+  mesh.quality.assign(count, 0.0f);
+  parallel_for(count, 1024, options.threads, [&](std::size_t begin, std::size_t end) {
+    relieve(options.memory);
+    EvidenceCollector collector(views, options.truncation, options.voxel_size);
+    for (std::size_t v = begin; v < end; ++v) {
+      const Evidence evidence = collector.collect(mesh.vertices[v], mesh.normals[v].cast<double>());
+      mesh.filled[v] = !evidence.measured || std::abs(evidence.distance) > 0.5 * options.voxel_size;
+      if (mesh.filled[v]) continue;
+      mesh.views[v] = static_cast<std::uint16_t>(std::min(evidence.views, 65535));
+      mesh.quality[v] = standard_error(evidence, options.view_noise);
+    }
+  });
+}
+
+void set_filled_quality(TriangleMesh& mesh) {
+  std::vector<std::vector<std::uint32_t>> beside(mesh.vertices.size());
+  for (const auto& face : mesh.faces)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (mesh.filled[face[(k + 1) % 3]]) beside[face[k]].push_back(face[(k + 1) % 3]);
+  using Entry = std::pair<double, std::uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::vector<double> distance(mesh.vertices.size(), std::numeric_limits<double>::infinity());
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (mesh.filled[v]) continue;
+    distance[v] = 0.0;
+    if (!beside[v].empty()) queue.emplace(0.0, v);
+  }
+  while (!queue.empty()) {
+    const auto [so_far, v] = queue.top();
+    queue.pop();
+    if (so_far > distance[v]) continue;
+    for (const std::uint32_t next : beside[v]) {
+      const double through = so_far + (mesh.vertices[next] - mesh.vertices[v]).norm();
+      if (through >= distance[next]) continue;
+      distance[next] = through;
+      queue.emplace(through, next);
+    }
+  }
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    if (mesh.filled[v]) mesh.quality[v] = static_cast<float>(distance[v]);
+}
+
+}  // namespace relief

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "fusion/views/view_sampler.h"
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+struct VertexAttributeOptions {
+  double truncation = 0.0;  ///< As used for the field [unit].
+  double voxel_size = 0.0;  ///< As used for the field [unit].
+  /// Noise of one view's positions along the normal [unit]: what a vertex seen by one view has.
+  double view_noise = 0.0;
+  int threads = 0;
+  MemoryLimit* memory = nullptr;  ///< May be null.
+};
+
+/// Sets `views`, `filled`, `quality` and `normals` of a merged mesh by asking the views again at
+/// each vertex. A vertex is filled when no view that faces it measured it, or the mean of those
+/// that did is more than half a voxel away. Its quality is then the distance along the mesh to the
+/// nearest measured vertex; otherwise the standard error of the mean of the views.
+void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+                           const VertexAttributeOptions& options);
+
+/// Sets the quality of filled vertices to the distance along the mesh to the nearest measured one.
+void set_filled_quality(TriangleMesh& mesh);
+
+}  // namespace relief

@@ -1,0 +1,147 @@
+#include "fusion/surface/vertex_colours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "fusion/tsdf/tsdf_integration.h"
+#include "fusion/holes/thin_plate.h"
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+// Per vertex of the mesh, and besides per vertex without a measured colour [bytes].
+constexpr std::size_t kVertex = 24, kUnknown = 40;
+
+// Sweeps of relaxation: colours, unlike surfaces, need not be harmonic to the last digit.
+constexpr int kSweeps = 60;
+
+// Colours of vertices, and which of them are known.
+struct Painting {
+  std::vector<Eigen::Vector3f> colour;
+  std::vector<std::uint8_t> known;
+};
+
+Painting measured_colours(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+                          const VertexAttributeOptions& options) {
+  const std::size_t count = mesh.vertices.size();
+  Painting painting{std::vector<Eigen::Vector3f>(count, Eigen::Vector3f::Zero()),
+                    std::vector<std::uint8_t>(count, 0)};
+  parallel_for(count, 1024, options.threads, [&](std::size_t begin, std::size_t end) {
+    relieve(options.memory);
+    EvidenceCollector collector(views, options.truncation, options.voxel_size);
+    for (std::size_t v = begin; v < end; ++v) {
+      if (mesh.filled[v]) continue;
+      collector.collect(mesh.vertices[v], mesh.normals[v].cast<double>());
+      const auto colour = collector.colour(mesh.vertices[v]);
+      if (!colour) continue;
+      painting.colour[v] = colour->cast<float>();
+      painting.known[v] = 1;
+    }
+  });
+  return painting;
+}
+
+// Spreads known colours to the other vertices, nearest ones first, and smooths what was spread.
+class Spreading {
+ public:
+  Spreading(const TriangleMesh& mesh, Painting& painting)
+      : mesh_(mesh), painting_(painting), around_(mesh, unknown(painting.known)) {}
+
+  void run() {
+    for (std::vector<std::uint32_t> ring = first_ring(); !ring.empty(); ring = next_ring(ring)) {
+      std::vector<Eigen::Vector3f> means;
+      for (const std::uint32_t v : ring) means.push_back(mean_around(v));
+      for (std::size_t k = 0; k < ring.size(); ++k) {
+        painting_.colour[ring[k]] = means[k];
+        painting_.known[ring[k]] = 1;
+      }
+      order_.insert(order_.end(), ring.begin(), ring.end());
+    }
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      for (const std::uint32_t v : order_) painting_.colour[v] = mean_around(v);
+      std::reverse(order_.begin(), order_.end());
+    }
+  }
+
+ private:
+  static std::vector<std::uint8_t> unknown(const std::vector<std::uint8_t>& known) {
+    std::vector<std::uint8_t> flags(known.size());
+    for (std::size_t v = 0; v < known.size(); ++v) flags[v] = !known[v];
+    return flags;
+  }
+
+  template <typename Visit>
+  void visit_neighbours(std::uint32_t v, const Visit& visit) const {
+    around_.visit(v, [&](std::uint32_t f) {
+      for (const std::uint32_t w : mesh_.faces[f])
+        if (w != v) visit(w);
+    });
+  }
+
+  Eigen::Vector3f mean_around(std::uint32_t v) const {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    int count = 0;
+    visit_neighbours(v, [&](std::uint32_t w) {
+      if (!painting_.known[w]) return;
+      sum += painting_.colour[w];
+      ++count;
+    });
+    return count > 0 ? Eigen::Vector3f(sum / static_cast<float>(count)) : sum;
+  }
+
+  std::vector<std::uint32_t> first_ring() const {
+    std::vector<std::uint32_t> ring;
+    for (std::uint32_t v = 0; v < painting_.known.size(); ++v) {
+      if (painting_.known[v]) continue;
+      bool beside = false;
+      visit_neighbours(v, [&](std::uint32_t w) { beside = beside || painting_.known[w]; });
+      if (beside) ring.push_back(v);
+    }
+    return ring;
+  }
+
+  std::vector<std::uint32_t> next_ring(const std::vector<std::uint32_t>& ring) const {
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t v : ring)
+      visit_neighbours(v, [&](std::uint32_t w) {
+        if (!painting_.known[w]) next.push_back(w);
+      });
+    std::sort(next.begin(), next.end());
+    next.erase(std::unique(next.begin(), next.end()), next.end());
+    return next;
+  }
+
+  const TriangleMesh& mesh_;
+  Painting& painting_;
+  FacesAround around_;  // Of vertices whose colour is unknown at first.
+  std::vector<std::uint32_t> order_;
+};
+
+Colour rounded(const Eigen::Vector3f& colour) {
+  const auto channel = [](float value) {
+    return static_cast<std::uint8_t>(std::clamp(std::lround(value), 0l, 255l));
+  };
+  return {channel(colour.x()), channel(colour.y()), channel(colour.z())};
+}
+
+}  // namespace
+
+void set_vertex_colours(TriangleMesh& mesh, const std::vector<ViewSampler>& views,
+                        const VertexAttributeOptions& options) {
+  if (std::none_of(views.begin(), views.end(), [](const auto& view) { return view.has_colours(); }))
+    return;
+  relieve(options.memory, kVertex * mesh.vertices.size());
+  Painting painting = measured_colours(mesh, views, options);
+  const auto unknown =
+      static_cast<std::size_t>(std::count(painting.known.begin(), painting.known.end(), 0));
+  relieve(options.memory, kUnknown * unknown);
+  Spreading(mesh, painting).run();
+  mesh.colours.reserve(mesh.vertices.size());
+  for (const Eigen::Vector3f& colour : painting.colour) mesh.colours.push_back(rounded(colour));
+}
+
+}  // namespace relief

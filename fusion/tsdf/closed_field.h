@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "fusion/tsdf/sparse_field.h"
+#include "fusion/views/view_sampler.h"
+#include "relief/scan/progress.h"
+#include "relief/scan/result.h"
+
+namespace relief {
+
+struct ClosedFieldOptions {
+  double voxel_size = 0.0;  ///< Spacing of the finest lattice [unit], > 0.
+  double truncation = 0.0;  ///< Views measure up to this distance from their surface [unit], > 0.
+  int coarse_cells = 40;    ///< Cells of the coarsest lattice along the longest side of the object.
+  int max_sweeps = 1000;    ///< Of the solver, on each lattice; it ends when all values rest.
+  int threads = 0;
+  MemoryLimit* memory = nullptr;  ///< Of the fields; may be null, else it outlives them.
+};
+
+/// A signed function on all of space, positive outside of the object and far away, whose zero set
+/// is the closed surface; fields from the finest to the coarsest, each reading the next.
+struct ClosedField {
+  std::vector<std::unique_ptr<SparseField>> levels;
+  /// Blocks, over all levels, in which values still changed when the solver's sweeps ended; 0: the
+  /// field is what its equations say, to the solver's tolerance.
+  std::size_t moving_blocks = 0;
+  const SparseField& finest() const { return *levels.front(); }
+};
+
+/// Computes the field coarse to fine. Where views measured, it is their mean signed distance. In
+/// between it is harmonic, but never less than the clearance that the views saw to be empty. Each
+/// level covers the surroundings of the samples and of the next coarser level's zero set. An error
+/// of the memory limit is returned when a level is done.
+Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
+                                         const ClosedFieldOptions& options,
+                                         const Progress& progress);
+
+}  // namespace relief

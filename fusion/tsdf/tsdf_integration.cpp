@@ -1,0 +1,173 @@
+#include "fusion/tsdf/tsdf_integration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+namespace relief {
+
+namespace {
+
+// Evidence of emptiness must outweigh that of matter by this factor to overrule it.
+constexpr double kOverrule = 2.0;
+
+// Cosine between the normals of two surfaces that are the sides of one plate. Not zero: the faces
+// of a sharp edge must both count.
+constexpr double kOpposite = -0.5;
+
+// A ray that grazes the surface stays close to its tangent plane far beyond where it leaves the
+// object again: a distance is believed this many truncation distances along the ray at most.
+constexpr double kGrazingReach = 2.0;
+
+// Tukey's biweight: of surfaces close together the nearer one counts most, and the average stays
+// unbiased at distance zero, where the surface is.
+double nearness(double relative_distance) {
+  const double inside = 1.0 - relative_distance * relative_distance;
+  return inside > 0.0 ? inside * inside : 0.0;
+}
+
+// Farther along the ray than that no distance is believed, however depths are rounded.
+constexpr double kFarAway = 1.001;
+
+// Nodes beside the zero set decide where the surface is.
+constexpr double kFootReach = 1.5;  // [lattice spacings]
+
+// Behind the surface, a sample says nothing about where the object may already have ended again,
+// except next to the surface: or there would be no sign change there.
+constexpr double kLeastDepth = 1.0;  // [lattice spacings]
+
+// Nor there, where another view has seen this much empty space around the point: at a corner that
+// few views see the sign changes before.
+constexpr double kSeenThrough = 0.25;  // [lattice spacings]
+
+// Between the outermost rays that meet a surface and those beside them.
+constexpr double kAmongRays = 0.25;  // [pixels]
+
+bool measures(const Observation& seen, double truncation, double spacing) {
+  const double depth = std::min(truncation, std::max(seen.matter_depth, kLeastDepth * spacing));
+  return seen.distance < truncation && seen.distance > -depth &&
+         seen.range_gap < kGrazingReach * truncation;
+}
+
+}  // namespace
+
+// By everything that enters a sum.
+bool EvidenceCollector::Vote::operator<(const Vote& other) const {
+  return std::tie(distance, weight, normal.x(), normal.y(), normal.z()) <
+         std::tie(other.distance, other.weight, other.normal.x(), other.normal.y(),
+                  other.normal.z());
+}
+
+// Of the two sides of a thin plate only the nearer one tells the distance to the plate.
+void EvidenceCollector::drop_far_side() {
+  const auto nearest = std::min_element(
+      near_.begin(), near_.end(),
+      [](const Vote& a, const Vote& b) { return std::abs(a.distance) < std::abs(b.distance); });
+  if (nearest == near_.end()) return;
+  const Eigen::Vector3d facing = nearest->normal;
+  std::erase_if(near_, [&](const Vote& vote) { return vote.normal.dot(facing) < kOpposite; });
+}
+
+void EvidenceCollector::focus(const Eigen::AlignedBox3d& box) {
+  concerned_.clear();
+  for (const ViewSampler& view : views_)
+    if (view.concerns(box, kGrazingReach * truncation_)) concerned_.push_back(&view);
+}
+
+Evidence EvidenceCollector::collect(const Eigen::Vector3d& point) {
+  find_quads(point);
+  return combine(nullptr);
+}
+
+Evidence EvidenceCollector::collect(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
+  find_quads(point);
+  return combine(&normal);
+}
+
+Evidence EvidenceCollector::collect_as_far_as(double enough, const Eigen::Vector3d& point) {
+  find_quads(point);
+  if (std::any_of(sightings_.begin(), sightings_.end(), [](const Sighting& sighting) {
+        return sighting.side == ViewSampler::Side::kNear;
+      }))
+    return combine(nullptr);
+  Evidence evidence;
+  for (const Sighting& sighting : sightings_) {
+    if (const auto seen = sighting.view->observe(sighting.quad, 0.0))
+      evidence.clearance = std::max(evidence.clearance, seen->clearance);
+    if (evidence.clearance >= enough) break;
+  }
+  return evidence;
+}
+
+// Far behind its surface a view knows nothing.
+void EvidenceCollector::find_quads(const Eigen::Vector3d& point) {
+  sightings_.clear();
+  for (const ViewSampler* view : concerned_) {
+    const auto quad = view->quad_on_ray_of(point);
+    if (!quad) continue;
+    const ViewSampler::Side side = view->side(*quad, kFarAway * kGrazingReach * truncation_);
+    if (side != ViewSampler::Side::kBehind) sightings_.push_back({view, *quad, side});
+  }
+}
+
+std::optional<Eigen::Vector3d> EvidenceCollector::colour(const Eigen::Vector3d& point) const {
+  // Weight and colour. In an order of their own: views that agree in all else may differ here.
+  std::vector<std::array<double, 4>> seen;
+  for (const Vote& vote : near_)
+    if (const auto colour = vote.view->colour(point); colour && vote.weight > 0.0)
+      seen.push_back({vote.weight, colour->x(), colour->y(), colour->z()});
+  if (seen.empty()) return std::nullopt;
+  std::sort(seen.begin(), seen.end());
+  double weights = 0.0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& [weight, red, green, blue] : seen) {
+    weights += weight;
+    sum += weight * Eigen::Vector3d(red, green, blue);
+  }
+  return sum / weights;
+}
+
+Evidence EvidenceCollector::combine(const Eigen::Vector3d* normal) {
+  near_.clear();
+  empty_.clear();
+  Evidence evidence;
+  for (const auto& [view, quad, side] : sightings_) {
+    const auto seen = view->observe(quad, kFootReach * spacing_);
+    if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
+    if (measures(*seen, truncation_, spacing_))
+      near_.push_back({seen->distance, seen->weight * nearness(seen->distance / truncation_),
+                       seen->normal, seen->distance < -seen->matter_depth, view});
+    else if (seen->clearance > 0.5 * truncation_)
+      empty_.push_back({seen->distance, seen->weight, seen->normal, false, view});
+    evidence.clearance = std::max(evidence.clearance, seen->clearance);
+    if (seen->border >= kAmongRays) evidence.in_front = std::max(evidence.in_front, seen->distance);
+  }
+  if (evidence.clearance > kSeenThrough * spacing_)
+    std::erase_if(near_, [](const Vote& vote) { return vote.presumed; });
+  // Sums in the order of the values: the order of the views does not matter, not even by rounding.
+  std::sort(near_.begin(), near_.end());
+  std::sort(empty_.begin(), empty_.end());
+  drop_far_side();
+
+  double squares = 0.0, inside = 0.0, empty = 0.0;
+  for (const Vote& vote : near_) {
+    evidence.weight += vote.weight;
+    squares += vote.weight * vote.weight;
+    evidence.distance += vote.weight * vote.distance;
+    if (vote.distance < 0.0) inside += vote.weight;
+  }
+  for (const Vote& vote : empty_) empty += vote.weight;
+  if (!(evidence.weight > 0.0)) return evidence;
+  evidence.distance /= evidence.weight;
+  evidence.measured = evidence.distance >= 0.0 || empty <= kOverrule * inside;
+  for (const Vote& vote : near_) {
+    const double deviation = vote.distance - evidence.distance;
+    evidence.variance += vote.weight * deviation * deviation / evidence.weight;
+  }
+  evidence.effective_views = evidence.weight * evidence.weight / squares;
+  evidence.views = static_cast<int>(near_.size());
+  return evidence;
+}
+
+}  // namespace relief

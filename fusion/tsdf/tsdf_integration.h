@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "fusion/views/view_sampler.h"
+
+namespace relief {
+
+/// What all views together say about a point.
+struct Evidence {
+  bool measured = false;   ///< Some view measured the surface within the truncation distance.
+  double distance = 0.0;   ///< If measured: signed distance [unit], positive outside.
+  double clearance = 0.0;  ///< The signed distance is at least this wherever it is positive.
+  double in_front = 0.0;   ///< The most that a view sees it in front of its surface [unit], by rays
+                           ///< among others that meet the same surface.
+  double weight = 0.0;     ///< Sum of the weights of the measuring views.
+  double effective_views = 0.0;  ///< (sum w)^2 / sum w^2.
+  double variance = 0.0;         ///< Weighted variance of the views' distances [unit^2].
+  int views = 0;                 ///< Number of measuring views.
+};
+
+/// Combines the views' signed distances (Curless and Levoy 1996) as docs/fusion.md has it.
+/// Keeps scratch memory: one object per thread.
+class EvidenceCollector {
+ public:
+  /// Views measure up to `truncation` from their surface, on a lattice of `spacing`.
+  EvidenceCollector(const std::vector<ViewSampler>& views, double truncation, double spacing)
+      : views_(views), truncation_(truncation), spacing_(spacing) {
+    for (const ViewSampler& view : views_) concerned_.push_back(&view);
+  }
+
+  /// Asks from now on only the views that have something to say of points in `box`.
+  void focus(const Eigen::AlignedBox3d& box);
+
+  Evidence collect(const Eigen::Vector3d& point);
+
+  /// The same in less time where no view has its surface near the point: then not `measured`, with
+  /// a `clearance` that is right as far as `enough` [unit], and nothing else.
+  Evidence collect_as_far_as(double enough, const Eigen::Vector3d& point);
+
+  /// The same from the views only that see the surface from the side `normal` points to.
+  Evidence collect(const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
+
+  /// The mean colour, 0 to 255, of the views that measured the point collected last, by the weights
+  /// of their distances; nothing when none of them has colours.
+  std::optional<Eigen::Vector3d> colour(const Eigen::Vector3d& point) const;
+
+ private:
+  void find_quads(const Eigen::Vector3d& point);
+  Evidence combine(const Eigen::Vector3d* normal);
+
+  struct Sighting {
+    const ViewSampler* view;
+    ViewSampler::Quad quad;
+    ViewSampler::Side side;
+  };
+
+  struct Vote {
+    double distance, weight;
+    Eigen::Vector3d normal;
+    bool presumed;  // Behind the surface, deeper than the view knows of matter.
+    const ViewSampler* view;
+    bool operator<(const Vote& other) const;
+  };
+
+  void drop_far_side();
+
+  const std::vector<ViewSampler>& views_;
+  double truncation_, spacing_;
+  std::vector<const ViewSampler*> concerned_;
+  std::vector<Sighting> sightings_;  // Of the point, by views that it is not behind the surface of.
+  std::vector<Vote> near_, empty_;
+};
+
+}  // namespace relief

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "fusion/memory/paged_array.h"
+#include "relief/scan/range_view.h"
+
+namespace relief {
+
+/// One sample of a view as merging needs it: numbers side by side, to be interpolated in one loop.
+struct SurfacePixel {
+  std::array<float, 3> point;  ///< View frame, relative to the centre.
+  /// Confidence, or (nominal deviation / deviation along the normal)^2 where that is known, x
+  /// cosine of the viewing angle x ramp from the silhouette.
+  float weight;
+  std::array<float, 3> normal;  ///< Unit, facing the sensor.
+  float border;                 ///< Distance to the silhouette [pixels].
+};
+
+/// What a sample is part of.
+enum SurfaceMark : std::uint8_t {
+  kQuad = 1,    ///< This, the right, the lower and the lower right sample are one surface.
+  kCorner = 2,  ///< The sample belongs to some quad.
+};
+
+struct QuadSurfaceOptions {
+  int silhouette_ramp = 6;  ///< The weight grows from the silhouette over this many pixels.
+  /// Patches of fewer connected samples are taken for stray measurements and left out.
+  int smallest_patch = 20;
+  /// Deviation that gives a sample the weight of confidence 1 [unit]; the same for all views. 0:
+  /// deviations are ignored.
+  double nominal_deviation = 0.0;
+  int threads = 0;
+  MemoryLimit* memory = nullptr;  ///< Of the surface's pixels; may be null.
+};
+
+/// The surface a view measured: its samples joined into quads along connected grid edges. A crop of
+/// the view's grid to where there are quads.
+struct QuadSurface {
+  PagedGrid<SurfacePixel> pixels;  ///< Empty when the view has no quad. Zeros but at corners.
+  PagedGrid<std::uint8_t> marks;   ///< Of the same samples: SurfaceMark, added up.
+  PagedGrid<Colour> colours;       ///< Of the same samples; empty when the view has none.
+  int first_u = 0, first_v = 0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< View frame.
+  double spacing = 0.0;  ///< Median distance between connected neighbours [unit].
+  /// Robust standard deviation of the positions along the normal [unit], from how far each sample
+  /// is off the mean of its four neighbours; curvature makes it err on the large side.
+  double noise = 0.0;
+
+  std::size_t flying = 0;  ///< Samples left out as flying_samples tells.
+  std::size_t filled = 0;  ///< Samples interpolated in small gaps: fill_small_gaps.
+
+  bool quad(int u, int v) const { return marks(u, v) & kQuad; }
+  bool corner(int u, int v) const { return marks(u, v) & kCorner; }
+  /// The place of a sample, relative to the centre.
+  Eigen::Vector3d offset(int u, int v) const {
+    return Eigen::Map<const Eigen::Vector3f>(pixels(u, v).point.data()).cast<double>();
+  }
+};
+
+/// Normals are the measured ones where there are any, else those of the measured surface. Samples
+/// without confidence and flying samples are left out, and small gaps are filled: a filled sample
+/// weighs as much as those it is interpolated from.
+QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options);
+
+}  // namespace relief

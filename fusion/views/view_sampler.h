@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "fusion/views/depth_pyramid.h"
+#include "fusion/views/quad_surface.h"
+#include "relief/scan/range_view.h"
+#include "relief/scan/result.h"
+#include "scan/views/view_projection.h"
+
+namespace relief {
+
+/// What one view says about a point of space.
+struct Observation {
+  /// Signed distance along the surface normal [unit]: positive in front of the surface the view
+  /// sees along the point's ray, negative behind it.
+  double distance = 0.0;
+  /// Confidence x cosine of the viewing angle x ramp from the silhouette, >= 0.
+  double weight = 0.0;
+  /// No unseen space lies within this distance of the point as far as the view can tell [unit]:
+  /// zero behind the surface, growing in front of it and away from the silhouette.
+  double clearance = 0.0;
+  /// How far behind the surface there is matter as far as the view can tell [unit]: little next to
+  /// a silhouette, where the object turns away.
+  double matter_depth = 0.0;
+  double border = 0.0;     ///< Distance to the silhouette [pixels], interpolated.
+  double range_gap = 0.0;  ///< Distance to where the point's ray meets the surface [unit].
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Of the surface, unit, world frame.
+};
+
+/// A range view prepared to be asked for signed distances. Samples are joined into quads along
+/// connected grid edges; within a quad, points and normals are interpolated.
+class ViewSampler {
+ public:
+  /// kUnsolvable where points cannot be projected into the view at all.
+  static Result<ViewSampler> create(const RangeView& view, const QuadSurfaceOptions& options);
+
+  /// The quad that the ray of a point meets, by its upper left corner, and what each of its corners
+  /// counts for.
+  struct Quad {
+    Eigen::Vector3d point;  ///< View frame.
+    Eigen::Vector2d pixel;
+    int u = 0, v = 0;  ///< In the crop.
+    std::array<double, 4> share;
+  };
+  /// Nothing where the ray meets none.
+  std::optional<Quad> quad_on_ray_of(const Eigen::Vector3d& point_in_world) const;
+
+  enum class Side { kInFront, kNear, kBehind };
+  /// Whether the point of a quad is farther than `reach` [unit] from the surface on its ray, as far
+  /// as the depths of the corners tell.
+  Side side(const Quad& quad, double reach) const;
+
+  /// Nothing where the corners' normals have no mean. Where a steep view finds the point of the
+  /// quad within `foot_reach` [unit] of its surface, the distance is that to the surface at the
+  /// point's foot.
+  std::optional<Observation> observe(const Quad& quad, double foot_reach) const;
+  /// The same for any point; nothing where its ray meets no quad.
+  std::optional<Observation> observe(const Eigen::Vector3d& point_in_world,
+                                     double foot_reach) const;
+
+  /// Colour of the surface where the point's ray meets it, 0 to 255; nothing where it meets no quad
+  /// or the view has no colours.
+  std::optional<Eigen::Vector3d> colour(const Eigen::Vector3d& point_in_world) const;
+  bool has_colours() const { return !surface_.colours.empty(); }
+
+  /// False when the view can say nothing of any point of the box: none has a quad on its ray, or
+  /// all are farther behind the surface than `reach` [unit].
+  bool concerns(const Eigen::AlignedBox3d& box_in_world, double reach) const;
+
+  /// Calls `visit` with the corners of all quads, world frame, row by row.
+  template <typename Visit>
+  void for_surface_points(const Visit& visit) const {
+    for (int v = 0; v < surface_.marks.height(); ++v)
+      for (int u = 0; u < surface_.marks.width(); ++u)
+        if (surface_.corner(u, v))
+          visit(Eigen::Vector3d(world_from_view_ * (surface_.centre + surface_.offset(u, v))));
+  }
+  bool empty() const { return surface_.pixels.empty(); }
+
+  /// Size of what is paged under a limit of memory.
+  std::size_t bytes() const {
+    return surface_.pixels.size() * (sizeof(SurfacePixel) + sizeof(std::uint8_t)) +
+           surface_.colours.size() * sizeof(Colour);
+  }
+
+  double spacing() const { return surface_.spacing; }     ///< See QuadSurface.
+  double noise() const { return surface_.noise; }         ///< See QuadSurface.
+  std::size_t flying() const { return surface_.flying; }  ///< See QuadSurface.
+  std::size_t filled() const { return surface_.filled; }  ///< See QuadSurface.
+
+ private:
+  struct Patch;
+  std::optional<Quad> quad_at(const Eigen::Vector3d& point) const;
+  std::optional<Patch> patch_on(const Quad& quad) const;
+
+  ViewProjection projection_;
+  RigidMotion view_from_world_ = RigidMotion::Identity();
+  RigidMotion world_from_view_ = RigidMotion::Identity();
+  QuadSurface surface_;
+  Eigen::Vector3d depth_axis_ = Eigen::Vector3d::UnitZ();  // Mean ray direction, view frame.
+  DepthPyramid depths_;  // Of the surface along the axis, from its centre.
+};
+
+}  // namespace relief

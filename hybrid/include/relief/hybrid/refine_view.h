@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "relief/hybrid/refine_options.h"
+#include "relief/scan/progress.h"
+#include "relief/scan/range_view.h"
+#include "relief/scan/result.h"
+
+namespace relief {
+
+enum class RefineStatus {
+  kRefined,
+  kNoNormals,     ///< No two neighbouring samples have normals: the view is as measured.
+  kNoConfidence,  ///< No sample has positive confidence: the view is as measured.
+  kNoNoise,       ///< Too few samples to estimate the noise, none given: the view is as measured.
+  /// Ranges and normals contradict each other over many samples by more than their errors, as where
+  /// the normals are wrong: the view is as measured.
+  kContradiction,
+  kNotConverged,  ///< The solver gave up; the view is its last iterate.
+  kSolverFailed,  ///< The system could not be factorised: the view is as measured.
+};
+std::string_view to_string(RefineStatus status);
+
+struct RefinedView {
+  RangeView view;  ///< Range refined; normals corrected; deviations set; all else as given.
+  RefineStatus status = RefineStatus::kRefined;
+  double sigma_position = 0.0;       ///< Used [unit].
+  double sigma_normal = 0.0;         ///< Used [rad].
+  double lambda = 0.0;               ///< The same ratio in the published method's terms.
+  double bias_rms = 0.0;             ///< RMS of the bias that was found [rad]; 0 unless kLatent.
+  double rms_change = 0.0;           ///< Of the refined samples along their rays [unit].
+  std::size_t refined = 0;           ///< Samples that normals constrain.
+  std::size_t kept = 0;              ///< Samples that keep their measured range.
+  std::size_t flying = 0;            ///< Samples that hang in the air: taken away.
+  std::size_t filled = 0;            ///< Samples of `view` in small gaps: not measured.
+  std::size_t replaced_normals = 0;  ///< Wild normals replaced by those around them.
+  std::size_t turned_normals = 0;    ///< Normals of patches that the ranges contradict.
+  int rounds = 0;                    ///< Linear systems solved.
+  int iterations = 0;                ///< Steps of the linear solver, all rounds together.
+  double seconds = 0.0;
+};
+
+/// Refines the range of a view with its measured normals (Nehab et al. 2005; equations (3) to
+/// (7a)). Samples without normals, or whose neighbours have none, keep their range; flying samples
+/// are taken away and small gaps filled (scan/grid/filled_view.h). The rounding of the ranges and noise
+/// that changes over the view are allowed for (scan/include/relief/scan/range_noise.h). Errors:
+/// kBadInput for an option out of range, kInterrupted when `progress` asks to stop.
+Result<RefinedView> refine_view(const RangeView& view, const RefineOptions& options = {},
+                                const Progress& progress = {});
+
+}  // namespace relief

@@ -1,0 +1,96 @@
+#include "hybrid/mesh/mesh_graph.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+
+// The faces at each vertex, in rising order.
+struct FaceLists {
+  std::vector<std::size_t> begin;
+  std::vector<std::uint32_t> face;
+};
+
+FaceLists faces_at_vertices(const TriangleMesh& mesh) {
+  FaceLists lists;
+  lists.begin.assign(mesh.vertices.size() + 1, 0);
+  for (const auto& face : mesh.faces)
+    for (const std::uint32_t v : face) ++lists.begin[v + 1];
+  std::partial_sum(lists.begin.begin(), lists.begin.end(), lists.begin.begin());
+  lists.face.resize(lists.begin.back());
+  std::vector<std::size_t> next(lists.begin.begin(), lists.begin.end() - 1);
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    for (const std::uint32_t v : mesh.faces[f])
+      lists.face[next[v]++] = static_cast<std::uint32_t>(f);
+  return lists;
+}
+
+}  // namespace
+
+MeshGraph mesh_graph(const TriangleMesh& mesh, int threads) {
+  const FaceLists lists = faces_at_vertices(mesh);
+  const std::size_t count = mesh.vertices.size();
+  std::vector<double> third(mesh.faces.size());
+  parallel_for(third.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) third[f] = face_cross(mesh, f).norm() / 6.0;
+  });
+
+  // A vertex has at most two edges per face; closed meshes have half as many.
+  struct Edge {
+    std::uint32_t neighbour;
+    double area;
+  };
+  const auto edges_of = [&](std::size_t vertex, std::vector<Edge>& edges) {
+    edges.clear();
+    for (std::size_t k = lists.begin[vertex]; k < lists.begin[vertex + 1]; ++k)
+      for (const std::uint32_t other : mesh.faces[lists.face[k]])
+        if (other != vertex) edges.push_back({other, third[lists.face[k]]});
+    std::stable_sort(edges.begin(), edges.end(),
+                     [](const Edge& a, const Edge& b) { return a.neighbour < b.neighbour; });
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+      if (kept > 0 && edges[kept - 1].neighbour == edges[k].neighbour)
+        edges[kept - 1].area += edges[k].area;
+      else
+        edges[kept++] = edges[k];
+    }
+    edges.resize(kept);
+  };
+
+  MeshGraph graph;
+  graph.begin.assign(count + 1, 0);
+  graph.vertex_area.assign(count, 0.0f);
+  parallel_for(count, kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Edge> edges;
+    for (std::size_t i = begin; i < end; ++i) {
+      edges_of(i, edges);
+      graph.begin[i + 1] = edges.size();
+    }
+  });
+  std::partial_sum(graph.begin.begin(), graph.begin.end(), graph.begin.begin());
+  graph.neighbour.resize(graph.begin.back());
+  graph.edge_area.resize(graph.begin.back());
+  parallel_for(count, kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Edge> edges;
+    for (std::size_t i = begin; i < end; ++i) {
+      edges_of(i, edges);
+      for (std::size_t k = 0; k < edges.size(); ++k) {
+        graph.neighbour[graph.begin[i] + k] = edges[k].neighbour;
+        graph.edge_area[graph.begin[i] + k] = static_cast<float>(edges[k].area);
+      }
+      double area = 0.0;
+      for (std::size_t k = lists.begin[i]; k < lists.begin[i + 1]; ++k)
+        area += third[lists.face[k]];
+      graph.vertex_area[i] = static_cast<float>(area);
+    }
+  });
+  return graph;
+}
+
+}  // namespace relief

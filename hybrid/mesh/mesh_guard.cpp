@@ -1,0 +1,139 @@
+#include "hybrid/mesh/mesh_guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "scan/mesh/moved_faces.h"
+#include "scan/base/parallel.h"
+#include "relief/scan/self_intersections.h"
+
+namespace relief {
+
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+constexpr float kLeastScale = 0.1f;  // below this a damped vertex stays where it was
+constexpr double kLeastArea = 0.01;
+constexpr double kTurn = 0.5;  // cosine of 60 degrees
+// Searches for intersections cost more than other checks: after this many, what still intersects
+// goes back to where it was at once.
+constexpr int kPatientSearches = 4;
+
+// Whether a face may change from one cross product to another, lying in a surface of that normal.
+bool sound(const Eigen::Vector3d& before, const Eigen::Vector3d& after,
+           const Eigen::Vector3d& around) {
+  const double old_size = before.norm(), size = after.norm();
+  if (!(size > kLeastArea * old_size)) return false;
+  const double turn = before.dot(after);
+  if (!(turn > 0.0)) return false;
+  return turn > kTurn * old_size * size || after.dot(around) > kTurn * size * around.norm();
+}
+
+class Guard {
+ public:
+  Guard(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displacements, int threads)
+      : before_(mesh),
+        displacements_(displacements),
+        threads_(threads),
+        normals_(vertex_normals(mesh)),
+        scale_(mesh.vertices.size(), 1.0f),
+        changed_(mesh.vertices.size(), 0) {
+    moved_.vertices = mesh.vertices;
+    moved_.faces = mesh.faces;
+  }
+
+  GuardedMove run() {
+    GuardedMove move;
+    bool damped = true;
+    for (int searches = 0; damped; ++searches) {
+      do {
+        apply();
+        ++move.rounds;
+      } while (damp(unsound_faces(), 0.5f));
+      const auto faces = searches == 0 ? all_intersecting_faces() : newly_intersecting_faces();
+      damped = damp(faces, searches < kPatientSearches ? 0.5f : 0.0f);
+    }
+    for (const float s : scale_) {
+      move.damped += s < 1.0f;
+      move.unmoved += s == 0.0f;
+    }
+    move.vertices = std::move(moved_.vertices);
+    return move;
+  }
+
+ private:
+  void apply() {
+    for (std::size_t i = 0; i < scale_.size(); ++i)
+      moved_.vertices[i] = before_.vertices[i] +
+                           double{scale_[i]} * displacements_.col(static_cast<Eigen::Index>(i));
+  }
+
+  std::vector<std::uint32_t> unsound_faces() const {
+    std::vector<std::uint8_t> unsound(moved_.faces.size());
+    parallel_for(unsound.size(), kGrain, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) {
+        Eigen::Vector3d around = Eigen::Vector3d::Zero();
+        for (const std::uint32_t v : before_.faces[f]) around += normals_[v].cast<double>();
+        unsound[f] = !sound(face_cross(before_, f), face_cross(moved_, f), around);
+      }
+    });
+    std::vector<std::uint32_t> faces;
+    for (std::size_t f = 0; f < unsound.size(); ++f)
+      if (unsound[f]) faces.push_back(static_cast<std::uint32_t>(f));
+    return faces;
+  }
+
+  std::vector<std::uint32_t> all_intersecting_faces() {
+    std::fill(changed_.begin(), changed_.end(), 0);
+    SelfIntersectionOptions options;
+    options.threads = threads_;
+    return find_self_intersections(moved_, options).faces();
+  }
+
+  // Those that vertices damped since the last search may have brought to intersect, and more.
+  std::vector<std::uint32_t> newly_intersecting_faces() {
+    const std::vector<std::uint32_t> faces = faces_at(moved_, changed_);
+    std::fill(changed_.begin(), changed_.end(), 0);
+    const double edge =
+        std::sqrt(2.0 * surface_area(before_) / static_cast<double>(before_.faces.size()));
+    return intersecting_faces(moved_, faces, 2.0 * edge, threads_);
+  }
+
+  // True if some vertex of the faces did move, and now moves less.
+  bool damp(const std::vector<std::uint32_t>& faces, float factor) {
+    std::vector<std::uint32_t> vertices;
+    for (const std::uint32_t f : faces)
+      vertices.insert(vertices.end(), before_.faces[f].begin(), before_.faces[f].end());
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    bool any = false;
+    for (const std::uint32_t v : vertices) {
+      if (scale_[v] == 0.0f) continue;
+      scale_[v] = scale_[v] * factor < kLeastScale ? 0.0f : scale_[v] * factor;
+      changed_[v] = 1;
+      any = true;
+    }
+    return any;
+  }
+
+  const TriangleMesh& before_;
+  const Eigen::Matrix3Xd& displacements_;
+  int threads_;
+  std::vector<Eigen::Vector3f> normals_;
+  std::vector<float> scale_;
+  std::vector<std::uint8_t> changed_;  // Damped since the last search for intersections.
+  TriangleMesh moved_;
+};
+
+}  // namespace
+
+GuardedMove guarded_move(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displacements,
+                         int threads) {
+  return Guard(mesh, displacements, threads).run();
+}
+
+}  // namespace relief

@@ -1,0 +1,342 @@
+#include "relief/hybrid/mesh_normals.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "hybrid/mesh/mesh_graph.h"
+#include "relief/scan/discontinuities.h"
+#include "scan/base/median.h"
+#include "scan/base/parallel.h"
+#include "scan/views/view_projection.h"
+
+namespace relief {
+
+namespace {
+
+constexpr double kSigmaUnknown = 2.0 * std::numbers::pi / 180.0;
+constexpr double kLeastSigma = 1e-3;  // float normals on curved surfaces know no better
+// A view whose surface turns further from the vertex's normal sees something else.
+constexpr double kLeastAgreement = 0.25;
+constexpr double kLeastCosine = 0.1;  // of the viewing angle
+// How many measurements the common scatter counts for against a vertex's own.
+constexpr double kPriorWeight = 3.0;
+constexpr double kTukey = 4.685;  // Holland and Welsch 1977
+constexpr std::size_t kGrain = 2048;
+// Beyond all quads that may tell a normal [largest distances].
+constexpr double kFar = 10.0;
+
+// What one view says about the normal at a vertex.
+struct Vote {
+  Eigen::Vector3d normal;
+  double weight;
+};
+
+// A view prepared to be asked for its normal at a point.
+class NormalSampler {
+ public:
+  NormalSampler(const RangeView& view, ViewProjection projection, const MeshNormalOptions& options)
+      : view_(&view),
+        projection_(std::move(projection)),
+        view_from_world_(view.world_from_view.inverse()),
+        ramp_(options.silhouette_ramp) {
+    ConnectedGrid grid = connect_grid(view);
+    spacing_ = sample_spacing(grid.points, grid.edges);
+    edges_ = std::move(grid.edges);
+    border_ = std::move(grid.boundary);
+  }
+
+  double spacing() const { return spacing_; }
+
+  std::optional<Vote> at(const Eigen::Vector3d& vertex, const Eigen::Vector3d& mesh_normal,
+                         double max_distance) const {
+    const Eigen::Vector3d point = view_from_world_ * vertex;
+    const auto pixel = projection_.pixel_of(point);
+    if (!pixel || !(pixel->x() >= 0.0 && pixel->y() >= 0.0 && pixel->x() < view_->width() - 1 &&
+                    pixel->y() < view_->height() - 1))
+      return std::nullopt;
+    const int u = static_cast<int>(pixel->x()), v = static_cast<int>(pixel->y());
+    if (!edges_.connected_quad(u, v)) return std::nullopt;
+
+    // Most views see something else there: of these nothing more is looked up.
+    if (!((point - view_->point(u, v)).norm() < kFar * max_distance)) return std::nullopt;
+    const double a = pixel->x() - u, b = pixel->y() - v;
+    const std::array<double, 4> share{(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 4; ++k)
+      place += share[static_cast<std::size_t>(k)] * view_->point(u + (k & 1), v + (k >> 1));
+    if (!((point - place).norm() < 2.0 * max_distance)) return std::nullopt;
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    double confidence = 0.0, border = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      const int uk = u + (k & 1), vk = v + (k >> 1);
+      if (!view_->has_normal(uk, vk)) return std::nullopt;
+      const double s = share[static_cast<std::size_t>(k)];
+      normal += s * view_->normals(uk, vk).cast<double>();
+      confidence += s * view_->confidence_at(uk, vk);
+      border += s * border_(uk, vk);
+    }
+    normal.normalize();
+    const double cosine = -normal.dot(view_->camera.ray(u, v).direction.normalized());
+    const Vote vote{view_->world_from_view.linear() * normal,
+                    confidence * cosine * std::min(1.0, (border + 0.1) / (ramp_ + 0.1))};
+    const bool sees = cosine > kLeastCosine && vote.normal.dot(mesh_normal) > kLeastAgreement &&
+                      std::abs(normal.dot(point - place)) < max_distance && vote.weight > 0.0;
+    return sees ? std::optional(vote) : std::nullopt;
+  }
+
+ private:
+  const RangeView* view_;
+  ViewProjection projection_;
+  RigidMotion view_from_world_;
+  GridEdges edges_;
+  Grid<std::uint8_t> border_;
+  double ramp_, spacing_;
+};
+
+bool usable(const RangeView& view, std::size_t count) {
+  return view.has_normals() && (count == 1 || view.pose != PoseKind::kAbsent);
+}
+
+Result<std::vector<NormalSampler>> prepare(const std::vector<RangeView>& views,
+                                           const MeshNormalOptions& options) {
+  std::vector<const RangeView*> used;
+  for (const RangeView& view : views)
+    if (usable(view, views.size()) && view.sample_count() > 0) used.push_back(&view);
+  using Prepared = std::optional<Result<NormalSampler>>;
+  auto prepared =
+      parallel_map<Prepared>(used.size(), options.threads, [&](std::size_t i) -> Prepared {
+        auto projection = ViewProjection::create(*used[i]);
+        if (!projection) return projection.error();
+        return NormalSampler(*used[i], std::move(projection).value(), options);
+      });
+  std::vector<NormalSampler> samplers;
+  for (auto& sampler : prepared) {
+    if (!*sampler) return sampler->error();
+    samplers.push_back(std::move(*sampler).value());
+  }
+  return samplers;
+}
+
+double median_spacing(const std::vector<NormalSampler>& samplers) {
+  std::vector<double> spacings;
+  for (const NormalSampler& sampler : samplers) spacings.push_back(sampler.spacing());
+  return median(std::move(spacings));
+}
+
+// Which views may have a say somewhere: bit i for view i, i + 64, ...
+using Voters = std::uint64_t;
+constexpr Voters kAll = ~Voters{0};
+
+// The votes at a vertex of those among the views that may have one; returns which did. Sorted, so
+// that the order of the views does not change a bit of the sums.
+Voters collect(const std::vector<NormalSampler>& samplers, const Eigen::Vector3d& vertex,
+               const Eigen::Vector3d& mesh_normal, double max_distance, Voters asked,
+               std::vector<Vote>& votes) {
+  votes.clear();
+  Voters voters = 0;
+  for (std::size_t i = 0; i < samplers.size(); ++i) {
+    const Voters bit = Voters{1} << (i % 64);
+    if (!(asked & bit)) continue;
+    const auto vote = samplers[i].at(vertex, mesh_normal, max_distance);
+    if (!vote) continue;
+    votes.push_back(*vote);
+    voters |= bit;
+  }
+  std::sort(votes.begin(), votes.end(), [](const Vote& a, const Vote& b) {
+    return std::tie(a.weight, a.normal.x(), a.normal.y(), a.normal.z()) >
+           std::tie(b.weight, b.normal.x(), b.normal.y(), b.normal.z());
+  });
+  return voters;
+}
+
+struct Blend {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double variance = 0.0;   // of the views round it, along one tangent [rad^2]
+  double effective = 0.0;  // (sum w)^2 / sum w^2
+  int views = 0;           // that kept a say
+};
+
+// Of the votes at one place, a mean of normals after the other. Keeps scratch memory: one object
+// per thread.
+class Blender {
+ public:
+  explicit Blender(double sigma) : sigma_(sigma) {}
+
+  // Starts from the spatial median (Weiszfeld 1937), which up to half of the weight cannot carry
+  // away, and ends with Tukey's biweight, to which views far off mean nothing.
+  Blend operator()(const std::vector<Vote>& votes) {
+    Blend blend = weighted_mean(votes, [](const Vote& vote) { return vote.weight; });
+    for (int round = 0; round < 6 && votes.size() >= 3; ++round) {
+      const Eigen::Vector3d centre = blend.normal;
+      blend = weighted_mean(votes, [&](const Vote& vote) {
+        return vote.weight / std::max(0.1 * sigma_, (vote.normal - centre).norm());
+      });
+    }
+    kept_.swap(weights_);
+    for (int round = 0; round < 3 && votes.size() >= 3; ++round) {
+      const Eigen::Vector3d centre = blend.normal;
+      const Blend next = weighted_mean(votes, [&](const Vote& vote) {
+        const double r2 =
+            (vote.normal - centre).squaredNorm() / (kTukey * kTukey * 2 * sigma_ * sigma_);
+        return r2 < 1.0 ? vote.weight * (1.0 - r2) * (1.0 - r2) : 0.0;
+      });
+      if (next.views == 0) break;
+      blend = next;
+      kept_.swap(weights_);
+    }
+    blend.variance = variance_about(blend.normal, votes);
+    return blend;
+  }
+
+ private:
+  template <typename Weight>
+  Blend weighted_mean(const std::vector<Vote>& votes, const Weight& weight_of) {
+    Blend blend;
+    double sum = 0.0, squares = 0.0;
+    weights_.clear();
+    for (const Vote& vote : votes) {
+      const double weight = std::max(0.0, weight_of(vote));
+      weights_.push_back(weight);
+      if (weight <= 0.0) continue;
+      blend.normal += weight * vote.normal;
+      sum += weight;
+      squares += weight * weight;
+      ++blend.views;
+    }
+    if (!(sum > 0.0) || blend.normal.norm() < 0.1 * sum) return {};
+    blend.normal.normalize();
+    blend.effective = sum * sum / squares;
+    return blend;
+  }
+
+  double variance_about(const Eigen::Vector3d& normal, const std::vector<Vote>& votes) const {
+    double variance = 0.0, sum = 0.0;
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      variance += kept_[i] * 0.5 * (votes[i].normal - normal).squaredNorm();
+      sum += kept_[i];
+    }
+    return sum > 0.0 ? variance / sum : 0.0;
+  }
+
+  double sigma_;
+  std::vector<double> weights_;  // Of the votes, in the last round.
+  std::vector<double> kept_;     // The same in the round that holds.
+};
+
+// The median over pairs of views at a sample of the vertices: squared differences of two
+// normals are exponentially distributed with mean 4 sigma^2.
+double scatter(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
+               const std::vector<NormalSampler>& samplers, double max_distance, int threads) {
+  constexpr std::size_t kVertices = 20000;
+  const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kVertices);
+  const std::size_t count = (mesh.vertices.size() + stride - 1) / stride;
+  std::vector<double> differences(count, -1.0);
+  parallel_for(count, 256, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Vote> votes;
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t i = k * stride;
+      if (!mesh.filled.empty() && mesh.filled[i]) continue;
+      collect(samplers, mesh.vertices[i], mesh_normals[i].cast<double>(), max_distance, kAll,
+              votes);
+      if (votes.size() >= 2) differences[k] = (votes[0].normal - votes[1].normal).squaredNorm();
+    }
+  });
+  std::erase_if(differences, [](double d) { return d < 0.0; });
+  if (differences.size() < 30) return kSigmaUnknown;
+  return std::max(kLeastSigma, std::sqrt(median(differences) / (4.0 * std::numbers::ln2)));
+}
+
+// The standard error of the blend: the scatter at the vertex steadied by that of all vertices.
+double standard_error(const Blend& blend, double sigma) {
+  const double own = std::max(0.0, blend.effective - 1.0);
+  const double variance =
+      (kPriorWeight * sigma * sigma + blend.effective * blend.variance) / (kPriorWeight + own);
+  return std::sqrt(variance / blend.effective);
+}
+
+// Asked are the views that had a say at either end.
+void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
+                 const std::vector<NormalSampler>& samplers, const std::vector<Voters>& voters,
+                 double max_distance, int threads, MeshNormals& blended) {
+  const MeshGraph graph = mesh_graph(mesh, threads);
+  blended.edges.assign(graph.neighbour.size(), Eigen::Vector3f::Zero());
+  const auto has = [&](std::size_t i) { return blended.views[i] > 0; };
+  parallel_for(graph.vertices(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Vote> votes;
+    Blender blend_votes(blended.sigma_view);
+    for (std::size_t i = begin; i < end; ++i) {
+      for (std::size_t k = graph.begin[i]; k < graph.begin[i + 1]; ++k) {
+        const std::uint32_t j = graph.neighbour[k];
+        if (j < i || !has(i) || !has(j)) continue;
+        collect(samplers, 0.5 * (mesh.vertices[i] + mesh.vertices[j]),
+                (mesh_normals[i] + mesh_normals[j]).cast<double>().normalized(), max_distance,
+                voters[i] | voters[j], votes);
+        const Blend blend = blend_votes(votes);
+        if (blend.views == 0) continue;
+        blended.edges[k] = blend.normal.cast<float>();
+        const auto mirrored = std::lower_bound(
+            graph.neighbour.begin() + static_cast<std::ptrdiff_t>(graph.begin[j]),
+            graph.neighbour.begin() + static_cast<std::ptrdiff_t>(graph.begin[j + 1]), i);
+        blended.edges[static_cast<std::size_t>(mirrored - graph.neighbour.begin())] =
+            blended.edges[k];
+      }
+    }
+  });
+}
+
+}  // namespace
+
+Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
+                                              const std::vector<RangeView>& views,
+                                              const MeshNormalOptions& options,
+                                              const Progress& progress) {
+  const Error interrupted{ErrorKind::kInterrupted, "blending the normals was interrupted"};
+  if (!report_progress(progress, 0.0, "blend normals")) return interrupted;
+  MeshNormals blended;
+  const std::size_t count = mesh.vertices.size();
+  blended.normals.assign(count, Eigen::Vector3f::Zero());
+  blended.sigma.assign(count, 0.0f);
+  blended.views.assign(count, 0);
+  const auto samplers = prepare(views, options);
+  if (!samplers) return samplers.error();
+  blended.sample_spacing = median_spacing(*samplers);
+  if (samplers->empty()) return blended;
+
+  const double max_distance =
+      options.max_distance > 0.0 ? options.max_distance : 3.0 * blended.sample_spacing;
+  const std::vector<Eigen::Vector3f> mesh_normals = vertex_normals(mesh);
+  if (!report_progress(progress, 0.3, "blend normals")) return interrupted;
+  blended.sigma_view = options.sigma_view > 0.0
+                           ? options.sigma_view
+                           : scatter(mesh, mesh_normals, *samplers, max_distance, options.threads);
+  std::vector<Voters> voters(count, 0);
+  parallel_for(count, kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Vote> votes;
+    Blender blend_votes(blended.sigma_view);
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!mesh.filled.empty() && mesh.filled[i]) continue;
+      voters[i] = collect(*samplers, mesh.vertices[i], mesh_normals[i].cast<double>(), max_distance,
+                          kAll, votes);
+      const Blend blend = blend_votes(votes);
+      if (blend.views == 0) continue;
+      blended.normals[i] = blend.normal.cast<float>();
+      blended.sigma[i] = static_cast<float>(standard_error(blend, blended.sigma_view));
+      blended.views[i] = static_cast<std::uint16_t>(std::min(blend.views, 65535));
+    }
+  });
+  if (options.edges)
+    blend_edges(mesh, mesh_normals, *samplers, voters, max_distance, options.threads, blended);
+  blended.measured = static_cast<std::size_t>(
+      std::count_if(blended.views.begin(), blended.views.end(), [](auto n) { return n > 0; }));
+  if (!report_progress(progress, 1.0, "blend normals")) return interrupted;
+  return blended;
+}
+
+}  // namespace relief

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hybrid/mesh/mesh_graph.h"
+
+namespace relief {
+
+/// A symmetric matrix with one row per vertex and the sparsity of a mesh's edges.
+struct MeshMatrix {
+  const MeshGraph* graph = nullptr;
+  std::vector<double> diagonal;     ///< One per vertex.
+  std::vector<float> off_diagonal;  ///< In the order of graph->neighbour.
+
+  Eigen::VectorXd operator*(const Eigen::VectorXd& x) const;
+  int threads = 0;
+};
+
+/// A fixed approximation of the inverse of a positive definite MeshMatrix: symmetric Gauss-Seidel
+/// within ranges of vertices, plus a direct solve on aggregates of some dozens of vertices, whose
+/// number of conjugate gradient steps hardly grows with the mesh. The same on any number of
+/// threads.
+class MeshPreconditioner {
+ public:
+  /// Keeps a reference to `matrix`, whose values may change until `update`.
+  explicit MeshPreconditioner(const MeshMatrix& matrix);
+  ~MeshPreconditioner();
+
+  /// Takes up new values of the matrix. False when they are not positive definite.
+  bool update();
+  Eigen::VectorXd operator()(const Eigen::VectorXd& residual) const;
+
+ private:
+  struct Coarse;
+  const MeshMatrix& matrix_;
+  std::vector<std::uint32_t> aggregate_;  // of each vertex
+  // The vertices of aggregate a, ascending: member_[first_[a]] to member_[first_[a + 1]].
+  std::vector<std::uint32_t> first_, member_;
+  std::unique_ptr<Coarse> coarse_;
+};
+
+using LinearMap = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+
+struct ConjugateGradients {
+  bool converged = false;
+  int iterations = 0;
+};
+
+/// Preconditioned conjugate gradients (Hestenes and Stiefel 1952) from `x`, where the solution is
+/// left, until the preconditioned residual is below `tolerance` times that of x = 0. The same on
+/// any number of threads if both maps are.
+ConjugateGradients conjugate_gradients(const LinearMap& matrix, const LinearMap& preconditioner,
+                                       const Eigen::VectorXd& rhs, double tolerance,
+                                       int max_iterations, int threads, Eigen::VectorXd& x);
+
+}  // namespace relief

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hybrid/mesh/mesh_graph.h"
+#include "relief/hybrid/mesh_normals.h"
+#include "hybrid/mesh/mesh_solver.h"
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+struct MeshSystemOptions {
+  double sigma_position = 0.0;  ///< Of every vertex [unit]; 0: `quality` of the mesh.
+  double sigma_normal = 0.0;    ///< Of every blended normal [rad]; 0: that of the blend.
+  /// Error of positions along the surface over that along the normal: sqrt(a / b) of (7), > 0.
+  double tangential = 1.0;
+  int threads = 0;
+};
+
+/// The least-squares problem of equations (7) and (8) on a mesh. Displacements are 3-vectors, one
+/// after the other in one vector, or lengths along the normals.
+class MeshSystem {
+ public:
+  /// Keeps references to all arguments.
+  MeshSystem(const TriangleMesh& mesh, const MeshGraph& graph, const MeshNormals& normals,
+             const MeshSystemOptions& options);
+
+  /// Robust weights (Cauchy) for the residuals that the displacements along the normals, or in
+  /// space, leave.
+  void reweight(const Eigen::VectorXd& displacements);
+
+  /// The system in lengths along the vertex normals.
+  MeshMatrix normal_matrix() const;
+  Eigen::VectorXd normal_rhs() const;
+
+  /// The system in 3-vectors: its product with `d`, and its right-hand side.
+  Eigen::VectorXd full_product(const Eigen::VectorXd& d) const;
+  Eigen::VectorXd full_rhs() const;
+  /// A preconditioner for it from one for normal_matrix(): normals and tangents apart.
+  Eigen::VectorXd full_precondition(const LinearMap& along_normals, const Eigen::VectorXd& r) const;
+
+  /// How large displacements are, RMS, in expected errors of the positions.
+  double in_errors(const Eigen::VectorXd& displacements) const;
+  /// Displacements in space, 3 x vertices.
+  Eigen::Matrix3Xd in_space(const Eigen::VectorXd& displacements) const;
+
+ private:
+  struct Edge {
+    Eigen::Vector3d normal;  // mean along the edge
+    double residual;         // normal . (P_j - P_i); 0 where no normals tell
+  };
+  Edge edge(std::size_t i, std::size_t k) const;  // of vertex i, at k of the graph
+  Eigen::Vector3d edge_normal(std::size_t i, std::size_t k) const;
+  double angular_variance(std::size_t i, std::size_t k) const;
+  double smoothness(std::size_t i, std::size_t k) const;
+  double base_weight(std::size_t i, std::size_t k) const;
+  Eigen::Vector3d pull(std::size_t i) const;  // of the edges at a vertex
+  // Calls visit(vertex) for all, side by side.
+  template <typename Visit>
+  void for_vertices(const Visit& visit) const;
+
+  const TriangleMesh& mesh_;
+  const MeshGraph& graph_;
+  MeshSystemOptions options_;
+  double sample_area_ = 1.0;
+  double samples_ = 0.0;                     // that the vertices stand for
+  std::vector<Eigen::Vector3f> directions_;  // unit: blended normals, or those of the mesh
+  std::vector<Eigen::Vector3f> normals_;     // blended, or those of the mesh where there are none
+  const std::vector<Eigen::Vector3f>* middles_ = nullptr;  // of edges, if there are any
+  std::vector<float> sigma_;  // of the blended normals [rad]; 0: none there
+  std::vector<double> position_weight_, tangential_weight_;  // a and b of (7)
+  std::vector<float> weight_;                                // of edges, in the order of graph_
+};
+
+}  // namespace relief

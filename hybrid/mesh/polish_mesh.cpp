@@ -1,0 +1,210 @@
+#include "relief/hybrid/polish_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "hybrid/mesh/mesh_graph.h"
+#include "hybrid/mesh/mesh_guard.h"
+#include "hybrid/mesh/mesh_solver.h"
+#include "hybrid/mesh/mesh_system.h"
+#include "scan/base/parallel.h"
+#include "scan/base/stopwatch.h"
+
+namespace relief {
+
+namespace {
+
+// A round of reweighting that moved the surface by less than this part of its expected errors is
+// the last: another would not be worth its time.
+constexpr double kSettled = 0.03;
+
+Result<void> check(const TriangleMesh& mesh, const MeshNormals& normals,
+                   const PolishOptions& options) {
+  const auto bad = [](const std::string& what) { return Error{ErrorKind::kBadInput, what}; };
+  const std::size_t count = mesh.vertices.size();
+  if (options.sigma_position && !(*options.sigma_position > 0.0))
+    return bad("polish: sigma_position must be positive");
+  if (options.sigma_normal && !(*options.sigma_normal > 0.0))
+    return bad("polish: sigma_normal must be positive");
+  if (!(options.tangential > 0.0)) return bad("polish: tangential must be positive");
+  if (options.robust_rounds < 0) return bad("polish: robust_rounds must not be negative");
+  if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
+    return bad("polish: tolerance must lie between 0 and 1");
+  if (options.max_iterations < 1) return bad("polish: max_iterations must be positive");
+  if (normals.normals.size() != count || normals.sigma.size() != count ||
+      normals.views.size() != count)
+    return bad("polish: the normals are not those of the mesh's vertices");
+  if (!mesh.quality.empty() && mesh.quality.size() != count)
+    return bad("polish: the mesh has another number of qualities than vertices");
+  for (const auto& face : mesh.faces)
+    for (const std::uint32_t v : face)
+      if (v >= count) return bad("polish: a face names a vertex that is not there");
+  for (const auto& vertex : mesh.vertices)
+    if (!vertex.allFinite()) return bad("polish: a vertex of the mesh is not finite");
+  return {};
+}
+
+Error interrupted() { return {ErrorKind::kInterrupted, "polishing the mesh was interrupted"}; }
+
+bool normals_meet(const TriangleMesh& mesh, const MeshNormals& normals) {
+  return std::any_of(mesh.faces.begin(), mesh.faces.end(), [&](const auto& face) {
+    int measured = 0;
+    for (const std::uint32_t v : face) measured += normals.views[v] > 0;
+    return measured >= 2;
+  });
+}
+
+// One linear system after the other, reweighted by what the last one left.
+class Solve {
+ public:
+  Solve(MeshSystem& system, const MeshGraph& graph, const PolishOptions& options)
+      : system_(system), options_(options), matrix_(system.normal_matrix()), inverse_(matrix_) {
+    const auto count = static_cast<Eigen::Index>(graph.vertices());
+    displacements_.setZero(options.form == MeshForm::kFull ? 3 * count : count);
+  }
+
+  // False when the solver gave up.
+  bool round() {
+    if (rounds_ > 0) {
+      system_.reweight(displacements_);
+      matrix_ = {};  // Two of them would be large.
+      matrix_ = system_.normal_matrix();
+    }
+    if (!inverse_.update()) return false;
+    const LinearMap inverse = [&](const Eigen::VectorXd& r) { return inverse_(r); };
+    const Eigen::VectorXd before = displacements_;
+    ConjugateGradients solve;
+    if (options_.form == MeshForm::kFull) {
+      solve = conjugate_gradients(
+          [&](const Eigen::VectorXd& d) { return system_.full_product(d); },
+          [&](const Eigen::VectorXd& r) { return system_.full_precondition(inverse, r); },
+          system_.full_rhs(), options_.tolerance, options_.max_iterations, options_.threads,
+          displacements_);
+    } else {
+      solve = conjugate_gradients([&](const Eigen::VectorXd& x) { return matrix_ * x; }, inverse,
+                                  system_.normal_rhs(), options_.tolerance, options_.max_iterations,
+                                  options_.threads, displacements_);
+    }
+    ++rounds_;
+    iterations_ += solve.iterations;
+    settled_ = system_.in_errors(displacements_ - before) <= kSettled;
+    if (!displacements_.allFinite()) displacements_ = before;
+    return solve.converged;
+  }
+
+  bool settled() const { return settled_; }
+  const Eigen::VectorXd& displacements() const { return displacements_; }
+  int rounds() const { return rounds_; }
+  int iterations() const { return iterations_; }
+
+ private:
+  MeshSystem& system_;
+  const PolishOptions& options_;
+  MeshMatrix matrix_;
+  MeshPreconditioner inverse_;
+  Eigen::VectorXd displacements_;
+  int rounds_ = 0, iterations_ = 0;
+  bool settled_ = false;
+};
+
+// Displacements in space (3 x vertices). What the solve took is gone afterwards.
+Result<Eigen::Matrix3Xd> least_squares(const TriangleMesh& mesh, const MeshNormals& normals,
+                                       const PolishOptions& options, const Progress& progress,
+                                       PolishedMesh& polished) {
+  const MeshGraph graph = mesh_graph(mesh, options.threads);
+  MeshSystem system(mesh, graph, normals,
+                    {options.sigma_position.value_or(0.0), options.sigma_normal.value_or(0.0),
+                     options.tangential, options.threads});
+  Solve solve(system, graph, options);
+  while (solve.rounds() <= options.robust_rounds && !solve.settled()) {
+    const double done = static_cast<double>(solve.rounds()) / (options.robust_rounds + 1.0);
+    if (!report_progress(progress, done, "polish")) return interrupted();
+    if (solve.round()) continue;
+    polished.status = PolishStatus::kNotConverged;
+    break;
+  }
+  polished.rounds = solve.rounds();
+  polished.iterations = solve.iterations();
+  return system.in_space(solve.displacements());
+}
+
+void take(GuardedMove move, const TriangleMesh& mesh, const MeshNormals& normals,
+          PolishedMesh& polished) {
+  double sum = 0.0, largest = 0.0;
+  for (std::size_t i = 0; i < move.vertices.size(); ++i) {
+    const double moved = (move.vertices[i] - mesh.vertices[i]).squaredNorm();
+    largest = std::max(largest, moved);
+    if (normals.views[i] > 0) sum += moved;
+  }
+  polished.max_move = std::sqrt(largest);
+  polished.rms_move =
+      std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, polished.with_normal)));
+  polished.damped = move.damped;
+  polished.unmoved = move.unmoved;
+  polished.mesh = mesh;
+  polished.mesh.vertices = std::move(move.vertices);
+  polished.mesh.normals = vertex_normals(polished.mesh);
+}
+
+}  // namespace
+
+std::string_view to_string(PolishStatus status) {
+  switch (status) {
+    case PolishStatus::kPolished:
+      return "polished";
+    case PolishStatus::kNoNormals:
+      return "no normals";
+    case PolishStatus::kNoErrors:
+      return "no expected errors";
+    case PolishStatus::kNotConverged:
+      return "not converged";
+  }
+  return "";
+}
+
+Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, MeshNormals normals,
+                                 const PolishOptions& options, const Progress& progress) {
+  const Stopwatch watch;
+  if (const auto ok = check(mesh, normals, options); !ok) return ok.error();
+  PolishedMesh polished;
+  polished.with_normal = normals.measured;
+  polished.sigma_view = normals.sigma_view;
+  const auto as_given = [&](PolishStatus status) {
+    polished.mesh = mesh;
+    polished.status = status;
+    polished.seconds = watch.seconds();
+    return std::move(polished);
+  };
+  if (!normals_meet(mesh, normals)) return as_given(PolishStatus::kNoNormals);
+  if (mesh.quality.empty() && !options.sigma_position) return as_given(PolishStatus::kNoErrors);
+
+  const auto displacements = least_squares(mesh, normals, options, progress, polished);
+  if (!displacements) return displacements.error();
+  normals.edges = {};
+  release_freed_memory();
+  take(guarded_move(mesh, *displacements, options.threads), mesh, normals, polished);
+  if (!report_progress(progress, 1.0, "polish")) return interrupted();
+  polished.seconds = watch.seconds();
+  return polished;
+}
+
+Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const std::vector<RangeView>& views,
+                                 const PolishOptions& options, const Progress& progress) {
+  const Stopwatch watch;
+  MeshNormalOptions normal_options = options.normals;
+  normal_options.threads = options.threads;
+  auto normals = vertex_normals_from_views(mesh, views, normal_options,
+                                           [&](double done, std::string_view step) {
+                                             return report_progress(progress, 0.5 * done, step);
+                                           });
+  if (!normals) return normals.error();
+  auto polished =
+      polish_mesh(mesh, std::move(*normals), options, [&](double done, std::string_view step) {
+        return report_progress(progress, 0.5 + 0.5 * done, step);
+      });
+  if (polished) polished->seconds = watch.seconds();
+  return polished;
+}
+
+}  // namespace relief

@@ -1,0 +1,100 @@
+#include "hybrid/model/prepared_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "scan/grid/filled_view.h"
+#include "scan/base/median.h"
+
+namespace relief {
+
+namespace {
+
+// What the ranges at one place show of their noise: by the map, and by the change of the
+// discrepancy from one edge to the next.
+struct Shown {
+  float map, change;
+};
+
+std::vector<Shown> changes_of(const RangeSteps& steps, const Grid<float>& map) {
+  std::vector<Shown> shown;
+  const auto collect = [&](const Grid<float>& discrepancy, int du, int dv) {
+    for (int v = 0; v + dv < map.height(); ++v) {
+      for (int u = 0; u + du < map.width(); ++u) {
+        const float change = std::abs(discrepancy(u + du, v + dv) - discrepancy(u, v));
+        if (change == change) shown.push_back({map(u, v), change});
+      }
+    }
+  };
+  collect(steps.along_rows.discrepancy, 1, 0);
+  collect(steps.along_columns.discrepancy, 0, 1);
+  return shown;
+}
+
+}  // namespace
+
+bool confirms(const RangeSteps& steps, const Grid<float>& map) {
+  constexpr double kShare = 0.5;  // Of the ratio of the map, on a logarithmic scale.
+  std::vector<Shown> shown = changes_of(steps, map);
+  if (shown.size() < 100) return false;
+  std::stable_sort(shown.begin(), shown.end(),
+                   [](const Shown& a, const Shown& b) { return a.map < b.map; });
+  // The quietest quarter against the loudest.
+  std::array<std::vector<float>, 2> maps, changes;
+  const std::size_t quarter = shown.size() / 4;
+  for (std::size_t k = 0; k < quarter; ++k) {
+    for (const std::size_t side : {0, 1}) {
+      const Shown& one = shown[side == 0 ? k : shown.size() - 1 - k];
+      maps[side].push_back(one.map);
+      changes[side].push_back(one.change);
+    }
+  }
+  const double by_map = median(maps[1]) / median(maps[0]);
+  const double by_steps = median(changes[1]) / median(changes[0]);
+  return std::log(by_steps) >= kShare * std::log(by_map);
+}
+
+void take_confidence(const Grid<std::uint8_t>& samples, RangeView& view) {
+  if (view.confidence.empty()) view.confidence = {view.width(), view.height(), 1.0f};
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!samples[i]) continue;
+    view.confidence[i] = 0.0f;
+    if (!view.deviation.empty()) view.deviation[i] = std::numeric_limits<float>::infinity();
+  }
+}
+
+void count_by_noise(PreparedView& prepared) {
+  RangeView& view = prepared.view;
+  const auto typical = static_cast<float>(prepared.noise.sigma);
+  prepared.variance = prepared.noise.map;
+  for (float& value : prepared.variance) value = (value / typical) * (value / typical);
+  if (view.confidence.empty()) view.confidence = {view.width(), view.height(), 1.0f};
+  for (std::size_t i = 0; i < prepared.variance.size(); ++i)
+    view.confidence[i] /= prepared.variance[i];
+}
+
+PreparedView prepare_view(const RangeView& view, const DiscontinuityOptions& options, int threads) {
+  PreparedView prepared;
+  prepared.noise = estimate_range_noise(view, threads);
+  prepared.edges = connect_samples(view, prepared.noise, options, threads);
+  FillOptions fill;
+  fill.sigma = prepared.noise.sigma;
+  fill.threads = threads;
+  FilledView filled = fill_small_gaps(view, prepared.edges, fill);
+  prepared.view = std::move(filled.view);
+  prepared.flying = filled.flying;
+  prepared.filled = filled.filled_count;
+  prepared.measured_edges = prepared.edges;
+  if (prepared.flying + prepared.filled > 0)
+    prepared.edges = connect_samples(prepared.view, options, threads);
+  prepared.confidence = prepared.view.confidence;
+  prepared.deviation = prepared.view.deviation;
+  if (prepared.filled > 0) take_confidence(filled.filled, prepared.view);
+  return prepared;
+}
+
+}  // namespace relief

@@ -1,0 +1,141 @@
+#include "hybrid/noise/range_deviation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "hybrid/noise/surface_average.h"
+#include "relief/scan/counter_random.h"
+
+namespace relief {
+
+namespace {
+
+// Deviations are averaged over this part of the crossover length.
+constexpr double kWindow = 0.7;
+
+// At a straight border half of the surroundings are missing and the variance is about three times
+// that inside, two of them because there is half as much to average, the rest for want of anything
+// that holds the slope.
+Eigen::ArrayXf at_border(const Eigen::ArrayXf& share) { return 1.0f / (share * share.sqrt()); }
+
+// Errors of unit variance at one pixel. Only second moments matter: signs do for normal numbers.
+class PixelErrors {
+ public:
+  PixelErrors(const CounterRandom& random, std::size_t pixel) : bits_(random.bits(pixel)) {}
+  double range() const { return sign(0); }
+  double slope(int axis) const { return sign(1 + axis); }
+  double truncation(int axis) const { return sign(3 + axis); }
+
+ private:
+  double sign(int bit) const { return (bits_ >> bit & 1) != 0 ? 1.0 : -1.0; }
+  std::uint64_t bits_;
+};
+
+// What the right sides of (13) and (14) are made from.
+struct Context {
+  const ViewProblem& problem;
+  const ViewWeights& weights;
+  std::vector<std::uint32_t> number;  // of movable samples, by padded index
+  bool with_bias;
+  int threads;
+
+  Eigen::Index count() const { return static_cast<Eigen::Index>(problem.size()); }
+  Eigen::VectorXd zero() const { return Eigen::VectorXd::Zero((with_bias ? 3 : 1) * count()); }
+};
+
+// The right side of (13) for one set of errors.
+Eigen::VectorXd perturbation(const Context& context, const MeasurementNoise& noise,
+                             const CounterRandom& random) {
+  const ViewProblem& problem = context.problem;
+  Eigen::VectorXd rhs = context.zero();
+  for_each_sample(problem, context.threads, [&](Eigen::Index k, std::uint32_t pixel) {
+    const double confidence = problem.confidence[k];
+    if (!(confidence > 0.0)) return;
+    const double sigma = noise.sigma_position / std::sqrt(confidence);
+    rhs[k] = context.weights.position[pixel] * sigma * PixelErrors(random, pixel).range();
+  });
+  problem.slopes.parallel_for_each(context.threads, [&](int axis, std::size_t i) {
+    const auto a = static_cast<std::size_t>(axis);
+    const SlopeConstraints::Axis& plane = problem.slopes.axes[a];
+    const SlopeConstraints::Ends ends = problem.slopes.ends(axis, i);
+    const double half_length = plane.half_length[i];
+    const PixelErrors here(random, i), at0(random, ends.at0), at1(random, ends.at1);
+    const double error =
+        half_length * noise.sigma_normal * (at0.slope(axis) + at1.slope(axis)) +
+        std::sqrt(problem.slopes.truncation_variance(axis, i, noise.sigma_normal)) *
+            here.truncation(axis);
+    const double weighted = context.weights.slope[a][i] * error;
+    rhs[context.number[ends.tail]] += weighted * plane.tail_slope[i];
+    rhs[context.number[ends.head]] -= weighted * plane.head_slope[i];
+    if (!context.with_bias) return;
+    for (const std::size_t at : {ends.at0, ends.at1})
+      rhs[(1 + axis) * context.count() + context.number[at]] += weighted * half_length;
+  });
+  return rhs;
+}
+
+// The right side of (14): what the prior of the bias takes from the bias in `y`.
+Eigen::VectorXd shrinkage(const Context& context, const Eigen::VectorXd& y) {
+  const Eigen::Index count = context.count();
+  Eigen::VectorXd rhs = context.zero();
+  rhs.tail(2 * count) = double{context.weights.bias_size} * y.tail(2 * count);
+  for_each_bias_pair(context.problem, context.threads, [&](std::size_t at0, std::size_t at1) {
+    for (const Eigen::Index block : {count, 2 * count}) {
+      const Eigen::Index a = block + context.number[at0], b = block + context.number[at1];
+      const double change = context.weights.bias_step * (y[a] - y[b]);
+      rhs[a] += change;
+      rhs[b] -= change;
+    }
+  });
+  return rhs;
+}
+
+// About how many times larger variances are near borders than inside. Every octave of wavelengths
+// up to the crossover contributes alike to the variance, and feels a border within its own length.
+Eigen::ArrayXf border_factor(const SurfaceAverage& surface, Eigen::Index count, double crossover) {
+  Eigen::ArrayXf sum = Eigen::ArrayXf::Zero(count);
+  int octaves = 0;
+  for (double length = crossover; length > 0.5; length *= 0.5, ++octaves)
+    sum += at_border(surface.share(length).array());
+  return sum / static_cast<float>(octaves);
+}
+
+// A few probes are noisy at each sample, but what they vary about changes slowly along the surface
+// once its rise towards borders is divided out. The bias itself is found too flat near borders, so
+// what it leaves in the range rises there once more.
+Eigen::VectorXf smoothed(const ViewProblem& problem, const Eigen::VectorXf& from_noise,
+                         const Eigen::VectorXf& from_bias, double crossover, int threads) {
+  const int largest = std::max(problem.grid.width, problem.grid.height);
+  crossover = std::clamp(crossover, 1.0, static_cast<double>(largest));
+  const SurfaceAverage surface(problem, threads);
+  const Eigen::ArrayXf factor = border_factor(surface, from_noise.size(), crossover);
+  const Eigen::VectorXf level = from_noise.array() / factor + from_bias.array();
+  return surface.average(level, kWindow * crossover).array() * factor;
+}
+
+}  // namespace
+
+Eigen::VectorXf range_deviation(const ViewProblem& problem, const ViewWeights& weights,
+                                const MeasurementNoise& noise, const Eigen::VectorXd& y,
+                                ViewSolver& solver, const DeviationOptions& options) {
+  const bool with_bias = y.size() > static_cast<Eigen::Index>(problem.size());
+  const Context context{problem, weights, numbers_of(problem), with_bias, options.threads};
+  Eigen::VectorXf from_noise = Eigen::VectorXf::Zero(context.count()), from_bias = from_noise;
+  const auto add_squared_error = [&](Eigen::VectorXd rhs, Eigen::VectorXf& sum) {
+    const bool solved = solver.solve(rhs, options.tolerance, options.max_iterations).converged;
+    if (solved) sum += rhs.head(context.count()).cwiseAbs2().cast<float>();
+    return solved;
+  };
+  for (int probe = 0; probe < options.probes; ++probe) {
+    const CounterRandom random(options.seed, static_cast<std::uint64_t>(probe));
+    if (!add_squared_error(perturbation(context, noise, random), from_noise)) return {};
+  }
+  from_noise /= static_cast<float>(options.probes);
+  if (with_bias && !add_squared_error(shrinkage(context, y), from_bias)) return {};
+  if (options.crossover > 0.0)
+    return smoothed(problem, from_noise, from_bias, options.crossover, options.threads).cwiseSqrt();
+  return (from_noise + from_bias).cwiseSqrt();
+}
+
+}  // namespace relief

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "hybrid/model/view_problem.h"
+#include "hybrid/solver/view_solver.h"
+
+namespace relief {
+
+/// The errors of the measurements, whatever weights the terms of (7a) got.
+struct MeasurementNoise {
+  double sigma_position = 0.0;  ///< Of a range of confidence 1, along the ray [unit].
+  double sigma_normal = 0.0;    ///< Of a normal's slope along one tangent [rad].
+};
+
+struct DeviationOptions {
+  /// Simulated repetitions of the measurement, each one solve; >= 1. With two and averaging, a
+  /// deviation is good to about ten percent; the error falls with the root of the number.
+  int probes = 2;
+  /// The wavelength / 2 pi at which positions and normals cross [samples]: sets over how many
+  /// samples deviations are averaged. 0: they are not.
+  double crossover = 8.0;
+  double tolerance = 0.1;  ///< Of each solve, relative.
+  int max_iterations = 500;
+  std::uint64_t seed = 1;
+  int threads = 0;  ///< 0: one per core. The result does not depend on it.
+};
+
+/// Standard deviation of the refined range of every movable sample along its ray [unit], equations
+/// (13) and (14). `y` is the solution, with the bias that was found, if any; `solver` must hold
+/// `weights`. Empty when a solve does not converge.
+Eigen::VectorXf range_deviation(const ViewProblem& problem, const ViewWeights& weights,
+                                const MeasurementNoise& noise, const Eigen::VectorXd& y,
+                                ViewSolver& solver, const DeviationOptions& options = {});
+
+}  // namespace relief

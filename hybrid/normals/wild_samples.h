@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+
+#include "hybrid/noise/noise.h"
+#include "hybrid/model/range_steps.h"
+#include "relief/scan/grid.h"
+
+namespace relief {
+
+/// `steps` are those between all neighbouring samples. 1 for samples whose range alone is wrong:
+/// all their steps to neighbours, or all but one of four, lead the same way and are each more than
+/// five standard deviations off what the normals explain. `variance`, if not empty, is that of the
+/// range of each pixel over that of `noise`.
+Grid<std::uint8_t> wild_samples(const RangeSteps& steps, const NoiseEstimate& noise,
+                                const Grid<float>& variance = {}, int threads = 1);
+
+}  // namespace relief

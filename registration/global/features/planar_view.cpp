@@ -1,0 +1,89 @@
+#include "registration/global/features/planar_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+namespace relief {
+
+namespace {
+
+constexpr int kFaces = 4;  // Prisms show as many at once.
+constexpr double kPlainFraction = 0.85;
+
+constexpr std::size_t kProbes = 800, kSeeds = 40;
+// How far from a plane its samples are: noise, and what sampling and calibration add.
+constexpr double kNoiseDeviations = 3.0, kSpacings = 0.2;
+// The first guess of a plane is from one sample's normal, so samples far from it may be missed: it
+// is fitted again as the tolerance falls to what noise explains.
+constexpr double kFirstTolerance = 8.0;
+constexpr int kFits = 4;
+
+struct Plane {
+  Eigen::Vector3d point, normal;
+  double distance(const Eigen::Vector3d& p) const { return std::abs(normal.dot(p - point)); }
+};
+
+std::vector<SurfacePoint> probes_of(const ViewSurface& view) {
+  std::vector<SurfacePoint> probes;
+  for (std::size_t i = 0; i < std::min(kProbes, view.samples().size()); ++i)
+    probes.push_back(view.sample(view.samples()[i]));
+  return probes;
+}
+
+std::vector<std::size_t> near(const Plane& plane, const std::vector<SurfacePoint>& points,
+                              double tolerance) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (plane.distance(points[i].point) <= tolerance) found.push_back(i);
+  return found;
+}
+
+Plane fitted(const std::vector<SurfacePoint>& points, const std::vector<std::size_t>& chosen) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const std::size_t i : chosen) mean += points[i].point / static_cast<double>(chosen.size());
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const std::size_t i : chosen)
+    scatter += (points[i].point - mean) * (points[i].point - mean).transpose();
+  return {mean, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0)};
+}
+
+// The points of the plane that most of them are on.
+std::vector<std::size_t> largest_face(const std::vector<SurfacePoint>& points, double tolerance) {
+  std::vector<std::size_t> largest;
+  for (std::size_t seed = 0; seed < std::min(kSeeds, points.size()); ++seed) {
+    Plane plane{points[seed].point, points[seed].normal};
+    double reach = kFirstTolerance * tolerance;
+    auto face = near(plane, points, reach);
+    for (int fit = 0; fit < kFits && face.size() >= 3; ++fit) {
+      plane = fitted(points, face);
+      reach = std::max(tolerance, 0.5 * reach);
+      face = near(plane, points, reach);
+    }
+    if (face.size() > largest.size()) largest = std::move(face);
+  }
+  return largest;
+}
+
+}  // namespace
+
+double planar_fraction(const ViewSurface& view, int planes) {
+  auto points = probes_of(view);
+  const std::size_t all = points.size();
+  if (all == 0) return 0.0;
+  const double tolerance = kNoiseDeviations * view.noise() + kSpacings * view.spacing();
+  for (int k = 0; k < planes && !points.empty(); ++k) {
+    const auto face = largest_face(points, tolerance);
+    for (auto i = face.rbegin(); i != face.rend(); ++i)
+      points.erase(points.begin() + static_cast<std::ptrdiff_t>(*i));
+  }
+  return 1.0 - static_cast<double>(points.size()) / static_cast<double>(all);
+}
+
+bool is_plain(const ViewSurface& view) { return planar_fraction(view, kFaces) >= kPlainFraction; }
+
+}  // namespace relief

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include "registration/global/view_groups.h"
+#include "registration/verification/pose_evidence.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/progress.h"
+#include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+struct PlaceViewsOptions {
+  Association association = Association::kAuto;
+  PlausibleEvidence limits;  ///< What links of views must show.
+  /// Two ways of joining views are told apart when the weaker has less than this part of the
+  /// support of the stronger; in (0, 1].
+  double ambiguity = 0.5;
+  /// Pairs of views that are searched, per view, at most; > 0. Small sets are searched in full.
+  int pairs_per_view = 12;
+  int threads = 0;  ///< 0: one per core. Never changes the result.
+};
+
+/// Joins groups of views that fit together by shape: pairs of similar views are searched for
+/// relative poses until all views are in one group or no more pairs are worth it. `start`: views
+/// whose poses are settled, in groups that stay together; the others alone. `known` views do not
+/// move; they are in one group of `start`. Views without samples stay alone. The only error is
+/// kInterrupted.
+Result<ViewGroups> place_views(const std::vector<ViewSurface>& surfaces, const ViewGroups& start,
+                               const std::vector<bool>& known,
+                               const PlaceViewsOptions& options = {},
+                               const Progress& progress = {});
+
+}  // namespace relief

@@ -1,0 +1,180 @@
+#include "registration/global/link_limits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "registration/global/pair_search.h"
+#include "registration/pairwise/robust.h"
+
+namespace relief {
+
+namespace {
+
+constexpr double kLoopRadii = 0.04, kLoopSpacings = 4.0;  // How well loops of three close.
+constexpr double kTypicalQuantile = 0.25;                 // Of links; wrong ones are among them.
+// Limits are not tightened below these: exact scans differ by what interpolation misses.
+constexpr double kLeastRmsLimit = 0.6;  // Relative to noise and sampling.
+constexpr double kLeastNormalLimit = 0.12;
+constexpr double kLeastCoherentLimit = 0.12;  // [sample spacings]
+// A triangle may close by chance; more links that close loops tell the errors of the views.
+constexpr std::size_t kTellingLinks = 4;
+// Pairs at poses of chains, and links that loops confirm, may deviate by so many times what the
+// better quarter of the pairs of views does.
+constexpr double kConfirmedExcess = 1.75;
+// Absence and strays depend on the pair: most links believed otherwise show no more.
+constexpr double kAbsenceQuantile = 0.9, kStraysQuantile = 0.75, kStraysExcess = 1.6;
+// A calibration is made to the noise of its sensor: its errors are hardly more than twice that.
+constexpr double kWarpDeviations = 2.0;
+// How far limits may follow.
+constexpr double kWidestRms = 2.5, kWidestCoherent = 5.0, kWidestContradiction = 2.5;
+// Standard deviations of the normals' noise by which those of right poses may differ.
+constexpr double kNormalDeviations = 3.0;
+
+// The deviations of links, one list for each kind of evidence.
+struct Deviations {
+  std::vector<double> rms, normal_rms, coherent_rms;
+
+  void add(const PoseLink& link, const std::vector<ViewSurface>& surfaces) {
+    const ViewSurface &a = surfaces[link.a], &b = surfaces[link.b];
+    rms.push_back(relative_rms(link.evidence, a, b));
+    normal_rms.push_back(link.evidence.normal_rms);
+    coherent_rms.push_back(link.evidence.coherent_rms / std::max(a.spacing(), b.spacing()));
+  }
+};
+
+// Of the links between the same two views that which deviates least.
+std::vector<const PoseLink*> best_of_each_pair(const std::vector<ViewSurface>& surfaces,
+                                               const std::vector<const PoseLink*>& links) {
+  std::map<std::pair<std::size_t, std::size_t>, std::pair<double, const PoseLink*>> best;
+  for (const PoseLink* link : links) {
+    const std::pair found(relative_rms(link->evidence, surfaces[link->a], surfaces[link->b]), link);
+    const auto [it, added] = best.try_emplace(std::minmax(link->a, link->b), found);
+    if (!added && found.first < it->second.first) it->second = found;
+  }
+  std::vector<const PoseLink*> links_of_pairs;
+  for (const auto& [unused, found] : best) links_of_pairs.push_back(found.second);
+  return links_of_pairs;
+}
+
+// The limits that follow from what the better quarter of the pairs of views deviates by, `excess`
+// times; `general` ones are only tightened.
+PlausibleEvidence follow(const std::vector<ViewSurface>& surfaces,
+                         const std::vector<const PoseLink*>& links, double excess,
+                         PlausibleEvidence limits) {
+  Deviations found;
+  for (const PoseLink* link : best_of_each_pair(surfaces, links)) found.add(*link, surfaces);
+  const auto tighten = [&](double& limit, std::vector<double> values, double least) {
+    if (values.empty()) return;
+    const double typical = quantile(std::move(values), kTypicalQuantile);
+    limit = std::min(limit, std::max(least, excess * typical));
+  };
+  tighten(limits.max_rms, std::move(found.rms), kLeastRmsLimit);
+  tighten(limits.max_normal_rms, std::move(found.normal_rms), kLeastNormalLimit);
+  tighten(limits.max_coherent_rms, std::move(found.coherent_rms), kLeastCoherentLimit);
+  return limits;
+}
+
+std::vector<const PoseLink*> those_within(const std::vector<ViewSurface>& surfaces,
+                                          const std::vector<PoseLink>& links,
+                                          const PlausibleEvidence& limits) {
+  std::vector<const PoseLink*> within;
+  for (const PoseLink& link : links)
+    if (plausible(link.evidence, surfaces[link.a], surfaces[link.b], limits))
+      within.push_back(&link);
+  return within;
+}
+
+// What links that close loops and are believed otherwise show of strays and of missing samples.
+// False where too few do.
+bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<PoseLink>& links,
+                   const std::vector<int>& loops, PlausibleEvidence& limits) {
+  PlausibleEvidence otherwise = limits;
+  otherwise.max_contradiction = std::min(1.0, kWidestContradiction * otherwise.max_contradiction);
+  std::vector<double> absence, contradiction;
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    const PoseLink& link = links[k];
+    if (loops[k] == 0 || !plausible(link.evidence, surfaces[link.a], surfaces[link.b], otherwise))
+      continue;
+    absence.push_back(link.evidence.absence);
+    contradiction.push_back(link.evidence.contradiction);
+  }
+  if (absence.size() < kTellingLinks) return false;
+  limits.max_absence = std::max(limits.max_absence, quantile(std::move(absence), kAbsenceQuantile));
+  limits.max_contradiction =
+      std::clamp(kStraysExcess * quantile(std::move(contradiction), kStraysQuantile),
+                 limits.max_contradiction, otherwise.max_contradiction);
+  return true;
+}
+
+}  // namespace
+
+std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
+                             const std::vector<PoseLink>& links) {
+  std::vector<std::vector<std::pair<std::size_t, RigidMotion>>> from(surfaces.size());
+  for (const auto& link : links) {
+    from[link.a].emplace_back(link.b, link.b_from_a);
+    from[link.b].emplace_back(link.a, link.b_from_a.inverse());
+  }
+  const auto agree = [&](const PoseLink& link, const RigidMotion& other) {
+    const ViewSurface& view = surfaces[link.a];
+    return same_pose(view, link.b_from_a, other,
+                     std::max(kLoopRadii * view.radius(), kLoopSpacings * view.spacing()));
+  };
+  std::vector<int> loops(links.size(), 0);
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    const auto& link = links[k];
+    std::set<std::size_t> confirming;
+    for (const auto& [c, c_from_a] : from[link.a])
+      for (const auto& [end, end_from_c] : from[c])
+        if (end == link.b && agree(link, end_from_c * c_from_a)) confirming.insert(c);
+    loops[k] = static_cast<int>(confirming.size());
+  }
+  return loops;
+}
+
+bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+                  const PlausibleEvidence& general) {
+  PlausibleEvidence limits = general;
+  limits.max_rms *= kWidestRms;
+  limits.max_contradiction = std::min(1.0, kWidestContradiction * general.max_contradiction);
+  limits.max_normal_rms = std::min(
+      general.max_normal_rms,
+      kLeastNormalLimit + kNormalDeviations * std::hypot(a.normal_error(), b.normal_error()));
+  limits.max_coherent_rms = std::max(
+      kWidestCoherent * general.max_coherent_rms,
+      kWarpDeviations * std::hypot(a.noise(), b.noise()) / std::max(a.spacing(), b.spacing()));
+  return plausible(evidence, a, b, limits);
+}
+
+LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
+                           const std::vector<PoseLink>& links, const std::vector<int>& loops,
+                           const ViewGroupOptions& options) {
+  // Beyond the general limits where even the better pairs are, and loops close all the same.
+  std::vector<const PoseLink*> all;
+  for (const PoseLink& link : links) all.push_back(&link);
+  PlausibleEvidence open = options.limits;
+  open.max_rms *= kWidestRms;
+  open.max_coherent_rms = std::numeric_limits<double>::infinity();  // See may_be_right().
+  LinkLimits wide{follow(surfaces, all, options.largest_excess, open),
+                  follow(surfaces, all, kConfirmedExcess, open)};
+  wide.confirmed.max_coherent_rms =
+      std::max(wide.confirmed.max_coherent_rms, options.confirmed_coherent_rms);
+  if (follow_losses(surfaces, links, loops, wide.confirmed)) {
+    wide.lone.max_absence = wide.confirmed.max_absence;
+    wide.lone.max_contradiction = wide.confirmed.max_contradiction;
+    return wide;
+  }
+  PlausibleEvidence believed = options.limits;
+  believed.max_coherent_rms = std::max(believed.max_coherent_rms, options.confirmed_coherent_rms);
+  const auto links_believed = those_within(surfaces, links, believed);
+  LinkLimits limits{follow(surfaces, links_believed, options.largest_excess, options.limits), {}};
+  limits.confirmed = limits.lone;
+  limits.confirmed.max_coherent_rms = believed.max_coherent_rms;
+  return limits;
+}
+
+}  // namespace relief

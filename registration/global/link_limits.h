@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "registration/global/view_groups.h"
+#include "registration/surface/view_surface.h"
+
+namespace relief {
+
+/// For each link how many views c confirm it by two others: a - c - b leads to the same pose.
+std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
+                             const std::vector<PoseLink>& links);
+
+/// What links must show, in terms of the errors that these views have.
+struct LinkLimits {
+  PlausibleEvidence lone;       ///< Links that no loop confirms.
+  PlausibleEvidence confirmed;  ///< Links that loops confirm, and pairs at poses of chains.
+};
+
+/// Whether a pose may be right although it deviates by more than `general` allows: smooth errors of
+/// a calibration move surfaces apart, but hardly turn their normals nor stand in space seen empty.
+bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+                  const PlausibleEvidence& general);
+
+/// Fits the limits to the links of a project. Errors of a sensor are in all of its pairs: links
+/// that close loops with each other show how large they are, and the limits follow. A link that
+/// deviates much more than the better ones is wrong. `loops`: of count_loops().
+LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
+                           const std::vector<PoseLink>& links, const std::vector<int>& loops,
+                           const ViewGroupOptions& options);
+
+}  // namespace relief

@@ -1,0 +1,175 @@
+#include "registration/global/pair_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "registration/global/consistency_graph.h"
+#include "registration/global/features/feature_matches.h"
+#include "registration/global/robust_motion.h"
+#include "registration/pairwise/icp.h"
+
+namespace relief {
+
+namespace {
+
+// Lengths in cells.
+constexpr double kSmallFeature = 3.0, kLargeFeature = 6.0;
+constexpr double kMatchTolerance = 1.5;
+constexpr double kLeastDistance = 5.0;
+constexpr double kReach = 2.0;  // Of poses from matches.
+
+constexpr std::size_t kLeastConsensus = 4;
+constexpr int kRoughProbes = 150;
+constexpr double kLeastAgreement = 0.08;
+constexpr int kQuickCorrespondences = 250;
+
+struct RoughPose {
+  RigidMotion b_from_a = RigidMotion::Identity();
+  double agreement = 0.0;
+};
+
+Eigen::Matrix3Xd columns(const Eigen::Matrix3Xd& points, const std::vector<FeatureMatch>& matches,
+                         const std::vector<std::size_t>& chosen, Eigen::Index FeatureMatch::*side) {
+  Eigen::Matrix3Xd result(3, static_cast<Eigen::Index>(chosen.size()));
+  for (std::size_t k = 0; k < chosen.size(); ++k)
+    result.col(static_cast<Eigen::Index>(k)) = points.col(matches[chosen[k]].*side);
+  return result;
+}
+
+// Motions that explain large sets of matches. Each match seeds one set at most, and no seed is in a
+// set found before, so that the sets differ.
+std::vector<RigidMotion> consistent_motions(const CoarseView& a, const CoarseView& b,
+                                            const std::vector<FeatureMatch>& matches, double cell,
+                                            int most) {
+  ConsistencyOptions consistency;
+  consistency.distance_tolerance = kMatchTolerance * cell;
+  consistency.least_distance = kLeastDistance * cell;
+  const ConsistencyGraph graph(a.points, b.points, matches, consistency);
+  std::vector<std::size_t> seeds(matches.size());
+  std::iota(seeds.begin(), seeds.end(), std::size_t{0});
+  std::stable_sort(seeds.begin(), seeds.end(),
+                   [&](std::size_t i, std::size_t j) { return graph.degree(i) > graph.degree(j); });
+  std::vector<bool> used(matches.size(), false);
+  std::vector<RigidMotion> motions;
+  int tried = 0;
+  for (const std::size_t seed : seeds) {
+    if (used[seed]) continue;
+    if (++tried > most) break;
+    const auto set = graph.consensus_around(seed);
+    if (set.size() < kLeastConsensus) continue;
+    const auto fit = fit_robustly(columns(a.points.points, matches, set, &FeatureMatch::a),
+                                  columns(b.points.points, matches, set, &FeatureMatch::b),
+                                  kMatchTolerance * cell);
+    if (fit.inliers.size() < kLeastConsensus) continue;
+    for (const std::size_t k : fit.inliers) used[set[k]] = true;
+    motions.push_back(fit.target_from_source);
+  }
+  return motions;
+}
+
+// The most promising first, without those that a better one stands for.
+std::vector<RoughPose> promising(const ViewSurface& a, const ViewSurface& b,
+                                 const std::vector<RigidMotion>& motions, double reach, int most) {
+  std::vector<RoughPose> poses;
+  for (const auto& motion : motions)
+    poses.push_back({motion, rough_agreement(a, b, motion, reach, kRoughProbes)});
+  std::stable_sort(poses.begin(), poses.end(), [](const RoughPose& x, const RoughPose& y) {
+    return x.agreement > y.agreement;
+  });
+  std::vector<RoughPose> kept;
+  for (const auto& pose : poses) {
+    if (pose.agreement < kLeastAgreement || static_cast<int>(kept.size()) == most) break;
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const RoughPose& other) {
+      return same_pose(a, pose.b_from_a, other.b_from_a, reach);
+    });
+    if (!known) kept.push_back(pose);
+  }
+  return kept;
+}
+
+// The poses that matches lead to, refined and judged, the best overlap first.
+std::vector<PoseHypothesis> pursue(const CoarseView& a, const CoarseView& b,
+                                   const std::vector<FeatureMatch>& matches,
+                                   const CoarseScale& scale, const PairSearchOptions& options) {
+  const auto motions = consistent_motions(a, b, matches, scale.cell, options.seeds);
+  const double reach = kReach * scale.cell;
+  std::vector<PoseHypothesis> hypotheses;
+  for (const auto& pose : promising(*a.surface, *b.surface, motions, reach, options.candidates)) {
+    const auto refined =
+        refine_hypothesis(*a.surface, *b.surface, pose.b_from_a, reach, options.association);
+    const bool known =
+        std::any_of(hypotheses.begin(), hypotheses.end(), [&](const PoseHypothesis& other) {
+          return same_pose(*a.surface, refined.b_from_a, other.b_from_a, reach);
+        });
+    if (!known) hypotheses.push_back(refined);
+  }
+  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                   [](const PoseHypothesis& x, const PoseHypothesis& y) {
+                     return x.evidence.overlap > y.evidence.overlap;
+                   });
+  return hypotheses;
+}
+
+}  // namespace
+
+CoarseView prepare_coarse_view(const ViewSurface& surface, const CoarseScale& scale) {
+  CoarseView view;
+  view.surface = &surface;
+  if (surface.samples().empty()) return view;
+  view.points = resample(surface, scale.cell);
+  view.features =
+      describe_locally(view.points, kSmallFeature * scale.cell, kLargeFeature * scale.cell);
+  return view;
+}
+
+PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
+                                 const RigidMotion& b_from_a, double search_distance,
+                                 Association association) {
+  IcpOptions icp;
+  icp.association = association;
+  icp.correspondences = kQuickCorrespondences;
+  icp.search_distance = search_distance;
+  icp.tolerance = 0.05;
+  icp.max_iterations = 12;
+  icp.normal_maps = false;
+  icp.final_samples = 0;
+  const IcpResult fit = align_pair(a, b, b_from_a, icp);
+  PoseHypothesis hypothesis{fit.target_from_source, {}};
+  JudgeOptions judge;
+  judge.association = association;
+  if (fit.usable()) hypothesis.evidence = judge_pose(a, b, fit.target_from_source, judge);
+  return hypothesis;
+}
+
+bool same_pose(const ViewSurface& view, const RigidMotion& x, const RigidMotion& y,
+               double tolerance) {
+  const Eigen::Vector3d centre = view.centre();
+  return (x * centre - y * centre).norm() + rotation_angle(y.inverse() * x) * 0.5 * view.radius() <=
+         tolerance;
+}
+
+std::vector<PoseHypothesis> search_pair(const CoarseView& a, const CoarseView& b,
+                                        const CoarseScale& scale,
+                                        const PairSearchOptions& options) {
+  return pursue(a, b, match_features(a.features, b.features), scale, options);
+}
+
+bool fits_itself(const CoarseView& view, const CoarseScale& scale, const PlausibleEvidence& limits,
+                 const PairSearchOptions& options) {
+  FeatureMatchOptions elsewhere;
+  elsewhere.own_points = &view.points.points;
+  elsewhere.least_shift = kLeastDistance * scale.cell;
+  const auto matches = match_features(view.features, view.features, elsewhere);
+  const auto hypotheses = pursue(view, view, matches, scale, options);
+  return std::any_of(hypotheses.begin(), hypotheses.end(), [&](const PoseHypothesis& hypothesis) {
+    return plausible(hypothesis.evidence, *view.surface, *view.surface, limits) &&
+           !too_much_absent(hypothesis.evidence, limits) &&
+           !misfits_locally(hypothesis.evidence, *view.surface, *view.surface, limits) &&
+           !same_pose(*view.surface, hypothesis.b_from_a, RigidMotion::Identity(),
+                      kReach * scale.cell);
+  });
+}
+
+}  // namespace relief

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <vector>
+
+#include "registration/global/features/local_features.h"
+#include "registration/global/features/resampled_view.h"
+#include "registration/verification/pose_evidence.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+/// A view as coarse alignment sees it.
+struct CoarseView {
+  const ViewSurface* surface = nullptr;  ///< Outlives this.
+  ResampledView points;
+  LocalFeatures features;
+};
+
+/// Resamples and describes a view; without samples it has no points.
+CoarseView prepare_coarse_view(const ViewSurface& surface, const CoarseScale& scale);
+
+/// A relative pose that two views may have.
+struct PoseHypothesis {
+  RigidMotion b_from_a = RigidMotion::Identity();
+  PoseEvidence evidence;
+};
+
+struct PairSearchOptions {
+  Association association = Association::kAuto;
+  int seeds = 60;      ///< Sets of consistent matches that are looked at, at most; > 0.
+  int candidates = 8;  ///< Poses that ICP refines, at most; > 0.
+};
+
+/// Relative poses of two views without any guess, refined by ICP and judged, the best overlap
+/// first: from matching features, sets of mutually consistent matches, and a robust motion for
+/// each. All differ by more than ICP would move them. Most are wrong: see `plausible`.
+std::vector<PoseHypothesis> search_pair(const CoarseView& a, const CoarseView& b,
+                                        const CoarseScale& scale,
+                                        const PairSearchOptions& options = {});
+
+/// Whether some motion other than standing still maps a view onto itself as well as `limits` ask,
+/// as of symmetric and plain shapes.
+bool fits_itself(const CoarseView& view, const CoarseScale& scale, const PlausibleEvidence& limits,
+                 const PairSearchOptions& options = {});
+
+/// A starting pose refined by a quick ICP and judged.
+PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
+                                 const RigidMotion& b_from_a, double search_distance,
+                                 Association association = Association::kAuto);
+
+/// Whether two relative poses of a view put its points at the same places, to `tolerance` [unit].
+bool same_pose(const ViewSurface& view, const RigidMotion& x, const RigidMotion& y,
+               double tolerance);
+
+}  // namespace relief

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "registration/global/view_groups.h"
+#include "registration/verification/pose_evidence.h"
+#include "registration/surface/view_surface.h"
+
+namespace relief {
+
+/// Links between views that follow each other (the first follows the last) and are not in one
+/// `group` yet, as if the object had been turned between them: by 15 to 90 degrees or 360 over the
+/// number of views, about axes up to 40 degrees off the sensor's vertical. Only those that fit.
+std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
+                                      const std::vector<std::size_t>& group,
+                                      const PlausibleEvidence& limits, Association association,
+                                      int threads);
+
+}  // namespace relief

@@ -1,0 +1,267 @@
+#include "registration/global/view_groups.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+#include <tuple>
+
+#include "registration/global/link_limits.h"
+#include "registration/global/pair_search.h"
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+constexpr double kSamePlaceRadii = 0.15;   // Poses nearer than this are one, over a view's radius.
+constexpr double kCountingOverlap = 0.05;  // Pairs below say little.
+
+using Motions = std::vector<RigidMotion>;
+
+bool same_place(const ViewSurface& view, const RigidMotion& x, const RigidMotion& y) {
+  return same_pose(view, x, y, kSamePlaceRadii * view.radius());
+}
+
+// Whether the two views could as well lie otherwise.
+bool undetermined(const PoseLink& link) { return link.evidence.slides || link.ambiguous; }
+
+// Best supported first, without those that are not believed: these confirm no others either.
+void sort_by_support(const std::vector<ViewSurface>& surfaces, const LinkLimits& limits,
+                     const ViewGroupOptions& options, std::vector<PoseLink>& links) {
+  const auto fits = [&](const PoseLink& link, const PlausibleEvidence& to) {
+    return plausible(link.evidence, surfaces[link.a], surfaces[link.b], to);
+  };
+  std::erase_if(links, [&](const PoseLink& link) { return !fits(link, limits.confirmed); });
+  const auto loops = count_loops(surfaces, links);
+  const auto firm = [&](const PoseLink& link) {
+    return fits(link, limits.lone) && !too_much_absent(link.evidence, limits.lone);
+  };
+  const auto stands_alone = [&](const PoseLink& link) {
+    return firm(link) && link.evidence.overlap >= options.lone_overlap &&
+           !misfits_locally(link.evidence, surfaces[link.a], surfaces[link.b], limits.confirmed);
+  };
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k < links.size(); ++k)
+    if (loops[k] > 0 || stands_alone(links[k])) order.push_back(k);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
+    const auto key = [&](std::size_t k) {
+      return std::tuple(!undetermined(links[k]), firm(links[k]), loops[k] > 0,
+                        links[k].evidence.overlap);
+    };
+    return key(x) > key(y);
+  });
+  std::vector<PoseLink> sorted;
+  for (const std::size_t k : order) sorted.push_back(links[k]);
+  links = std::move(sorted);
+}
+
+// One way of joining two groups.
+struct Way {
+  PoseLink link;
+  RigidMotion first_from_second = RigidMotion::Identity();  // Frames of the groups.
+  double support = 0.0;  // Sum of overlaps; 0 when any pair of views speaks against it.
+};
+
+class Joining {
+ public:
+  Joining(const std::vector<ViewSurface>& surfaces, const std::vector<PoseLink>& links,
+          const ViewGroups& start, const std::vector<bool>& known, const LinkLimits& limits,
+          const ViewGroupOptions& options)
+      : surfaces_(surfaces),
+        links_(links),
+        limits_(limits.confirmed),
+        options_(options),
+        known_(known),
+        start_sizes_(surfaces.size(), 0) {
+    groups_.group = start.group;
+    groups_.group_from_view = start.group_from_view;
+    for (const std::size_t g : start.group) ++start_sizes_[g];
+  }
+
+  ViewGroups run() {
+    while (join_next()) {
+    }
+    report_ambiguous();
+    return std::move(groups_);
+  }
+
+ private:
+  std::size_t group(std::size_t view) const { return groups_.group[view]; }
+
+  // The groups that a link is between, the smaller first.
+  std::pair<std::size_t, std::size_t> groups_of(const PoseLink& link) const {
+    const std::size_t a = group(link.a), b = group(link.b);
+    return {std::min(a, b), std::max(a, b)};
+  }
+
+  std::vector<std::size_t> members(std::size_t of) const {
+    std::vector<std::size_t> list;
+    for (std::size_t i = 0; i < groups_.group.size(); ++i)
+      if (groups_.group[i] == of) list.push_back(i);
+    return list;
+  }
+
+  // The best supported link that joins two groups does so.
+  bool join_next() {
+    for (const auto& link : links_) {
+      if (group(link.a) == group(link.b)) continue;
+      const auto key = groups_of(link);
+      // What was decided about two groups holds until one of them grows.
+      const auto sizes = std::pair(members(key.first).size(), members(key.second).size());
+      if (const auto it = refused_.find(key); it != refused_.end() && it->second == sizes) continue;
+      if (join(key.first, key.second)) return true;
+      refused_[key] = sizes;
+    }
+    return false;
+  }
+
+  bool join(std::size_t first, std::size_t second) {
+    const auto ways = possible_ways(first, second);
+    if (ways.empty() || ambiguous(ways)) return false;
+    const Way& best = ways.front();
+    if (undetermined(best.link)) return false;
+    // The frame of known views stays, else that of the larger group from the start, else the one of
+    // the first view.
+    const bool move_first = claim(second) > claim(first);
+    const RigidMotion motion =
+        move_first ? best.first_from_second.inverse() : best.first_from_second;
+    for (const std::size_t i : members(move_first ? first : second))
+      groups_.group_from_view[i] = motion * groups_.group_from_view[i];
+    std::replace(groups_.group.begin(), groups_.group.end(), second, first);
+    groups_.joined.push_back(best.link);
+    return true;
+  }
+
+  // What the frame of a group has for it: known views, and the most views that came together in it.
+  std::pair<bool, std::size_t> claim(std::size_t of) const {
+    std::pair<bool, std::size_t> claim(false, 1);
+    for (const std::size_t i : members(of)) {
+      claim.first |= known_[i];
+      claim.second = std::max(claim.second, start_sizes_[i]);
+    }
+    return claim;
+  }
+
+  // The different ways in which links join the two groups that no pair of views contradicts, the
+  // best supported first.
+  std::vector<Way> possible_ways(std::size_t first, std::size_t second) const {
+    std::vector<Way> ways;
+    for (const auto& link : links_) {
+      const bool forward = group(link.a) == first && group(link.b) == second;
+      const bool backward = group(link.a) == second && group(link.b) == first;
+      if (!forward && !backward) continue;
+      Way way{link, groups_.group_from_view[link.a] * link.b_from_a.inverse() *
+                        groups_.group_from_view[link.b].inverse()};
+      if (backward) way.first_from_second = way.first_from_second.inverse();
+      const ViewSurface& moved = surfaces_[forward ? link.b : link.a];
+      const RigidMotion& pose = groups_.group_from_view[forward ? link.b : link.a];
+      const bool known = std::any_of(ways.begin(), ways.end(), [&](const Way& other) {
+        return same_place(moved, way.first_from_second * pose, other.first_from_second * pose);
+      });
+      if (!known) ways.push_back(way);
+    }
+    for (Way& way : ways) way.support = support(first, second, way);
+    std::erase_if(ways, [](const Way& way) { return way.support <= 0.0; });
+    std::stable_sort(ways.begin(), ways.end(),
+                     [](const Way& x, const Way& y) { return x.support > y.support; });
+    return ways;
+  }
+
+  bool ambiguous(const std::vector<Way>& ways) const {
+    return ways.size() > 1 && ways[1].support >= options_.ambiguity * ways[0].support;
+  }
+
+  double support(std::size_t first, std::size_t second, const Way& way) const {
+    const auto of_first = members(first), of_second = members(second);
+    std::vector<double> parts(of_first.size() * of_second.size(), 0.0);
+    parallel_for(parts.size(), 4, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const std::size_t i = of_first[k / of_second.size()], j = of_second[k % of_second.size()];
+        parts[k] = support_of_pair(i, j, way);
+      }
+    });
+    return std::max(0.0, std::accumulate(parts.begin(), parts.end(), 0.0));
+  }
+
+  // Pairs of which too much is absent speak a little against a way.
+  double support_of(const PoseEvidence& evidence) const {
+    if (!too_much_absent(evidence, limits_)) return evidence.overlap;
+    return -evidence.missing;
+  }
+
+  // What view j of the second group says for a way, seen from view i of the first: their overlap,
+  // 0 where they hardly meet, or minus infinity when they deny it. Poses that follow from chains of
+  // links are a little off: the pair may settle before it is judged, but not go elsewhere.
+  double support_of_pair(std::size_t i, std::size_t j, const Way& way) const {
+    PlausibleEvidence limits = limits_;
+    limits.min_overlap = kCountingOverlap;
+    const ViewSurface &target = surfaces_[i], &source = surfaces_[j];
+    const RigidMotion i_from_j =
+        groups_.group_from_view[i].inverse() * way.first_from_second * groups_.group_from_view[j];
+    PoseEvidence evidence = judge_pose(source, target, i_from_j, options_.judge);
+    if (plausible(evidence, source, target, limits)) return support_of(evidence);
+    const bool denies =
+        contradicts(evidence, limits) || evidence.overlap >= options_.limits.min_overlap;
+    if (!denies) return std::min(0.0, support_of(evidence));
+    const double reach = kSamePlaceRadii * std::min(source.radius(), target.radius());
+    const auto settled =
+        refine_hypothesis(source, target, i_from_j, reach, options_.judge.association);
+    if (same_place(source, settled.b_from_a, i_from_j) &&
+        plausible(settled.evidence, source, target, limits))
+      return support_of(settled.evidence);
+    return -std::numeric_limits<double>::infinity();
+  }
+
+  void report_ambiguous() {
+    std::set<std::pair<std::size_t, std::size_t>> told;
+    for (const auto& link : links_) {
+      const auto key = groups_of(link);
+      if (key.first == key.second || !told.insert(key).second) continue;
+      const auto ways = possible_ways(key.first, key.second);
+      if (ways.empty()) continue;
+      const PoseLink& best = ways.front().link;
+      if (ambiguous(ways))
+        groups_.ambiguous.push_back(
+            {best.a, best.b, best.evidence.overlap, ways[1].link.evidence.overlap});
+      else if (undetermined(best))
+        groups_.ambiguous.push_back({best.a, best.b, best.evidence.overlap, best.evidence.overlap});
+    }
+  }
+
+  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<PoseLink>& links_;
+  const PlausibleEvidence limits_;
+  const ViewGroupOptions& options_;
+  const std::vector<bool>& known_;
+  std::vector<std::size_t> start_sizes_;  // Of the groups of the start, at their first views.
+  std::map<std::pair<std::size_t, std::size_t>, std::pair<std::size_t, std::size_t>> refused_;
+  ViewGroups groups_;
+};
+
+}  // namespace
+
+bool ViewGroups::all_in_one() const {
+  return std::all_of(group.begin(), group.end(), [](std::size_t g) { return g == 0; });
+}
+
+ViewGroups ViewGroups::singles(std::size_t views) {
+  ViewGroups groups;
+  groups.group.resize(views);
+  std::iota(groups.group.begin(), groups.group.end(), std::size_t{0});
+  groups.group_from_view.assign(views, RigidMotion::Identity());
+  return groups;
+}
+
+ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<PoseLink> links,
+                      const ViewGroups& start, const std::vector<bool>& known,
+                      const ViewGroupOptions& options) {
+  assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
+  const LinkLimits limits = fit_link_limits(surfaces, links, count_loops(surfaces, links), options);
+  sort_by_support(surfaces, limits, options, links);
+  return Joining(surfaces, links, start, known, limits, options).run();
+}
+
+}  // namespace relief

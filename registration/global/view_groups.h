@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "registration/verification/pose_evidence.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+/// A relative pose of two views that their measurements allow.
+struct PoseLink {
+  std::size_t a = 0, b = 0;
+  RigidMotion b_from_a = RigidMotion::Identity();
+  PoseEvidence evidence;
+  /// A view of it fits itself at a second place, and so perhaps the other view at a second pose.
+  bool ambiguous = false;
+};
+
+struct ViewGroupOptions {
+  PlausibleEvidence limits;
+  /// Links that share less count only when loops of three confirm them; in (0, 1].
+  double lone_overlap = 0.3;
+  /// How much larger the RMS of distances and of normals may be than those of the better links of
+  /// the same project; > 1.
+  double largest_excess = 1.5;
+  /// The coherent RMS that is allowed to confirmed links [sample spacings]; at least that of
+  /// `limits`, which holds for the others.
+  double confirmed_coherent_rms = 0.2;
+  /// Two ways of joining are told apart when the support of the weaker is below this part of that
+  /// of the stronger; in (0, 1].
+  double ambiguity = 0.5;
+  JudgeOptions judge;
+  int threads = 0;  ///< 0: one per core.
+};
+
+/// Two views that belong together, but in more ways than one.
+struct AmbiguousPair {
+  std::size_t a = 0, b = 0;
+  double overlap = 0.0, second_overlap = 0.0;  ///< Of the two best ways.
+};
+
+struct ViewGroups {
+  /// For each view the smallest index in its group.
+  std::vector<std::size_t> group;
+  /// Into the frame of its group: that of the known views, else of the largest group that it
+  /// started with, else of its first view.
+  std::vector<RigidMotion> group_from_view;
+  std::vector<PoseLink> joined;  ///< The links that were used, in order: a forest over the views.
+  std::vector<AmbiguousPair> ambiguous;  ///< Between groups that stayed apart for it.
+
+  bool all_in_one() const;
+  /// Each view alone, in its own frame.
+  static ViewGroups singles(std::size_t views);
+};
+
+/// Joins groups of views by links into larger ones in which no view contradicts another. Doubtful
+/// links that no loop of three confirms are left out. The others are tried in the order of the
+/// support they have: firm ones first, those that close loops, and by overlap, as a maximum
+/// spanning forest. A link joins two groups only if at the poses that follow no view of the one
+/// stands where a view of the other saw through, and only if no other link between the two groups
+/// explains the views nearly as well. The groups of `start` stay together; `known` views, in one of
+/// them, stay where they are.
+ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<PoseLink> links,
+                      const ViewGroups& start, const std::vector<bool>& known,
+                      const ViewGroupOptions& options = {});
+
+}  // namespace relief

@@ -1,0 +1,87 @@
+#pragma once
+
+namespace relief {
+
+enum class NormalSource {
+  kGeometric,  ///< Of the measured surface, smoothed: right whatever the normal maps are.
+  /// The view's own where it has them: for refined views. Their samples share errors, and count by
+  /// their confidence alone.
+  kMeasured,
+};
+
+struct ViewSurfaceOptions {
+  NormalSource normals = NormalSource::kGeometric;
+  /// Half width [pixels] of the window of geometric normals. 0: the smallest whose normals are good
+  /// to two degrees at the view's noise.
+  int normal_radius = 0;
+  /// Samples nearer than this [pixels] to a silhouette, an occlusion edge or the border of the grid
+  /// are not used to search and to judge by: they are the least accurate, and there overlap ends.
+  /// >= 1.
+  int boundary_margin = 2;
+  /// The same for the last steps of refining poses, which want all that is of any use. >= 1; no
+  /// effect from boundary_margin up.
+  int final_margin = 1;
+  /// Keep the view's normal map, freed of its smooth bias, as a signal to align by.
+  bool normal_signal = true;
+  /// Build the nearest-neighbour index even where the camera can project.
+  bool neighbour_index = false;
+  int threads = 0;  ///< 0: one per core.
+};
+
+enum class Association {
+  kAuto,        ///< Projective where the target's camera can project, else nearest.
+  kProjective,  ///< The target's surface at the pixel that sees the point: constant time.
+  kNearest,     ///< The closest point of the target's surface.
+};
+
+/// What to make of the poses that views come with. Known poses (PoseKind::kKnown) always stay.
+enum class GivenPoses {
+  kCheck,   ///< Evidence: refined from where they are, kept unless the other views refute them.
+  kTrust,   ///< Refined from where they are, and kept whatever the other views say.
+  kIgnore,  ///< Not looked at: all poses are found by shape.
+};
+
+struct StartingPoseOptions {
+  GivenPoses given = GivenPoses::kCheck;
+  /// Whether to look by shape for poses that are not given, or not confirmed.
+  bool search = true;
+  Association association = Association::kAuto;
+  /// Two views are linked by shape when they share at least this fraction of their samples; in (0,
+  /// 1].
+  double min_overlap = 0.15;
+  /// At most this fraction of the samples that can be compared may lie in front of what the other
+  /// view saw; in [0, 1].
+  double max_contradiction = 0.02;
+  int threads = 0;  ///< 0: one per core. Never changes the result.
+};
+
+struct JointRefinementOptions {
+  Association association = Association::kAuto;
+  /// Correspondences per direction of a pair at the finest level; >= 6.
+  int correspondences = 1500;
+  /// Levels from coarse (few correspondences, wide search) to fine; >= 1.
+  int levels = 3;
+  /// How far apart corresponding points may be at the starting poses [unit]. 0: a fifth of the
+  /// median radius of the views.
+  double search_distance = 0.0;
+  /// Samples per direction of a pair, at most, of the last steps, which determine the precision;
+  /// 0: all.
+  int final_samples = 0;
+  double max_normal_angle_deg = 40.0;  ///< Between corresponding normals.
+  double min_overlap = 0.04;           ///< Pairs of views that share less are not used; (0, 1].
+  int min_correspondences = 50;        ///< So are pairs that share fewer samples; >= 6.
+  /// Poses stand still when renewing the correspondences moves no sample by more than this [sample
+  /// spacings].
+  double tolerance = 0.01;
+  int max_iterations = 40;  ///< Renewals of the correspondences, per level.
+  int threads = 0;          ///< 0: one per core. Never changes the result.
+};
+
+struct AlignOptions {
+  ViewSurfaceOptions surface;
+  StartingPoseOptions starting_poses;
+  JointRefinementOptions refinement;
+  int threads = 0;  ///< 0: one per core; for all steps. Never changes the result.
+};
+
+}  // namespace relief

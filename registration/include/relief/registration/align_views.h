@@ -1,0 +1,78 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "relief/registration/align_options.h"
+#include "relief/registration/pair_fit.h"
+#include "relief/scan/progress.h"
+#include "relief/scan/range_view.h"
+#include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+enum class RefinementTermination {
+  kConverged,
+  kIterationLimit,  ///< Poses still moved by more than the tolerance.
+  kNoOverlap,       ///< No two views overlap at the starting poses: nothing was done.
+  /// The equations of the poses are not finite, as from infinite confidences: the poses are the
+  /// last ones before that, and neither pairs nor covariances are known.
+  kSolverFailed,
+};
+
+/// What is known of a view's pose after alignment.
+enum class PoseStatus {
+  kVerified,    ///< Other views confirm it.
+  kUnverified,  ///< It is the given pose, refined where views overlap it; nothing confirms it.
+  kLeftOut,     ///< None is known, or the given one is refuted.
+};
+
+/// What became of one view.
+struct ViewReport {
+  std::string name;
+  RigidMotion world_from_view = RigidMotion::Identity();
+  /// Whether the pose is in one frame with the main group of views: verified or not.
+  bool aligned = false;
+  PoseStatus status = PoseStatus::kLeftOut;
+  /// Covariance of the pose as tangent (rotation [rad], translation [unit]) about the view's centre
+  /// in world axes, relative to the held view (R12), and the roots of its diagonal.
+  Matrix6d pose_covariance = Matrix6d::Zero();
+  RigidTangent pose_std = RigidTangent::Zero();
+  std::string reason;  ///< Why it is not verified; empty when it is.
+};
+
+struct Alignment {
+  std::vector<ViewReport> views;  ///< In the order given.
+  std::vector<PairFit> pairs;     ///< Of all overlapping pairs.
+  RefinementTermination termination = RefinementTermination::kNoOverlap;
+  int iterations = 0;              ///< Renewals of the correspondences.
+  double rms = 0.0;                ///< Of all point-to-plane distances [unit].
+  std::vector<std::string> notes;  ///< What the user should know, one line each.
+
+  /// Whether all views are in one frame.
+  bool complete() const;
+  std::vector<RigidMotion> world_from_view() const;
+};
+
+/// Brings range views into one frame. Given poses are refined together, then verified; views whose
+/// pose nothing confirms are searched for by shape. A given pose that no view refutes is kept even
+/// then, with the status kUnverified. Known poses are kept to the bit; else the first view of the
+/// largest group of overlapping views stays where it is. Views without a pose that fit none are
+/// reported, never forced. Errors: kBadInput for no views or impossible options, kInterrupted.
+Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOptions& options = {},
+                              const Progress& progress = {});
+
+/// `converged`, `iteration limit`, `no overlap` or `solver failed`.
+std::string_view to_string(RefinementTermination termination);
+
+/// `verified`, `unverified` or `left out`.
+std::string_view to_string(PoseStatus status);
+
+/// Gives `views`, those that were aligned and in the same order, the poses found. An aligned view
+/// that had no pose has a guess from then on, so that merging takes it; a known pose stays known.
+/// Views that were not aligned stay as they are.
+void apply_alignment(const Alignment& alignment, std::vector<RangeView>& views);
+
+}  // namespace relief

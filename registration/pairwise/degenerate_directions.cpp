@@ -1,0 +1,86 @@
+#include "registration/pairwise/degenerate_directions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <Eigen/Dense>
+
+namespace relief {
+
+namespace {
+
+std::string format(const Eigen::Vector3d& v) {
+  char text[96];
+  std::snprintf(text, sizeof text, "(%.3g %.3g %.3g)", v.x(), v.y(), v.z());
+  return text;
+}
+
+// A rotation w with translation v at `centre` is a screw about the axis through
+// centre + w x v / |w|^2 (Chasles).
+std::string describe(const RigidTangent& motion, const Eigen::Vector3d& centre, double radius) {
+  const Eigen::Vector3d rotation = motion.head<3>(), translation = motion.tail<3>();
+  if (rotation.norm() * radius < 0.1 * translation.norm())
+    return "sliding along " + format(translation.normalized());
+  const double square = rotation.squaredNorm();
+  const Eigen::Vector3d axis_point = centre + rotation.cross(translation) / square;
+  const double pitch = rotation.dot(translation) / square;
+  std::string text =
+      "turning about " + format(rotation.normalized()) + " through " + format(axis_point);
+  if (std::abs(pitch) > 0.1 * radius) text += " while sliding along it";
+  return text;
+}
+
+}  // namespace
+
+Stability analyse_stability(const std::vector<OrientedPoint>& points) {
+  Stability result;
+  if (points.size() < 6) return result;
+  const double count = static_cast<double>(points.size());
+  const Eigen::Vector3d first = points.front().point;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& p : points) sum += p.point - first;
+  result.centre = first + sum / count;
+  double distance = 0.0;
+  for (const auto& p : points) distance += (p.point - result.centre).norm();
+  if (!(distance > 0.0)) return result;
+  result.radius = distance / count;
+
+  // (R5): C = mean of j j^T, j = (x n, n) with x scaled to mean length 1.
+  Matrix6d covariance = Matrix6d::Zero();
+  for (const auto& p : points) {
+    Vector6d j;
+    j << ((p.point - result.centre) / result.radius).cross(p.normal), p.normal;
+    covariance.selfadjointView<Eigen::Lower>().rankUpdate(j);
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(covariance / count);
+  result.stiffness = eigen.eigenvalues().cwiseMax(0.0);
+  result.directions = eigen.eigenvectors();
+  return result;
+}
+
+std::vector<DegenerateDirection> degenerate_directions(const Stability& stability,
+                                                       double threshold) {
+  const auto count = (stability.stiffness.array() < threshold).count();
+  if (count == 0) return {};
+  // Within the slippable space any basis is as good; the singular vectors of its rotational part
+  // separate the pure translations (singular value 0) from the rest.
+  const Eigen::MatrixXd space = stability.directions.leftCols(count);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(space.topRows(3), Eigen::ComputeFullV);
+  const Eigen::MatrixXd basis = space * svd.matrixV().rowwise().reverse();
+  std::vector<DegenerateDirection> result;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    DegenerateDirection direction;
+    direction.centre = stability.centre;
+    direction.motion << basis.col(k).head<3>(), stability.radius * basis.col(k).tail<3>();
+    direction.description = describe(direction.motion, stability.centre, stability.radius);
+    result.push_back(std::move(direction));
+  }
+  return result;
+}
+
+double stiffness_threshold(double normal_noise) {
+  return std::max(1e-4, 4.0 * normal_noise * normal_noise);
+}
+
+}  // namespace relief

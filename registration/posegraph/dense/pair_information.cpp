@@ -1,0 +1,172 @@
+#include "registration/posegraph/dense/pair_information.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include <Eigen/Dense>
+
+#include "registration/pairwise/robust.h"
+
+namespace relief {
+
+namespace {
+
+constexpr std::size_t kBatch = 4096;
+
+// The cube of a lattice that holds `p`: 21 bits a coordinate.
+std::uint64_t patch_of(const Eigen::Vector3d& p, double edge) {
+  std::uint64_t key = 0;
+  for (int k = 0; k < 3; ++k) {
+    const auto cell = static_cast<std::int64_t>(std::floor(p[k] / edge));
+    key = (key << 21) | (static_cast<std::uint64_t>(cell) & 0x1fffffU);
+  }
+  return key;
+}
+
+class Accumulator {
+ public:
+  Accumulator(PairInformation& sum, double patch) : sum_(sum), patch_(patch) {}
+
+  // A point and normal relative to the centre, its residual and 1 / sigma with the confidence.
+  void add(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double distance,
+           double scale) {
+    RigidTangent j;
+    j << point.cross(normal), normal;
+    const double r = scale * distance;
+    const double w = cauchy_weight(r, kCauchyScale);
+    const RigidTangent pull = (w * scale * r) * j;
+    sum_.information.noalias() += (w * scale * scale) * j * j.transpose();
+    sum_.pull += pull;
+    ++sum_.count;
+    if (patch_ > 0.0) add_to_patch(patch_of(point, patch_), pull);
+  }
+
+  void finish() {
+    std::sort(sum_.patches.begin(), sum_.patches.end(),
+              [](const auto& a, const auto& b) { return a.patch < b.patch; });
+  }
+
+ private:
+  void add_to_patch(std::uint64_t key, const RigidTangent& pull) {
+    const auto [place, is_new] = place_of_.try_emplace(key, sum_.patches.size());
+    if (is_new) sum_.patches.push_back({key, RigidTangent::Zero()});
+    sum_.patches[place->second].pull += pull;
+  }
+
+  PairInformation& sum_;
+  double patch_;
+  std::unordered_map<std::uint64_t, std::size_t> place_of_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t count) {
+  const auto &inner = view.samples(), &edge = view.edge_samples();
+  const std::size_t total = inner.size() + edge.size();
+  const std::size_t wanted = count > 0 ? std::min(count, total) : total;
+  const std::size_t of_edge = total > 0 ? wanted * edge.size() / total : 0;
+  std::vector<std::uint32_t> samples;
+  samples.reserve(wanted);
+  const auto append = [&](const std::vector<std::uint32_t>& part, std::size_t first) {
+    samples.insert(samples.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(first));
+  };
+  append(inner, wanted - of_edge);
+  append(edge, of_edge);
+  std::sort(samples.begin(), samples.end());
+  return samples;
+}
+
+double pair_deviation(const ViewSurface& source, const ViewSurface& target,
+                      const RigidMotion& target_from_source, const CorrespondenceOptions& search) {
+  return find_correspondences(source, target, target_from_source, search).sigma;
+}
+
+PairInformation pair_information(const ViewSurface& source, const ViewSurface& target,
+                                 const RigidMotion& world_from_source,
+                                 const RigidMotion& world_from_target,
+                                 std::span<const std::uint32_t> samples,
+                                 const PairInformationOptions& options) {
+  PairInformation sum;
+  const RigidMotion target_from_source = world_from_target.inverse() * world_from_source;
+  RigidMotion centred_from_target = world_from_target;
+  centred_from_target.translation() -= options.centre;
+
+  const double sigma = options.sigma > 0.0
+                           ? options.sigma
+                           : pair_deviation(source, target, target_from_source, options.search);
+  if (sigma <= 0.0) return sum;
+  CorrespondenceOptions everywhere = options.search;
+  everywhere.part = SurfacePart::kWhole;
+  Accumulator accumulator(sum, options.patch);
+  std::vector<Correspondence> batch;
+  for (std::size_t begin = 0; begin < samples.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, samples.size() - begin);
+    batch.clear();
+    append_correspondences(source, target, target_from_source, samples.subspan(begin, count),
+                           everywhere, batch);
+    for (const auto& c : batch) {
+      if (std::abs(c.distance) > options.search.max_sigmas * sigma) continue;
+      accumulator.add(centred_from_target * c.target.point,
+                      centred_from_target.linear() * c.target.normal, c.distance,
+                      std::sqrt(c.weight) / sigma);
+    }
+  }
+  accumulator.finish();
+  return sum;
+}
+
+void add_normals(const NormalMatches& normals, const RigidMotion& world_from_target,
+                 const Eigen::Vector3d& centre, const RigidTangent& since, PairInformation& sum) {
+  if (normals.items.empty()) return;
+  RigidMotion centred_from_target = world_from_target;
+  centred_from_target.translation() -= centre;
+  const double precision = 1.0 / (normals.effective_sigma * normals.effective_sigma);
+  Matrix6d information = Matrix6d::Zero();
+  RigidTangent pull = RigidTangent::Zero();
+  for (const NormalMatch& in_target : normals.items) {
+    const NormalMatch match = in_target.moved(centred_from_target);
+    for (int k = 0; k < 2; ++k) {
+      const auto j = [&](const Eigen::Matrix<double, 3, 2>& gradient) -> RigidTangent {
+        return match.derivative(k, gradient, Eigen::Vector3d::Zero());
+      };
+      const double weight =
+          precision * match.weight * cauchy_weight(match.residual[k] / normals.sigma, kCauchyScale);
+      // Products of both views' gradients: the noise of either alone would count as relief.
+      const RigidTangent s = j(match.source_gradient), t = j(match.target_gradient);
+      information += 0.5 * weight * (s * t.transpose() + t * s.transpose());
+      pull += weight * match.residual[k] * j(match.gradient());
+    }
+  }
+  sum.information += information;
+  sum.independent += information;
+  sum.pull += pull + information * since;
+}
+
+void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen::Vector3d& centre,
+                    PairInformation& sum) {
+  if (motions.empty() || sum.count == 0) return;
+  Eigen::MatrixXd ignored(6, motions.size());
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    const RigidTangent& motion = motions[k].motion;
+    const Eigen::Vector3d turn = motion.head<3>();
+    ignored.col(static_cast<Eigen::Index>(k)) << turn,
+        motion.tail<3>() + turn.cross(centre - motions[k].centre);
+  }
+  // What is left of a motion without its part along those that are ignored; rotations count by the
+  // lever that they have.
+  const Vector6d diagonal = sum.information.diagonal();
+  const double lever = diagonal.head<3>().sum() / std::max(diagonal.tail<3>().sum(), 1e-300);
+  Vector6d weight = Vector6d::Ones();
+  weight.head<3>().setConstant(std::max(lever, 1e-300));
+  const Eigen::MatrixXd weighted = weight.asDiagonal() * ignored;
+  const Matrix6d rest =
+      Matrix6d::Identity() -
+      ignored * (ignored.transpose() * weighted).ldlt().solve(weighted.transpose());
+  sum.information = rest.transpose() * sum.information * rest;
+  sum.independent = rest.transpose() * sum.independent * rest;
+  sum.pull = rest.transpose() * sum.pull;
+  for (PatchPull& patch : sum.patches) patch.pull = rest.transpose() * patch.pull;
+}
+
+}  // namespace relief

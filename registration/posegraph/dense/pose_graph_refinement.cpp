@@ -1,0 +1,228 @@
+#include "registration/posegraph/dense/pose_graph_refinement.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "registration/posegraph/dense/pair_information.h"
+#include "registration/posegraph/dense/pose_graph_system.h"
+#include "registration/pairwise/robust.h"
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+// Directed pairs whose patches are held in memory at a time.
+constexpr std::size_t kPairsAtOnce = 64;
+
+// The mean of the views' centres.
+Eigen::Vector3d common_centre(const std::vector<const ViewSurface*>& surfaces,
+                              const std::vector<RigidMotion>& world_from_view) {
+  const Eigen::Vector3d first = world_from_view.front() * surfaces.front()->centre();
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    offset += world_from_view[i] * surfaces[i]->centre() - first;
+  return first + offset / static_cast<double>(surfaces.size());
+}
+
+double median_spacing(const std::vector<const ViewSurface*>& surfaces) {
+  std::vector<double> spacings;
+  for (const ViewSurface* surface : surfaces)
+    if (!surface->samples().empty()) spacings.push_back(surface->spacing());
+  return quantile(spacings, 0.5);
+}
+
+RigidMotion moved(const RigidMotion& world_from_view, const RigidTangent& tangent,
+                  const Eigen::Vector3d& centre) {
+  RigidMotion centred = world_from_view;
+  centred.translation() -= centre;
+  RigidMotion result = motion_from_tangent(tangent) * centred;
+  result.linear() = Eigen::Quaterniond(result.linear()).normalized().toRotationMatrix();
+  result.translation() += centre;
+  return result;
+}
+
+// The pairs of views while their poses move by small steps about one centre.
+class MovingPairs {
+ public:
+  MovingPairs(const std::vector<const ViewSurface*>& surfaces, const std::vector<ViewPair>& pairs,
+              const DenseRefinementOptions& options, std::vector<RigidMotion> world_from_view)
+      : surfaces_(surfaces),
+        pairs_(pairs),
+        options_(options),
+        start_(world_from_view),
+        poses_(std::move(world_from_view)),
+        since_(start_.size(), RigidTangent::Zero()) {
+    compression_.search = options.search;
+    compression_.centre = common_centre(surfaces, start_);
+    measure_deviations();
+  }
+
+  const std::vector<RigidMotion>& poses() const { return poses_; }
+  const Eigen::Vector3d& centre() const { return compression_.centre; }
+
+  /// What residuals of each directed pair deviate by at the present poses, until measured anew.
+  void measure_deviations() {
+    sigmas_ = parallel_map<double>(2 * pairs_.size(), options_.threads, [&](std::size_t i) {
+      const std::size_t source = source_of(pairs_, i), target = target_of(pairs_, i);
+      return pair_deviation(*surfaces_[source], *surfaces_[target],
+                            poses_[target].inverse() * poses_[source], options_.search);
+    });
+  }
+
+  /// The pairs at the present poses, in both directions.
+  std::vector<PairInformation> compress(std::size_t samples) const {
+    return compress_all(samples, 0.0, [](PairInformation&) {});
+  }
+
+  /// The same; what patches of edge `patch` [unit] pull is added up and not kept pair by pair.
+  std::vector<PairInformation> compress(std::size_t samples, double patch,
+                                        PatchPulls& pulls) const {
+    return compress_all(samples, patch, [&](PairInformation& pair) {
+      pulls.add(pair);
+      pair.patches = {};
+    });
+  }
+
+  /// Moves views by tangents about the centre; those with a zero one stay to the bit. The largest
+  /// motion of a sample [unit].
+  double move(const std::vector<RigidTangent>& tangents) {
+    const auto before = poses_;
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      if (tangents[i].isZero(0.0)) continue;
+      poses_[i] = moved(before[i], tangents[i], compression_.centre);
+      since_[i] += tangents[i];
+    }
+    return largest_motion(surfaces_, before, poses_);
+  }
+
+ private:
+  // Calls visit(pair) in the order of the pairs.
+  template <typename Visit>
+  std::vector<PairInformation> compress_all(std::size_t samples, double patch,
+                                            const Visit& visit) const {
+    const auto of_view = parallel_map<std::vector<std::uint32_t>>(
+        surfaces_.size(), options_.threads,
+        [&](std::size_t i) { return in_grid_order(*surfaces_[i], samples); });
+    std::vector<PairInformation> all(2 * pairs_.size());
+    for (std::size_t first = 0; first < all.size(); first += kPairsAtOnce) {
+      const std::size_t count = std::min(kPairsAtOnce, all.size() - first);
+      parallel_for(count, 1, options_.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = first + begin; i < first + end; ++i)
+          all[i] = compress_pair(i, of_view[source_of(pairs_, i)], patch);
+      });
+      for (std::size_t i = first; i < first + count; ++i) visit(all[i]);
+    }
+    return all;
+  }
+
+  PairInformation compress_pair(std::size_t i, const std::vector<std::uint32_t>& samples,
+                                double patch) const {
+    const std::size_t source = source_of(pairs_, i), target = target_of(pairs_, i);
+    PairInformation sum;
+    if (sigmas_[i] > 0.0) {
+      PairInformationOptions compression = compression_;
+      compression.sigma = sigmas_[i];
+      compression.patch = patch;
+      sum = pair_information(*surfaces_[source], *surfaces_[target], poses_[source], poses_[target],
+                             samples, compression);
+    }
+    sum.source = source;
+    sum.target = target;
+    if (sigmas_[i] <= 0.0) return sum;
+    if (!options_.normals.empty())
+      add_normals(options_.normals[i], start_[target], compression_.centre,
+                  since_[source] - since_[target], sum);
+    ignore_motions(options_.ignored, compression_.centre, sum);
+    return sum;
+  }
+
+  const std::vector<const ViewSurface*>& surfaces_;
+  const std::vector<ViewPair>& pairs_;
+  const DenseRefinementOptions& options_;
+  PairInformationOptions compression_;
+  std::vector<double> sigmas_;  // Of directed pairs [unit].
+  std::vector<RigidMotion> start_, poses_;
+  std::vector<RigidTangent> since_;  // What the views moved by, all in all.
+};
+
+// What a step of one standard deviation changes, relative to what Gauss-Newton expects.
+double response_at(const MovingPairs& views, const std::vector<const ViewSurface*>& surfaces,
+                   const std::vector<bool>& held, std::size_t samples) {
+  const auto here = views.compress(samples);
+  const PoseNetwork network(surfaces, here, held, views.centre());
+  const auto probe = network.probe();
+  MovingPairs beside = views;
+  beside.move(probe);
+  return network.response(beside.compress(samples), probe);
+}
+
+// Where renewed correspondences give way, Gauss-Newton falls short.
+std::vector<RigidTangent> newton_step(const PoseNetwork& network, double response) {
+  auto step = network.step();
+  for (auto& tangent : step) tangent /= response;
+  return step;
+}
+
+// Steps until the poses rest. The response to one is the scale of the next (Barzilai and Borwein
+// 1988).
+void approach(const std::vector<const ViewSurface*>& surfaces, const std::vector<bool>& held,
+              const DenseRefinementOptions& options, MovingPairs& views, DenseRefinement& result) {
+  std::vector<PairInformation> before;
+  std::vector<RigidTangent> step;
+  do {
+    auto pairs = views.compress(options.step_samples);
+    const double response =
+        before.empty() ? 1.0
+                       : PoseNetwork(surfaces, before, held, views.centre()).response(pairs, step);
+    step = newton_step(PoseNetwork(surfaces, pairs, held, views.centre()), response);
+    before = std::move(pairs);
+    result.last_motion = views.move(step);
+    ++result.iterations;
+  } while (result.last_motion > options.tolerance && result.iterations < options.max_iterations);
+}
+
+}  // namespace
+
+DenseRefinement refine_densely(const std::vector<const ViewSurface*>& surfaces,
+                               const std::vector<ViewPair>& pairs, const std::vector<bool>& held,
+                               const DenseRefinementOptions& options,
+                               std::vector<RigidMotion>& world_from_view) {
+  DenseRefinement result;
+  MovingPairs views(surfaces, pairs, options, world_from_view);
+  approach(surfaces, held, options, views, result);
+  views.measure_deviations();
+  const double response = response_at(views, surfaces, held, options.step_samples);
+  PatchPulls pulls(surfaces.size());
+  const auto all =
+      views.compress(options.last_samples, options.patch * median_spacing(surfaces), pulls);
+  const PoseNetwork network(surfaces, all, held, views.centre());
+  result.covariance = network.covariance(views.poses(), pulls, response);
+  views.move(newton_step(network, response));
+  ++result.iterations;
+  world_from_view = views.poses();
+  return result;
+}
+
+std::vector<const ViewSurface*> pointers_to(const std::vector<ViewSurface>& surfaces) {
+  std::vector<const ViewSurface*> pointers;
+  for (const ViewSurface& surface : surfaces) pointers.push_back(&surface);
+  return pointers;
+}
+
+double largest_motion(const std::vector<const ViewSurface*>& surfaces,
+                      const std::vector<RigidMotion>& before,
+                      const std::vector<RigidMotion>& after) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const Eigen::Vector3d centre = surfaces[i]->centre();
+    const double turn = rotation_angle(after[i] * before[i].inverse());
+    largest = std::max(
+        largest, (after[i] * centre - before[i] * centre).norm() + turn * surfaces[i]->radius());
+  }
+  return largest;
+}
+
+}  // namespace relief

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/pairwise/correspondences.h"
+#include "registration/pairwise/normal_matches.h"
+#include "registration/posegraph/view_graph.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+struct DenseRefinementOptions {
+  /// Of the search; `count` correspondences measure the deviation of each directed pair.
+  CorrespondenceOptions search;
+  /// Samples of the source, per direction of a pair, at most: of the steps, and of the last one,
+  /// which determines the precision. 0: all.
+  std::size_t step_samples = 4000, last_samples = 0;
+  double tolerance = 0.0;  ///< The last step follows one that moved no sample by more [unit].
+  int max_iterations = 6;
+  /// What the normal maps say of each directed pair at the poses given, (a, b) at 2k, (b, a) at
+  /// 2k + 1; empty: nothing.
+  std::vector<NormalMatches> normals;
+  /// Edge of the patches within which residuals may depend on each other [sample spacings].
+  double patch = 8.0;
+  /// For two views: relative motions that they do not determine, and that steps leave alone. World
+  /// frame.
+  std::vector<DegenerateDirection> ignored;
+  int threads = 0;  ///< 0: one per core. Never changes the result.
+};
+
+struct DenseRefinement {
+  int iterations = 0;
+  double last_motion = 0.0;    ///< Largest motion of a sample before the last step [unit].
+  Eigen::MatrixXd covariance;  ///< Of all poses, 6V x 6V: see PoseNetwork::covariance().
+};
+
+/// The last steps of the joint refinement, from nearly right poses: Gauss-Newton on the residuals
+/// (R3) of thousands of samples a pair and at last of all, each pair compressed to its 6x6
+/// information while its correspondences are found (R11), so that nothing is kept per residual.
+/// `held` views do not move.
+DenseRefinement refine_densely(const std::vector<const ViewSurface*>& surfaces,
+                               const std::vector<ViewPair>& pairs, const std::vector<bool>& held,
+                               const DenseRefinementOptions& options,
+                               std::vector<RigidMotion>& world_from_view);
+
+/// The views as refine_densely() takes them.
+std::vector<const ViewSurface*> pointers_to(const std::vector<ViewSurface>& surfaces);
+
+/// The largest distance [unit] that a sample moves between two sets of poses, from above.
+double largest_motion(const std::vector<const ViewSurface*>& surfaces,
+                      const std::vector<RigidMotion>& before,
+                      const std::vector<RigidMotion>& after);
+
+}  // namespace relief

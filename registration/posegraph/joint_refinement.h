@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "registration/pairwise/correspondences.h"
+#include "registration/posegraph/pair_fit.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/progress.h"
+#include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
+#include "relief/registration/align_options.h"
+#include "relief/registration/align_views.h"
+#include "relief/registration/pair_fit.h"
+
+namespace relief {
+
+struct JointRefinement {
+  std::vector<RigidMotion> world_from_view;
+  RefinementTermination termination = RefinementTermination::kNoOverlap;
+  int iterations = 0;      ///< Renewals of the correspondences over all levels.
+  double last_motion = 0;  ///< Largest motion of a sample by the last one [unit].
+  double rms = 0.0;        ///< Over all correspondences [unit].
+  std::vector<PairFit> pairs;
+  /// For each view the smallest index of a view that pairs link it to. Groups do not see each
+  /// other: within each, poses are relative to its held view.
+  std::vector<std::size_t> group;
+  /// Views that did not move: the fixed ones and, in groups without any, the first.
+  std::vector<bool> held;
+  /// Covariance of all poses (6V x 6V), tangents (rotation [rad], translation [unit]) about each
+  /// view's centre in world axes; zero for held views. See PoseNetwork::covariance().
+  Eigen::MatrixXd pose_covariance;
+  std::vector<RigidTangent> pose_std;  ///< The roots of its diagonal.
+};
+
+/// What the refinement may do with a view.
+enum class ViewRole {
+  kFree,      ///< Its pose is refined.
+  kFixed,     ///< Its pose stays, to the bit; others are aligned to it.
+  kExcluded,  ///< It has no meaningful pose: it pairs with none and stays.
+};
+
+/// Refines all poses at once: minimises the robust point-to-plane distances of all overlapping
+/// pairs, both ways (R3), and renews the correspondences until the poses stand still. The only
+/// error is kInterrupted.
+Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
+                                       const std::vector<RigidMotion>& world_from_view,
+                                       const std::vector<ViewRole>& roles,
+                                       const JointRefinementOptions& options = {},
+                                       const Progress& progress = {});
+
+}  // namespace relief

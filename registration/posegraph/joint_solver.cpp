@@ -1,0 +1,155 @@
+#include "registration/posegraph/joint_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Core>
+#include <ceres/ceres.h>
+
+#include "registration/posegraph/pair_terms.h"
+#include "registration/posegraph/pose_parameters.h"
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+// The poses of all views as parameters about a common centre.
+struct PoseBlocks {
+  Eigen::Vector3d world_centre = Eigen::Vector3d::Zero();
+  std::vector<PoseParameters> values;
+};
+
+PoseBlocks pose_blocks(const std::vector<ViewSurface>& surfaces,
+                       const std::vector<RigidMotion>& world_from_view) {
+  PoseBlocks blocks;
+  const Eigen::Vector3d first = world_from_view.front() * surfaces.front().centre();
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    blocks.world_centre += world_from_view[i] * surfaces[i].centre() - first;
+  blocks.world_centre = first + blocks.world_centre / static_cast<double>(surfaces.size());
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    blocks.values.push_back(
+        pose_parameters(world_from_view[i], surfaces[i].centre(), blocks.world_centre));
+  return blocks;
+}
+
+PairTerms terms_of(const DirectedMatches& pair, const ViewSurface& source,
+                   const ViewSurface& target, const RigidMotion& source_from_target) {
+  PairTerms terms;
+  for (const Correspondence& c : pair.found.items)
+    terms.planes.push_back({c.source.point - source.centre(), c.target.point - target.centre(),
+                            c.target.normal, std::sqrt(c.weight) / pair.found.sigma});
+  for (const NormalMatch& match : pair.normals.items) {
+    const PlaneResidual& plane = terms.planes[match.correspondence];
+    terms.normals.push_back({plane.source, plane.target, source_from_target.linear() * match.normal,
+                             match.basis, match.gradient(),
+                             std::sqrt(match.weight) / pair.normals.effective_sigma});
+  }
+  return terms;
+}
+
+// The directed pairs while Ceres varies the poses: all compressed in parallel whenever it has moved
+// them, each summed up in its own order.
+class CompressedPairs : public ceres::EvaluationCallback {
+ public:
+  CompressedPairs(const std::vector<PoseParameters>& poses, int threads)
+      : poses_(poses), threads_(threads) {}
+
+  void add(std::size_t source, std::size_t target, PairTerms terms) {
+    pairs_.push_back({source, target, std::move(terms), {}});
+  }
+
+  // With derivatives even if only the cost is asked for: most steps are taken, and then they are.
+  void PrepareForEvaluation(bool, bool poses_moved) override {
+    if (!poses_moved) return;
+    parallel_for(pairs_.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        Pair& pair = pairs_[i];
+        pair.now = pair.terms.compress(relative_pose(poses_[pair.source], poses_[pair.target]));
+      }
+    });
+  }
+
+  std::size_t size() const { return pairs_.size(); }
+  std::size_t source(std::size_t i) const { return pairs_[i].source; }
+  std::size_t target(std::size_t i) const { return pairs_[i].target; }
+  const CompressedTerms& now(std::size_t i) const { return pairs_[i].now; }
+
+ private:
+  struct Pair {
+    std::size_t source, target;
+    PairTerms terms;
+    CompressedTerms now;
+  };
+  const std::vector<PoseParameters>& poses_;
+  std::vector<Pair> pairs_;
+  int threads_;
+};
+
+class PairCost : public ceres::SizedCostFunction<7, 7, 7> {
+ public:
+  PairCost(const CompressedPairs& pairs, std::size_t index) : pairs_(pairs), index_(index) {}
+
+  bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
+    const CompressedTerms& terms = pairs_.now(index_);
+    std::copy_n(terms.residuals.data(), 7, residuals);
+    if (!jacobians) return true;
+    const PoseParameters source(poses[0]), target(poses[1]);
+    if (jacobians[0]) write(terms.derivative * tangent_by_source(source, target), jacobians[0]);
+    if (jacobians[1]) write(terms.derivative * tangent_by_target(target), jacobians[1]);
+    return true;
+  }
+
+ private:
+  using Jacobian = Eigen::Matrix<double, 7, 7, Eigen::RowMajor>;
+  static void write(const Jacobian& jacobian, double* out) {
+    std::copy_n(jacobian.data(), 49, out);
+  }
+
+  const CompressedPairs& pairs_;
+  std::size_t index_;
+};
+
+}  // namespace
+
+PoseSolution solve_poses(const std::vector<ViewSurface>& surfaces,
+                         const std::vector<DirectedMatches>& matches,
+                         const std::vector<bool>& fixed, const JointSolverOptions& options,
+                         std::vector<RigidMotion>& world_from_view) {
+  PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
+  CompressedPairs pairs(blocks.values, options.threads);
+  for (const auto& pair : matches) {
+    if (pair.found.items.empty() || (fixed[pair.source] && fixed[pair.target])) continue;
+    pairs.add(pair.source, pair.target,
+              terms_of(pair, surfaces[pair.source], surfaces[pair.target],
+                       world_from_view[pair.source].inverse() * world_from_view[pair.target]));
+  }
+  ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> rigid;
+  ceres::Problem::Options problem_options;
+  problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  problem_options.evaluation_callback = &pairs;
+  ceres::Problem problem(problem_options);
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    problem.AddParameterBlock(blocks.values[i].data(), 7, &rigid);
+    if (fixed[i]) problem.SetParameterBlockConstant(blocks.values[i].data());
+  }
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    problem.AddResidualBlock(new PairCost(pairs, i), nullptr, blocks.values[pairs.source(i)].data(),
+                             blocks.values[pairs.target(i)].data());
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.max_num_iterations = options.max_iterations;
+  solver.num_threads = 1;  // Parallel sums would depend on the number of threads.
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  if (!summary.IsSolutionUsable()) return PoseSolution::kFailed;
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    if (!fixed[i])
+      world_from_view[i] =
+          pose_from_parameters(blocks.values[i], surfaces[i].centre(), blocks.world_centre);
+  return PoseSolution::kUsable;
+}
+
+}  // namespace relief

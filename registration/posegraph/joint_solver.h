@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/pairwise/correspondences.h"
+#include "registration/pairwise/normal_matches.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+/// Correspondences from samples of one view to the surface of another.
+struct DirectedMatches {
+  std::size_t source = 0, target = 0;
+  Correspondences found;
+  NormalMatches normals;  ///< Of `found`; empty where they would add little.
+};
+
+struct JointSolverOptions {
+  int max_iterations = 2;  ///< Levenberg-Marquardt steps; few, when correspondences are renewed.
+  int threads = 0;         ///< 0: one per core. Never changes the result.
+};
+
+enum class PoseSolution {
+  kUsable,  ///< The poses are those of the least cost found.
+  kFailed,  ///< No step could be computed, as of terms that are not finite: the poses are as given.
+};
+
+/// One minimisation of (R3) and (R9) over all poses with fixed correspondences: Levenberg-Marquardt
+/// with the Cauchy loss and a sparse Cholesky factorisation; the terms of a directed pair make
+/// seven residuals, whatever their number (R3a). Poses with `fixed` are not touched.
+[[nodiscard]] PoseSolution solve_poses(const std::vector<ViewSurface>& surfaces,
+                                       const std::vector<DirectedMatches>& matches,
+                                       const std::vector<bool>& fixed,
+                                       const JointSolverOptions& options,
+                                       std::vector<RigidMotion>& world_from_view);
+
+}  // namespace relief

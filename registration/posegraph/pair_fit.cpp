@@ -1,0 +1,102 @@
+#include "registration/posegraph/pair_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "registration/pairwise/robust.h"
+#include "registration/pairwise/search_schedule.h"
+
+namespace relief {
+
+namespace {
+
+// Pairs that share fewer samples or less of the views than this are thin.
+constexpr double kThinSamples = 200.0;
+constexpr double kThinOverlap = 0.1;
+
+// In the order of what matters most about a pair.
+PairGrade grade_of(const PairFit& fit, double shared_samples, double largest_rms) {
+  if (fit.rms > largest_rms) return PairGrade::kMisfit;
+  if (fit.overlap < kThinOverlap || shared_samples < kThinSamples) return PairGrade::kThin;
+  return fit.degenerate_directions.empty() ? PairGrade::kFirm : PairGrade::kSlides;
+}
+
+}  // namespace
+
+double slip_threshold(const ViewSurface& a, const ViewSurface& b) {
+  return stiffness_threshold(std::max(a.normal_noise(), b.normal_noise()));
+}
+
+PairFit fit_of(const std::vector<ViewSurface>& surfaces,
+               const std::vector<RigidMotion>& world_from_view, const DirectedMatches& forward,
+               const DirectedMatches& backward) {
+  PairFit fit;
+  fit.a = forward.source;
+  fit.b = forward.target;
+  fit.overlap = 0.5 * (forward.found.overlap() + backward.found.overlap());
+  std::vector<OrientedPoint> points;
+  NormalMatches normals;
+  double squares = 0.0;
+  for (const auto* directed : {&forward, &backward}) {
+    const RigidMotion& pose = world_from_view[directed->target];
+    for (const auto& c : directed->found.items) {
+      squares += c.distance * c.distance;
+      points.push_back({pose * c.target.point, pose.linear() * c.target.normal});
+    }
+    for (const auto& match : directed->normals.items) normals.items.push_back(match.moved(pose));
+    normals.effective_sigma = std::max(normals.effective_sigma, directed->normals.effective_sigma);
+    normals.redundancy = std::max(normals.redundancy, directed->normals.redundancy);
+  }
+  fit.correspondences = points.size();
+  if (!points.empty()) fit.rms = std::sqrt(squares / static_cast<double>(points.size()));
+  const double threshold = slip_threshold(surfaces[fit.a], surfaces[fit.b]);
+  Stability stability = analyse_stability(points);
+  if (!normals.items.empty())
+    stability = with_normal_maps(
+        stability, normals,
+        std::max(forward.found.sigma, backward.found.sigma) / normals.effective_sigma, threshold);
+  fit.normal_maps = !normals.items.empty();
+  fit.degenerate_directions = degenerate_directions(stability, threshold);
+  return fit;
+}
+
+void grade_pairs(const std::vector<ViewSurface>& surfaces, std::vector<PairFit>& pairs) {
+  const auto limits = largest_fitting_rms(surfaces, pairs);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    PairFit& fit = pairs[i];
+    const std::size_t samples =
+        std::min(surfaces[fit.a].samples().size(), surfaces[fit.b].samples().size());
+    fit.grade = grade_of(fit, fit.overlap * static_cast<double>(samples), limits[i]);
+  }
+}
+
+std::vector<double> largest_fitting_rms(const std::vector<ViewSurface>& surfaces,
+                                        const std::vector<PairFit>& pairs) {
+  // A pair that deviates by this many times the median of all pairs is uncommon.
+  constexpr double kCommonRms = 2.0;
+  std::vector<double> all, limits;
+  for (const auto& pair : pairs) all.push_back(pair.rms);
+  const double common = kCommonRms * quantile(all, 0.5);
+  for (const auto& pair : pairs) {
+    const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
+    limits.push_back(std::max(common, largest_plausible_rms(std::max(a.spacing(), b.spacing()),
+                                                            std::hypot(a.noise(), b.noise()))));
+  }
+  return limits;
+}
+
+std::string_view to_string(PairGrade grade) {
+  switch (grade) {
+    case PairGrade::kFirm:
+      return "firm";
+    case PairGrade::kSlides:
+      return "slides";
+    case PairGrade::kThin:
+      return "thin";
+    case PairGrade::kMisfit:
+      return "misfit";
+  }
+  return "unknown";
+}
+
+}  // namespace relief

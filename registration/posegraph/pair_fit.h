@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "registration/posegraph/joint_solver.h"
+#include "registration/pairwise/degenerate_directions.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/rigid_motion.h"
+#include "relief/registration/pair_fit.h"
+
+namespace relief {
+
+/// The fit of one pair by its matches in both directions, not graded yet.
+PairFit fit_of(const std::vector<ViewSurface>& surfaces,
+               const std::vector<RigidMotion>& world_from_view, const DirectedMatches& forward,
+               const DirectedMatches& backward);
+
+/// Grades pairs beside all others of the same views.
+void grade_pairs(const std::vector<ViewSurface>& surfaces, std::vector<PairFit>& pairs);
+
+/// For each pair the RMS of distances [unit] that views which fit stay below: what their noise and
+/// spacing explain, or twice the median of all pairs if that is more.
+std::vector<double> largest_fitting_rms(const std::vector<ViewSurface>& surfaces,
+                                        const std::vector<PairFit>& pairs);
+
+/// The stiffness below which noise alone would explain what holds the pair (R5).
+double slip_threshold(const ViewSurface& a, const ViewSurface& b);
+
+}  // namespace relief

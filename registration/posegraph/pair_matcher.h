@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "registration/pairwise/correspondences.h"
+#include "registration/posegraph/joint_solver.h"
+#include "registration/posegraph/view_graph.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+/// Matches pairs of views at poses, one direction of a pair at a time. All that is given has to
+/// outlive it.
+class PairMatcher {
+ public:
+  /// Normal maps, at resolution `signal_level`, are matched where either view is `sliding`.
+  PairMatcher(const std::vector<ViewSurface>& surfaces,
+              const std::vector<RigidMotion>& world_from_view, const std::vector<ViewPair>& pairs,
+              const CorrespondenceOptions& search, int signal_level,
+              const std::vector<bool>& sliding)
+      : surfaces_(surfaces),
+        world_from_view_(world_from_view),
+        pairs_(pairs),
+        search_(search),
+        signal_level_(signal_level),
+        sliding_(sliding) {}
+
+  std::size_t size() const { return 2 * pairs_.size(); }  ///< Directed pairs.
+  bool by_normal_maps(std::size_t i) const {
+    return sliding_[pairs_[i / 2].a] || sliding_[pairs_[i / 2].b];
+  }
+
+  /// Of directed pair i, see source_of(). Normal maps have no opinion on motions
+  /// that neither they nor geometry determine.
+  DirectedMatches operator()(std::size_t i) const;
+
+ private:
+  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<RigidMotion>& world_from_view_;
+  const std::vector<ViewPair>& pairs_;
+  CorrespondenceOptions search_;
+  int signal_level_;
+  const std::vector<bool>& sliding_;
+};
+
+}  // namespace relief

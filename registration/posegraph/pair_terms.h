@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/pairwise/normal_residual.h"
+#include "registration/pairwise/plane_residual.h"
+#include "registration/pairwise/degenerate_directions.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+/// Seven residuals that stand for all terms of a directed pair of views at a pose of the source
+/// relative to the target: the sum of squares of `residuals` is that of the losses,
+/// 2 D^T r its gradient and D^T D the Gauss-Newton matrix of reweighted least squares, with D the
+/// derivative by a motion of the source as in PlaneResidual.
+struct CompressedTerms {
+  Eigen::Matrix<double, 7, 1> residuals = Eigen::Matrix<double, 7, 1>::Zero();
+  Eigen::Matrix<double, 7, 6> derivative = Eigen::Matrix<double, 7, 6>::Zero();
+};
+
+/// All terms of the joint refinement between one view's samples and another's surface: (R3) and
+/// (R9), with the Cauchy loss.
+struct PairTerms {
+  std::vector<PlaneResidual> planes;
+  std::vector<NormalResidual> normals;
+
+  /// All of them at a relative pose, exactly: they depend on six parameters only, whatever their
+  /// number (R3a).
+  CompressedTerms compress(const RigidMotion& target_from_source) const;
+};
+
+}  // namespace relief

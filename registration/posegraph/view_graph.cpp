@@ -1,0 +1,94 @@
+#include "registration/posegraph/view_graph.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+constexpr int kProbes = 600;
+
+bool spheres_meet(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
+                  double margin) {
+  return (b_from_a * a.centre() - b.centre()).norm() <= a.radius() + b.radius() + margin;
+}
+
+// Overlap of a pair, 0 unless the samples that it can be expected to share are enough.
+double probe(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
+             const ViewGraphOptions& options) {
+  if (!spheres_meet(a, b, b_from_a, options.max_distance)) return 0.0;
+  CorrespondenceOptions search;
+  search.count = kProbes;
+  search.tries = 1;
+  search.max_distance = options.max_distance;
+  search.max_normal_angle_deg = options.max_normal_angle_deg;
+  search.association = options.association;
+  const double a_in_b = find_correspondences(a, b, b_from_a, search).overlap();
+  const double b_in_a = find_correspondences(b, a, b_from_a.inverse(), search).overlap();
+  const double shared = a_in_b * static_cast<double>(a.samples().size()) +
+                        b_in_a * static_cast<double>(b.samples().size());
+  return shared >= options.min_correspondences ? 0.5 * (a_in_b + b_in_a) : 0.0;
+}
+
+}  // namespace
+
+std::vector<ViewPair> find_overlapping_pairs(const std::vector<ViewSurface>& surfaces,
+                                             const std::vector<RigidMotion>& world_from_view,
+                                             const ViewGraphOptions& options) {
+  std::vector<ViewPair> pairs;
+  for (std::size_t a = 0; a < surfaces.size(); ++a)
+    for (std::size_t b = a + 1; b < surfaces.size(); ++b)
+      if (!surfaces[a].samples().empty() && !surfaces[b].samples().empty()) pairs.push_back({a, b});
+  parallel_for(pairs.size(), 4, options.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto [a, b, unused] = pairs[i];
+      const RigidMotion b_from_a = world_from_view[b].inverse() * world_from_view[a];
+      pairs[i].overlap = probe(surfaces[a], surfaces[b], b_from_a, options);
+    }
+  });
+  std::erase_if(pairs, [&](const ViewPair& pair) { return pair.overlap < options.min_overlap; });
+  return pairs;
+}
+
+std::vector<ViewPair> largest_overlaps(std::size_t views, const std::vector<ViewPair>& pairs,
+                                       int per_view) {
+  std::vector<std::size_t> order(pairs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
+    return pairs[x].overlap > pairs[y].overlap;
+  });
+  std::vector<int> kept_of(views, 0);
+  std::vector<std::size_t> group(views);
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  std::vector<bool> keep(pairs.size(), false);
+  for (const std::size_t k : order) {
+    const auto [a, b, unused] = pairs[k];
+    keep[k] = kept_of[a] < per_view || kept_of[b] < per_view || group[a] != group[b];
+    if (!keep[k]) continue;
+    ++kept_of[a];
+    ++kept_of[b];
+    const std::size_t joined = std::min(group[a], group[b]);
+    const std::size_t absorbed = std::max(group[a], group[b]);
+    std::replace(group.begin(), group.end(), absorbed, joined);
+  }
+  std::vector<ViewPair> kept;
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (keep[k]) kept.push_back(pairs[k]);
+  return kept;
+}
+
+std::vector<std::size_t> connected_groups(std::size_t views, const std::vector<ViewPair>& pairs) {
+  std::vector<std::size_t> group(views);
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  for (const auto& pair : pairs) {
+    const std::size_t joined = std::min(group[pair.a], group[pair.b]);
+    const std::size_t absorbed = std::max(group[pair.a], group[pair.b]);
+    std::replace(group.begin(), group.end(), absorbed, joined);
+  }
+  return group;
+}
+
+}  // namespace relief

@@ -1,0 +1,43 @@
+#include "registration/surface/sample_weights.h"
+
+#include <algorithm>
+
+#include "scan/base/median_deviation.h"
+
+namespace relief {
+
+namespace {
+
+// Deviations of more than so many times what neighbours differ by are mostly of what they share.
+constexpr double kSharedErrors = 2.0;
+
+// Squares of `typical` over the deviation of each sample, times its confidence.
+template <typename Deviation>
+Grid<float> inverse_variances(const RangeView& view, double typical, const Deviation& deviation) {
+  Grid<float> weights(view.width(), view.height(), 0.0f);
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      weights(u, v) = view.confidence_at(u, v);
+      const double ratio = typical / deviation(u, v);
+      if (weights(u, v) > 0.0f && ratio > 0.0) weights(u, v) = static_cast<float>(ratio * ratio);
+    }
+  }
+  return weights;
+}
+
+}  // namespace
+
+Grid<float> sample_weights(const RangeView& view, double noise, const RangeNoise& ranges) {
+  const double typical = median_deviation(view);
+  if (typical > 0.0 && typical <= kSharedErrors * noise)
+    return inverse_variances(view, typical, [&](int u, int v) { return view.deviation_at(u, v); });
+  if (typical > 0.0 || ranges.map.empty() || !ranges.known()) return {};
+  auto weights = inverse_variances(view, ranges.sigma, [&](int u, int v) {
+    return std::max(ranges.sigma, ranges.sigma_at(u, v));
+  });
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u) weights(u, v) *= view.confidence_at(u, v);
+  return weights;
+}
+
+}  // namespace relief

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "relief/scan/grid.h"
+#include "relief/scan/range_noise.h"
+#include "relief/scan/range_view.h"
+
+namespace relief {
+
+/// What each sample counts for in alignment: its confidence, or, where deviations are known, which
+/// have the confidence in them, the inverse of its variance relative to the view's median one.
+/// Without deviations, samples in regions whose ranges are noisier than the typical one (`ranges`)
+/// count by the inverse of their variance, times their confidence; smoother ones count no more than
+/// typical ones, lest few of them hold the pose alone. Empty: the confidence. So, too, where errors
+/// are shared by neighbours, whose sums over the surface move poses and do not become smaller as
+/// the deviations of single samples do. `noise`: white noise of positions [unit].
+Grid<float> sample_weights(const RangeView& view, double noise, const RangeNoise& ranges);
+
+}  // namespace relief

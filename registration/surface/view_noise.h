@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "relief/scan/discontinuities.h"
+#include "relief/scan/range_noise.h"
+#include "relief/scan/range_view.h"
+
+namespace relief {
+
+/// Standard deviation of the white noise of positions along the normal [unit], robustly from third
+/// differences of the range along rows and columns; 0 where there are none.
+double position_noise(const RangeView& view, const ConnectedGrid& grid, int threads);
+
+/// Standard deviation of the slope of a plane [rad] that is fitted to a square window of half width
+/// `radius` [pixels] of samples with that noise.
+double slope_noise(double noise, double spacing, int radius);
+
+/// The root mean square of the noise over the view, relative to that of a typical sample; >= 1.
+double unevenness(const RangeView& view, const RangeNoise& noise);
+
+/// How much of a step along the ray a surface moves along its normal: the median over samples.
+double typical_incidence(const RangeView& view, const Grid<Eigen::Vector3f>& normals);
+
+/// The step of the ranges along the rays [unit], root mean square over the samples; 0 where they
+/// are not rounded.
+double typical_step(const RangeView& view, const RangeNoise& noise);
+
+}  // namespace relief

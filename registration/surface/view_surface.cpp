@@ -1,0 +1,325 @@
+#include "registration/surface/view_surface.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "registration/surface/sample_weights.h"
+#include "registration/surface/unbiased_normals.h"
+#include "registration/surface/view_noise.h"
+#include "relief/scan/discontinuities.h"
+#include "scan/grid/grid_normals.h"
+#include "relief/scan/range_noise.h"
+#include "scan/grid/small_gaps.h"
+
+namespace relief {
+
+namespace {
+
+constexpr double kWantedNormalNoise = 0.035;  // [rad], two degrees
+constexpr int kSmallestNormalRadius = 2, kLargestNormalRadius = 5;
+// Rounded ranges make terraces. A window as wide as this many steps of the range sees several of
+// them on all but nearly frontal surfaces.
+constexpr double kTerraces = 1.5;
+constexpr int kLargestTerraceRadius = 8;
+// Noise of more than this part of a step dithers the rounding: its errors are white then, and are
+// in the noise already.
+constexpr double kDither = 0.5;
+// Gaps are bridged where more of the samples than this lie beside one.
+constexpr double kFewBesideGaps = 0.04;
+// That is, if the gaps would otherwise take so large a part of the samples: gaps that the shape
+// makes at creases and edges are better left open.
+constexpr double kLostToGaps = 0.5;
+constexpr int kBlankReach = 2;  // [pixels]
+
+// A bijection of 64-bit integers whose outputs look random (the finaliser of Steele, Lea and Flood
+// 2014).
+std::uint64_t scattered(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+// Sorts indices by the upper half of what they scatter to, without a random generator.
+void scatter(std::vector<std::uint32_t>& indices) {
+  std::vector<std::uint64_t> keys;
+  keys.reserve(indices.size());
+  for (const std::uint32_t i : indices) keys.push_back((scattered(i) & ~0xffffffffull) | i);
+  std::sort(keys.begin(), keys.end());
+  std::transform(keys.begin(), keys.end(), indices.begin(),
+                 [](std::uint64_t key) { return static_cast<std::uint32_t>(key); });
+}
+
+int normal_radius(double noise, double spacing, double step) {
+  int radius = kSmallestNormalRadius;
+  while (radius < kLargestNormalRadius && slope_noise(noise, spacing, radius) > kWantedNormalNoise)
+    ++radius;
+  if (step > 0.0 && spacing > 0.0)
+    radius = std::max(radius, static_cast<int>(std::ceil(std::min<double>(
+                                  kLargestTerraceRadius, kTerraces * step / spacing))));
+  return radius;
+}
+
+// Slopes of terraces [rad]: over a window of half width `radius` [pixels] the rounding of the
+// ranges does not average out.
+double terrace_slope(double rounding, double spacing, int radius) {
+  return spacing > 0.0 ? rounding / (spacing * radius) : 0.0;
+}
+
+}  // namespace
+
+ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& options) : view_(&view) {
+  assert(options.boundary_margin >= 1 && options.final_margin >= 1);
+  if (options.normal_signal && view.has_normals())
+    signal_levels_ = NormalSignal::levels_of(view.width(), view.height());
+  const RangeNoise noise = estimate_range_noise(view, options.threads);
+  ConnectedGrid grid = connect_grid(view, noise, options.threads);
+  bridge_gaps(view, noise, options, grid);
+  smooth_normals(grid, noise, options);
+  select_samples(grid.points);
+  if (options.normal_signal && view.has_normals()) signal_->edges = std::move(grid.edges);
+  if (samples_.empty() || (can_project() && !options.neighbour_index)) return;
+  Eigen::Matrix3Xd points(3, samples_.size());
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    points.col(static_cast<Eigen::Index>(i)) = sample(samples_[i]).point;
+  index_ = std::make_unique<NeighbourIndex>(points);
+}
+
+void ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise,
+                              const ViewSurfaceOptions& options, ConnectedGrid& grid) {
+  BridgedRange filled = bridge_small_gaps(view, {.sigma = noise.sigma});
+  // Each bridged sample has about four measured ones beside it.
+  if (4.0 * static_cast<double>(filled.bridged_count) <
+      kFewBesideGaps * static_cast<double>(view.sample_count()))
+    return;
+  RangeView whole;
+  whole.name = view.name;
+  whole.camera = view.camera;
+  whole.range = std::move(filled.range);
+  whole.normals = view.normals;
+  whole.confidence = view.confidence;
+  whole.deviation = view.deviation;
+  for (std::size_t i = 0; i < whole.confidence.size(); ++i)
+    if (filled.bridged[i]) whole.confidence[i] = 1.0f;
+  ConnectedGrid connected = connect_grid(whole, options.threads);
+  const auto inner = [&](const ConnectedGrid& of) {
+    double count = 0.0;
+    for (std::size_t i = 0; i < of.boundary.size(); ++i)
+      count += !filled.bridged[i] && of.boundary[i] >= options.boundary_margin ? 1.0 : 0.0;
+    return count;
+  };
+  if (inner(grid) > (1.0 - kLostToGaps) * inner(connected)) return;
+  grid = std::move(connected);
+  bridged_ = std::move(filled.bridged);
+  filled_ = std::make_unique<const RangeView>(std::move(whole));
+  view_ = filled_.get();
+}
+
+void ViewSurface::smooth_normals(const ConnectedGrid& grid, const RangeNoise& ranges,
+                                 const ViewSurfaceOptions& options) {
+  const RangeView& view = *view_;
+  spacing_ = sample_spacing(grid.points, grid.edges);
+  noise_ = position_noise(view, grid, options.threads);
+  double step = typical_step(view, ranges);
+  if (options.normals == NormalSource::kGeometric) weights_ = sample_weights(view, noise_, ranges);
+  const auto radius_for = [&] {
+    return options.normal_radius > 0 ? options.normal_radius
+                                     : normal_radius(noise_, spacing_, step);
+  };
+  if (step > 0.0) {
+    // Differences of rounded ranges are mostly zero: the ranges as a whole tell more.
+    const auto coarse = estimate_normals(
+        view, grid, {.radius = radius_for(), .stride = 4, .threads = options.threads});
+    const double incidence = typical_incidence(view, coarse);
+    if (noise_ >= kDither * step * incidence) {
+      step = 0.0;
+    } else {
+      noise_ = std::max(noise_, ranges.sigma * incidence);
+      rounding_ = step / std::sqrt(12.0) * incidence;
+    }
+  }
+  const int radius = radius_for();
+  normal_noise_ = slope_noise(noise_, spacing_, radius);
+  noise_ = std::max(noise_ * unevenness(view, ranges), rounding_);
+  normal_error_ =
+      std::hypot(slope_noise(noise_, spacing_, radius), terrace_slope(rounding_, spacing_, radius));
+  const int outermost = std::min(options.boundary_margin, options.final_margin);
+  auto normals = estimate_normals(
+      view, grid, {.radius = radius, .margin = outermost, .threads = options.threads});
+  if (options.normals == NormalSource::kMeasured && view.has_normals()) {
+    for (std::size_t i = 0; i < normals.size(); ++i)
+      if (view.normals[i].allFinite() && measured(i)) normals[i] = view.normals[i];
+  }
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (grid.boundary[i] < outermost || !(weight(i) > 0.0))
+      normals[i].setConstant(std::numeric_limits<float>::quiet_NaN());
+  }
+  normals_ = PackedNormals(normals);
+  normals_.for_each([&](int u, int v, PackedNormal& normal) {
+    normal.note = grid.boundary(u, v) < options.boundary_margin ? kEdge : kInner;
+    if (normal.note == kInner && !measured(grid.points.index(u, v))) normal.note = kBridged;
+  });
+}
+
+double ViewSurface::weight(std::size_t index) const {
+  if (!weights_.empty()) return weights_[index];
+  return view_->confidence.empty() ? 1.0 : view_->confidence[index];
+}
+
+const NormalSignal& ViewSurface::prepared_signal() const {
+  std::call_once(signal_->once, [this] {
+    const UnbiasedNormalOptions options{.noise = noise_, .spacing = spacing_};
+    const GridEdges edges = std::move(signal_->edges);
+    signal_->signal = NormalSignal(unbiased_normals(*view_, edges, options));
+  });
+  return signal_->signal;
+}
+
+void ViewSurface::select_samples(const Grid<Eigen::Vector3d>& points) {
+  normals_.for_each([&](int u, int v, const PackedNormal& normal) {
+    const std::size_t index = points.index(u, v);
+    if (!measured(index)) return;
+    const bool inner = normal.note == kInner;
+    (inner ? samples_ : edge_samples_).push_back(static_cast<std::uint32_t>(index));
+    if (inner) mean_normal_ += normal.scaled();
+  });
+  scatter(edge_samples_);
+  if (samples_.empty()) return;
+  // Relative to one sample, so that a view far from its own origin loses nothing.
+  const Eigen::Vector3d& first = points[samples_.front()];
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const std::uint32_t i : samples_) sum += points[i] - first;
+  mean_normal_.normalize();
+  centre_ = first + sum / static_cast<double>(samples_.size());
+  for (const std::uint32_t i : samples_) radius_ = std::max(radius_, (points[i] - centre_).norm());
+  scatter(samples_);
+}
+
+SurfacePoint ViewSurface::sample(std::uint32_t index) const {
+  const int u = static_cast<int>(index) % view_->width();
+  const int v = static_cast<int>(index) / view_->width();
+  return {view_->point(u, v), normals_(u, v).scaled().normalized(), weight(index),
+          Eigen::Vector2d(u, v)};
+}
+
+// The four samples round a place of the grid, and what each counts for.
+struct ViewSurface::Corners {
+  int u, v;  // The first; the others are right of it, below it, and both.
+  std::array<double, 4> weights;
+};
+
+std::optional<ViewSurface::Corners> ViewSurface::corners_of(const Eigen::Vector2d& pixel,
+                                                            SurfacePart part) const {
+  const double u_floor = std::floor(pixel.x()), v_floor = std::floor(pixel.y());
+  if (!(u_floor >= 0.0 && v_floor >= 0.0 && u_floor + 1.0 < view_->width() &&
+        v_floor + 1.0 < view_->height()))
+    return std::nullopt;
+  const int u = static_cast<int>(u_floor), v = static_cast<int>(v_floor);
+  if (!normals_.holds(u, v, u + 1, v + 1)) return std::nullopt;
+  for (int k = 0; k < 4; ++k) {
+    const PackedNormal& normal = normals_(u + k % 2, v + k / 2);
+    if (!normal.exists() || (part == SurfacePart::kInner && normal.note == kEdge))
+      return std::nullopt;
+  }
+  const double a = pixel.x() - u_floor, b = pixel.y() - v_floor;
+  return Corners{u, v, {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
+}
+
+// The normals tell the sag of the chords: the mean height of the chord point over the tangent
+// planes at the corners is twice that of a quadratic surface. Noise of the corners cancels in it;
+// only the differences of the normals count.
+SurfacePoint ViewSurface::on_bent_chords(const Eigen::Vector2d& pixel,
+                                         const Corners& corners) const {
+  const Eigen::Vector3d first = view_->point(corners.u, corners.v);
+  Eigen::Vector3d chord = Eigen::Vector3d::Zero(), normal = chord;  // The chord point from `first`.
+  double planes = 0.0, confidence = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    const int u = corners.u + k % 2, v = corners.v + k / 2;
+    const double share = corners.weights[static_cast<std::size_t>(k)];
+    const Eigen::Vector3d corner = view_->point(u, v) - first;
+    const Eigen::Vector3d corner_normal = share * normals_(u, v).scaled();
+    chord += share * corner;
+    normal += corner_normal;
+    planes += corner_normal.dot(corner);
+    confidence += share * weight(view_->range.index(u, v));
+  }
+  const double sag = 0.5 / PackedNormal::kUnit * (normal.dot(chord) - planes);
+  normal.normalize();
+  return {first + chord - sag * normal, normal, confidence, pixel};
+}
+
+std::optional<SurfacePoint> ViewSurface::at(const Eigen::Vector2d& pixel, SurfacePart part) const {
+  const auto corners = corners_of(pixel, part);
+  if (!corners) return std::nullopt;
+  return on_bent_chords(pixel, *corners);
+}
+
+std::optional<SurfacePoint> ViewSurface::nearest(const Eigen::Vector2d& pixel,
+                                                 SurfacePart part) const {
+  const double u_round = std::round(pixel.x()), v_round = std::round(pixel.y());
+  if (!(u_round >= 0.0 && v_round >= 0.0 && u_round < view_->width() && v_round < view_->height()))
+    return std::nullopt;
+  const int u = static_cast<int>(u_round), v = static_cast<int>(v_round);
+  if (!normals_.holds(u, v, u, v)) return std::nullopt;
+  const PackedNormal& normal = normals_(u, v);
+  if (!normal.exists() || (part == SurfacePart::kInner && normal.note == kEdge))
+    return std::nullopt;
+  return sample(static_cast<std::uint32_t>(view_->range.index(u, v)));
+}
+
+std::optional<SignalPoint> ViewSurface::signal(const SurfacePoint& place, int level) const {
+  const auto sample = prepared_signal().at(place.pixel, level);
+  if (!sample) return std::nullopt;
+  // Where the rays of the next pixels meet the tangent plane: steps free of the noise of samples.
+  const auto step_to = [&](double u, double v) -> Eigen::Vector3d {
+    const Ray ray = view_->camera.ray_at(u, v);
+    const double t = place.normal.dot(place.point - ray.origin) / place.normal.dot(ray.direction);
+    return ray.at(t) - place.point;
+  };
+  Eigen::Matrix<double, 3, 2> steps;
+  steps << step_to(place.pixel.x() + 1.0, place.pixel.y()),
+      step_to(place.pixel.x(), place.pixel.y() + 1.0);
+  const Eigen::Matrix2d metric = steps.transpose() * steps;
+  return SignalPoint{sample->normal, sample->by_pixel * metric.inverse() * steps.transpose()};
+}
+
+bool ViewSurface::blank(const Eigen::Vector2d& pixel) const {
+  const double u = std::round(pixel.x()), v = std::round(pixel.y());
+  if (!(u >= 0.0 && v >= 0.0 && u < view_->width() && v < view_->height())) return false;
+  const int left = std::max(0, static_cast<int>(u) - kBlankReach);
+  const int top = std::max(0, static_cast<int>(v) - kBlankReach);
+  const int right = std::min(view_->width() - 1, static_cast<int>(u) + kBlankReach);
+  const int bottom = std::min(view_->height() - 1, static_cast<int>(v) + kBlankReach);
+  for (int y = top; y <= bottom; ++y)
+    for (int x = left; x <= right; ++x)
+      if (!std::isnan(view_->range(x, y))) return false;
+  return true;
+}
+
+std::vector<Eigen::Vector2d> ViewSurface::closest(const Eigen::Matrix3Xd& points) const {
+  assert(index_);
+  const std::vector<int> nearest = index_->nearest(points);
+  std::vector<Eigen::Vector2d> pixels(nearest.size());
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    const std::uint32_t index = samples_[static_cast<std::size_t>(nearest[i])];
+    const int u = static_cast<int>(index) % view_->width();
+    const int v = static_cast<int>(index) / view_->width();
+    // Usable samples are off the boundary, so their neighbours exist and are connected.
+    const auto point = [&](int x, int y) { return view_->point(x, y); };
+    Eigen::Matrix<double, 3, 2> tangents;
+    tangents.col(0) = 0.5 * (point(u + 1, v) - point(u - 1, v));
+    tangents.col(1) = 0.5 * (point(u, v + 1) - point(u, v - 1));
+    const Eigen::Vector3d offset = points.col(static_cast<Eigen::Index>(i)) - point(u, v);
+    const Eigen::Vector2d step =
+        (tangents.transpose() * tangents).inverse() * (tangents.transpose() * offset);
+    // Never further than to the neighbouring samples: beyond, another sample would be the nearest.
+    pixels[i] = Eigen::Vector2d(u, v) + step.cwiseMax(-1.0).cwiseMin(1.0);
+  }
+  return pixels;
+}
+
+}  // namespace relief

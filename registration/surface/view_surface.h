@@ -1,0 +1,146 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/surface/neighbour_index.h"
+#include "registration/surface/normal_signal.h"
+#include "registration/surface/packed_normals.h"
+#include "relief/scan/discontinuities.h"
+#include "relief/scan/range_view.h"
+#include "relief/registration/align_options.h"
+
+namespace relief {
+
+/// How far a view's surface goes.
+enum class SurfacePart {
+  kInner,  ///< Up to ViewSurfaceOptions::boundary_margin.
+  kWhole,  ///< Up to ViewSurfaceOptions::final_margin.
+};
+
+/// A point of a view's surface and its unit normal towards the sensor, in the view frame.
+struct SurfacePoint {
+  Eigen::Vector3d point, normal;
+  /// The sample's confidence; in a view with deviations (median / own deviation)^2 instead.
+  double confidence = 1.0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< Where the view sees it.
+};
+
+/// The measured normal at a point of a view's surface, freed of its smooth bias.
+struct SignalPoint {
+  Eigen::Vector3d normal;    ///< Unit, view frame.
+  Eigen::Matrix3d gradient;  ///< Its derivative by the position on the surface [rad/unit].
+};
+
+/// What alignment needs of a range view, computed once: an interpolated surface with normals and
+/// the two ways of finding the place in it that is closest to a point. Movable, not copyable.
+class ViewSurface {
+ public:
+  /// The view outlives the surface with its grids unchanged: ranges are copied only where small
+  /// gaps would take half of its usable samples; these gaps are bridged (see bridge_small_gaps).
+  explicit ViewSurface(const RangeView& view, const ViewSurfaceOptions& options = {});
+  explicit ViewSurface(const RangeView&& view, const ViewSurfaceOptions& options = {}) = delete;
+
+  /// Grid indices of the usable samples (measured, normal, positive confidence, off the boundary)
+  /// in a scattered order: every prefix is spread over the whole surface.
+  const std::vector<std::uint32_t>& samples() const { return samples_; }
+  /// Those between the two margins, scattered too.
+  const std::vector<std::uint32_t>& edge_samples() const { return edge_samples_; }
+  /// The sample at a grid index of samples() or edge_samples().
+  SurfacePoint sample(std::uint32_t index) const;
+
+  /// The surface at fractional pixel coordinates, bilinear between samples and bent by their
+  /// normals: exact to second order. Nothing unless the four samples around are usable.
+  std::optional<SurfacePoint> at(const Eigen::Vector2d& pixel,
+                                 SurfacePart part = SurfacePart::kInner) const;
+  /// The sample nearest to a pixel: cheaper. Nothing where it is not usable.
+  std::optional<SurfacePoint> nearest(const Eigen::Vector2d& pixel,
+                                      SurfacePart part = SurfacePart::kInner) const;
+
+  /// Resolutions of the normal map, each half as fine as the one before; 0: there is none.
+  int signal_levels() const { return signal_levels_; }
+  /// The normal map at a point of this surface; nothing where it has gaps. The first call prepares
+  /// the map: most shapes need none.
+  std::optional<SignalPoint> signal(const SurfacePoint& place, int level) const;
+
+  bool can_project() const { return view_->camera.can_project(); }
+  /// Constant-time association: the pixel that sees `point`.
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point) const {
+    return view_->camera.project(point);
+  }
+
+  /// The line of sight through a pixel that project() gave, away from the sensor, not normalised.
+  Eigen::Vector3d sight(const Eigen::Vector2d& pixel) const {
+    return view_->camera.ray_at(pixel.x(), pixel.y()).direction;
+  }
+  /// Whether the view measured nothing at a place of its grid nor within two pixels of it.
+  bool blank(const Eigen::Vector2d& pixel) const;
+
+  bool has_neighbour_index() const { return index_ != nullptr; }
+  /// For each column the fractional pixel of the inner surface's point closest to it: the nearest
+  /// sample, moved within its tangent plane to the foot of the query. Needs the index and a sample.
+  std::vector<Eigen::Vector2d> closest(const Eigen::Matrix3Xd& points) const;
+
+  double spacing() const { return spacing_; }  ///< Median sample spacing [unit].
+  /// Standard deviation of the noise of positions along the normal [unit]: of the white part
+  /// robustly from third differences, of rounded ranges at least what their steps make; where it
+  /// changes over the view, its root mean square.
+  double noise() const { return noise_; }
+  /// Standard deviation of the part of the noise that the rounding of the ranges makes [unit]: all
+  /// samples of a terrace share it. 0 where ranges are not rounded.
+  double rounding() const { return rounding_; }
+  /// Standard deviation of the smoothed geometric normals due to the noise of typical samples
+  /// [rad].
+  double normal_noise() const { return normal_noise_; }
+  /// The same due to the noise of all samples and to terraces of rounded ranges [rad].
+  double normal_error() const { return normal_error_; }
+  const Eigen::Vector3d& centre() const { return centre_; }  ///< Mean sample, view frame.
+  /// Unit mean normal of the samples: roughly towards the sensor, view frame.
+  const Eigen::Vector3d& mean_normal() const { return mean_normal_; }
+  double radius() const {
+    return radius_;
+  }  ///< Of the sphere about centre() that holds all samples.
+
+ private:
+  void bridge_gaps(const RangeView& view, const RangeNoise& noise,
+                   const ViewSurfaceOptions& options, ConnectedGrid& grid);
+  bool measured(std::size_t index) const { return bridged_.empty() || !bridged_[index]; }
+  void smooth_normals(const ConnectedGrid& grid, const RangeNoise& noise,
+                      const ViewSurfaceOptions& options);
+  void select_samples(const Grid<Eigen::Vector3d>& points);
+  struct Corners;
+  std::optional<Corners> corners_of(const Eigen::Vector2d& pixel, SurfacePart part) const;
+  SurfacePoint on_bent_chords(const Eigen::Vector2d& pixel, const Corners& corners) const;
+
+  double weight(std::size_t index) const;
+  const NormalSignal& prepared_signal() const;
+
+  static constexpr std::uint16_t kEdge = 0, kInner = 1, kBridged = 2;
+
+  struct LazySignal {
+    std::once_flag once;
+    GridEdges edges;  // Of the view, until the signal is prepared.
+    NormalSignal signal;
+  };
+
+  const RangeView* view_;                    // The one given, or filled_.
+  std::unique_ptr<const RangeView> filled_;  // The one given with its small gaps bridged.
+  Grid<std::uint8_t> bridged_;               // Empty: no gap was bridged.
+  PackedNormals
+      normals_;          // Of usable samples, noting whether kInner or kEdge, and of kBridged ones.
+  Grid<float> weights_;  // Empty: the view's confidences.
+  int signal_levels_ = 0;
+  std::unique_ptr<LazySignal> signal_ = std::make_unique<LazySignal>();
+  std::vector<std::uint32_t> samples_, edge_samples_;
+  std::unique_ptr<NeighbourIndex> index_;
+  double spacing_ = 0.0, noise_ = 0.0, rounding_ = 0.0, normal_noise_ = 0.0, normal_error_ = 0.0,
+         radius_ = 0.0;
+  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), mean_normal_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace relief

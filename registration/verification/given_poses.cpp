@@ -1,0 +1,86 @@
+#include "registration/verification/given_poses.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace relief {
+
+namespace {
+
+std::vector<ViewRole> roles_of(const std::vector<RangeView>& views, GivenPoses given) {
+  std::vector<ViewRole> roles;
+  for (const RangeView& view : views) {
+    const bool used = view.pose == PoseKind::kGuess && given != GivenPoses::kIgnore;
+    roles.push_back(view.pose == PoseKind::kKnown ? ViewRole::kFixed
+                    : used                        ? ViewRole::kFree
+                                                  : ViewRole::kExcluded);
+  }
+  return roles;
+}
+
+// Views that share a frame whatever their pairs say: known ones, and trusted ones.
+void join_groups(const std::vector<bool>& together, std::vector<std::size_t>& group) {
+  std::size_t first = group.size();
+  for (std::size_t i = 0; i < group.size(); ++i)
+    if (together[i]) first = std::min(first, group[i]);
+  std::vector<bool> joined(group.size(), false);
+  for (std::size_t i = 0; i < group.size(); ++i)
+    if (together[i]) joined[group[i]] = true;
+  for (std::size_t& g : group)
+    if (joined[g]) g = first;
+}
+
+SettledPoses settle(const std::vector<ViewRole>& roles, const std::vector<bool>& refuted,
+                    const JointRefinement& refined, const PoseVerification& verified, bool trust) {
+  SettledPoses settled;
+  settled.world_from_view.resize(roles.size());
+  settled.group = verified.group;
+  settled.refuted = refuted;
+  std::vector<bool> together(roles.size());
+  for (std::size_t i = 0; i < roles.size(); ++i) {
+    settled.known.push_back(roles[i] == ViewRole::kFixed);
+    together[i] = settled.known[i] || (trust && roles[i] == ViewRole::kFree);
+    if (roles[i] != ViewRole::kExcluded) settled.world_from_view[i] = refined.world_from_view[i];
+  }
+  join_groups(together, settled.group);
+  return settled;
+}
+
+}  // namespace
+
+PoseVerificationOptions verification_options(const StartingPoseOptions& options) {
+  PoseVerificationOptions verification;
+  verification.limits.max_contradiction = options.max_contradiction;
+  verification.association = options.association;
+  verification.threads = options.threads;
+  return verification;
+}
+
+Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& surfaces,
+                                             const std::vector<RangeView>& views,
+                                             const StartingPoseOptions& options,
+                                             const JointRefinementOptions& refinement,
+                                             const Progress& progress) {
+  auto roles = roles_of(views, options.given);
+  const bool trust = options.given == GivenPoses::kTrust;
+  std::vector<RigidMotion> poses;
+  for (const RangeView& view : views) poses.push_back(view.world_from_view);
+  std::vector<bool> refuted(views.size(), false);
+  for (;;) {
+    auto refined = refine_jointly(surfaces, poses, roles, refinement, progress);
+    if (!refined) return refined.error();
+    auto verified =
+        verify_poses(surfaces, refined->world_from_view, roles, verification_options(options));
+    bool changed = false;
+    for (std::size_t i = 0; i < views.size() && !trust; ++i) {
+      if (!verified.views[i].refuted) continue;
+      refuted[i] = changed = true;
+      roles[i] = ViewRole::kExcluded;
+    }
+    if (changed) continue;
+    SettledPoses settled = settle(roles, refuted, *refined, verified, trust);
+    return RefinedGivenPoses{std::move(settled), std::move(*refined), std::move(verified)};
+  }
+}
+
+}  // namespace relief

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include "registration/posegraph/joint_refinement.h"
+#include "registration/verification/pose_verification.h"
+#include "registration/verification/starting_poses.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/progress.h"
+#include "relief/scan/range_view.h"
+#include "relief/scan/result.h"
+
+namespace relief {
+
+/// The poses that views came with, refined together before they are judged: poses a few spacings
+/// off, as other programs and turntables give them, contradict each other until they are refined.
+struct RefinedGivenPoses {
+  SettledPoses settled;
+  JointRefinement refined;    ///< Of the given poses that were not refuted.
+  PoseVerification verified;  ///< Of the same, at the refined poses.
+};
+
+/// Refines the given poses jointly and verifies them; views that the others refute are taken out,
+/// unless the user trusts them, and the rest is refined again without them. The only error is
+/// kInterrupted.
+Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& surfaces,
+                                             const std::vector<RangeView>& views,
+                                             const StartingPoseOptions& options,
+                                             const JointRefinementOptions& refinement,
+                                             const Progress& progress = {});
+
+/// What a pose must show of the set's own errors: see verify_poses().
+PoseVerificationOptions verification_options(const StartingPoseOptions& options);
+
+}  // namespace relief

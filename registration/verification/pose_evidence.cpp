@@ -1,0 +1,241 @@
+#include "registration/verification/pose_evidence.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <vector>
+
+#include "registration/verification/coherent_residual.h"
+#include "registration/pairwise/search_schedule.h"
+#include "registration/pairwise/degenerate_directions.h"
+
+namespace relief {
+
+namespace {
+
+constexpr std::size_t kProbes = 500;
+constexpr double kRoughCosine = 0.8;  // Of normals that may belong together.
+
+// Signed distance of each probe from what the target sees there, and its normal's cosine.
+struct Sighting {
+  double distance = 0.0, cosine = 0.0;
+};
+
+// Calls visit(Sighting) for the probes that fall on a surface that the target sees.
+template <typename Visit>
+void look_from(const ViewSurface& target, const ViewSurface& source,
+               const RigidMotion& target_from_source, std::size_t probes, const Visit& visit) {
+  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(probes));
+  std::vector<SurfacePoint> samples(probes);
+  for (std::size_t i = 0; i < probes; ++i) {
+    samples[i] = source.sample(source.samples()[i]);
+    points.col(static_cast<Eigen::Index>(i)) = target_from_source * samples[i].point;
+  }
+  std::vector<Eigen::Vector2d> closest;
+  if (!target.can_project()) closest = target.closest(points);
+  for (std::size_t i = 0; i < probes; ++i) {
+    const Eigen::Vector3d point = points.col(static_cast<Eigen::Index>(i));
+    const auto pixel = closest.empty() ? target.project(point) : std::optional(closest[i]);
+    const auto seen = pixel ? target.at(*pixel) : std::nullopt;
+    if (!seen) continue;
+    // Points in front of a surface are on the side of its normal.
+    visit(Sighting{(point - seen->point).dot(seen->normal),
+                   (target_from_source.linear() * samples[i].normal).dot(seen->normal)});
+  }
+}
+
+double directed_agreement(const ViewSurface& source, const ViewSurface& target,
+                          const RigidMotion& target_from_source, double reach, int probes) {
+  const auto count = std::min(static_cast<std::size_t>(probes), source.samples().size());
+  if (count == 0) return 0.0;
+  double score = 0.0;
+  look_from(target, source, target_from_source, count, [&](const Sighting& s) {
+    if (s.distance > reach && target.can_project())
+      score -= 2.0;
+    else if (std::abs(s.distance) <= reach && s.cosine >= kRoughCosine)
+      score += 1.0;
+  });
+  return score / static_cast<double>(count);
+}
+
+// The band of distances in which residuals should agree: beyond the reach of the sensor's noise,
+// whose samples share it over a few pixels.
+constexpr double kNoiseReach = 5.0;       // [sample spacings]
+constexpr double kCoherenceRadii = 0.1;   // Over the smaller view's radius,
+constexpr double kCoherenceReach = 10.0;  // but at least as many sample spacings.
+constexpr double kStrays = 0.005;         // Part of a view's samples that may be anywhere,
+constexpr double kLost = 0.02;            // and that the other sensor may have lost.
+constexpr double kFacing = 0.6;           // Cosine at which a sensor should see a surface.
+
+// What the line of sight from the target to samples of the source tells, as fractions of them.
+struct SightLines {
+  double in_front = 0.0;  // Would have hidden what the target saw.
+  double missing = 0.0;   // Face the target where it saw nothing.
+};
+
+SightLines look_along(const ViewSurface& source, const ViewSurface& target,
+                      const RigidMotion& target_from_source, double margin) {
+  SightLines lines;
+  const std::size_t probes = std::min(kProbes, source.samples().size());
+  if (!target.can_project() || probes == 0) return lines;
+  const double part = 1.0 / static_cast<double>(probes);
+  for (std::size_t i = 0; i < probes; ++i) {
+    const SurfacePoint sample = source.sample(source.samples()[i]);
+    const Eigen::Vector3d point = target_from_source * sample.point;
+    const auto pixel = target.project(point);
+    if (!pixel) continue;
+    if (const auto seen = target.at(*pixel)) {
+      if ((point - seen->point).dot(seen->normal) > margin) lines.in_front += part;
+    } else if (target.blank(*pixel)) {
+      const Eigen::Vector3d normal = target_from_source.linear() * sample.normal;
+      if (-target.sight(*pixel).normalized().dot(normal) > kFacing) lines.missing += part;
+    }
+  }
+  return lines;
+}
+
+void note_sight_lines(const SightLines& lines, double overlap, PoseEvidence& evidence) {
+  const auto note = [&](double part, double& largest, double& largest_ratio) {
+    if (part <= 0.0) return;
+    largest = std::max(largest, part);
+    largest_ratio = std::max(largest_ratio, part / (part + overlap));
+  };
+  note(lines.in_front, evidence.in_front, evidence.contradiction);
+  note(lines.missing, evidence.missing, evidence.absence);
+}
+
+double coarser_spacing(const ViewSurface& a, const ViewSurface& b) {
+  return std::max(a.spacing(), b.spacing());
+}
+
+double joint_noise(const ViewSurface& a, const ViewSurface& b) {
+  return std::hypot(a.noise(), b.noise());
+}
+
+// What neighbours share beyond the rounding of their ranges [sample spacings].
+double beyond_rounding(double shared, const ViewSurface& a, const ViewSurface& b) {
+  const double rounding = std::hypot(a.rounding(), b.rounding());
+  return std::sqrt(std::max(0.0, shared * shared - rounding * rounding)) / coarser_spacing(a, b);
+}
+
+// Pairs of samples up to a part of the smaller view's radius, but at least `spacings` apart.
+DistanceBand band(const ViewSurface& a, const ViewSurface& b, double nearest, double spacings) {
+  const double spacing = coarser_spacing(a, b);
+  return {nearest * spacing,
+          std::max(spacings * spacing, kCoherenceRadii * std::min(a.radius(), b.radius()))};
+}
+
+Eigen::Matrix3Xd points_of(const std::vector<OrientedPoint>& oriented) {
+  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(oriented.size()));
+  for (std::size_t i = 0; i < oriented.size(); ++i)
+    points.col(static_cast<Eigen::Index>(i)) = oriented[i].point;
+  return points;
+}
+
+// What each view saw of the other at a pose.
+struct MutualSighting {
+  Correspondences in_b, in_a;  // Of samples of a, and of b.
+};
+
+MutualSighting look_both_ways(const ViewSurface& a, const ViewSurface& b,
+                              const RigidMotion& b_from_a, int probes, const JudgeOptions& options,
+                              PoseEvidence& evidence) {
+  const double margin = finest_search_distance(coarser_spacing(a, b), joint_noise(a, b));
+  CorrespondenceOptions search;
+  search.count = probes;
+  search.tries = 1;
+  search.max_distance = margin;
+  search.max_normal_angle_deg = options.max_normal_angle_deg;
+  search.association = options.association;
+  MutualSighting seen{find_correspondences(a, b, b_from_a, search),
+                      find_correspondences(b, a, b_from_a.inverse(), search)};
+  evidence.overlap = 0.5 * (seen.in_b.overlap() + seen.in_a.overlap());
+  note_sight_lines(look_along(a, b, b_from_a, margin), seen.in_b.overlap(), evidence);
+  note_sight_lines(look_along(b, a, b_from_a.inverse(), margin), seen.in_a.overlap(), evidence);
+  return seen;
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double squares = 0.0;
+  for (const double value : values) squares += value * value;
+  return values.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+}  // namespace
+
+bool contradicts(const PoseEvidence& evidence, const PlausibleEvidence& limits) {
+  return evidence.contradiction > limits.max_contradiction && evidence.in_front > kStrays;
+}
+
+bool too_much_absent(const PoseEvidence& evidence, const PlausibleEvidence& limits) {
+  return evidence.absence > limits.max_absence && evidence.missing > kLost;
+}
+
+bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+                     const PlausibleEvidence& limits) {
+  return beyond_rounding(evidence.local_rms, a, b) > limits.max_coherent_rms;
+}
+
+double relative_coherent_rms(const PoseEvidence& evidence, const ViewSurface& a,
+                             const ViewSurface& b) {
+  return beyond_rounding(evidence.coherent_rms, a, b);
+}
+
+double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b) {
+  return evidence.rms / largest_plausible_rms(coarser_spacing(a, b), joint_noise(a, b));
+}
+
+bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+               const PlausibleEvidence& limits) {
+  return evidence.overlap >= limits.min_overlap && relative_rms(evidence, a, b) <= limits.max_rms &&
+         evidence.normal_rms <= limits.max_normal_rms &&
+         relative_coherent_rms(evidence, a, b) <= limits.max_coherent_rms &&
+         !contradicts(evidence, limits);
+}
+
+double rough_agreement(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
+                       double reach, int probes) {
+  assert(reach > 0.0 && probes > 0);
+  return 0.5 * (directed_agreement(a, b, b_from_a, reach, probes) +
+                directed_agreement(b, a, b_from_a.inverse(), reach, probes));
+}
+
+PoseEvidence judge_sight_lines(const ViewSurface& a, const ViewSurface& b,
+                               const RigidMotion& b_from_a, const JudgeOptions& options) {
+  PoseEvidence evidence;
+  if (!a.samples().empty() && !b.samples().empty())
+    look_both_ways(a, b, b_from_a, static_cast<int>(kProbes), options, evidence);
+  return evidence;
+}
+
+PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
+                        const JudgeOptions& options) {
+  assert(options.probes > 0);
+  PoseEvidence evidence;
+  if (a.samples().empty() || b.samples().empty()) return evidence;
+  const auto [in_b, in_a] = look_both_ways(a, b, b_from_a, options.probes, options, evidence);
+
+  std::vector<OrientedPoint> shared;
+  std::vector<double> distances;  // Of a in front of b.
+  std::vector<double> turns;      // Between the normals.
+  for (const auto& c : in_b.items) {
+    shared.push_back({c.target.point, c.target.normal});
+    distances.push_back(c.distance);
+    turns.push_back((b_from_a.linear() * c.source.normal - c.target.normal).norm());
+  }
+  for (const auto& c : in_a.items) {
+    shared.push_back({b_from_a * c.target.point, b_from_a.linear() * c.target.normal});
+    distances.push_back(-c.distance);
+    turns.push_back((c.source.normal - shared.back().normal).norm());
+  }
+  evidence.rms = root_mean_square(distances);
+  evidence.normal_rms = root_mean_square(turns);
+  const Eigen::Matrix3Xd points = points_of(shared);
+  evidence.coherent_rms = coherent_rms(points, distances, band(a, b, kNoiseReach, kCoherenceReach));
+  evidence.local_rms = coherent_rms(points, distances, band(a, b, 0.0, 1.0));
+  const double threshold = stiffness_threshold(std::max(a.normal_noise(), b.normal_noise()));
+  evidence.slides = analyse_stability(shared).stiffness[0] < threshold;
+  return evidence;
+}
+
+}  // namespace relief

@@ -1,0 +1,98 @@
+#pragma once
+
+#include "registration/pairwise/correspondences.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+/// What two views' own measurements say of a relative pose.
+struct PoseEvidence {
+  double overlap = 0.0;  ///< Fraction of samples that the other view saw, mean of both directions.
+  double rms = 0.0;      ///< Of the point-to-plane distances [unit].
+  /// The part of it that neighbouring samples share [unit]: noise is not in it, not even noise that
+  /// is alike over a few pixels; the systematic misfit of a wrong pose is.
+  double coherent_rms = 0.0;
+  /// The same of close neighbours as well, which share noise where the sensor smooths its images.
+  double local_rms = 0.0;
+  double normal_rms = 0.0;  ///< Of the differences between corresponding unit normals.
+  /// Fraction of a view's samples that would have hidden from the other sensor what it measured
+  /// (Huber and Hebert 2003); the larger of both directions. 0 where neither sensor has a
+  /// projection.
+  double in_front = 0.0;
+  /// The same as a fraction of the samples that overlap or lie in front.
+  double contradiction = 0.0;
+  /// Fraction of a view's samples that face the other sensor, which measured nothing there nor
+  /// nearby; the larger of both directions. 0 where neither sensor has a projection.
+  double missing = 0.0;
+  /// The same as a fraction of the samples that overlap or are missing.
+  double absence = 0.0;
+  /// Whether the shared surface lets the views slide along each other (equation R5).
+  bool slides = false;
+};
+
+struct JudgeOptions {
+  Association association = Association::kAuto;
+  int probes = 1500;                   ///< Samples of each view that are looked at; > 0.
+  double max_normal_angle_deg = 40.0;  ///< Between corresponding normals.
+};
+
+/// What a pose must show to be believed.
+struct PlausibleEvidence {
+  double min_overlap = 0.15;  ///< In (0, 1].
+  /// Largest RMS in units of largest_plausible_rms(): its noise is white, that of real scanners is
+  /// not.
+  double max_rms = 2.2;
+  double max_normal_rms = 1.0;  ///< Largest RMS of the differences between normals.
+  /// Largest coherent RMS [sample spacings]. Calibration errors of real scanners reach 0.15, wrong
+  /// poses hardly ever stay below 0.2.
+  double max_coherent_rms = 0.2;
+  /// Largest contradiction, in [0, 1]. At true poses there is none, at wrong ones rarely less than
+  /// a twentieth.
+  double max_contradiction = 0.02;
+  /// Largest absence of a pair that is believed alone, in [0, 1]. At true poses sensors lose some
+  /// of what they face, in shadows and dark places; at wrong ones, above all of plain surfaces,
+  /// they should mostly have seen much more.
+  double max_absence = 0.12;
+};
+
+/// Whether some samples of one view stand where the other saw through: by more than stray samples.
+bool contradicts(const PoseEvidence& evidence, const PlausibleEvidence& limits = {});
+
+/// Whether a sensor should have seen more of the other view than shadows and losses explain. This
+/// alone does not refute a pose, but it takes more than one such pair to believe it.
+bool too_much_absent(const PoseEvidence& evidence, const PlausibleEvidence& limits = {});
+
+/// The RMS of the evidence in units of what noise and sampling of the two views explain.
+double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b);
+
+/// The coherent RMS of the evidence [sample spacings], less what the rounding of the ranges makes:
+/// all samples of a terrace are rounded alike.
+double relative_coherent_rms(const PoseEvidence& evidence, const ViewSurface& a,
+                             const ViewSurface& b);
+
+/// Whether close neighbours agree on a misfit. In views that are coarse against what they show that
+/// is where wrong poses show most; it may be noise alike over a few pixels too.
+bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+                     const PlausibleEvidence& limits = {});
+
+/// Whether the evidence is for the pose of the two views. Sliding and absence are not looked at.
+bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+               const PlausibleEvidence& limits = {});
+
+/// Judges a pose that is thought to be right to a few sample spacings.
+PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
+                        const JudgeOptions& options = {});
+
+/// The overlap and what the lines of sight tell alone, with fewer samples: all else of the evidence
+/// stays zero. A tenth of the time.
+PoseEvidence judge_sight_lines(const ViewSurface& a, const ViewSurface& b,
+                               const RigidMotion& b_from_a, const JudgeOptions& options = {});
+
+/// A pose that is at best right to `reach` [unit] in a number that can be had many thousand times a
+/// second: the fraction of `probes` samples of each view that lie within `reach` of the other's
+/// surface with a similar normal, less twice the fraction that lie farther in front of it.
+double rough_agreement(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
+                       double reach, int probes);
+
+}  // namespace relief

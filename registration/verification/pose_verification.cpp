@@ -1,0 +1,193 @@
+#include "registration/verification/pose_verification.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "registration/pairwise/robust.h"
+#include "registration/posegraph/view_graph.h"
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+constexpr double kCountingOverlap = 0.05;  // Pairs that share less say little of their fit.
+// Pairs of a view whose fit is judged, the largest overlaps first: more confirm nothing new.
+constexpr int kJudgedPairsOfAView = 6;
+// A pair that deviates by so many times the median of all is uncommon.
+constexpr double kUncommon = 2.0;
+// However bad a sensor is, pairs that deviate by more than so many times the general limits confirm
+// nothing.
+constexpr double kWidest = 5.0;
+// A calibration is made to the noise of its sensor: its errors are hardly more than twice that.
+constexpr double kWarpDeviations = 2.0;
+// Stray samples, flying pixels and moving parts stand in space seen empty at right poses as well:
+// of the samples that can be compared, fewer than these.
+constexpr double kStrays = 0.1;
+constexpr double kFewestStrays = 0.01;  // Of all samples of a view.
+
+// One pair of views at the poses that are judged.
+struct Judged {
+  std::size_t a = 0, b = 0;
+  PoseEvidence evidence;
+  bool fit_known = false;  // Whether all of the evidence was looked at, or sight lines alone.
+  bool confirms = false, contradicts = false;
+};
+
+bool may_meet(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a) {
+  return (b_from_a * a.centre() - b.centre()).norm() <= a.radius() + b.radius();
+}
+
+std::vector<Judged> pairs_to_judge(const std::vector<ViewSurface>& surfaces,
+                                   const std::vector<RigidMotion>& poses,
+                                   const std::vector<ViewRole>& roles) {
+  std::vector<Judged> pairs;
+  const auto takes_part = [&](std::size_t i) {
+    return roles[i] != ViewRole::kExcluded && !surfaces[i].samples().empty();
+  };
+  for (std::size_t a = 0; a < surfaces.size(); ++a)
+    for (std::size_t b = a + 1; b < surfaces.size(); ++b)
+      if (takes_part(a) && takes_part(b) &&
+          may_meet(surfaces[a], surfaces[b], poses[b].inverse() * poses[a]))
+        pairs.push_back({a, b, {}, false, false, false});
+  return pairs;
+}
+
+// Sight lines of all pairs; the fit of those that overlap most.
+void judge(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMotion>& poses,
+           const PoseVerificationOptions& options, std::vector<Judged>& pairs) {
+  JudgeOptions judging;
+  judging.association = options.association;
+  const auto relative = [&](const Judged& pair) { return poses[pair.b].inverse() * poses[pair.a]; };
+  parallel_for(pairs.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      pairs[k].evidence = judge_sight_lines(surfaces[pairs[k].a], surfaces[pairs[k].b],
+                                            relative(pairs[k]), judging);
+  });
+  std::vector<ViewPair> overlapping;
+  std::vector<std::size_t> place(pairs.size());
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (pairs[k].evidence.overlap >= kCountingOverlap)
+      overlapping.push_back({pairs[k].a, pairs[k].b, pairs[k].evidence.overlap});
+  const auto strongest = largest_overlaps(surfaces.size(), overlapping, kJudgedPairsOfAView);
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = 0, s = 0; k < pairs.size() && s < strongest.size(); ++k) {
+    if (pairs[k].a != strongest[s].a || pairs[k].b != strongest[s].b) continue;
+    chosen.push_back(k);
+    ++s;
+  }
+  parallel_for(chosen.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Judged& pair = pairs[chosen[i]];
+      pair.evidence = judge_pose(surfaces[pair.a], surfaces[pair.b], relative(pair), judging);
+      pair.fit_known = true;
+    }
+  });
+}
+
+// The limits, widened to what the pairs of these views have in common.
+PlausibleEvidence limits_of_views(const std::vector<ViewSurface>& surfaces,
+                                  const std::vector<Judged>& pairs, PlausibleEvidence limits) {
+  std::vector<double> rms, normal_rms, coherent_rms, contradiction, noise;
+  for (const Judged& pair : pairs) {
+    if (!pair.fit_known) continue;
+    const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
+    contradiction.push_back(pair.evidence.contradiction);
+    if (pair.evidence.contradiction > kStrays) continue;
+    rms.push_back(relative_rms(pair.evidence, a, b));
+    normal_rms.push_back(pair.evidence.normal_rms);
+    coherent_rms.push_back(relative_coherent_rms(pair.evidence, a, b));
+    noise.push_back(std::hypot(a.noise(), b.noise()) / std::max(a.spacing(), b.spacing()));
+  }
+  const auto widen = [](double& limit, std::vector<double> values, double widest) {
+    limit =
+        std::clamp(kUncommon * quantile(std::move(values), 0.5), limit, std::max(limit, widest));
+  };
+  widen(limits.max_rms, std::move(rms), kWidest * limits.max_rms);
+  widen(limits.max_normal_rms, std::move(normal_rms), kWidest * limits.max_normal_rms);
+  widen(limits.max_coherent_rms, std::move(coherent_rms),
+        std::max(kWidest * limits.max_coherent_rms,
+                 kWarpDeviations * quantile(std::move(noise), 0.5)));
+  widen(limits.max_contradiction, std::move(contradiction), kWidest * limits.max_contradiction);
+  limits.min_overlap = kCountingOverlap;
+  return limits;
+}
+
+void decide(const std::vector<ViewSurface>& surfaces, const PlausibleEvidence& general,
+            std::vector<Judged>& pairs) {
+  const PlausibleEvidence limits = limits_of_views(surfaces, pairs, general);
+  const double strays = std::max(kStrays, limits.max_contradiction);
+  for (Judged& pair : pairs) {
+    pair.contradicts =
+        pair.evidence.contradiction > strays && pair.evidence.in_front > kFewestStrays;
+    pair.confirms =
+        pair.fit_known && plausible(pair.evidence, surfaces[pair.a], surfaces[pair.b], limits);
+  }
+}
+
+// What the remaining views say of each other.
+std::vector<ViewVerification> tally(std::size_t views, const std::vector<Judged>& pairs,
+                                    const std::vector<bool>& refuted) {
+  std::vector<ViewVerification> result(views);
+  for (const Judged& pair : pairs) {
+    if (refuted[pair.a] && refuted[pair.b]) continue;
+    // A refuted view is judged by the others, and says nothing of them.
+    for (const auto& [view, other] : {std::pair{pair.a, pair.b}, std::pair{pair.b, pair.a}}) {
+      if (refuted[other]) continue;
+      if (pair.evidence.overlap >= kCountingOverlap) result[view].overlaps = true;
+      if (pair.confirms) result[view].support += pair.evidence.overlap;
+      if (pair.contradicts) result[view].violation += pair.evidence.in_front;
+    }
+  }
+  return result;
+}
+
+// The view with most against it; `views` where no view has more against than for it.
+std::size_t most_contradicted(const std::vector<ViewVerification>& tallied,
+                              const std::vector<ViewRole>& roles,
+                              const std::vector<bool>& refuted) {
+  std::size_t worst = tallied.size();
+  double excess = 0.0;
+  for (std::size_t i = 0; i < tallied.size(); ++i) {
+    if (refuted[i] || roles[i] != ViewRole::kFree) continue;
+    const double against = tallied[i].violation - tallied[i].support;
+    // Of two views with the same against them the first one stays.
+    if (tallied[i].violation > 0.0 && against > 0.0 && against >= excess) {
+      worst = i;
+      excess = against;
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
+                              const std::vector<RigidMotion>& world_from_view,
+                              const std::vector<ViewRole>& roles,
+                              const PoseVerificationOptions& options) {
+  assert(surfaces.size() == world_from_view.size() && surfaces.size() == roles.size());
+  auto pairs = pairs_to_judge(surfaces, world_from_view, roles);
+  judge(surfaces, world_from_view, options, pairs);
+  decide(surfaces, options.limits, pairs);
+
+  const std::size_t views = surfaces.size();
+  std::vector<bool> refuted(views, false);
+  PoseVerification result;
+  for (;;) {
+    result.views = tally(views, pairs, refuted);
+    const std::size_t worst = most_contradicted(result.views, roles, refuted);
+    if (worst == views) break;
+    refuted[worst] = true;
+  }
+  std::vector<ViewPair> confirmed;
+  for (const Judged& pair : pairs)
+    if (pair.confirms && !refuted[pair.a] && !refuted[pair.b])
+      confirmed.push_back({pair.a, pair.b, pair.evidence.overlap});
+  result.group = connected_groups(views, confirmed);
+  for (std::size_t i = 0; i < views; ++i) result.views[i].refuted = refuted[i];
+  return result;
+}
+
+}  // namespace relief

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "registration/posegraph/joint_refinement.h"
+#include "registration/verification/pose_evidence.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+struct PoseVerificationOptions {
+  /// What a pair must show at least; the errors that the views themselves show widen it.
+  PlausibleEvidence limits;
+  Association association = Association::kAuto;
+  int threads = 0;  ///< 0: one per core. Never changes the result.
+};
+
+/// What the other views say of one view's pose.
+struct ViewVerification {
+  double support = 0.0;  ///< Sum of overlaps with views that confirm the pose.
+  /// Sum over views that contradict the pose of the fraction of samples in space seen empty.
+  double violation = 0.0;
+  bool overlaps = false;  ///< Whether any view overlaps it at all.
+  bool refuted = false;   ///< Whether more speaks against the pose than for it.
+};
+
+struct PoseVerification {
+  std::vector<ViewVerification> views;
+  /// For each view the smallest index of a view that pairs which confirm each other link it to;
+  /// excluded and refuted views stand alone.
+  std::vector<std::size_t> group;
+};
+
+/// Judges refined poses of many views against each other. A pair confirms its pose when it deviates
+/// by no more than `limits` and than the better half of all pairs of these views do: calibration
+/// errors and correlated noise of a sensor are in all of its pairs. A pair contradicts its pose
+/// when one view stands in space that the other saw empty (free-space violation, Huber and Hebert
+/// 2003) by more than stray samples. Missing samples prove nothing: sensors with two centres, a
+/// laser and a camera, lose what either does not see. Views with more against them than for them
+/// are refuted, the worst first, each judged by the others that remain; fixed views never.
+PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
+                              const std::vector<RigidMotion>& world_from_view,
+                              const std::vector<ViewRole>& roles,
+                              const PoseVerificationOptions& options = {});
+
+}  // namespace relief

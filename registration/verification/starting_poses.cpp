@@ -1,0 +1,260 @@
+#include "registration/verification/starting_poses.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <numeric>
+
+#include "registration/global/global_registration.h"
+
+namespace relief {
+
+namespace {
+
+using Members = std::vector<std::size_t>;
+
+PlaceViewsOptions place_options(const StartingPoseOptions& options) {
+  PlaceViewsOptions place;
+  place.association = options.association;
+  place.limits.min_overlap = options.min_overlap;
+  place.limits.max_contradiction = options.max_contradiction;
+  place.threads = options.threads;
+  return place;
+}
+
+// The groups that settled poses make. Their frame is the world; single views have their own.
+ViewGroups groups_of(const SettledPoses& settled) {
+  ViewGroups groups = ViewGroups::singles(settled.group.size());
+  groups.group = settled.group;
+  for (std::size_t i = 0; i < settled.group.size(); ++i)
+    if (settled.world_from_view[i]) groups.group_from_view[i] = *settled.world_from_view[i];
+  return groups;
+}
+
+std::vector<Members> members_of(const ViewGroups& placed) {
+  std::map<std::size_t, Members> by_first;
+  for (std::size_t i = 0; i < placed.group.size(); ++i) by_first[placed.group[i]].push_back(i);
+  std::vector<Members> groups;
+  for (auto& [first, members] : by_first) groups.push_back(std::move(members));
+  return groups;
+}
+
+// What a group has for being the main one, the most important first.
+struct Rank {
+  bool known = false;
+  std::size_t size = 0;
+  auto operator<=>(const Rank&) const = default;
+};
+
+Rank rank_of(const Members& members, const SettledPoses& settled) {
+  return {
+      std::any_of(members.begin(), members.end(), [&](std::size_t i) { return settled.known[i]; }),
+      members.size()};
+}
+
+// Given poses of the main group's views that hold among each other, after all else was found.
+bool frame_is_trusted(const Members& main, const SettledPoses& settled) {
+  std::map<std::size_t, std::size_t> together;
+  std::size_t given = 0, most = 0;
+  for (const std::size_t i : main) {
+    if (settled.known[i]) return true;
+    if (!settled.world_from_view[i] && !settled.refuted[i]) continue;
+    ++given;
+    if (settled.world_from_view[i]) most = std::max(most, ++together[settled.group[i]]);
+  }
+  return given <= 1 || (most >= 2 && 2 * most >= given);
+}
+
+// Along x, what the views of a group take up.
+struct Extent {
+  double low = 0.0, high = 0.0;
+};
+
+Extent extent_along_x(const Members& members, const std::vector<ViewSurface>& surfaces,
+                      const std::vector<std::optional<RigidMotion>>& poses) {
+  Extent extent{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const std::size_t i : members) {
+    const double x = (*poses[i] * surfaces[i].centre()).x();
+    extent.low = std::min(extent.low, x - surfaces[i].radius());
+    extent.high = std::max(extent.high, x + surfaces[i].radius());
+  }
+  return extent;
+}
+
+// Groups are refined each in itself: they must not meet by chance.
+void set_beside(const Members& members, const std::vector<ViewSurface>& surfaces,
+                std::vector<Extent>& taken, std::vector<std::optional<RigidMotion>>& poses) {
+  Extent own = extent_along_x(members, surfaces, poses);
+  const double gap = own.high - own.low;
+  const bool meets = std::any_of(taken.begin(), taken.end(), [&](const Extent& other) {
+    return own.low - gap < other.high && other.low < own.high + gap;
+  });
+  if (meets) {
+    double high = own.high;
+    for (const Extent& other : taken) high = std::max(high, other.high);
+    const double shift = high + 2.0 * gap - own.low;
+    for (const std::size_t i : members)
+      poses[i] = Eigen::Translation3d(shift, 0.0, 0.0) * *poses[i];
+    own = {own.low + shift, own.high + shift};
+  }
+  taken.push_back(own);
+}
+
+// Puts groups into the result: into the world where they hold settled poses, else beside.
+class Assembly {
+ public:
+  Assembly(const std::vector<ViewSurface>& surfaces, const SettledPoses& settled,
+           const ViewGroups& placed, StartingPoses& result)
+      : surfaces_(surfaces), settled_(settled), placed_(placed), result_(result) {}
+
+  void run() {
+    const auto groups = ordered_groups();
+    if (groups.empty()) return;
+    const Members& main = groups.front();
+    const bool given = as_settled(main);
+    if (main.size() == 1 && !given && surfaces_.size() > 1) return;
+    put(main, frame_of(main), true);
+    const bool trusted = in_world(main) && frame_is_trusted(main, settled_);
+    for (std::size_t g = 1; g < groups.size(); ++g) {
+      // Poses that the user gave in one frame stay in it, confirmed or not.
+      if (trusted && as_settled(groups[g])) {
+        put(groups[g], RigidMotion::Identity(), true);
+      } else if (groups[g].size() > 1) {
+        put(groups[g], frame_of(groups[g]), false);
+        set_beside(groups[g], surfaces_, taken_, result_.world_from_view);
+      }
+    }
+  }
+
+ private:
+  // The main group first. Views without samples are in none, unless they are known.
+  std::vector<Members> ordered_groups() const {
+    auto groups = members_of(placed_);
+    for (Members& members : groups)
+      std::erase_if(members, [&](std::size_t i) {
+        return surfaces_[i].samples().empty() && !settled_.known[i];
+      });
+    std::erase_if(groups, [](const Members& members) { return members.empty(); });
+    std::stable_sort(groups.begin(), groups.end(), [&](const Members& x, const Members& y) {
+      return rank_of(x, settled_) > rank_of(y, settled_);
+    });
+    return groups;
+  }
+
+  // Whether the views of a group came together by settled poses alone.
+  bool as_settled(const Members& members) const {
+    return std::all_of(members.begin(), members.end(), [&](std::size_t i) {
+      return settled_.world_from_view[i] && settled_.group[i] == settled_.group[members.front()];
+    });
+  }
+
+  bool stayed(std::size_t i) const {
+    return settled_.world_from_view[i] &&
+           placed_.group_from_view[i].matrix() == settled_.world_from_view[i]->matrix();
+  }
+
+  // Whether the frame of a group is the world: some of its views stayed in it.
+  bool in_world(const Members& members) const {
+    return std::any_of(members.begin(), members.end(), [&](std::size_t i) { return stayed(i); });
+  }
+
+  // The world from the frame of a group.
+  RigidMotion frame_of(const Members& members) const {
+    if (in_world(members)) return RigidMotion::Identity();
+    for (const std::size_t i : members)
+      if (settled_.world_from_view[i])
+        return *settled_.world_from_view[i] * placed_.group_from_view[i].inverse();
+    return RigidMotion::Identity();
+  }
+
+  void put(const Members& members, const RigidMotion& frame, bool main) {
+    const bool moves = frame.matrix() != RigidMotion::Identity().matrix();
+    for (const std::size_t i : members) {
+      result_.world_from_view[i] =
+          moves ? frame * placed_.group_from_view[i] : placed_.group_from_view[i];
+      result_.in_main_frame[i] = main;
+      result_.found_by_shape[i] = !stayed(i);
+    }
+    if (main) taken_.push_back(extent_along_x(members, surfaces_, result_.world_from_view));
+  }
+
+  const std::vector<ViewSurface>& surfaces_;
+  const SettledPoses& settled_;
+  const ViewGroups& placed_;
+  StartingPoses& result_;
+  std::vector<Extent> taken_;
+};
+
+std::string percent(double fraction) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.0f %%", 100.0 * fraction);
+  return text;
+}
+
+void note_found_links(const ViewGroups& placed, const std::vector<RangeView>& views,
+                      StartingPoses& result) {
+  for (const PoseLink& link : placed.joined)
+    result.notes.push_back("views " + views[link.a].name + " and " + views[link.b].name +
+                           " were joined by their shape: overlap " +
+                           percent(link.evidence.overlap));
+}
+
+std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const SettledPoses& settled,
+                            const std::vector<RangeView>& views,
+                            const StartingPoseOptions& options) {
+  for (const AmbiguousPair& pair : placed.ambiguous) {
+    if (placed.group[pair.a] != placed.group[view] && placed.group[pair.b] != placed.group[view])
+      continue;
+    const std::size_t other = placed.group[pair.a] == placed.group[view] ? pair.b : pair.a;
+    return "it is ambiguous: it fits " + views[other].name + " in more ways than one (overlaps " +
+           percent(pair.overlap) + " and " + percent(pair.second_overlap) +
+           "), its shape is symmetric or too plain; give a guess in world_from_view";
+  }
+  std::string why;
+  if (settled.refuted[view])
+    why = "at its given pose it stands where other views saw through, and fits none of them; ";
+  else if (settled.world_from_view[view])
+    why = "other given poses are wrong, and nothing confirms its own; ";
+  if (!options.search) return why + "give a better guess in world_from_view or remove it";
+  return why + "no pose was found at which it shares " + percent(options.min_overlap) +
+         " with another view; add a view between or give a guess in world_from_view";
+}
+
+// Whether all views with samples are in one group as they are.
+bool all_together(const SettledPoses& settled, const std::vector<ViewSurface>& surfaces) {
+  std::optional<std::size_t> group;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (surfaces[i].samples().empty()) continue;
+    if (!settled.world_from_view[i] || (group && *group != settled.group[i])) return false;
+    group = settled.group[i];
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfaces,
+                                          const std::vector<RangeView>& views,
+                                          const SettledPoses& settled,
+                                          const StartingPoseOptions& options,
+                                          const Progress& progress) {
+  ViewGroups placed = groups_of(settled);
+  if (options.search && !all_together(settled, surfaces)) {
+    auto found = place_views(surfaces, placed, settled.known, place_options(options), progress);
+    if (!found) return found.error();
+    placed = std::move(*found);
+  }
+  StartingPoses result;
+  result.world_from_view.resize(views.size());
+  result.in_main_frame.assign(views.size(), false);
+  result.found_by_shape.assign(views.size(), false);
+  result.reasons.resize(views.size());
+  Assembly(surfaces, settled, placed, result).run();
+  note_found_links(placed, views, result);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (!result.world_from_view[i])
+      result.reasons[i] = reason_unplaced(i, placed, settled, views, options);
+  return result;
+}
+
+}  // namespace relief

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "registration/pairwise/correspondences.h"
+#include "registration/surface/view_surface.h"
+#include "relief/scan/progress.h"
+#include "relief/scan/range_view.h"
+#include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
+#include "relief/registration/align_options.h"
+
+namespace relief {
+
+/// What is known of the poses before any is looked for by shape.
+struct SettledPoses {
+  /// Given poses, refined; nothing for views without one and for views whose pose was refuted.
+  std::vector<std::optional<RigidMotion>> world_from_view;
+  /// For each view the smallest index of a view that confirms its pose, directly or through others.
+  std::vector<std::size_t> group;
+  std::vector<bool> known;    ///< Exact poses, which do not move.
+  std::vector<bool> refuted;  ///< Whether a given pose was refuted.
+};
+
+struct StartingPoses {
+  /// Nothing where no pose is known.
+  std::vector<std::optional<RigidMotion>> world_from_view;
+  /// Whether the pose is in one frame with the main group of views.
+  std::vector<bool> in_main_frame;
+  /// Whether shape gave the pose, not the user.
+  std::vector<bool> found_by_shape;
+  std::vector<std::string> reasons;  ///< Per view why it has no pose; empty when it has one.
+  std::vector<std::string> notes;    ///< One line per pose that was found, for the user to check.
+};
+
+/// The poses to start from: the settled ones, and for views outside their main group what
+/// place_views() finds by shape. Given poses that nothing confirms stay as they are, in the frame
+/// of the others, unless most given poses turn out to be wrong. Views without a pose that fits
+/// nowhere, or in more ways than one, get none. Without any given pose the first view of the
+/// largest group is the world. A second group that fits together but not with the first is set
+/// beside it. The only error is kInterrupted.
+Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfaces,
+                                          const std::vector<RangeView>& views,
+                                          const SettledPoses& settled,
+                                          const StartingPoseOptions& options = {},
+                                          const Progress& progress = {});
+
+}  // namespace relief

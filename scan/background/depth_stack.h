@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "relief/scan/camera.h"
+#include "relief/scan/grid.h"
+#include "relief/scan/range_noise.h"
+#include "relief/scan/range_view.h"
+
+namespace relief {
+
+/// The depths of views whose cameras have the same rays in the camera's frame, pixel by pixel.
+struct DepthStack {
+  Camera camera;                    ///< Of the first view; its rays serve all of them.
+  std::vector<std::size_t> views;   ///< Which views these are.
+  std::vector<Grid<float>> depths;  ///< Distance along the common ray [unit]; NaN: no sample.
+  std::vector<RangeNoise> noises;   ///< Of the views.
+  /// How far two depths of one point that stands still may be apart [unit]: five standard
+  /// deviations of the noise and one sample spacing.
+  Grid<float> tolerance;
+
+  std::size_t size() const { return views.size(); }
+};
+
+/// Sorts views by camera. Two cameras count as one when their images have the same size and their
+/// rays differ by less than half a pixel.
+std::vector<DepthStack> stack_depths(const std::vector<RangeView>& views, int threads = 0);
+
+}  // namespace relief

@@ -1,0 +1,245 @@
+#include "scan/background/fixed_surface_evidence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "scan/base/parallel.h"
+
+namespace relief {
+
+namespace {
+
+constexpr std::size_t kProbes = 3000;    // samples of a set that are carried into other views
+constexpr std::size_t kOtherViews = 16;  // at most, for each sample
+constexpr double kFar = 0.1;             // of the radius of what moves
+constexpr double kEdgeOfImage = 0.02;    // part of the moving pixels that may lie beyond a side
+
+// A sample of a view of the stack.
+struct Probe {
+  std::size_t view;
+  int u, v;
+};
+
+// Some of the samples of one set, evenly over all of them.
+class ProbeSet {
+ public:
+  explicit ProbeSet(std::size_t samples) : stride_(std::max<std::size_t>(1, samples / kProbes)) {}
+  void offer(const Probe& probe) {
+    if (seen_++ % stride_ == 0) probes_.push_back(probe);
+  }
+  const std::vector<Probe>& probes() const { return probes_; }
+
+ private:
+  std::size_t stride_, seen_ = 0;
+  std::vector<Probe> probes_;
+};
+
+// Root mean square distance from their centre of the samples that move, view by view, in the
+// middle of all views [unit].
+double moving_radius(const std::vector<RangeView>& views, const DepthStack& stack,
+                     const std::vector<Probe>& probes) {
+  double squares = 0.0, all = 0.0;
+  for (std::size_t begin = 0; begin < probes.size();) {
+    std::size_t end = begin;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double sum_squares = 0.0;
+    while (end < probes.size() && probes[end].view == probes[begin].view) {
+      const Eigen::Vector3d point =
+          views[stack.views[probes[end].view]].point(probes[end].u, probes[end].v);
+      sum += point;
+      sum_squares += point.squaredNorm();
+      ++end;
+    }
+    const double count = static_cast<double>(end - begin);
+    squares += std::max(0.0, sum_squares - sum.squaredNorm() / count);
+    all += count;
+    begin = end;
+  }
+  return all > 0.0 ? std::sqrt(squares / all) : 0.0;
+}
+
+enum class Sight { kNothing, kSame, kThrough };
+
+// Whether a view has a sample at a point of its frame, give or take `far` in all directions, or
+// sees through it.
+Sight look_at(const RangeView& view, const Eigen::Vector3d& point, double far) {
+  constexpr int kSteps = 3;  // to each side
+  const auto pixel = view.camera.project(point);
+  if (!pixel) return Sight::kNothing;
+  const int u = static_cast<int>(std::lround(pixel->x()));
+  const int v = static_cast<int>(std::lround(pixel->y()));
+  if (!view.has_sample(u, v)) return Sight::kNothing;
+  const auto behind = [&](int at_u, int at_v) {
+    const Ray ray = view.camera.ray(at_u, at_v);
+    return (view.range(at_u, at_v) - ray.range_of(point)) * ray.direction.norm();
+  };
+  const double here = behind(u, v);
+  if (here < -far) return Sight::kNothing;
+  if (here <= far) return Sight::kSame;
+  const Ray ray = view.camera.ray(u, v), beside = view.camera.ray_at(u + 1.0, v + 1.0);
+  const double footprint =
+      (beside.at(beside.range_of(point)) - ray.at(ray.range_of(point))).norm() / std::sqrt(2.0);
+  const double step = std::max(1.0, far / (kSteps * footprint));
+  for (int j = -kSteps; j <= kSteps; ++j) {
+    for (int i = -kSteps; i <= kSteps; ++i) {
+      const int at_u = u + static_cast<int>(std::lround(i * step));
+      const int at_v = v + static_cast<int>(std::lround(j * step));
+      if (view.has_sample(at_u, at_v) && std::abs(behind(at_u, at_v)) <= far) return Sight::kSame;
+    }
+  }
+  return Sight::kThrough;
+}
+
+// Carries the probes into other views.
+CarriedSamples test_poses(const std::vector<RangeView>& views, const DepthStack& stack,
+                          const std::vector<Probe>& probes, double far, int threads) {
+  const std::size_t step = std::max<std::size_t>(1, stack.size() / kOtherViews);
+  const auto add = [](CarriedSamples a, const CarriedSamples& b) {
+    return CarriedSamples{a.confirmed + b.confirmed, a.refuted + b.refuted};
+  };
+  constexpr std::size_t kAtOnce = 128;
+  std::vector<CarriedSamples> parts((probes.size() + kAtOnce - 1) / kAtOnce);
+  parallel_for(probes.size(), kAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    CarriedSamples& part = parts[begin / kAtOnce];
+    for (std::size_t k = begin; k < end; ++k) {
+      const RangeView& from = views[stack.views[probes[k].view]];
+      const Eigen::Vector3d in_world = from.world_from_view * from.point(probes[k].u, probes[k].v);
+      for (std::size_t other = probes[k].view % step; other < stack.size(); other += step) {
+        if (other == probes[k].view) continue;
+        const RangeView& to = views[stack.views[other]];
+        const Eigen::Vector3d point = to.world_from_view.inverse() * in_world;
+        switch (look_at(to, point, far)) {
+          case Sight::kThrough:
+            ++part.refuted;
+            break;
+          case Sight::kSame:
+            ++part.confirmed;
+            break;
+          case Sight::kNothing:
+            break;
+        }
+      }
+    }
+  });
+  CarriedSamples all;
+  for (const CarriedSamples& part : parts) all = add(all, part);
+  return all;
+}
+
+// How often each column and row of the image has a sample of one set.
+struct Extent {
+  std::vector<std::size_t> columns, rows;
+  std::size_t count = 0;
+
+  Extent(int width, int height)
+      : columns(static_cast<std::size_t>(width), 0), rows(static_cast<std::size_t>(height), 0) {}
+  void add(int u, int v) {
+    ++columns[static_cast<std::size_t>(u)];
+    ++rows[static_cast<std::size_t>(v)];
+    ++count;
+  }
+  // The first and last place with all but a small part of the samples between them.
+  static std::pair<int, int> range(const std::vector<std::size_t>& places, std::size_t count) {
+    const double beyond = kEdgeOfImage * static_cast<double>(count);
+    std::size_t sum = 0, first = 0, last = places.size();
+    while (first < places.size() && static_cast<double>(sum + places[first]) <= beyond)
+      sum += places[first++];
+    sum = 0;
+    while (last > first && static_cast<double>(sum + places[last - 1]) <= beyond)
+      sum += places[--last];
+    return {static_cast<int>(first), static_cast<int>(last)};
+  }
+};
+
+int sides_beyond(const Extent& piece, const Extent& moving) {
+  int sides = 0;
+  for (const auto& [outer, inner] :
+       {std::pair{Extent::range(piece.columns, piece.count),
+                  Extent::range(moving.columns, moving.count)},
+        {Extent::range(piece.rows, piece.count), Extent::range(moving.rows, moving.count)}})
+    sides += (outer.first <= inner.first ? 1 : 0) + (outer.second >= inner.second ? 1 : 0);
+  return sides;
+}
+
+// A moving sample with others round about: single ones are noise.
+bool moves(const Grid<SampleKind>& kinds, int u, int v) {
+  constexpr int kFewest = 4;
+  if (!kinds.contains(u, v) || kinds(u, v) != SampleKind::kMoving) return false;
+  int others = -1;
+  for (int dv = -1; dv <= 1; ++dv)
+    for (int du = -1; du <= 1; ++du)
+      others += kinds.contains(u + du, v + dv) && kinds(u + du, v + dv) == SampleKind::kMoving;
+  return others >= kFewest;
+}
+
+}  // namespace
+
+bool CarriedSamples::enough() const { return confirmed + refuted >= 200; }
+double CarriedSamples::refuted_share() const {
+  const double all = static_cast<double>(confirmed + refuted);
+  return all > 0.0 ? static_cast<double>(refuted) / all : 0.0;
+}
+double PieceEvidence::attached_share() const {
+  return beside > 0 ? static_cast<double>(attached) / static_cast<double>(beside) : 0.0;
+}
+
+StandingEvidence gather_evidence(const std::vector<RangeView>& views, const DepthStack& stack,
+                                 const StandingSurface& surface,
+                                 const std::vector<Grid<SampleKind>>& kinds,
+                                 const std::vector<GridEdges>& edges, int threads) {
+  StandingEvidence evidence;
+  evidence.pieces.resize(surface.pieces);
+  const int width = stack.camera.width(), height = stack.camera.height();
+  std::vector<Extent> extents(surface.pieces, Extent(width, height));
+  Extent moving_extent(width, height);
+  evidence.has_poses = true;
+  for (std::size_t i = 0; i < stack.size(); ++i) {
+    evidence.has_poses = evidence.has_poses && views[stack.views[i]].pose != PoseKind::kAbsent &&
+                         views[stack.views[i]].camera.can_project();
+    std::vector<bool> seen(surface.pieces, false);
+    for (int v = 0; v < height; ++v) {
+      for (int u = 0; u < width; ++u) {
+        if (kinds[i](u, v) == SampleKind::kMoving) {
+          ++evidence.moving;
+          moving_extent.add(u, v);
+        }
+        if (kinds[i](u, v) != SampleKind::kStanding) continue;
+        ++evidence.standing;
+        const auto number = static_cast<std::size_t>(surface.piece(u, v));
+        PieceEvidence& piece = evidence.pieces[number];
+        ++piece.samples;
+        seen[number] = true;
+        extents[number].add(u, v);
+        for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+          if (!moves(kinds[i], u + du, v + dv)) continue;
+          ++piece.beside;
+          piece.attached += edges[i].connected(u, v, du, dv) ? 1 : 0;
+        }
+      }
+    }
+    for (std::size_t k = 0; k < seen.size(); ++k) evidence.pieces[k].views += seen[k] ? 1 : 0;
+  }
+  for (std::size_t k = 0; k < surface.pieces; ++k)
+    evidence.pieces[k].sides = sides_beyond(extents[k], moving_extent);
+  if (!evidence.has_poses || surface.pieces == 0) return evidence;
+
+  std::vector<ProbeSet> sets;
+  for (const PieceEvidence& piece : evidence.pieces) sets.emplace_back(piece.samples);
+  ProbeSet moving(evidence.moving);
+  for (std::size_t i = 0; i < stack.size(); ++i)
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u) {
+        if (kinds[i](u, v) == SampleKind::kMoving) moving.offer({i, u, v});
+        if (kinds[i](u, v) == SampleKind::kStanding)
+          sets[static_cast<std::size_t>(surface.piece(u, v))].offer({i, u, v});
+      }
+  const double far = kFar * moving_radius(views, stack, moving.probes());
+  evidence.moving_poses = test_poses(views, stack, moving.probes(), far, threads);
+  for (std::size_t k = 0; k < surface.pieces; ++k)
+    evidence.pieces[k].poses = test_poses(views, stack, sets[k].probes(), far, threads);
+  return evidence;
+}
+
+}  // namespace relief

@@ -1,0 +1,163 @@
+#include "relief/scan/static_background.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "scan/background/background_mask.h"
+#include "scan/background/depth_stack.h"
+#include "relief/scan/discontinuities.h"
+#include "scan/base/parallel.h"
+#include "scan/background/fixed_surface_evidence.h"
+#include "scan/background/fixed_surface.h"
+
+namespace relief {
+
+namespace {
+
+constexpr std::size_t kFewestViews = 3;
+constexpr double kLeastPart = 0.01;  // of the samples: less does not stand or move
+constexpr double kRefuted = 0.5;     // share of refuted samples of a background
+constexpr double kConfirmed = 0.2;   // and of what the poses describe
+constexpr double kMostAttached = 0.05;
+constexpr int kSidesBeyond = 3;
+constexpr std::array<float, 4> kTolerances = {1.0f, 2.0f, 4.0f, 8.0f};  // of the stack's
+constexpr double kCovered = 0.99;                                       // of the largest background
+
+enum class Verdict { kObject, kBackground, kUndecided };
+
+Verdict judge(const PieceEvidence& piece, const StandingEvidence& all) {
+  if (piece.views < kFewestViews) return Verdict::kObject;
+  const bool poses_describe =
+      all.has_poses && all.moving_poses.enough() && all.moving_poses.refuted_share() <= kConfirmed;
+  if (poses_describe && piece.poses.enough()) {
+    const double refuted = piece.poses.refuted_share();
+    if (refuted >= kRefuted) return Verdict::kBackground;
+    return refuted <= kConfirmed ? Verdict::kObject : Verdict::kUndecided;
+  }
+  if (piece.sides < kSidesBeyond) return Verdict::kObject;
+  const bool apart = piece.beside > 0 && piece.attached_share() <= kMostAttached;
+  return apart ? Verdict::kBackground : Verdict::kUndecided;
+}
+
+std::size_t count(const Grid<std::uint8_t>& mask) {
+  return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1));
+}
+
+// What is found with one tolerance.
+struct Attempt {
+  StandingSurface surface;
+  std::vector<Grid<SampleKind>> kinds;
+  std::vector<Verdict> verdicts;
+  std::size_t background = 0, undecided = 0;  // Samples on such pieces.
+};
+
+Attempt attempt(const std::vector<RangeView>& views, const DepthStack& stack,
+                const std::vector<GridEdges>& edges, int threads) {
+  Attempt result;
+  result.surface = find_standing_surface(stack, threads);
+  if (result.surface.pieces == 0) return result;
+  result.kinds = classify_samples(stack, result.surface, threads);
+  const StandingEvidence evidence =
+      gather_evidence(views, stack, result.surface, result.kinds, edges, threads);
+  const double least = kLeastPart * static_cast<double>(evidence.standing + evidence.moving);
+  const bool moves = static_cast<double>(evidence.moving) >= least;
+  for (const PieceEvidence& piece : evidence.pieces) {
+    result.verdicts.push_back(moves ? judge(piece, evidence) : Verdict::kObject);
+    if (result.verdicts.back() == Verdict::kBackground) result.background += piece.samples;
+    if (result.verdicts.back() == Verdict::kUndecided &&
+        static_cast<double>(piece.samples) >= least)
+      result.undecided += piece.samples;
+  }
+  return result;
+}
+
+// Noise that neighbouring samples share is larger than their differences show: wider tolerances are
+// tried, and the narrowest that covers the background is taken.
+Attempt best_attempt(const std::vector<RangeView>& views, DepthStack& stack,
+                     const std::vector<GridEdges>& edges, int threads) {
+  const Grid<float> narrow = stack.tolerance;
+  const auto widen = [&](float factor) {
+    for (std::size_t i = 0; i < narrow.size(); ++i) stack.tolerance[i] = factor * narrow[i];
+  };
+  std::vector<std::size_t> samples;
+  for (const float factor : kTolerances) {
+    widen(factor);
+    samples.push_back(attempt(views, stack, edges, threads).background);
+  }
+  const double enough =
+      kCovered * static_cast<double>(*std::max_element(samples.begin(), samples.end()));
+  std::size_t k = 0;
+  while (static_cast<double>(samples[k]) < enough) ++k;
+  widen(kTolerances[k]);
+  return attempt(views, stack, edges, threads);
+}
+
+void search(const std::vector<RangeView>& views, DepthStack& stack, int threads,
+            StaticBackground& found) {
+  const auto edges = parallel_map<GridEdges>(stack.size(), threads, [&](std::size_t i) {
+    return connect_samples(views[stack.views[i]], stack.noises[i]);
+  });
+  const Attempt best = best_attempt(views, stack, edges, threads);
+  found.undecided += best.undecided;
+  if (best.background == 0) return;
+  Grid<float> background = best.surface.depth;
+  for (std::size_t i = 0; i < background.size(); ++i) {
+    const std::int32_t piece = best.surface.piece[i];
+    if (piece < 0 || best.verdicts[static_cast<std::size_t>(piece)] != Verdict::kBackground)
+      background[i] = static_cast<float>(kNoSample);
+  }
+  auto masks = parallel_map<Grid<std::uint8_t>>(stack.size(), threads, [&](std::size_t i) {
+    return mark_background(stack, i, best.kinds[i], background, edges[i]);
+  });
+  for (std::size_t i = 0; i < stack.size(); ++i) {
+    const std::size_t samples = count(masks[i]);
+    // A view of nothing but background is left to the user.
+    if (samples == 0 || samples == views[stack.views[i]].sample_count()) continue;
+    found.samples += samples;
+    ++found.views;
+    found.masks[stack.views[i]] = std::move(masks[i]);
+  }
+}
+
+}  // namespace
+
+StaticBackground find_static_background(const std::vector<RangeView>& views, int threads) {
+  StaticBackground found;
+  found.masks.resize(views.size());
+  if (views.size() < kFewestViews) return found;
+  for (DepthStack& stack : stack_depths(views, threads))
+    if (stack.size() >= kFewestViews) search(views, stack, threads, found);
+  return found;
+}
+
+void remove_background(const Grid<std::uint8_t>& mask, RangeView& view) {
+  for (std::size_t k = 0; k < mask.size(); ++k) {
+    if (!mask[k]) continue;
+    view.range[k] = kNoSample;
+    if (view.has_normals())
+      view.normals[k] = Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
+    if (!view.deviation.empty()) view.deviation[k] = static_cast<float>(kNoSample);
+  }
+}
+
+void remove_background(const StaticBackground& background, std::vector<RangeView>& views) {
+  for (std::size_t i = 0; i < views.size(); ++i) remove_background(background.masks[i], views[i]);
+}
+
+std::vector<std::string> describe(const StaticBackground& background, bool removed) {
+  std::vector<std::string> lines;
+  if (background.samples > 0)
+    lines.push_back(
+        "background: " + std::to_string(background.samples) + " samples of " +
+        std::to_string(background.views) +
+        " views stand still in the camera's frame while the object moves; " +
+        (removed ? "they are left out (--background keep keeps them)" : "they are kept"));
+  if (background.undecided > 0)
+    lines.push_back("background: " + std::to_string(background.undecided) +
+                    " more samples stand still, but may belong to the object; they are kept (a "
+                    "mask per view leaves them out)");
+  return lines;
+}
+
+}  // namespace relief

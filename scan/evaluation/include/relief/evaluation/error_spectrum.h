@@ -1,0 +1,77 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "relief/scan/grid.h"
+
+namespace relief {
+
+/// An error at each pixel: of one component (the imaginary part is then 0) or of two. NaN where
+/// there is none.
+using ErrorGrid = Grid<std::complex<double>>;
+
+/// The mean power of errors with spatial frequencies in [low, high).
+struct SpectrumBand {
+  double low = 0.0, high = 0.0;  ///< [cycles per sample]
+  double frequency = 0.0;        ///< Mean of the frequencies in the band [cycles per sample].
+  /// Power density [error unit^2 / (cycle per sample)^2], sum of both components: white noise of
+  /// variance s^2 per component has s^2 (2 s^2 for two) in every band.
+  double density = 0.0;
+  /// What the band covers of the plane of frequencies [(cycle per sample)^2]; density times area is
+  /// the variance in the band.
+  double area = 0.0;
+  int tile = 0;           ///< Side of the tiles it was estimated from [samples].
+  std::size_t tiles = 0;  ///< How many there were.
+  // The relative standard deviation of the density is about 2 / (tile sqrt(tiles area)).
+};
+
+/// Bands in ascending order, four to the octave, from two cycles per largest tile to the highest
+/// frequency of the grid, sqrt(1/2).
+struct ErrorSpectrum {
+  std::vector<SpectrumBand> bands;  ///< Empty when no tile fits into the data.
+  /// The fraction of samples in any tile, for the smallest and for the largest tiles.
+  double finest_coverage = 0.0, coarsest_coverage = 0.0;
+
+  /// The variance in all bands together.
+  double variance() const;
+};
+
+/// Sums of tile spectra, to be accumulated over several grids. Welch's method (1967) in two
+/// dimensions: squares of side 16, 32, ... 512 at half-side steps that lie within the data, less
+/// their least-squares plane, times a Hann window. At most kMostMissing of a tile may be missing;
+/// it is filled in smoothly.
+class TileSpectra {
+ public:
+  static constexpr double kMostMissing = 1.0 / 32.0;
+
+  /// Accumulates the tiles of one grid.
+  void add(const ErrorGrid& errors);
+  /// Accumulates what another has.
+  void add(const TileSpectra& other);
+
+  /// Each band is taken from the smallest tiles that hold eight cycles of it, else from the largest
+  /// that cover a quarter of the samples. Nothing below two cycles per tile is given.
+  ErrorSpectrum spectrum() const;
+
+ private:
+  struct Size {
+    int side = 0;
+    std::size_t tiles = 0, covered = 0;
+    std::vector<double> power;  // by band, summed over tiles and frequencies
+  };
+  void add_tiles(const ErrorGrid& errors, Size& size);
+
+  std::vector<Size> sizes_;
+  std::size_t samples_ = 0;
+};
+
+/// The frequency [cycles per sample] above which `noisy_high` has more power than `noisy_low` and
+/// below which it has less, interpolated between bands; nothing when they do not cross like that at
+/// frequencies up to a quarter, beyond which central differences fade.
+std::optional<double> crossing_frequency(const ErrorSpectrum& noisy_high,
+                                         const ErrorSpectrum& noisy_low);
+
+}  // namespace relief

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "relief/evaluation/error_statistics.h"
+#include "relief/scan/progress.h"
+#include "relief/scan/result.h"
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+struct MeshDistanceOptions {
+  std::size_t samples = 200000;  ///< Points on each of the two meshes, >= 1.
+  /// Distances of the F-score [unit]. Empty: 0.25, 0.5, 1 and 2 times `spacing`.
+  std::vector<double> thresholds;
+  /// The sample spacing of the scans [unit]; 0: the median edge length of the true mesh.
+  double spacing = 0.0;
+  std::uint64_t seed = 1;  ///< Of the points.
+  int threads = 0;         ///< 0: one per core; no effect on the result.
+};
+
+/// Distances from points of one mesh to the other.
+struct DirectedDistance {
+  ErrorStatistics distance;     ///< Exact Euclidean point to surface [unit].
+  ErrorStatistics normals_deg;  ///< Angle between the surface normals at both ends [degrees].
+  std::vector<double> within;   ///< For each threshold: the fraction of points at most so far.
+};
+
+/// One direction over the whole surface, and split by whether the result was measured or filled
+/// there, where the result says so.
+struct DistanceReport {
+  DirectedDistance all;
+  std::optional<DirectedDistance> measured, filled;
+};
+
+struct MeshComparison {
+  /// From points of the result to the truth: how wrong what is there is. Split at the points.
+  DistanceReport accuracy;
+  /// From points of the truth to the result: how much of the object is missing. Split at the
+  /// closest points of the result.
+  DistanceReport completeness;
+  std::vector<double> thresholds;  ///< [unit]
+  std::vector<double> f_score;     ///< For each threshold: harmonic mean of the two `within`.
+  double filled_fraction = 0.0;    ///< Of the result's area.
+  /// The distances behind the statistics, point by point [unit]: from the result to the truth, with
+  /// the sign of signed_distances, and from the truth to the result.
+  std::vector<double> signed_accuracy, completeness_distances;
+};
+
+/// Compares a mesh with the true one, in the same frame. Normals are those of the result's faces,
+/// blended over each face by area-weighted vertex normals; of the truth, its own vertex normals if
+/// it has them. kBadInput when a mesh has no area or a vertex that is not finite.
+Result<MeshComparison> compare_meshes(const TriangleMesh& result, const TriangleMesh& truth,
+                                      const MeshDistanceOptions& options = {},
+                                      const Progress& progress = {});
+
+/// For each vertex of `mesh` its distance to `truth` [unit], negative inside (with the angle
+/// weighted normals of Baerentzen and Aanaes 2005, so the sign is right at edges and corners too).
+/// `truth` must be closed for the sign to have a meaning, and have at least one face.
+std::vector<double> signed_distances(const TriangleMesh& mesh, const TriangleMesh& truth,
+                                     int threads = 0);
+
+}  // namespace relief

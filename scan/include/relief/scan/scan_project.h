@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "relief/scan/range_view.h"
+
+namespace relief {
+
+/// Several range views of one object, in one length unit.
+struct ScanProject {
+  std::string unit = "mm";  ///< Of every length, e.g. `mm` or `m`; nothing depends on it.
+  std::vector<RangeView> views;
+  /// What the reader had to find out by itself (camera models, axes of normals), one line each, for
+  /// the user's log.
+  std::vector<std::string> notes;
+};
+
+/// The view called `name`; null when there is none.
+inline const RangeView* find_view(const ScanProject& project, std::string_view name) {
+  for (const RangeView& view : project.views)
+    if (view.name == name) return &view;
+  return nullptr;
+}
+
+}  // namespace relief

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "relief/scan/colour.h"
+#include "relief/scan/range_view.h"
+
+namespace relief {
+
+/// An indexed triangle mesh. Faces wind counter-clockwise seen from outside. The attribute vectors
+/// are empty or have one entry per vertex.
+struct TriangleMesh {
+  using Face = std::array<std::uint32_t, 3>;
+
+  std::vector<Eigen::Vector3d> vertices;  ///< [unit]
+  std::vector<Face> faces;
+  std::vector<Eigen::Vector3f> normals;  ///< Unit vertex normals.
+  std::vector<float> quality;            ///< Expected error of the position [unit].
+  std::vector<std::uint16_t> views;      ///< How many views measured the vertex.
+  std::vector<std::uint8_t> filled;      ///< 1: no view measured here, the surface was closed.
+  std::vector<Colour> colours;
+
+  Eigen::Vector3d corner(std::size_t face, int k) const { return vertices[faces[face][k]]; }
+};
+
+/// Unnormalised normal of a face: its length is twice the area.
+Eigen::Vector3d face_cross(const TriangleMesh& mesh, std::size_t face);
+
+double surface_area(const TriangleMesh& mesh);
+/// Signed volume: positive for a closed mesh whose faces face outwards.
+double enclosed_volume(const TriangleMesh& mesh);
+
+/// Area-weighted unit vertex normals; zero where a vertex has no face with area.
+std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh);
+
+/// The samples of a view as a mesh in the world frame, triangulated along its connected grid edges,
+/// faces towards the sensor. Every sample is a vertex, in row order; `normals` are the measured
+/// ones if any, `colours` its own.
+TriangleMesh mesh_from_view(const RangeView& view);
+
+}  // namespace relief

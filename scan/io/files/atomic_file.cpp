@@ -1,0 +1,154 @@
+#include "scan/io/files/atomic_file.h"
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "scan/io/files/io_error.h"
+
+namespace relief {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Error write_error(const fs::path& path, const std::string& doing, int code) {
+  return cannot_write(path, "cannot " + doing + ": " + std::strerror(code));
+}
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+fs::path temporary_beside(const fs::path& path) {
+  static std::atomic<unsigned> counter{0};
+  const std::string name = "." + path.stem().string() + ".partial-" + std::to_string(getpid()) +
+                           "-" + std::to_string(counter++) + path.extension().string();
+  return folder_of(path) / name;
+}
+
+// Closes a descriptor on every way out; close() itself can report a lost write.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() { close(); }
+  bool is_open() const { return fd_ >= 0; }
+  int get() const { return fd_; }
+  bool close() {
+    const int fd = std::exchange(fd_, -1);
+    return fd < 0 || ::close(fd) == 0;
+  }
+
+ private:
+  int fd_;
+};
+
+Result<void> check_target(const fs::path& path) {
+  std::error_code code;
+  if (!path.has_filename()) return cannot_write(path, "this names no file");
+  if (fs::is_directory(path, code)) return cannot_write(path, "this is a folder; name a file");
+  const fs::path folder = folder_of(path);
+  if (!fs::is_directory(folder, code))
+    return cannot_write(path, "the folder " + folder.string() + " does not exist; create it first");
+  return {};
+}
+
+// Forces written bytes to the disk: only then are a full disk and a failing one known.
+Result<void> flush_to_disk(const fs::path& path, const fs::path& temporary) {
+  Descriptor file(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.is_open()) return write_error(path, "reopen what was written", errno);
+  if (::fsync(file.get()) != 0) return write_error(path, "flush to the disk", errno);
+  return {};
+}
+
+void flush_folder(const fs::path& folder) {
+  // Makes the new name durable; some file systems cannot, and the content is safe either way.
+  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (descriptor.is_open()) (void)::fsync(descriptor.get());
+}
+
+// The writer may know the temporary name only: the user is told the real one.
+Result<void> run_writer(const fs::path& path, const fs::path& temporary,
+                        const std::function<Result<void>(const fs::path&)>& write) {
+  auto written = write(temporary);
+  if (written || written.error().message.find(path.string()) != std::string::npos) return written;
+  return cannot_write(path, written.error().message);
+}
+
+Result<void> write_and_rename(const fs::path& path, const fs::path& temporary,
+                              const std::function<Result<void>(const fs::path&)>& write) {
+  if (auto written = run_writer(path, temporary, write); !written) return written;
+  if (auto flushed = flush_to_disk(path, temporary); !flushed) return flushed;
+  if (::rename(temporary.c_str(), path.c_str()) != 0)
+    return write_error(path, "rename the finished file", errno);
+  flush_folder(folder_of(path));
+  return {};
+}
+
+// Devices and pipes (/dev/stdout) are written to as they are: there is nothing to rename.
+bool is_special(const fs::path& path) {
+  std::error_code code;
+  return fs::exists(path, code) && !fs::is_regular_file(path, code);
+}
+
+Result<void> write_bytes(const fs::path& path, const fs::path& target, std::string_view content) {
+  const int create = is_special(target) ? 0 : O_CREAT | O_EXCL;
+  Descriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC | create, 0666));
+  if (!file.is_open()) return write_error(path, "create the file", errno);
+  while (!content.empty()) {
+    const ssize_t count = ::write(file.get(), content.data(), content.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return write_error(path, "write", count == 0 ? ENOSPC : errno);
+    content.remove_prefix(static_cast<std::size_t>(count));
+  }
+  if (!file.close()) return write_error(path, "write", errno);
+  return {};
+}
+
+}  // namespace
+
+Result<void> write_atomically(const fs::path& path,
+                              const std::function<Result<void>(const fs::path&)>& write) {
+  if (auto target = check_target(path); !target) return target;
+  if (is_special(path)) return run_writer(path, path, write);
+  std::error_code ignored;
+  // A link stays a link: what it points to is replaced.
+  const fs::path target = fs::is_symlink(path, ignored) ? fs::weakly_canonical(path) : path;
+  const fs::path temporary = temporary_beside(target);
+  auto result = write_and_rename(target, temporary, write);
+  if (!result) fs::remove(temporary, ignored);
+  return result;
+}
+
+Result<void> write_file(const fs::path& path, std::string_view content) {
+  return write_atomically(
+      path, [&](const fs::path& target) { return write_bytes(path, target, content); });
+}
+
+Result<std::string> read_file(const fs::path& path) {
+  std::error_code code;
+  if (fs::is_directory(path, code)) return bad_input(path, "this is a folder, not a file");
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.is_open()) return bad_input(path, std::string("cannot open: ") + std::strerror(errno));
+  std::string content;
+  struct stat status {};
+  if (::fstat(file.get(), &status) == 0 && status.st_size > 0)
+    content.reserve(static_cast<std::size_t>(status.st_size));
+  char buffer[1 << 16];
+  for (;;) {
+    const ssize_t count = ::read(file.get(), buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return bad_input(path, std::string("cannot read: ") + std::strerror(errno));
+    if (count == 0) return content;
+    content.append(buffer, static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace relief

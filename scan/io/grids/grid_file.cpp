@@ -1,0 +1,34 @@
+#include "scan/io/grids/grid_file.h"
+
+#include <fstream>
+#include <string>
+
+#include "scan/io/files/io_error.h"
+
+namespace relief {
+
+bool has_grid_ending(const std::filesystem::path& path) {
+  return path.extension() == ".ply" || path.extension() == ".pcd";
+}
+
+bool is_grid_file(const std::filesystem::path& path) {
+  if (path.extension() == ".pcd") return true;
+  if (path.extension() != ".ply") return false;
+  std::ifstream file(path);
+  std::string line;
+  for (int lines = 0; lines < 1000 && std::getline(file, line); ++lines) {
+    if (line.starts_with("element range_grid") || line.starts_with("obj_info num_cols"))
+      return true;
+    if (line.starts_with("end_header")) return false;
+  }
+  return false;
+}
+
+Result<GridFile> read_grid_file(const std::filesystem::path& path) {
+  if (path.extension() == ".ply") return read_ply_grid(path);
+  if (path.extension() == ".pcd") return read_pcd_grid(path);
+  return bad_input(path, "unknown grid format '" + path.extension().string() +
+                             "'; use a range-grid .ply or an organized .pcd");
+}
+
+}  // namespace relief

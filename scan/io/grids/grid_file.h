@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+
+#include <Eigen/Core>
+
+#include "relief/scan/colour.h"
+#include "relief/scan/grid.h"
+#include "relief/scan/result.h"
+
+namespace relief {
+
+/// A scan file that carries points on the sensor's grid, as it stands in the file.
+struct GridFile {
+  Grid<Eigen::Vector3d> points;   ///< File's own frame and unit; NaN where there is no sample.
+  Grid<Eigen::Vector3f> normals;  ///< As measured, any length; NaN where none. May be empty.
+  Grid<float> confidence;         ///< As stored; may be empty.
+  Grid<Colour> colours;           ///< May be empty.
+};
+
+/// Reads an organized grid: .ply with `range_grid` or with one vertex per grid place, organized
+/// .pcd. Points that are not finite are no samples. Errors are kBadInput.
+Result<GridFile> read_grid_file(const std::filesystem::path& path);
+
+/// The same for each format.
+Result<GridFile> read_ply_grid(const std::filesystem::path& path);
+Result<GridFile> read_pcd_grid(const std::filesystem::path& path);
+
+/// Whether the header of a file says that it is such a grid.
+bool is_grid_file(const std::filesystem::path& path);
+
+/// Whether the ending of a path is that of a format that can hold a grid.
+bool has_grid_ending(const std::filesystem::path& path);
+
+}  // namespace relief

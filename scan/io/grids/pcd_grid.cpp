@@ -1,0 +1,152 @@
+// The one file that meets PCL's readers.
+#include <cstring>
+#include <exception>
+#include <mutex>
+
+#include <pcl/PCLPointCloud2.h>
+#include <pcl/console/print.h>
+#include <pcl/io/pcd_io.h>
+
+#include "scan/io/grids/grid_file.h"
+#include "scan/io/files/io_error.h"
+#include "scan/io/grids/pcd_header.h"
+#include "relief/scan/range_view.h"
+
+namespace relief {
+
+namespace {
+
+// PCL reports on the console, by a setting of the whole process: one reader at a time, in silence.
+class SilentPcl {
+ public:
+  SilentPcl() : lock_(mutex()), level_(pcl::console::getVerbosityLevel()) {
+    pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+  }
+  SilentPcl(const SilentPcl&) = delete;
+  SilentPcl& operator=(const SilentPcl&) = delete;
+  ~SilentPcl() { pcl::console::setVerbosityLevel(level_); }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex instance;
+    return instance;
+  }
+  std::scoped_lock<std::mutex> lock_;
+  pcl::console::VERBOSITY_LEVEL level_;
+};
+
+// Whether PCL, which trusts what it reads, reads the header alike.
+bool reads_alike(const std::filesystem::path& path, const PcdHeader& header) {
+  pcl::PCLPointCloud2 cloud;
+  Eigen::Vector4f origin;
+  Eigen::Quaternionf orientation;
+  int version = 0, data_type = 0;
+  unsigned int data_start = 0;
+  return pcl::PCDReader().readHeader(path.string(), cloud, origin, orientation, version, data_type,
+                                     data_start) >= 0 &&
+         cloud.width == header.width && cloud.height == header.height &&
+         cloud.fields.size() == header.fields && cloud.point_step == header.point_bytes &&
+         data_type == static_cast<int>(header.data) && data_start == header.data_start;
+}
+
+const pcl::PCLPointField* find_field(const pcl::PCLPointCloud2& cloud, const std::string& name) {
+  for (const auto& field : cloud.fields) {
+    const bool real = field.datatype == pcl::PCLPointField::FLOAT32 ||
+                      field.datatype == pcl::PCLPointField::FLOAT64;
+    if (field.name == name && real) return &field;
+  }
+  return nullptr;
+}
+
+double value_at(const pcl::PCLPointCloud2& cloud, std::size_t point,
+                const pcl::PCLPointField& field) {
+  const std::uint8_t* bytes = cloud.data.data() + point * cloud.point_step + field.offset;
+  if (field.datatype == pcl::PCLPointField::FLOAT64) {
+    double value;
+    std::memcpy(&value, bytes, sizeof value);
+    return value;
+  }
+  float value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+// PCL packs colours into the bits of a float or of an integer.
+const pcl::PCLPointField* find_colour(const pcl::PCLPointCloud2& cloud) {
+  for (const auto& field : cloud.fields)
+    if ((field.name == "rgb" || field.name == "rgba") &&
+        (field.datatype == pcl::PCLPointField::FLOAT32 ||
+         field.datatype == pcl::PCLPointField::UINT32 ||
+         field.datatype == pcl::PCLPointField::INT32))
+      return &field;
+  return nullptr;
+}
+
+Colour colour_at(const pcl::PCLPointCloud2& cloud, std::size_t point,
+                 const pcl::PCLPointField& field) {
+  std::uint32_t packed;
+  std::memcpy(&packed, cloud.data.data() + point * cloud.point_step + field.offset, sizeof packed);
+  return {static_cast<std::uint8_t>(packed >> 16), static_cast<std::uint8_t>(packed >> 8),
+          static_cast<std::uint8_t>(packed)};
+}
+
+struct VectorField {
+  const pcl::PCLPointField *x, *y, *z;
+  bool complete() const { return x && y && z; }
+  Eigen::Vector3d at(const pcl::PCLPointCloud2& cloud, std::size_t point) const {
+    return {value_at(cloud, point, *x), value_at(cloud, point, *y), value_at(cloud, point, *z)};
+  }
+};
+
+Result<GridFile> grid_from_cloud(const pcl::PCLPointCloud2& cloud,
+                                 const std::filesystem::path& path) {
+  const VectorField position{find_field(cloud, "x"), find_field(cloud, "y"),
+                             find_field(cloud, "z")};
+  if (!position.complete()) return bad_input(path, "the PCD has no real fields x, y and z");
+  const VectorField normal{find_field(cloud, "normal_x"), find_field(cloud, "normal_y"),
+                           find_field(cloud, "normal_z")};
+  const pcl::PCLPointField* confidence = find_field(cloud, "confidence");
+  const pcl::PCLPointField* colour = find_colour(cloud);
+  const int width = static_cast<int>(cloud.width), height = static_cast<int>(cloud.height);
+  GridFile grid;
+  grid.points = Grid<Eigen::Vector3d>(width, height, Eigen::Vector3d::Constant(kNoSample));
+  if (cloud.data.size() < grid.points.size() * cloud.point_step)
+    return bad_input(path, "truncated PCD");
+  const Eigen::Vector3f no_normal = Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
+  if (normal.complete()) grid.normals = Grid<Eigen::Vector3f>(width, height, no_normal);
+  if (confidence) grid.confidence = Grid<float>(width, height, 0.0f);
+  if (colour) grid.colours = Grid<Colour>(width, height, Colour{});
+  for (std::size_t i = 0; i < grid.points.size(); ++i) {
+    const Eigen::Vector3d point = position.at(cloud, i);
+    if (!point.allFinite()) continue;
+    grid.points[i] = point;
+    if (normal.complete()) grid.normals[i] = normal.at(cloud, i).cast<float>();
+    if (confidence) grid.confidence[i] = static_cast<float>(value_at(cloud, i, *confidence));
+    if (colour) grid.colours[i] = colour_at(cloud, i, *colour);
+  }
+  return grid;
+}
+
+}  // namespace
+
+Result<GridFile> read_pcd_grid(const std::filesystem::path& path) {
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(path, code)) return bad_input(path, "no such file");
+  const auto header = read_pcd_header(path);
+  if (!header) return header.error();
+  const SilentPcl silence;
+  try {
+    if (!reads_alike(path, *header)) return bad_input(path, "damaged PCD header");
+    pcl::PCLPointCloud2 cloud;
+    Eigen::Vector4f origin;
+    Eigen::Quaternionf orientation;
+    int version = 0;
+    if (pcl::PCDReader().read(path.string(), cloud, origin, orientation, version) < 0)
+      return bad_input(path, "damaged or truncated PCD");
+    return grid_from_cloud(cloud, path);
+  } catch (const std::exception& exception) {
+    return bad_input(path, std::string("damaged PCD: ") + exception.what());
+  }
+}
+
+}  // namespace relief

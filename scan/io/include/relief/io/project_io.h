@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+
+#include "relief/scan/progress.h"
+#include "relief/scan/result.h"
+#include "relief/scan/scan_project.h"
+
+namespace relief {
+
+struct ReadProjectOptions {
+  /// Intrinsics of grid files without a camera: `fx fy cx cy`, the model `pinhole_gl`. Empty: the
+  /// best-fitting model is found from the points and named in the notes.
+  std::filesystem::path fc_file;
+  int threads = 0;  ///< Views are read in parallel; 0: one thread per core.
+  /// What all views may take [bytes]: a small file can hold a large image, and many views can name
+  /// it. 0: the memory that is free.
+  std::size_t memory = 0;
+};
+
+/// Reads what stands for a scan project: a `scan.json`, a Stanford `.conf`, one grid file
+/// (range-grid PLY, organized PCD), or a folder of grid files (or of a scan.json). Docs:
+/// file-formats.md. Errors name file and place: kBadInput; kUnsolvable for views without any sample
+/// and for more of them than `memory` holds.
+Result<ScanProject> read_project(const std::filesystem::path& path,
+                                 const ReadProjectOptions& options = {},
+                                 const Progress& progress = {});
+
+struct WriteProjectOptions {
+  /// Every view becomes a range-grid PLY: points that other programs read, not images.
+  bool grids = false;
+  /// Whether the normal maps say which axes and space their components have.
+  bool declare_normals = true;
+};
+
+/// Writes `project` as FOLDER/scan.json with one float TIFF of range and, where the view has them,
+/// of normals, of confidences and of deviations; views whose rays are a table are written as
+/// range-grid PLY with doubles. Creates the folder. Reading it back gives the same samples to float
+/// precision.
+Result<void> write_project(const ScanProject& project, const std::filesystem::path& folder,
+                           const Progress& progress = {}, const WriteProjectOptions& options = {});
+
+/// Writes only FILE (a scan.json), for a project whose views' data files exist already: a copy of
+/// the project file `source` with the poses of `project` in place of its own, and file names made
+/// relative to FILE. A `source` that is no scan.json gets one whose views refer to the original
+/// grid files.
+Result<void> write_project_poses(const ScanProject& project, const std::filesystem::path& source,
+                                 const ReadProjectOptions& source_options,
+                                 const std::filesystem::path& file);
+
+}  // namespace relief

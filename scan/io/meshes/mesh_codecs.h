@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "relief/scan/result.h"
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+// The formats behind read_mesh and write_mesh. Readers check that faces name vertices that exist;
+// encoders give the bytes of a file.
+
+Result<TriangleMesh> read_ply_mesh(const std::filesystem::path& path);
+Result<TriangleMesh> read_obj_mesh(const std::filesystem::path& path);
+Result<TriangleMesh> read_stl_mesh(const std::filesystem::path& path);
+
+Result<std::string> encode_ply_mesh(const TriangleMesh& mesh);
+Result<std::string> encode_vtp_mesh(const TriangleMesh& mesh);
+Result<std::string> encode_obj_mesh(const TriangleMesh& mesh);
+Result<std::string> encode_stl_mesh(const TriangleMesh& mesh);
+Result<std::string> encode_glb_mesh(const TriangleMesh& mesh);
+
+/// Whether storing coordinates as 32-bit floats would move a vertex by more than 1e-7 of the size
+/// of the mesh: so it does far from the origin.
+bool needs_doubles(const TriangleMesh& mesh);
+
+}  // namespace relief

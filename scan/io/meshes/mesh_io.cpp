@@ -1,0 +1,67 @@
+#include "relief/io/mesh_io.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include <Eigen/Geometry>
+
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/files/io_error.h"
+#include "scan/io/meshes/mesh_codecs.h"
+
+namespace relief {
+
+namespace {
+
+std::string ending_of(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+using Encoder = Result<std::string> (*)(const TriangleMesh&);
+
+Encoder encoder_of(const std::filesystem::path& path) {
+  const std::string ending = ending_of(path);
+  if (ending == ".ply") return encode_ply_mesh;
+  if (ending == ".vtp") return encode_vtp_mesh;
+  if (ending == ".obj") return encode_obj_mesh;
+  if (ending == ".stl") return encode_stl_mesh;
+  if (ending == ".glb") return encode_glb_mesh;
+  return nullptr;
+}
+
+}  // namespace
+
+bool is_mesh_path(const std::filesystem::path& path) { return encoder_of(path) != nullptr; }
+
+bool needs_doubles(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  double largest = 0.0;
+  for (const auto& vertex : mesh.vertices) {
+    box.extend(vertex);
+    largest = std::max(largest, (vertex - vertex.cast<float>().cast<double>()).norm());
+  }
+  return !box.isEmpty() && largest > 1e-7 * box.diagonal().norm();
+}
+
+Result<TriangleMesh> read_mesh(const std::filesystem::path& path) {
+  const std::string ending = ending_of(path);
+  if (ending == ".ply") return read_ply_mesh(path);
+  if (ending == ".obj") return read_obj_mesh(path);
+  if (ending == ".stl") return read_stl_mesh(path);
+  return bad_input(path, "unknown mesh format '" + ending + "'; use .ply, .obj or .stl");
+}
+
+Result<void> write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path) {
+  const Encoder encode = encoder_of(path);
+  if (!encode)
+    return cannot_write(
+        path, "unknown mesh format '" + ending_of(path) + "'; use .ply, .vtp, .obj, .stl or .glb");
+  const auto bytes = encode(mesh);
+  if (!bytes) return cannot_write(path, bytes.error().message);
+  return write_file(path, *bytes);
+}
+
+}  // namespace relief

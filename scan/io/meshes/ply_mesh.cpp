@@ -1,0 +1,163 @@
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/files/binary_writer.h"
+#include "scan/io/meshes/coloured_mesh.h"
+#include "scan/io/files/io_error.h"
+#include "scan/io/meshes/mesh_codecs.h"
+#include "scan/io/files/ply_file.h"
+
+namespace relief {
+
+namespace {
+
+const std::vector<double>* scalars(const PlyElement& element, std::string_view name) {
+  const PlyProperty* property = element.find(name);
+  return property && !property->is_list ? &property->values : nullptr;
+}
+
+Result<void> read_vertices(const PlyElement& element, TriangleMesh& mesh,
+                           const std::filesystem::path& path) {
+  const auto *x = scalars(element, "x"), *y = scalars(element, "y"), *z = scalars(element, "z");
+  if (!x || !y || !z) return bad_input(path, "element vertex lacks x, y or z");
+  mesh.vertices.reserve(element.count);
+  for (std::size_t i = 0; i < element.count; ++i) {
+    mesh.vertices.emplace_back((*x)[i], (*y)[i], (*z)[i]);
+    if (!mesh.vertices.back().allFinite())
+      return bad_input(path, "vertex " + std::to_string(i) + " has a NaN or infinite coordinate");
+  }
+  return {};
+}
+
+void read_attributes(const PlyElement& element, TriangleMesh& mesh) {
+  const auto *nx = scalars(element, "nx"), *ny = scalars(element, "ny"),
+             *nz = scalars(element, "nz");
+  if (nx && ny && nz)
+    for (std::size_t i = 0; i < element.count; ++i)
+      mesh.normals.push_back(Eigen::Vector3d((*nx)[i], (*ny)[i], (*nz)[i]).cast<float>());
+  if (const auto* quality = scalars(element, "quality"))
+    for (const double value : *quality) mesh.quality.push_back(static_cast<float>(value));
+  const auto whole = [](double value, double max) {
+    return value > 0.0 ? std::min(std::floor(value), max) : 0.0;
+  };
+  if (const auto* views = scalars(element, "views"))
+    for (const double value : *views)
+      mesh.views.push_back(static_cast<std::uint16_t>(whole(value, 65535)));
+  if (const auto* filled = scalars(element, "filled"))
+    for (const double value : *filled)
+      mesh.filled.push_back(static_cast<std::uint8_t>(whole(value, 1)));
+  const auto *red = scalars(element, "red"), *green = scalars(element, "green"),
+             *blue = scalars(element, "blue");
+  const auto byte = [&](double value) { return static_cast<std::uint8_t>(whole(value, 255)); };
+  if (red && green && blue)
+    for (std::size_t i = 0; i < element.count; ++i)
+      mesh.colours.push_back({byte((*red)[i]), byte((*green)[i]), byte((*blue)[i])});
+}
+
+const PlyProperty* face_list(const PlyElement& element) {
+  for (const char* name : {"vertex_indices", "vertex_index"})
+    if (const PlyProperty* property = element.find(name); property && property->is_list)
+      return property;
+  return nullptr;
+}
+
+// Polygons become fans of triangles.
+Result<void> read_faces(const PlyElement& element, TriangleMesh& mesh,
+                        const std::filesystem::path& path) {
+  const PlyProperty* list = face_list(element);
+  if (!list) return bad_input(path, "element face has no list property vertex_indices");
+  const auto vertex_count = static_cast<double>(mesh.vertices.size());
+  mesh.faces.reserve(element.count);
+  for (std::size_t i = 0; i < element.count; ++i) {
+    const std::size_t begin = list->starts[i], end = list->starts[i + 1];
+    if (end - begin < 3)
+      return bad_input(
+          path, "face " + std::to_string(i) + " has " + std::to_string(end - begin) + " corners");
+    for (std::size_t k = begin; k < end; ++k)
+      if (!(list->values[k] >= 0.0 && list->values[k] < vertex_count))
+        return bad_input(path, "face " + std::to_string(i) + ": vertex index " +
+                                   std::to_string(static_cast<long long>(list->values[k])) +
+                                   " is outside the " + std::to_string(mesh.vertices.size()) +
+                                   " vertices");
+    const auto corner = [&](std::size_t k) { return static_cast<std::uint32_t>(list->values[k]); };
+    for (std::size_t k = begin + 1; k + 1 < end; ++k)
+      mesh.faces.push_back({corner(begin), corner(k), corner(k + 1)});
+  }
+  return {};
+}
+
+std::string ply_header(const TriangleMesh& mesh, const std::vector<Colour>& colours,
+                       const std::string& comment, bool doubles) {
+  const std::string real = doubles ? "double" : "float";
+  std::string text = "ply\nformat binary_little_endian 1.0\n";
+  if (!comment.empty()) text += "comment " + comment + "\n";
+  text += "element vertex " + std::to_string(mesh.vertices.size()) + "\n";
+  for (const char* axis : {"x", "y", "z"}) text += "property " + real + " " + axis + "\n";
+  if (!mesh.normals.empty()) text += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (!mesh.quality.empty()) text += "property float quality\n";
+  if (!mesh.views.empty()) text += "property ushort views\n";
+  if (!mesh.filled.empty()) text += "property uchar filled\n";
+  if (!colours.empty()) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  return text + "element face " + std::to_string(mesh.faces.size()) +
+         "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+std::string encode(const TriangleMesh& mesh, const std::vector<Colour>& colours,
+                   const std::string& comment) {
+  const bool doubles = needs_doubles(mesh);
+  std::string bytes = ply_header(mesh, colours, comment, doubles);
+  bytes.reserve(bytes.size() + mesh.vertices.size() * 43 + mesh.faces.size() * 13);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    for (const double value : mesh.vertices[i]) {
+      if (doubles)
+        append_little_endian(bytes, value);
+      else
+        append_little_endian(bytes, static_cast<float>(value));
+    }
+    if (!mesh.normals.empty())
+      for (const float value : mesh.normals[i]) append_little_endian(bytes, value);
+    if (!mesh.quality.empty()) append_little_endian(bytes, mesh.quality[i]);
+    if (!mesh.views.empty()) append_little_endian(bytes, mesh.views[i]);
+    if (!mesh.filled.empty()) append_little_endian(bytes, mesh.filled[i]);
+    if (!colours.empty())
+      for (const std::uint8_t value : colours[i]) append_little_endian(bytes, value);
+  }
+  for (const auto& face : mesh.faces) {
+    append_little_endian(bytes, std::uint8_t{3});
+    for (const std::uint32_t vertex : face) append_little_endian(bytes, vertex);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Result<TriangleMesh> read_ply_mesh(const std::filesystem::path& path) {
+  const auto ply = read_ply(path);
+  if (!ply) return ply.error();
+  const PlyElement *vertex = ply->find("vertex"), *face = ply->find("face");
+  if (!vertex) return bad_input(path, "no element vertex");
+  if (!face)
+    return bad_input(path, ply->find("tristrips")
+                               ? "triangle strips are not read; convert them to faces"
+                               : "no element face: these are points, not a mesh");
+  TriangleMesh mesh;
+  if (auto vertices = read_vertices(*vertex, mesh, path); !vertices) return vertices.error();
+  read_attributes(*vertex, mesh);
+  if (auto faces = read_faces(*face, mesh, path); !faces) return faces.error();
+  return mesh;
+}
+
+Result<std::string> encode_ply_mesh(const TriangleMesh& mesh) {
+  return encode(mesh, mesh.colours, "");
+}
+
+Result<void> write_coloured_mesh(const TriangleMesh& mesh, const std::vector<Colour>& colours,
+                                 const std::string& comment, const std::filesystem::path& path) {
+  assert(colours.size() == mesh.vertices.size());
+  return write_file(path, encode(mesh, colours, comment));
+}
+
+}  // namespace relief

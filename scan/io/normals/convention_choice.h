@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scan/io/normals/normal_evidence.h"
+#include "relief/scan/result.h"
+
+namespace relief {
+
+struct ChosenConvention {
+  NormalConvention convention;
+  /// False: even in this convention the normals contradict the depth, and are not to be used.
+  bool usable = true;
+};
+
+struct ConventionChoice {
+  std::vector<ChosenConvention> views;  ///< One for each evidence.
+  std::vector<std::string> notes;       ///< What differs from the statements of the project.
+};
+
+/// Settles the conventions of all views with normals. The declared convention is kept unless
+/// another one is clearly closer to the depth; where a view alone cannot tell, all views of the
+/// same declaration are asked together, since one project seldom mixes conventions. Of several that
+/// fit equally, the one nearest to the declaration is taken. Normals that are more than 15 deg off
+/// in the median even so, beyond the noise of the depth, are not usable. kBadInput where an image
+/// is more than 35 deg off: it does not belong to this depth.
+Result<ConventionChoice> choose_conventions(const std::vector<NormalEvidence>& views);
+
+}  // namespace relief

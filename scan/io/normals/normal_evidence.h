@@ -1,0 +1,55 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "scan/io/normals/normal_convention.h"
+#include "scan/io/normals/normal_patches.h"
+#include "scan/io/project/view_spec.h"
+
+namespace relief {
+
+/// What is known of the normals of one view before their convention is settled.
+struct NormalEvidence {
+  std::string view;            ///< Name.
+  std::filesystem::path file;  ///< That holds the normals.
+  NormalFileKind kind = NormalFileKind::kImage;
+  NormalEncoding encoding = NormalEncoding::kUnit;
+  /// The usual conventions that agree with what the project states, the likelier first; one alone
+  /// if it states all.
+  std::vector<NormalConvention> usual;
+  bool declared = false;  ///< The project or the format states all of it.
+  Eigen::Matrix3d view_from_camera = Eigen::Matrix3d::Identity();  ///< May be a reflection.
+  Eigen::Matrix3d view_from_world = Eigen::Matrix3d::Identity();
+  bool has_pose = false;  ///< Without it nothing is in world space.
+  NormalPatches patches;
+
+  /// Takes stored components into the view frame.
+  Eigen::Matrix3d view_from_stored(const NormalConvention& convention) const;
+  bool possible(const NormalConvention& convention) const {
+    return has_pose || convention.space == NormalSpace::kCamera;
+  }
+};
+
+/// The normals of one view as a file holds them.
+struct StoredNormals {
+  Grid<Eigen::Vector3f> components;  ///< Decoded, in stored order; NaN where nothing is stored.
+  NormalEvidence evidence;
+  std::vector<std::string> notes;
+};
+
+/// How far the stored normals are from those of the depth.
+struct NormalAgreement {
+  double median = 0.0;  ///< Of the angle [rad].
+  double bias = 0.0;    ///< The same less what the noise of the depth explains [rad].
+};
+NormalAgreement agreement(const NormalEvidence& evidence, const NormalConvention& convention);
+
+/// The error that photometric stereo may have over large areas [rad]: within it a convention fits,
+/// and beyond it normals harm more than they help.
+inline constexpr double kLargestBias = 0.2618;  // 15 deg
+
+}  // namespace relief

@@ -1,0 +1,76 @@
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "relief/io/project_io.h"
+#include "scan/io/project/view_loader.h"
+#include "scan/io/project/view_spec.h"
+#include "scan/base/parallel.h"
+#include "scan/base/system_memory.h"
+
+namespace relief {
+
+namespace {
+
+using LoadedViews = std::vector<std::optional<Result<LoadedView>>>;
+
+// Reads all views in parallel; those after an interruption stay empty.
+LoadedViews load_views(const std::vector<ViewSpec>& specs, const ReadProjectOptions& options,
+                       const Progress& progress, std::atomic<bool>& interrupted) {
+  MemoryBudget memory(options.memory > 0 ? options.memory : free_memory());
+  LoadedViews loaded(specs.size());
+  std::atomic<std::size_t> done{0};
+  const auto caller = std::this_thread::get_id();
+  parallel_for(specs.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && !interrupted; ++i) {
+      loaded[i].emplace(load_view(specs[i], memory));
+      const double fraction = static_cast<double>(++done) / static_cast<double>(specs.size());
+      if (std::this_thread::get_id() == caller &&
+          !report_progress(progress, fraction, "reading views"))
+        interrupted = true;
+    }
+  });
+  return loaded;
+}
+
+// Settles the conventions of all normals together and gives the views their normals.
+Result<std::vector<std::string>> settle_normals(std::vector<LoadedView>& views) {
+  std::vector<NormalEvidence> evidence;
+  for (const LoadedView& loaded : views)
+    if (loaded.normals) evidence.push_back(loaded.normals->evidence);
+  auto choice = choose_conventions(evidence);
+  if (!choice) return choice.error();
+  auto chosen = choice->views.begin();
+  for (LoadedView& loaded : views)
+    if (loaded.normals) set_normals(loaded, *chosen++);
+  return std::move(choice->notes);
+}
+
+}  // namespace
+
+Result<ScanProject> read_project(const std::filesystem::path& path,
+                                 const ReadProjectOptions& options, const Progress& progress) {
+  auto spec = read_project_spec(path, options.fc_file);
+  if (!spec) return spec.error();
+  std::atomic<bool> interrupted{false};
+  LoadedViews loaded = load_views(spec->views, options, progress, interrupted);
+  ScanProject project;
+  project.unit = spec->unit;
+  project.notes = spec->notes;
+  std::vector<LoadedView> views;
+  for (auto& view : loaded) {
+    if (!view) return Error{ErrorKind::kInterrupted, path.string() + ": reading was interrupted"};
+    if (!view->ok()) return view->error();
+    views.push_back(std::move(**view));
+  }
+  const auto notes = settle_normals(views);
+  if (!notes) return notes.error();
+  for (LoadedView& view : views) {
+    project.views.push_back(std::move(view.view));
+    for (auto& note : view.notes) project.notes.push_back(std::move(note));
+  }
+  project.notes.insert(project.notes.end(), notes->begin(), notes->end());
+  return project;
+}
+
+}  // namespace relief

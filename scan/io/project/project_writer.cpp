@@ -1,0 +1,332 @@
+#include <algorithm>
+#include <cctype>
+#include <limits>
+#include <optional>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/images/image_io.h"
+#include "scan/io/files/io_error.h"
+#include "scan/io/grids/ply_grid_writer.h"
+#include "relief/io/project_io.h"
+#include "scan/io/project/view_spec.h"
+
+namespace relief {
+
+namespace {
+
+namespace fs = std::filesystem;
+using json = nlohmann::ordered_json;
+
+json to_json(const Eigen::Ref<const Eigen::VectorXd>& vector) {
+  json values = json::array();
+  for (const double value : vector) values.push_back(value);
+  return values;
+}
+
+json to_json(const RigidMotion& motion) {
+  json rows = json::array();
+  for (Eigen::Index i = 0; i < 4; ++i)
+    rows.push_back(to_json(Eigen::Vector4d(motion.matrix().row(i).transpose())));
+  return rows;
+}
+
+void set_pose(json& view, const RigidMotion& motion, PoseKind kind) {
+  view.erase("world_from_view");
+  view.erase("pose_is");
+  if (kind == PoseKind::kAbsent) return;
+  view["world_from_view"] = to_json(motion);
+  view["pose_is"] = kind == PoseKind::kKnown ? "known" : "guess";
+}
+
+// The distance by which an orthographic camera has to step back so that all its ranges are
+// positive: a depth map cannot hold others.
+double step_back(const RangeView& view) {
+  double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
+  for (const double t : view.range) {
+    if (t != t) continue;
+    nearest = std::min(nearest, t);
+    farthest = std::max(farthest, t);
+  }
+  if (!(nearest <= 0.0)) return 0.0;
+  return -nearest + std::max(farthest - nearest, sample_spacing(view));
+}
+
+json pinhole_json(Camera::Model model, int width, int height, const PinholeIntrinsics& k) {
+  return {{"model", to_string(model)},
+          {"width", width},
+          {"height", height},
+          {"fx", k.fx},
+          {"fy", k.fy},
+          {"cx", k.cx},
+          {"cy", k.cy}};
+}
+
+json orthographic_json(const Camera& camera, double back) {
+  const Ray corner = camera.ray_at(0, 0);
+  return {{"model", "orthographic"},
+          {"width", camera.width()},
+          {"height", camera.height()},
+          {"origin", to_json(corner.at(-back))},
+          {"step_u", to_json(camera.ray_at(1, 0).origin - corner.origin)},
+          {"step_v", to_json(camera.ray_at(0, 1).origin - corner.origin)},
+          {"view_direction", to_json(corner.direction)}};
+}
+
+// What a reader needs to give a table of rays back to its points: the common direction, else the
+// projection. Null when the table has neither; the reader then fits a camera.
+json table_json(const Camera& camera) {
+  const Eigen::Vector3d first = camera.ray(0, 0).direction.normalized();
+  bool parallel = true;
+  for (int v = 0; v < camera.height() && parallel; ++v)
+    for (int u = 0; u < camera.width() && parallel; ++u)
+      parallel = camera.ray(u, v).direction.normalized().dot(first) > 1.0 - 1e-14;
+  if (parallel) return {{"model", "orthographic"}, {"view_direction", to_json(first)}};
+  if (!camera.projection()) return nullptr;
+  const RationalProjection& projection = *camera.projection();
+  const Eigen::Vector3d centre =
+      camera.ray(camera.width() / 2, camera.height() / 2).direction.normalized();
+  return {{"model", "rational"},
+          {"u_numerator", to_json(projection.u_numerator)},
+          {"u_denominator", to_json(projection.u_denominator)},
+          {"v_numerator", to_json(projection.v_numerator)},
+          {"v_denominator", to_json(projection.v_denominator)},
+          {"view_direction", to_json(centre)}};
+}
+
+Image depth_image(const RangeView& view, double back) {
+  Image image(view.width(), view.height(), 1);
+  for (std::size_t i = 0; i < view.range.size(); ++i)
+    image.samples[i] =
+        view.range[i] == view.range[i] ? static_cast<float>(view.range[i] + back) : 0;
+  return image;
+}
+
+// In opencv axes: for pinhole cameras the components of the view frame, else those of its sensor.
+Image normal_image(const RangeView& view) {
+  Image image(view.width(), view.height(), 3);
+  const bool flip_z = view.camera.model() == Camera::Model::kPinholeGl;
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      if (!view.has_normal(u, v)) continue;
+      const Eigen::Vector3f& normal = view.normals(u, v);
+      image(u, v, 0) = normal.x();
+      image(u, v, 1) = normal.y();
+      image(u, v, 2) = flip_z ? -normal.z() : normal.z();
+    }
+  }
+  return image;
+}
+
+Result<void> write_tiff(const Image& image, const fs::path& path) {
+  const auto bytes = encode_tiff(image);
+  if (!bytes) return cannot_write(path, bytes.error().message);
+  return write_file(path, *bytes);
+}
+
+Result<void> write_colours(const RangeView& view, const fs::path& folder, const std::string& stem,
+                           json& entry) {
+  if (view.colours.empty()) return {};
+  Image image(view.width(), view.height(), 3, 255.0);
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      for (int c = 0; c < 3; ++c) image(u, v, c) = view.colours(u, v)[static_cast<std::size_t>(c)];
+  const fs::path path = folder / (stem + "_color.png");
+  entry["color"] = {{"file", path.filename().string()}};
+  const auto bytes = encode_png(image);
+  if (!bytes) return cannot_write(path, bytes.error().message);
+  return write_file(path, *bytes);
+}
+
+Result<void> write_depth_view(const RangeView& view, const fs::path& folder,
+                              const std::string& stem, bool declare_normals, json& entry) {
+  const bool orthographic = view.camera.model() == Camera::Model::kOrthographic;
+  const double back = orthographic ? step_back(view) : 0.0;
+  entry["depth"] = {{"file", stem + "_depth.tiff"}, {"scale", 1.0}, {"kind", "z"}};
+  entry["camera"] = orthographic ? orthographic_json(view.camera, back)
+                                 : pinhole_json(view.camera.model(), view.width(), view.height(),
+                                                view.camera.intrinsics());
+  if (auto depth = write_tiff(depth_image(view, back), folder / (stem + "_depth.tiff")); !depth)
+    return depth;
+  if (view.has_normals()) {
+    entry["normals"] = {{"file", stem + "_normal.tiff"}, {"encoding", "unit"}};
+    if (declare_normals) {
+      entry["normals"]["axes"] = "opencv";
+      entry["normals"]["space"] = "camera";
+    }
+    if (auto n = write_tiff(normal_image(view), folder / (stem + "_normal.tiff")); !n) return n;
+  }
+  if (auto colours = write_colours(view, folder, stem, entry); !colours) return colours;
+  if (view.confidence.empty()) return {};
+  Image confidence(view.width(), view.height(), 1);
+  std::copy(view.confidence.begin(), view.confidence.end(), confidence.samples.begin());
+  entry["confidence"] = {{"file", stem + "_confidence.tiff"}};
+  return write_tiff(confidence, folder / (stem + "_confidence.tiff"));
+}
+
+json camera_of_grid(const RangeView& view) {
+  switch (view.camera.model()) {
+    case Camera::Model::kRayTable:
+      return table_json(view.camera);
+    case Camera::Model::kOrthographic:
+      return orthographic_json(view.camera, step_back(view));
+    default:
+      return pinhole_json(view.camera.model(), view.width(), view.height(),
+                          view.camera.intrinsics());
+  }
+}
+
+// Zero where it is unknown.
+Result<void> write_deviation(const RangeView& view, const fs::path& folder, const std::string& stem,
+                             json& entry) {
+  if (view.deviation.empty()) return {};
+  Image image(view.width(), view.height(), 1);
+  for (std::size_t i = 0; i < view.deviation.size(); ++i)
+    if (view.deviation[i] > 0.0f) image.samples[i] = view.deviation[i];
+  entry["deviation"] = {{"file", stem + "_deviation.tiff"}, {"scale", 1.0}};
+  return write_tiff(image, folder / (stem + "_deviation.tiff"));
+}
+
+// The frame of a sensor that is not a pinhole need not be x right, y down, z forward: its points
+// and normals go into a grid file, in the frame they are in.
+bool needs_grid_file(const RangeView& view) {
+  return view.camera.model() == Camera::Model::kRayTable ||
+         (view.camera.model() == Camera::Model::kOrthographic && view.has_normals());
+}
+
+Result<void> write_grid_view(const RangeView& view, const fs::path& folder, const std::string& stem,
+                             json& entry) {
+  entry["grid"] = {{"file", stem + ".ply"}};
+  const json camera = camera_of_grid(view);
+  if (!camera.is_null()) entry["camera"] = camera;
+  return write_file(folder / (stem + ".ply"), encode_ply_grid(view));
+}
+
+// A file name made of a view's name: letters, digits, `-`, `_` and `.` only, unlike all in `taken`.
+std::string file_stem(const std::string& name, std::set<std::string>& taken) {
+  std::string stem;
+  for (const unsigned char c : name)
+    stem += std::isalnum(c) || c == '-' || c == '_' || (c == '.' && !stem.empty())
+                ? static_cast<char>(c)
+                : '_';
+  std::string unique = stem;
+  for (int n = 2; !taken.insert(unique).second; ++n) unique = stem + "_" + std::to_string(n);
+  return unique;
+}
+
+json project_json(const std::string& unit) {
+  return {{"format", "relief-scan"}, {"version", 1}, {"unit", unit}, {"views", json::array()}};
+}
+
+fs::path relative_to(const fs::path& file, const fs::path& folder) {
+  std::error_code code;
+  const fs::path target = fs::weakly_canonical(fs::absolute(file), code);
+  const fs::path base = fs::weakly_canonical(fs::absolute(folder), code);
+  const fs::path relative = target.lexically_relative(base);
+  return relative.empty() ? target : relative;
+}
+
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+const RangeView* find_view(const ScanProject& project, const std::string& name) {
+  for (const auto& view : project.views)
+    if (view.name == name) return &view;
+  return nullptr;
+}
+
+// A scan.json whose file names are relative to `file` instead of `source`, with only the views of
+// `project` and their poses.
+Result<json> updated_document(const ScanProject& project, const fs::path& source,
+                              const fs::path& file) {
+  auto text = read_file(source);
+  if (!text) return text.error();
+  if (auto valid = parse_scan_json(*text, source); !valid) return valid.error();
+  json document = json::parse(*text);
+  json views = json::array();
+  for (json& entry : document["views"]) {
+    const RangeView* view = find_view(project, entry["name"].get<std::string>());
+    if (!view) continue;
+    for (const char* key :
+         {"depth", "grid", "normals", "mask", "confidence", "color", "deviation"}) {
+      if (!entry.contains(key)) continue;
+      json& name = entry[key]["file"];
+      name = relative_to(folder_of(source) / name.get<std::string>(), folder_of(file)).string();
+    }
+    set_pose(entry, view->world_from_view, view->pose);
+    views.push_back(std::move(entry));
+  }
+  document["views"] = std::move(views);
+  return document;
+}
+
+// The same for sources that list grid files.
+json document_of_grids(const ScanProject& project, const ProjectSpec& spec, const fs::path& file) {
+  json document = project_json(project.unit);
+  for (const auto& source : spec.views) {
+    const RangeView* view = find_view(project, source.name);
+    if (!view) continue;
+    json entry = {{"name", source.name},
+                  {"grid", {{"file", relative_to(*source.grid, folder_of(file)).string()}}}};
+    if (source.camera)  // of an .fc file
+      entry["camera"] = pinhole_json(Camera::Model::kPinholeGl, view->width(), view->height(),
+                                     source.camera->intrinsics);
+    set_pose(entry, view->world_from_view, view->pose);
+    document["views"].push_back(std::move(entry));
+  }
+  return document;
+}
+
+// The scan.json that a source stands for, if it is one.
+std::optional<fs::path> scan_json_of(const fs::path& source) {
+  std::error_code code;
+  if (source.extension() == ".json") return source;
+  if (fs::is_directory(source, code) && fs::exists(source / "scan.json", code))
+    return source / "scan.json";
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<void> write_project(const ScanProject& project, const fs::path& folder,
+                           const Progress& progress, const WriteProjectOptions& options) {
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (code) return cannot_write(folder, "cannot create the folder: " + code.message());
+  json document = project_json(project.unit);
+  std::set<std::string> stems;
+  for (std::size_t i = 0; i < project.views.size(); ++i) {
+    const RangeView& view = project.views[i];
+    const double fraction = static_cast<double>(i) / static_cast<double>(project.views.size());
+    if (!report_progress(progress, fraction, "writing views"))
+      return Error{ErrorKind::kInterrupted, folder.string() + ": writing was interrupted"};
+    json entry = {{"name", view.name}};
+    const std::string stem = file_stem(view.name, stems);
+    const bool grid = options.grids || needs_grid_file(view);
+    auto written = grid ? write_grid_view(view, folder, stem, entry)
+                        : write_depth_view(view, folder, stem, options.declare_normals, entry);
+    if (written) written = write_deviation(view, folder, stem, entry);
+    if (!written) return written;
+    set_pose(entry, view.world_from_view, view.pose);
+    document["views"].push_back(std::move(entry));
+  }
+  // Last: the folder is a project only when all it names is there.
+  return write_file(folder / "scan.json", document.dump(1) + "\n");
+}
+
+Result<void> write_project_poses(const ScanProject& project, const fs::path& source,
+                                 const ReadProjectOptions& source_options, const fs::path& file) {
+  if (const auto scan_json = scan_json_of(source)) {
+    const auto document = updated_document(project, *scan_json, file);
+    if (!document) return document.error();
+    return write_file(file, document->dump(1) + "\n");
+  }
+  const auto spec = read_project_spec(source, source_options.fc_file);
+  if (!spec) return spec.error();
+  return write_file(file, document_of_grids(project, *spec, file).dump(1) + "\n");
+}
+
+}  // namespace relief

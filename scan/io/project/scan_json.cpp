@@ -1,0 +1,199 @@
+#include <algorithm>
+#include <set>
+
+#include "scan/io/files/io_error.h"
+#include "scan/io/project/json_object_private.h"
+#include "scan/io/project/view_spec.h"
+
+namespace relief {
+
+namespace {
+
+using nlohmann::json;
+
+std::filesystem::path resolve(const std::string& file, const std::filesystem::path& project,
+                              const std::string& place) {
+  if (file.empty()) throw JsonError(place + ": the file name is empty");
+  return project.parent_path() / file;  // an absolute name stays as it is
+}
+
+std::filesystem::path read_file_name(JsonObject object, const std::filesystem::path& project) {
+  auto file = resolve(object.text("file"), project, object.place("file"));
+  object.finish();
+  return file;
+}
+
+Eigen::Vector3d read_direction(JsonObject& camera, const std::string& key) {
+  const Eigen::Vector3d direction = camera.numbers(key, 3);
+  if (!(direction.norm() > 0.0)) throw JsonError(camera.place(key) + ": has no length");
+  return direction.normalized();
+}
+
+void read_pinhole(JsonObject& camera, CameraSpec& spec) {
+  spec.intrinsics = {camera.nonzero("fx"), camera.nonzero("fy"), camera.number("cx"),
+                     camera.number("cy")};
+}
+
+void read_orthographic(JsonObject& camera, CameraSpec& spec) {
+  if (camera.has("view_direction")) spec.view_direction = read_direction(camera, "view_direction");
+  if (!camera.has("origin") && !camera.has("step_u") && !camera.has("step_v")) return;
+  spec.origin = Eigen::Vector3d(camera.numbers("origin", 3));
+  spec.step_u = Eigen::Vector3d(camera.numbers("step_u", 3));
+  spec.step_v = Eigen::Vector3d(camera.numbers("step_v", 3));
+  if (!spec.view_direction) throw JsonError(camera.place("view_direction") + ": missing");
+  Eigen::Matrix3d axes;
+  axes << *spec.step_u, *spec.step_v, *spec.view_direction;
+  if (!(std::abs(axes.determinant()) > 1e-9 * spec.step_u->norm() * spec.step_v->norm()))
+    throw JsonError(camera.place("step_u") +
+                    ": step_u, step_v and view_direction must span the space");
+}
+
+void read_rational(JsonObject& camera, CameraSpec& spec) {
+  spec.projection.u_numerator = camera.numbers("u_numerator", 4);
+  spec.projection.u_denominator = camera.numbers("u_denominator", 4);
+  spec.projection.v_numerator = camera.numbers("v_numerator", 4);
+  spec.projection.v_denominator = camera.numbers("v_denominator", 4);
+  spec.view_direction = read_direction(camera, "view_direction");
+}
+
+CameraSpec read_camera(JsonObject camera) {
+  using Model = CameraSpec::Model;
+  CameraSpec spec;
+  spec.model = camera.choice<Model>("model", {{"pinhole", Model::kPinhole},
+                                              {"pinhole_gl", Model::kPinholeGl},
+                                              {"orthographic", Model::kOrthographic},
+                                              {"rational", Model::kRational}});
+  if (camera.has("width")) spec.width = camera.positive_integer("width");
+  if (camera.has("height")) spec.height = camera.positive_integer("height");
+  if (spec.model == Model::kOrthographic)
+    read_orthographic(camera, spec);
+  else if (spec.model == Model::kRational)
+    read_rational(camera, spec);
+  else
+    read_pinhole(camera, spec);
+  camera.finish();
+  return spec;
+}
+
+DepthSpec read_depth(JsonObject depth, const std::filesystem::path& project) {
+  DepthSpec spec;
+  spec.file = resolve(depth.text("file"), project, depth.place("file"));
+  if (depth.has("scale")) spec.scale = depth.positive("scale");
+  if (depth.has("kind")) spec.along_ray = depth.choice<bool>("kind", {{"z", false}, {"ray", true}});
+  depth.finish();
+  return spec;
+}
+
+DeviationSpec read_deviation(JsonObject deviation, const std::filesystem::path& project) {
+  DeviationSpec spec;
+  spec.file = resolve(deviation.text("file"), project, deviation.place("file"));
+  if (deviation.has("scale")) spec.scale = deviation.positive("scale");
+  deviation.finish();
+  return spec;
+}
+
+NormalSpec read_normals(JsonObject normals, const std::filesystem::path& project) {
+  NormalSpec spec;
+  spec.file = resolve(normals.text("file"), project, normals.place("file"));
+  if (normals.has("encoding"))
+    spec.encoding = normals.choice<NormalEncoding>(
+        "encoding", {{"rgb", NormalEncoding::kRgb}, {"unit", NormalEncoding::kUnit}});
+  if (normals.has("axes"))
+    spec.axes = normals.choice<NormalAxes>(
+        "axes", {{"opencv", NormalAxes::kOpencv}, {"opengl", NormalAxes::kOpengl}});
+  if (normals.has("space"))
+    spec.space = normals.choice<NormalSpace>(
+        "space", {{"camera", NormalSpace::kCamera}, {"world", NormalSpace::kWorld}});
+  normals.finish();
+  return spec;
+}
+
+void read_pose(JsonObject& view, ViewSpec& spec) {
+  if (view.has("world_from_view")) {
+    const auto motion =
+        rigid_motion_from_matrix(view.matrix4("world_from_view"),
+                                 view.place("world_from_view") + " (view " + spec.name + ")");
+    if (!motion) throw JsonError(motion.error().message);
+    spec.world_from_view = *motion;
+    spec.pose = PoseKind::kGuess;
+  }
+  if (!view.has("pose_is")) return;
+  const auto kind =
+      view.choice<PoseKind>("pose_is", {{"known", PoseKind::kKnown}, {"guess", PoseKind::kGuess}});
+  if (spec.pose == PoseKind::kAbsent)
+    throw JsonError(view.place("pose_is") + ": says what world_from_view is, which is missing");
+  spec.pose = kind;
+}
+
+ViewSpec read_view(JsonObject view, const std::filesystem::path& project) {
+  ViewSpec spec;
+  spec.name = view.text("name");
+  if (spec.name.empty()) throw JsonError(view.place("name") + ": is empty");
+  if (view.has("depth")) spec.depth = read_depth(view.object("depth"), project);
+  if (view.has("grid")) spec.grid = read_file_name(view.object("grid"), project);
+  if (spec.depth.has_value() == spec.grid.has_value())
+    throw JsonError(view.place("depth") + ": view " + spec.name +
+                    " needs either depth or grid, and only one of them");
+  if (view.has("camera")) spec.camera = read_camera(view.object("camera"));
+  if (spec.depth && !spec.camera)
+    throw JsonError(view.place("camera") + ": missing; depth without a camera gives no points");
+  if (spec.depth && spec.camera->model == CameraSpec::Model::kOrthographic && !spec.camera->origin)
+    throw JsonError(view.place("camera.origin") +
+                    ": missing; an orthographic depth map needs "
+                    "origin, step_u, step_v and view_direction");
+  if (view.has("normals")) spec.normals = read_normals(view.object("normals"), project);
+  if (view.has("mask")) spec.mask = read_file_name(view.object("mask"), project);
+  if (view.has("confidence")) spec.confidence = read_file_name(view.object("confidence"), project);
+  if (view.has("color")) spec.colour = read_file_name(view.object("color"), project);
+  if (view.has("deviation")) spec.deviation = read_deviation(view.object("deviation"), project);
+  read_pose(view, spec);
+  view.finish();
+  return spec;
+}
+
+ProjectSpec read_document(const json& document, const std::filesystem::path& path) {
+  JsonObject root(document, "");
+  if (root.text("format") != "relief-scan")
+    throw JsonError("format: is '" + root.text("format") + "', expected 'relief-scan'");
+  if (root.number("version") != 1.0)
+    throw JsonError("version: " + root.at("version").dump() + " is unknown; this program reads 1");
+  ProjectSpec project;
+  project.unit = root.has("unit") ? root.text("unit") : "mm";
+  const json& views = root.at("views");
+  if (!views.is_array() || views.empty())
+    throw JsonError("views: expected a list of at least one view");
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const std::string place = "views[" + std::to_string(i) + "]";
+    project.views.push_back(read_view(JsonObject(views[i], place), path));
+    if (!names.insert(project.views.back().name).second)
+      throw JsonError(place + ".name: a second view is named '" + project.views.back().name + "'");
+  }
+  root.finish();
+  return project;
+}
+
+std::string line_and_column(const std::string& text, std::size_t byte) {
+  const auto end =
+      text.begin() + static_cast<std::ptrdiff_t>(std::min(text.size(), byte > 0 ? byte - 1 : 0));
+  const auto line = std::count(text.begin(), end, '\n') + 1;
+  const auto line_start = std::find(std::make_reverse_iterator(end), text.rend(), '\n').base();
+  return std::to_string(line) + ":" + std::to_string(end - line_start + 1);
+}
+
+}  // namespace
+
+Result<ProjectSpec> parse_scan_json(const std::string& text, const std::filesystem::path& path) {
+  try {
+    return read_document(json::parse(text), path);
+  } catch (const json::parse_error& error) {
+    return Error{ErrorKind::kBadInput,
+                 path.string() + ":" + line_and_column(text, error.byte) + ": not valid JSON here"};
+  } catch (const JsonError& error) {
+    return bad_input(path, error.what());
+  } catch (const json::exception& error) {
+    return bad_input(path, error.what());
+  }
+}
+
+}  // namespace relief

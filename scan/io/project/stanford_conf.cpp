@@ -1,0 +1,63 @@
+#include <cmath>
+#include <sstream>
+
+#include <Eigen/Geometry>
+
+#include "scan/io/files/io_error.h"
+#include "scan/io/project/view_spec.h"
+
+namespace relief {
+
+namespace {
+
+// `bmesh FILE tx ty tz qx qy qz qw`. The quaternion of this format is the inverse of the usual one:
+// p_world = R(q)^T p + t, as the published Stanford scans show.
+Result<ViewSpec> parse_bmesh(std::istringstream& line, const std::filesystem::path& path,
+                             const std::string& place) {
+  std::string file;
+  Eigen::Vector3d t;
+  double x = 0, y = 0, z = 0, w = 0;
+  if (!(line >> file >> t.x() >> t.y() >> t.z() >> x >> y >> z >> w))
+    return bad_input(path, place + "expected 'bmesh FILE tx ty tz qx qy qz qw'");
+  if (std::string extra; line >> extra)
+    return bad_input(path, place + "unexpected '" + extra + "' after the quaternion");
+  const Eigen::Quaterniond q(w, x, y, z);
+  if (!t.allFinite() || !(std::abs(q.norm() - 1.0) < 1e-3))
+    return bad_input(path, place + "the quaternion of " + file + " has length " +
+                               std::to_string(q.norm()) + " instead of 1");
+  ViewSpec view;
+  view.name = std::filesystem::path(file).stem().string();
+  view.grid = path.parent_path() / file;
+  view.world_from_view.linear() = q.normalized().toRotationMatrix().transpose();
+  view.world_from_view.translation() = t;
+  view.pose = PoseKind::kGuess;
+  return view;
+}
+
+}  // namespace
+
+Result<ProjectSpec> parse_stanford_conf(const std::string& text,
+                                        const std::filesystem::path& path) {
+  ProjectSpec project;
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const std::string place = "line " + std::to_string(number) + ": ";
+    std::istringstream words(line);
+    std::string keyword;
+    if (!(words >> keyword) || keyword.front() == '#' || keyword == "camera" || keyword == "mesh")
+      continue;
+    if (keyword != "bmesh")
+      return bad_input(path, place + "unknown keyword '" + keyword + "'; expected bmesh or camera");
+    auto view = parse_bmesh(words, path, place);
+    if (!view) return view.error();
+    for (const auto& other : project.views)
+      if (other.name == view->name)
+        return bad_input(path, place + "a second scan is named " + view->name);
+    project.views.push_back(std::move(*view));
+  }
+  if (project.views.empty()) return bad_input(path, "no bmesh line, so no scan");
+  return project;
+}
+
+}  // namespace relief

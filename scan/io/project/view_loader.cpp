@@ -1,0 +1,291 @@
+#include "scan/io/project/view_loader.h"
+
+#include <cmath>
+#include <utility>
+
+#include "scan/io/grids/grid_camera.h"
+#include "scan/io/grids/grid_file.h"
+#include "scan/io/images/image_io.h"
+#include "scan/io/files/io_error.h"
+#include "scan/io/normals/normal_map.h"
+#include "scan/base/system_memory.h"
+
+namespace relief {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+// The file a view's size comes from.
+const fs::path& main_file(const ViewSpec& spec) {
+  return spec.depth ? spec.depth->file : *spec.grid;
+}
+
+Result<Image> read_matching(const fs::path& path, const ViewSpec& spec, const RangeView& view) {
+  auto image = read_image(path);
+  if (!image) return image;
+  if (image->width != view.width() || image->height != view.height())
+    return bad_input(path, "is " + size_text(image->width, image->height) + " pixels, but " +
+                               main_file(spec).string() + " of the same view is " +
+                               size_text(view.width(), view.height()));
+  return image;
+}
+
+Result<void> check_camera_size(const CameraSpec& camera, int width, int height,
+                               const ViewSpec& spec) {
+  if (camera.width.value_or(width) == width && camera.height.value_or(height) == height) return {};
+  return bad_input(main_file(spec),
+                   "is " + size_text(width, height) + ", but the camera of view " + spec.name +
+                       " is " +
+                       size_text(camera.width.value_or(width), camera.height.value_or(height)));
+}
+
+// `points` are those of a grid; null for a depth map, whose camera is given in full.
+Camera camera_of(const CameraSpec& spec, int width, int height,
+                 const Grid<Eigen::Vector3d>* points) {
+  switch (spec.model) {
+    case CameraSpec::Model::kPinhole:
+      return Camera::pinhole(width, height, spec.intrinsics);
+    case CameraSpec::Model::kPinholeGl:
+      return Camera::pinhole_gl(width, height, spec.intrinsics);
+    case CameraSpec::Model::kOrthographic:
+      if (spec.origin || !points)
+        return Camera::orthographic(width, height, *spec.origin, *spec.step_u, *spec.step_v,
+                                    *spec.view_direction);
+      return fit_orthographic(*points, *spec.view_direction);
+    case CameraSpec::Model::kRational:
+      break;
+  }
+  return rational_camera(*points, spec.projection, *spec.view_direction);
+}
+
+// Claims what the grids of a view will take.
+Result<void> claim_memory(const ViewSpec& spec, int width, int height, MemoryBudget& memory) {
+  std::size_t pixel = sizeof(double) + 3 * sizeof(float);  // Range, and normals found or given.
+  if (spec.confidence) pixel += sizeof(float);
+  if (spec.deviation) pixel += sizeof(float);
+  if (spec.colour) pixel += sizeof(Colour);
+  const std::size_t bytes =
+      static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * pixel;
+  if (memory.take(bytes)) return {};
+  return Error{ErrorKind::kUnsolvable, main_file(spec).string() + ": view " + spec.name + " of " +
+                                           size_text(width, height) + " pixels needs " +
+                                           std::to_string((bytes >> 20) + 1) + " MiB of memory, " +
+                                           std::to_string(memory.left() >> 20) +
+                                           " MiB are left for views; give fewer or smaller ones"};
+}
+
+Result<void> load_depth(const ViewSpec& spec, MemoryBudget& memory, LoadedView& loaded) {
+  const auto image = read_image(spec.depth->file);
+  if (!image) return image.error();
+  if (image->channels != 1)
+    return bad_input(spec.depth->file, "a depth map has one channel, this image has three");
+  const int width = image->width, height = image->height;
+  if (auto size = check_camera_size(*spec.camera, width, height, spec); !size) return size;
+  if (spec.camera->model == CameraSpec::Model::kRational)
+    return bad_input(spec.depth->file, "a rational camera needs a grid of points, not a depth map");
+  if (auto claimed = claim_memory(spec, width, height, memory); !claimed) return claimed;
+  RangeView& view = loaded.view;
+  view.camera = camera_of(*spec.camera, width, height, nullptr);
+  view.range = Grid<double>(width, height, kNoSample);
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const double depth = (*image)(u, v) * spec.depth->scale;
+      if (!(depth > 0.0) || !std::isfinite(depth)) continue;
+      view.range(u, v) =
+          spec.depth->along_ray ? depth / view.camera.ray(u, v).direction.norm() : depth;
+    }
+  }
+  return {};
+}
+
+// The residual tells the user whether other views can be projected into this one.
+std::string projection_note(const GridCamera& fitted) {
+  if (fitted.camera.can_project()) return "";
+  return "; no projection fits its grid to half a pixel, so it gives no projective matches";
+}
+
+Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& loaded) {
+  auto grid = read_grid_file(*spec.grid);
+  if (!grid) return grid.error();
+  const int width = grid->points.width(), height = grid->points.height();
+  if (auto claimed = claim_memory(spec, width, height, memory); !claimed) return claimed;
+  const bool direction_known =
+      spec.camera &&
+      (spec.camera->model != CameraSpec::Model::kOrthographic || spec.camera->view_direction);
+  Camera model;
+  std::string found;
+  if (spec.camera)
+    if (auto size = check_camera_size(*spec.camera, width, height, spec); !size) return size;
+  if (direction_known) {
+    model = camera_of(*spec.camera, width, height, &grid->points);
+  } else if (spec.camera) {
+    FittedCamera fitted = fit_orthographic(*grid);
+    model = std::move(fitted.model);
+    found = fitted.description;
+  } else {
+    FittedCamera fitted = fit_camera(*grid);
+    model = std::move(fitted.model);
+    found = fitted.description;
+  }
+  GridCamera fitted = camera_through_points(grid->points, model);
+  if (!found.empty() || !fitted.camera.can_project())
+    loaded.notes.push_back("view " + spec.name + ": camera " +
+                           (found.empty() ? "as given" : "found: " + found) +
+                           projection_note(fitted));
+  loaded.view.camera = std::move(fitted.camera);
+  loaded.view.range = std::move(fitted.range);
+  loaded.view.confidence = std::move(grid->confidence);
+  loaded.view.colours = std::move(grid->colours);
+  if (!grid->normals.empty() && !spec.normals)
+    loaded.normals = StoredNormals{std::move(grid->normals), {}, {}};
+  return {};
+}
+
+Result<void> apply_mask(const ViewSpec& spec, RangeView& view) {
+  const auto mask = read_matching(*spec.mask, spec, view);
+  if (!mask) return mask.error();
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      bool object = false;
+      for (int c = 0; c < mask->channels; ++c) object |= (*mask)(u, v, c) > 0.0f;
+      if (!object) view.range(u, v) = kNoSample;
+    }
+  }
+  return {};
+}
+
+Result<void> load_confidence(const ViewSpec& spec, RangeView& view) {
+  const auto image = read_matching(*spec.confidence, spec, view);
+  if (!image) return image.error();
+  if (image->channels != 1) return bad_input(*spec.confidence, "a confidence has one channel");
+  const double scale = image->max_value > 0.0 ? 1.0 / image->max_value : 1.0;
+  view.confidence = Grid<float>(view.width(), view.height());
+  for (std::size_t i = 0; i < view.confidence.size(); ++i)
+    view.confidence[i] = static_cast<float>(image->samples[i] * scale);
+  return {};
+}
+
+// Images of 16 bits keep the upper eight; grey ones get three equal channels.
+Result<void> load_colours(const ViewSpec& spec, RangeView& view) {
+  const auto image = read_matching(*spec.colour, spec, view);
+  if (!image) return image.error();
+  if (!(image->max_value > 0.0))
+    return bad_input(*spec.colour, "colours need an image of integers, 8 or 16 bits a channel");
+  const double scale = 255.0 / image->max_value;
+  view.colours = Grid<Colour>(view.width(), view.height());
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      for (int c = 0; c < 3; ++c)
+        view.colours(u, v)[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(
+            std::lround((*image)(u, v, image->channels == 3 ? c : 0) * scale));
+  return {};
+}
+
+// What is no positive number is unknown.
+Result<void> load_deviation(const ViewSpec& spec, RangeView& view) {
+  const auto image = read_matching(spec.deviation->file, spec, view);
+  if (!image) return image.error();
+  if (image->channels != 1) return bad_input(spec.deviation->file, "a deviation has one channel");
+  view.deviation = Grid<float>(view.width(), view.height(), static_cast<float>(kNoSample));
+  for (std::size_t i = 0; i < view.deviation.size(); ++i) {
+    const auto value = static_cast<float>(image->samples[i] * spec.deviation->scale);
+    if (value > 0.0f && std::isfinite(value) && view.range[i] == view.range[i])
+      view.deviation[i] = value;
+  }
+  return {};
+}
+
+Result<void> load_normals(const ViewSpec& spec, LoadedView& loaded) {
+  const auto image = read_matching(spec.normals->file, spec, loaded.view);
+  if (!image) return image.error();
+  auto stored = stored_in_image(*image, *spec.normals, loaded.view);
+  if (!stored) return stored.error();
+  loaded.normals = std::move(*stored);
+  return {};
+}
+
+void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
+  notes.insert(notes.end(), more.begin(), more.end());
+}
+
+// A confidence that is no number or negative says that the sample is not to be trusted.
+void clean_confidence(Grid<float>& confidence) {
+  for (float& value : confidence)
+    if (!(value >= 0.0f) || !std::isfinite(value)) value = 0.0f;
+}
+
+}  // namespace
+
+bool MemoryBudget::take(std::size_t bytes) {
+  std::size_t left = left_;
+  while (bytes <= left)
+    if (left_.compare_exchange_weak(left, left - bytes)) return true;
+  return false;
+}
+
+Result<LoadedView> load_view(const ViewSpec& spec) {
+  MemoryBudget memory(free_memory());
+  return load_view(spec, memory);
+}
+
+Result<LoadedView> load_view(const ViewSpec& spec, MemoryBudget& memory) {
+  LoadedView loaded;
+  loaded.view.name = spec.name;
+  loaded.view.world_from_view = spec.world_from_view;
+  loaded.view.pose = spec.pose;
+  Result<void> step =
+      spec.depth ? load_depth(spec, memory, loaded) : load_grid(spec, memory, loaded);
+  if (step && spec.mask) step = apply_mask(spec, loaded.view);
+  if (step && spec.confidence) step = load_confidence(spec, loaded.view);
+  if (step && spec.colour) step = load_colours(spec, loaded.view);
+  if (step && spec.deviation) step = load_deviation(spec, loaded.view);
+  if (!step) return step.error();
+  if (loaded.view.sample_count() == 0)
+    return Error{ErrorKind::kUnsolvable,
+                 main_file(spec).string() + ": view " + spec.name +
+                     " has no samples: every pixel is without a measurement or masked; leave the "
+                     "view out or mend its mask"};
+  if (spec.normals) {
+    step = load_normals(spec, loaded);
+    if (!step) return step.error();
+  } else if (loaded.normals) {
+    loaded.normals = stored_in_grid(std::move(loaded.normals->components), *spec.grid, loaded.view);
+  }
+  if (loaded.normals) append(loaded.notes, loaded.normals->notes);
+  clean_confidence(loaded.view.confidence);
+  return loaded;
+}
+
+void set_normals(LoadedView& loaded, const ChosenConvention& chosen) {
+  if (!loaded.normals) return;
+  append(loaded.notes, apply_convention(*loaded.normals, chosen, loaded.view));
+  loaded.normals.reset();
+}
+
+Result<ConventionChoice> find_conventions(const std::vector<ViewSpec>& specs) {
+  std::vector<NormalEvidence> evidence;
+  std::vector<std::size_t> with_normals;
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    if (!specs[i].normals && !specs[i].grid) continue;
+    auto loaded = load_view(specs[i]);
+    if (!loaded) return loaded.error();
+    if (!loaded->normals) continue;
+    evidence.push_back(std::move(loaded->normals->evidence));
+    with_normals.push_back(i);
+  }
+  auto found = choose_conventions(evidence);
+  if (!found) return found;
+  ConventionChoice choice;
+  choice.notes = std::move(found->notes);
+  choice.views.resize(specs.size());
+  for (std::size_t k = 0; k < with_normals.size(); ++k)
+    choice.views[with_normals[k]] = found->views[k];
+  return choice;
+}
+
+}  // namespace relief

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scan/io/normals/convention_choice.h"
+#include "scan/io/normals/normal_evidence.h"
+#include "scan/io/project/view_spec.h"
+#include "relief/scan/range_view.h"
+#include "relief/scan/result.h"
+
+namespace relief {
+
+/// A view as read. Its `view.normals` stay empty until the convention of `normals` is settled.
+struct LoadedView {
+  RangeView view;
+  std::optional<StoredNormals> normals;
+  std::vector<std::string> notes;
+};
+
+/// Memory [bytes] that views may take together; may be used from several threads.
+class MemoryBudget {
+ public:
+  explicit MemoryBudget(std::size_t bytes) : left_(bytes) {}
+  std::size_t left() const { return left_; }
+  /// False when there is less: then nothing is taken.
+  bool take(std::size_t bytes);
+
+ private:
+  std::atomic<std::size_t> left_;
+};
+
+/// Reads the data of one view, within `memory`. A view without any sample is an error
+/// (kUnsolvable), as is one too large.
+Result<LoadedView> load_view(const ViewSpec& spec, MemoryBudget& memory);
+
+/// The same within the memory that is free.
+Result<LoadedView> load_view(const ViewSpec& spec);
+
+/// Gives the view its normals and frees the stored ones.
+void set_normals(LoadedView& loaded, const ChosenConvention& chosen);
+
+/// The conventions of the normals of all views, found by comparing them with the depth. Reads one
+/// view at a time. One choice for each spec; those of views without normals have no meaning.
+Result<ConventionChoice> find_conventions(const std::vector<ViewSpec>& specs);
+
+}  // namespace relief

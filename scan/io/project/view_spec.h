@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "relief/scan/camera.h"
+#include "relief/scan/range_view.h"
+#include "relief/scan/rational_projection.h"
+#include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+struct DepthSpec {
+  std::filesystem::path file;
+  double scale = 1.0;      ///< Value times scale is in the project's unit.
+  bool along_ray = false;  ///< `kind` `ray`: distance along the ray; else `z`.
+};
+
+struct DeviationSpec {
+  std::filesystem::path file;
+  double scale = 1.0;  ///< Value times scale is in the project's unit.
+};
+
+/// The `camera` of a view. Which members are set depends on `model`.
+struct CameraSpec {
+  enum class Model { kPinhole, kPinholeGl, kOrthographic, kRational };
+  Model model = Model::kPinhole;
+  std::optional<int> width, height;
+  PinholeIntrinsics intrinsics;
+  std::optional<Eigen::Vector3d> view_direction;          ///< Orthographic, rational.
+  std::optional<Eigen::Vector3d> origin, step_u, step_v;  ///< Orthographic.
+  RationalProjection projection;
+};
+
+enum class NormalEncoding { kRgb, kUnit };
+enum class NormalAxes { kOpencv, kOpengl };
+enum class NormalSpace { kCamera, kWorld };
+
+struct NormalSpec {
+  std::filesystem::path file;
+  std::optional<NormalEncoding> encoding;  ///< What is left out is found from the data.
+  std::optional<NormalAxes> axes;
+  std::optional<NormalSpace> space;
+};
+
+/// One view as a project describes it, before its data is read. File names are resolved.
+struct ViewSpec {
+  std::string name;
+  std::optional<DepthSpec> depth;             ///< Either this
+  std::optional<std::filesystem::path> grid;  ///< or this is set.
+  std::optional<CameraSpec> camera;
+  std::optional<NormalSpec> normals;
+  std::optional<std::filesystem::path> mask, confidence, colour;
+  std::optional<DeviationSpec> deviation;
+  RigidMotion world_from_view = RigidMotion::Identity();
+  PoseKind pose = PoseKind::kAbsent;
+};
+
+struct ProjectSpec {
+  std::string unit;
+  std::vector<ViewSpec> views;
+  std::vector<std::string> notes;
+};
+
+/// Parses the text of a scan.json. Strict: an unknown key, a wrong type, a pose that is no rigid
+/// motion are errors (kBadInput) that name the place, such as `views[3].camera.fz`.
+Result<ProjectSpec> parse_scan_json(const std::string& text, const std::filesystem::path& path);
+
+/// Parses the text of a Stanford .conf: `bmesh FILE tx ty tz qx qy qz qw`.
+Result<ProjectSpec> parse_stanford_conf(const std::string& text, const std::filesystem::path& path);
+
+/// What read_project's `path` stands for, whichever form it has. `fc_file` may be empty.
+Result<ProjectSpec> read_project_spec(const std::filesystem::path& path,
+                                      const std::filesystem::path& fc_file);
+
+}  // namespace relief

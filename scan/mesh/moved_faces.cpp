@@ -1,0 +1,169 @@
+#include "scan/mesh/moved_faces.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "relief/scan/self_intersections.h"
+
+namespace relief {
+
+namespace {
+
+// Thinner faces, against their longest side, would not survive in files of single precision.
+constexpr double kLeastThickness = 1e-5;
+
+// Of more than this part of all faces it takes less time to search the whole mesh.
+constexpr std::size_t kMany = 20;
+
+// Cells of a coarse lattice that boxes meet.
+class Cells {
+ public:
+  Cells(const Eigen::Vector3d& origin, double size) : origin_(origin), size_(size) {}
+
+  void add(const Eigen::AlignedBox3d& box) {
+    visit(box, [&](std::uint64_t cell) { return cells_.insert(cell), false; });
+  }
+  bool meet(const Eigen::AlignedBox3d& box) const {
+    return visit(box, [&](std::uint64_t cell) { return cells_.contains(cell); });
+  }
+
+ private:
+  // Until `visit` returns true. 21 bits for each axis; that far cells may share a number.
+  template <typename Visit>
+  bool visit(const Eigen::AlignedBox3d& box, const Visit& visit) const {
+    const auto cell = [&](const Eigen::Vector3d& p) {
+      return ((p - origin_) / size_).array().floor().cast<std::int64_t>().eval();
+    };
+    const auto low = cell(box.min()), high = cell(box.max());
+    constexpr std::int64_t kMask = (std::int64_t{1} << 21) - 1;
+    for (std::int64_t z = low.z(); z <= high.z(); ++z)
+      for (std::int64_t y = low.y(); y <= high.y(); ++y)
+        for (std::int64_t x = low.x(); x <= high.x(); ++x)
+          if (visit(
+                  static_cast<std::uint64_t>((x & kMask) | (y & kMask) << 21 | (z & kMask) << 42)))
+            return true;
+    return false;
+  }
+
+  Eigen::Vector3d origin_;
+  double size_;
+  std::unordered_set<std::uint64_t> cells_;
+};
+
+class MovedFaces {
+ public:
+  MovedFaces(const TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& places,
+             std::vector<std::uint32_t> moved, double reach)
+      : mesh_(mesh), places_(places), faces_(std::move(moved)), cells_(places.front(), reach) {
+    moved_ = faces_.size();
+    std::vector<std::uint8_t> known(mesh.faces.size());
+    for (const std::uint32_t f : faces_) {
+      cells_.add(box_of(f));
+      known[f] = 1;
+    }
+    for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+      if (!known[f] && cells_.meet(box_of(f))) faces_.push_back(f);
+  }
+
+  std::vector<std::uint32_t> intersecting(int threads) const {
+    SelfIntersectionOptions options;
+    options.threads = threads;
+    std::vector<std::uint32_t> found = find_self_intersections(part(), options).faces();
+    for (std::uint32_t& f : found) f = faces_[f];
+    return found;
+  }
+
+  std::vector<std::uint32_t> thin() const {
+    std::vector<std::uint32_t> found;
+    for (std::size_t k = 0; k < moved_; ++k)
+      if (thickness(faces_[k], places_) <
+          std::min(kLeastThickness, thickness(faces_[k], mesh_.vertices)))
+        found.push_back(faces_[k]);
+    return found;
+  }
+
+ private:
+  Eigen::AlignedBox3d box_of(std::uint32_t face) const {
+    Eigen::AlignedBox3d box;
+    for (const std::uint32_t v : mesh_.faces[face]) box.extend(places_[v]);
+    return box;
+  }
+
+  // Against the longest side.
+  double thickness(std::uint32_t face, const std::vector<Eigen::Vector3d>& at) const {
+    const auto& [a, b, c] = mesh_.faces[face];
+    const Eigen::Vector3d u = at[b] - at[a], v = at[c] - at[a], w = at[c] - at[b];
+    const double longest = std::max({u.squaredNorm(), v.squaredNorm(), w.squaredNorm()});
+    return longest > 0.0 ? u.cross(v).norm() / longest : 0.0;
+  }
+
+  // These faces alone, in their order.
+  TriangleMesh part() const {
+    TriangleMesh part;
+    std::unordered_map<std::uint32_t, std::uint32_t> number;
+    for (const std::uint32_t f : faces_) {
+      TriangleMesh::Face& face = part.faces.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = mesh_.faces[f][k];
+        const auto [known, fresh] =
+            number.try_emplace(v, static_cast<std::uint32_t>(part.vertices.size()));
+        if (fresh) part.vertices.push_back(places_[v]);
+        face[k] = known->second;
+      }
+    }
+    return part;
+  }
+
+  const TriangleMesh& mesh_;
+  const std::vector<Eigen::Vector3d>& places_;
+  std::vector<std::uint32_t> faces_;  // The moved ones, then those near.
+  std::size_t moved_ = 0;
+  Cells cells_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh,
+                                    const std::vector<std::uint8_t>& marked) {
+  std::vector<std::uint32_t> faces;
+  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+    if (std::any_of(mesh.faces[f].begin(), mesh.faces[f].end(),
+                    [&](std::uint32_t v) { return marked[v]; }))
+      faces.push_back(f);
+  return faces;
+}
+
+std::vector<std::uint32_t> spoiled_faces(const TriangleMesh& mesh,
+                                         const std::vector<Eigen::Vector3d>& places,
+                                         const std::vector<std::uint8_t>& moved, double reach,
+                                         int threads) {
+  const MovedFaces faces(mesh, places, faces_at(mesh, moved), reach);
+  std::vector<std::uint32_t> spoiled = faces.intersecting(threads);
+  const std::vector<std::uint32_t> thin = faces.thin();
+  spoiled.insert(spoiled.end(), thin.begin(), thin.end());
+  std::sort(spoiled.begin(), spoiled.end());
+  spoiled.erase(std::unique(spoiled.begin(), spoiled.end()), spoiled.end());
+  return spoiled;
+}
+
+std::vector<std::uint32_t> intersecting_faces(const TriangleMesh& mesh,
+                                              const std::vector<std::uint32_t>& faces, double reach,
+                                              int threads) {
+  if (faces.empty()) return {};
+  if (faces.size() > mesh.faces.size() / kMany) {
+    SelfIntersectionOptions options;
+    options.threads = threads;
+    return find_self_intersections(mesh, options).faces();
+  }
+  auto found = MovedFaces(mesh, mesh.vertices, faces, reach).intersecting(threads);
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+}  // namespace relief

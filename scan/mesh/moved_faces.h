@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "relief/scan/triangle_mesh.h"
+
+namespace relief {
+
+/// Faces, in ascending order, that a move of vertices to `places` has spoiled: those that intersect
+/// others and those without any width left. Looks at faces with a vertex in `moved` and at what is
+/// near them only. `reach` is about the length of an edge [unit].
+std::vector<std::uint32_t> spoiled_faces(const TriangleMesh& mesh,
+                                         const std::vector<Eigen::Vector3d>& places,
+                                         const std::vector<std::uint8_t>& moved, double reach,
+                                         int threads);
+
+/// The faces with a vertex that is marked; in ascending order.
+std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh,
+                                    const std::vector<std::uint8_t>& marked);
+
+/// Those of `faces`, and of what is near them or of all where they are many, that intersect others;
+/// in ascending order.
+std::vector<std::uint32_t> intersecting_faces(const TriangleMesh& mesh,
+                                              const std::vector<std::uint32_t>& faces, double reach,
+                                              int threads);
+
+}  // namespace relief

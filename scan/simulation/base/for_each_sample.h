@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+
+#include "scan/base/parallel.h"
+#include "relief/scan/range_view.h"
+
+namespace relief {
+
+/// Calls `body(u, v)` for every pixel of `view` that has a sample, in several threads.
+template <typename Body>
+void for_each_sample(const RangeView& view, int threads, const Body& body) {
+  parallel_for(static_cast<std::size_t>(view.height()), 8, threads,
+               [&](std::size_t begin, std::size_t end) {
+                 for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v)
+                   for (int u = 0; u < view.width(); ++u)
+                     if (view.has_sample(u, v)) body(u, v);
+               });
+}
+
+/// The same for pixels that also have a normal.
+template <typename Body>
+void for_each_normal(const RangeView& view, int threads, const Body& body) {
+  for_each_sample(view, threads, [&](int u, int v) {
+    if (view.has_normal(u, v)) body(u, v);
+  });
+}
+
+/// Takes the sample of a pixel away, and its normal.
+inline void lose_sample(RangeView& view, int u, int v) {
+  view.range(u, v) = kNoSample;
+  if (view.has_normals()) view.normals(u, v).setConstant(static_cast<float>(kNoSample));
+}
+
+}  // namespace relief

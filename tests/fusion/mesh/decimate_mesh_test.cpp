@@ -1,0 +1,88 @@
+#include "relief/fusion/decimate_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "relief/fusion/merge_views.h"
+#include "tests/fusion/scenes.h"
+
+namespace relief {
+namespace {
+
+const TriangleMesh& torus_mesh() {
+  static const TriangleMesh mesh =
+      merge_views(
+          testing::views_around(testing::traced(testing::torus_distance(35.0, 12.0)), 10, 80, 50.0))
+          .value()
+          .mesh;
+  return mesh;
+}
+
+double largest_error(const TriangleMesh& mesh) {
+  const auto torus = testing::torus_distance(35.0, 12.0);
+  double largest = 0.0;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    largest = std::max(
+        largest,
+        std::abs(torus((mesh.corner(f, 0) + mesh.corner(f, 1) + mesh.corner(f, 2)) / 3.0)));
+  return largest;
+}
+
+TEST(DecimateMesh, ReachesANumberOfFacesAndStaysAClosedTorus) {
+  const auto result = decimate_mesh(torus_mesh(), {.faces = 4000});
+  ASSERT_TRUE(result.ok());
+  EXPECT_NEAR(static_cast<double>(result->mesh.faces.size()), 4000.0, 40.0);
+  EXPECT_TRUE(result->check.watertight());
+  EXPECT_EQ(result->check.genus, 1);
+  EXPECT_LT(largest_error(result->mesh), 0.6);
+}
+
+TEST(DecimateMesh, ABoundOfTheErrorIsKept) {
+  std::size_t last = torus_mesh().faces.size();
+  for (const double bound : {0.02, 0.1, 0.5}) {
+    const auto result = decimate_mesh(torus_mesh(), {.max_error = bound});
+    ASSERT_TRUE(result.ok());
+    EXPECT_TRUE(result->check.watertight());
+    EXPECT_LT(result->mesh.faces.size(), last);
+    EXPECT_LT(largest_error(result->mesh), bound + 0.05) << "and that of merging";
+    last = result->mesh.faces.size();
+  }
+}
+
+TEST(DecimateMesh, KeepsVerticesWithTheirAttributes) {
+  TriangleMesh mesh = torus_mesh();
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    mesh.quality[v] = static_cast<float>(mesh.vertices[v].x());
+  const auto result = decimate_mesh(mesh, {.faces = 2000});
+  ASSERT_TRUE(result.ok());
+  const TriangleMesh& fewer = result->mesh;
+  ASSERT_EQ(fewer.quality.size(), fewer.vertices.size());
+  ASSERT_EQ(fewer.filled.size(), fewer.vertices.size());
+  ASSERT_EQ(fewer.normals.size(), fewer.vertices.size());
+  for (std::size_t v = 0; v < fewer.vertices.size(); ++v)
+    EXPECT_EQ(fewer.quality[v], static_cast<float>(fewer.vertices[v].x()));
+}
+
+TEST(DecimateMesh, RandomScenesStayClosed) {
+  const testing::RandomScenes scenes;
+  for (std::uint32_t seed = 0; seed < 10; ++seed) {
+    const TriangleMesh mesh = merge_views(scenes.scene(seed)).value().mesh;
+    const auto result = decimate_mesh(mesh, {.faces = mesh.faces.size() / 4});
+    ASSERT_TRUE(result.ok()) << seed;
+    EXPECT_TRUE(result->check.watertight()) << seed;
+    EXPECT_LT(result->mesh.faces.size(), mesh.faces.size() / 2) << seed;
+  }
+}
+
+TEST(DecimateMesh, LeavesAloneWhatIsSmallEnoughAndSaysWhatIsMissing) {
+  const auto same = decimate_mesh(torus_mesh(), {.faces = torus_mesh().faces.size()});
+  ASSERT_TRUE(same.ok());
+  EXPECT_EQ(same->mesh.faces, torus_mesh().faces);
+  EXPECT_EQ(decimate_mesh(torus_mesh(), {}).error().kind, ErrorKind::kBadInput);
+}
+
+}  // namespace
+}  // namespace relief

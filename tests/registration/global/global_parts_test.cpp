@@ -1,0 +1,252 @@
+#include <cmath>
+#include <map>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "registration/global/consistency_graph.h"
+#include "registration/global/features/feature_matches.h"
+#include "registration/global/features/local_features.h"
+#include "registration/global/pair_search.h"
+#include "registration/global/features/resampled_view.h"
+#include "registration/global/robust_motion.h"
+#include "registration/global/features/view_similarity.h"
+#include "registration/verification/coherent_residual.h"
+#include "registration/verification/pose_evidence.h"
+#include "tests/registration/bumpy_object.h"
+
+namespace relief {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
+
+const std::vector<RangeView>& ring() {
+  static const auto views = testing::ring_of_views({.views = 8, .pixels = 128});
+  return views;
+}
+
+const std::vector<ViewSurface>& surfaces() {
+  static const auto list = [] {
+    std::vector<ViewSurface> made;
+    for (const auto& view : ring()) made.emplace_back(view);
+    return made;
+  }();
+  return list;
+}
+
+RigidMotion true_motion(std::size_t a, std::size_t b) {
+  return ring()[b].world_from_view.inverse() * ring()[a].world_from_view;
+}
+
+RigidMotion some_motion() {
+  RigidTangent tangent;
+  tangent << 0.4, -1.1, 0.7, 30.0, -20.0, 10.0;
+  return motion_from_tangent(tangent);
+}
+
+ResampledView moved(const ResampledView& view, const RigidMotion& motion) {
+  return {motion * view.points, motion.linear() * view.normals};
+}
+
+Eigen::Matrix3Xd random_points(Eigen::Index count, std::uint32_t seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> uniform(-50.0, 50.0);
+  Eigen::Matrix3Xd points(3, count);
+  for (auto& x : points.reshaped()) x = uniform(generator);
+  return points;
+}
+
+TEST(RobustMotion, IsTrueAmongSixtyPercentOfOutliers) {
+  const Eigen::Matrix3Xd source = random_points(100, 1);
+  Eigen::Matrix3Xd target = some_motion() * source;
+  target.rightCols(60) = random_points(60, 2);
+  const auto fit = fit_robustly(source, target, 0.5);
+  EXPECT_THAT(fit.inliers, SizeIs(40));
+  EXPECT_TRUE(fit.target_from_source.isApprox(some_motion(), 1e-9));
+}
+
+TEST(RobustMotion, OfTooFewPointsExplainsNone) {
+  EXPECT_TRUE(fit_robustly(random_points(2, 1), random_points(2, 1), 0.5).inliers.empty());
+  EXPECT_TRUE(fit_robustly({}, {}, 0.5).inliers.empty());
+}
+
+TEST(RobustMotion, IsNeverAReflection) {
+  const Eigen::Matrix3Xd source = random_points(50, 3);
+  Eigen::Matrix3Xd target = source;
+  target.row(0) *= -1.0;
+  EXPECT_GT(fit_robustly(source, target, 5.0).target_from_source.linear().determinant(), 0.0);
+}
+
+TEST(ResampledView, HasOnePointPerCellOnTheSurface) {
+  const double cell = coarse_scale(surfaces()).cell;
+  EXPECT_GE(cell, 2.9 * surfaces()[0].spacing());
+  const auto view = resample(surfaces()[0], cell);
+  EXPECT_GT(view.size(), 300);
+  EXPECT_LT(view.size(), 4000);
+  for (Eigen::Index i = 0; i < view.size(); ++i) {
+    EXPECT_NEAR(view.normals.col(i).norm(), 1.0, 1e-9);
+    const auto pixel = surfaces()[0].project(view.points.col(i));
+    const auto seen = pixel ? surfaces()[0].at(*pixel) : std::nullopt;
+    if (seen) {
+      EXPECT_LT((seen->point - view.points.col(i)).dot(seen->normal), cell);
+    }
+  }
+}
+
+TEST(LocalFeatures, DoNotChangeWhenTheViewMoves) {
+  const double cell = coarse_scale(surfaces()).cell;
+  const auto here = resample(surfaces()[0], cell);
+  const auto there = moved(here, some_motion());
+  const LocalFeatures difference =
+      describe_locally(here, 3 * cell, 6 * cell) - describe_locally(there, 3 * cell, 6 * cell);
+  // Rounding moves an angle from one bin to the next now and then.
+  EXPECT_LT(difference.cwiseAbs().mean(), 1e-3);
+}
+
+TEST(LocalFeatures, TellAViewFromItsMirrorImage) {
+  const double cell = coarse_scale(surfaces()).cell;
+  const auto view = resample(surfaces()[0], cell);
+  ResampledView mirrored = view;
+  mirrored.points.row(0) *= -1.0;
+  mirrored.normals.row(0) *= -1.0;
+  const LocalFeatures difference =
+      describe_locally(view, 3 * cell, 6 * cell) - describe_locally(mirrored, 3 * cell, 6 * cell);
+  EXPECT_GT(difference.cwiseAbs().mean(), 4e-3);
+}
+
+TEST(FeatureMatches, OfAViewWithItselfAreTheIdentity) {
+  const double cell = coarse_scale(surfaces()).cell;
+  const auto features = describe_locally(resample(surfaces()[0], cell), 3 * cell, 6 * cell);
+  for (const auto& match : match_features(features, features, {.candidates = 1}))
+    EXPECT_LT((features.col(match.a) - features.col(match.b)).norm(), 1e-6f);
+  EXPECT_TRUE(match_features(features, LocalFeatures()).empty());
+}
+
+TEST(ConsistencyGraph, JoinsWhatOneMotionExplainsAndNoMirrorImage) {
+  ResampledView a;
+  a.points = random_points(30, 5);
+  a.normals = random_points(30, 6).colwise().normalized();
+  const ResampledView b = moved(a, some_motion());
+  std::vector<FeatureMatch> matches;
+  for (Eigen::Index i = 0; i < 30; ++i) matches.push_back({i, i});
+  for (Eigen::Index i = 0; i < 30; ++i) matches.push_back({i, (i + 7) % 30});
+  const ConsistencyOptions options{.distance_tolerance = 0.01, .least_distance = 1.0};
+  const ConsistencyGraph graph(a, b, matches, options);
+  const auto set = graph.consensus_around(0);
+  EXPECT_THAT(set, SizeIs(30));
+  EXPECT_EQ(set.back(), 29u);
+
+  ResampledView mirrored = b;
+  mirrored.points.row(0) *= -1.0;
+  mirrored.normals.row(0) *= -1.0;
+  matches.resize(30);
+  const ConsistencyGraph none(a, mirrored, matches, options);
+  std::size_t edges = 0;
+  for (std::size_t i = 0; i < none.size(); ++i) edges += none.degree(i);
+  EXPECT_LT(edges, 30u * 29u / 3u);  // Only where the volume is small.
+}
+
+TEST(PoseEvidence, IsForTheTruePoseAndAgainstOthers) {
+  const auto &a = surfaces()[0], &b = surfaces()[1];
+  const auto truth = judge_pose(a, b, true_motion(0, 1));
+  EXPECT_TRUE(plausible(truth, a, b));
+  EXPECT_EQ(truth.contradiction, 0.0);
+  EXPECT_FALSE(truth.slides);
+  EXPECT_LT(truth.coherent_rms, 0.1 * a.spacing());
+  // Moved towards the sensor, the samples of a would have hidden those of b.
+  const RigidMotion nearer =
+      Eigen::Translation3d(20.0 * b.spacing() * b.mean_normal()) * true_motion(0, 1);
+  const auto hiding = judge_pose(a, b, nearer);
+  EXPECT_GT(hiding.contradiction, 0.3);
+  EXPECT_TRUE(contradicts(hiding));
+  const RigidMotion turned = true_motion(0, 1) * Eigen::Translation3d(a.centre()) *
+                             Eigen::AngleAxisd(0.4, a.mean_normal()) *
+                             Eigen::Translation3d(-a.centre());
+  EXPECT_FALSE(plausible(judge_pose(a, b, turned), a, b));
+}
+
+TEST(PoseEvidence, OfViewsOfASphereSlides) {
+  const Camera camera = Camera::pinhole(100, 100, {200, 200, 49.5, 49.5});
+  const auto sphere = testing::sphere({0, 0, 0}, 40.0);
+  const auto first = testing::render(sphere, camera, testing::look_at({200, 0, 0}, {0, 0, 0}));
+  const auto second = testing::render(sphere, camera, testing::look_at({150, 130, 0}, {0, 0, 0}));
+  const ViewSurface a(first), b(second);
+  const auto evidence = judge_pose(a, b, second.world_from_view.inverse() * first.world_from_view);
+  EXPECT_GT(evidence.overlap, 0.3);
+  EXPECT_TRUE(evidence.slides);
+}
+
+TEST(PoseEvidence, MissesWhatTheOtherSensorShouldHaveSeen) {
+  EXPECT_FALSE(too_much_absent(judge_pose(surfaces()[0], surfaces()[1], true_motion(0, 1))));
+  // A view that measured only the middle of its image: nothing there fits badly, but the rest of
+  // the other view faces it and was not seen.
+  RangeView middle = ring()[0];
+  for (int v = 0; v < middle.height(); ++v)
+    for (int u = 0; u < middle.width(); ++u)
+      if (std::hypot(u - 64, v - 64) > 24) middle.range(u, v) = kNoSample;
+  const ViewSurface part(middle);
+  const auto evidence = judge_pose(surfaces()[0], part, RigidMotion::Identity());
+  EXPECT_TRUE(plausible(evidence, surfaces()[0], part));
+  EXPECT_GT(evidence.missing, 0.15);
+  EXPECT_TRUE(too_much_absent(evidence));
+}
+
+TEST(CoherentRms, KeepsWhatIsAlikeBeyondTheNoise) {
+  Eigen::Matrix3Xd points = random_points(2000, 8);
+  points.row(2).setZero();
+  const double extent = points.cwiseAbs().maxCoeff();
+  points *= 50.0 / extent;
+  std::mt19937 generator(4);
+  std::normal_distribution<double> normal;
+  std::vector<double> noise, blocks, smooth;
+  std::map<std::pair<long, long>, double> of_block;  // Alike within squares of side 2.
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    noise.push_back(normal(generator));
+    blocks.push_back(
+        of_block
+            .try_emplace({std::lround(points(0, i) / 2), std::lround(points(1, i) / 2)},
+                         normal(generator))
+            .first->second);
+    smooth.push_back(std::sin(0.1 * points(0, i)));
+  }
+  EXPECT_LT(coherent_rms(points, noise, {3.0, 10.0}), 0.15);
+  EXPECT_LT(coherent_rms(points, blocks, {3.0, 10.0}), 0.25);
+  EXPECT_GT(coherent_rms(points, blocks, {0.0, 2.0}), 0.5);
+  EXPECT_NEAR(coherent_rms(points, smooth, {3.0, 10.0}), std::sqrt(0.5), 0.15);
+  EXPECT_EQ(coherent_rms({}, {}, {1.0, 2.0}), 0.0);
+}
+
+TEST(PairSearch, FindsTheTruePoseOfNeighbours) {
+  const auto scale = coarse_scale(surfaces());
+  const auto a = prepare_coarse_view(surfaces()[2], scale);
+  const auto b = prepare_coarse_view(surfaces()[3], scale);
+  std::vector<PoseHypothesis> good;
+  for (const auto& hypothesis : search_pair(a, b, scale))
+    if (plausible(hypothesis.evidence, surfaces()[2], surfaces()[3])) good.push_back(hypothesis);
+  ASSERT_FALSE(good.empty());
+  EXPECT_TRUE(
+      same_pose(surfaces()[2], good[0].b_from_a, true_motion(2, 3), surfaces()[2].spacing()));
+}
+
+TEST(ViewSimilarity, RanksNeighboursBeforeOpposites) {
+  const auto scale = coarse_scale(surfaces());
+  std::vector<CoarseView> views;
+  for (const auto& surface : surfaces()) views.push_back(prepare_coarse_view(surface, scale));
+  std::vector<const LocalFeatures*> features;
+  for (const auto& view : views) features.push_back(&view.features);
+  const auto pairs = rank_pairs(features);
+  EXPECT_THAT(pairs, SizeIs(28));
+  std::size_t neighbours = 0;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const std::size_t apart = pairs[k].second - pairs[k].first;
+    neighbours += apart <= 2 || apart >= 6 ? 1 : 0;
+  }
+  EXPECT_GE(neighbours, 5u);
+  const LocalFeatures none;
+  EXPECT_THAT(rank_pairs({&none, &none}), ElementsAre(std::pair<std::size_t, std::size_t>(0, 1)));
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,134 @@
+// Views of shapes that fit in many ways: none may be placed at a pose that nothing tells from
+// others.
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "relief/registration/align_views.h"
+#include "registration/global/features/planar_view.h"
+#include "tests/registration/bumpy_object.h"
+
+namespace relief {
+namespace {
+
+using testing::Surface;
+using testing::SurfaceHit;
+using DistanceFunction = double (*)(const Eigen::Vector3d&);
+
+// A hemispherical shell, open at the top.
+double bowl(const Eigen::Vector3d& p) { return std::max(std::abs(p.norm() - 40.0) - 3.0, p.z()); }
+
+double cuboid(const Eigen::Vector3d& p, const Eigen::Vector3d& half_sides) {
+  const Eigen::Vector3d outside = p.cwiseAbs() - half_sides;
+  return outside.cwiseMax(0.0).norm() + std::min(outside.maxCoeff(), 0.0);
+}
+double box(const Eigen::Vector3d& p) { return cuboid(p, {34.0, 30.0, 26.0}); }
+double cube(const Eigen::Vector3d& p) { return cuboid(p, {30.0, 30.0, 30.0}); }
+
+Eigen::Vector3d gradient(DistanceFunction distance, const Eigen::Vector3d& p) {
+  constexpr double kStep = 1e-4;
+  Eigen::Vector3d result;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(k);
+    result[k] = distance(p + step) - distance(p - step);
+  }
+  return result.normalized();
+}
+
+// The surface where `distance`, which nowhere exceeds the true distance, is zero.
+Surface surface_of(DistanceFunction distance) {
+  return [distance](const Ray& ray) -> std::optional<SurfaceHit> {
+    const Ray unit{ray.origin, ray.direction.normalized()};
+    double t = 0.0;
+    for (int i = 0; i < 200 && t < 500.0; ++i) {
+      const double step = distance(unit.at(t));
+      if (step < 1e-6) return SurfaceHit{t / ray.direction.norm(), gradient(distance, unit.at(t))};
+      t += step;
+    }
+    return std::nullopt;
+  };
+}
+
+std::vector<RangeView> views_without_poses(const Surface& surface, int count, double step,
+                                           double height) {
+  const Camera camera = Camera::pinhole(100, 100, {200, 200, 49.5, 49.5});
+  std::vector<RangeView> views;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d eye(200 * std::cos(i * step), 200 * std::sin(i * step), height);
+    views.push_back(testing::render(surface, camera, testing::look_at(eye, {0, 0, 0})));
+    views.back().name = "v" + std::to_string(i);
+    views.back().pose = PoseKind::kAbsent;
+    views.back().world_from_view = RigidMotion::Identity();
+    testing::add_range_noise(views.back(), 0.3, static_cast<std::uint32_t>(i + 1));
+  }
+  return views;
+}
+
+void expect_none_aligned_and_all_told_why(const std::vector<RangeView>& views) {
+  const auto aligned = align_views(views);
+  ASSERT_TRUE(aligned.ok());
+  for (const auto& view : aligned->views) {
+    EXPECT_FALSE(view.aligned) << view.name;
+    EXPECT_THAT(view.reason, ::testing::AnyOf(::testing::HasSubstr("ambiguous"),
+                                              ::testing::HasSubstr("no pose was found")));
+  }
+}
+
+TEST(PlainShapes, ABowlIsNotForced) {
+  expect_none_aligned_and_all_told_why(views_without_poses(surface_of(bowl), 3, 0.7, 120.0));
+}
+
+TEST(PlainShapes, UnrelatedObjectsAreNotForced) {
+  auto views = views_without_poses(testing::bumpy_object(40.0), 1, 0.7, 50.0);
+  for (const DistanceFunction other : {bowl, box}) {
+    views.push_back(views_without_poses(surface_of(other), 1, 0.7, 90.0)[0]);
+    views.back().name = "other" + std::to_string(views.size());
+  }
+  expect_none_aligned_and_all_told_why(views);
+}
+
+// Opposite sides of a box look alike and share nothing.
+TEST(PlainShapes, OppositeSidesOfABoxAreNotForced) {
+  expect_none_aligned_and_all_told_why(views_without_poses(surface_of(box), 2, 3.14159, 20.0));
+}
+
+// All corners of a cube are alike: each view fits the others at several places, and itself.
+TEST(PlainShapes, NeighbouringSidesOfACubeAreNotForced) {
+  expect_none_aligned_and_all_told_why(views_without_poses(surface_of(cube), 6, 0.7854, 140.0));
+}
+
+// They show different sides, which overlap by 88 % when they are taken for the same.
+TEST(PlainShapes, SidesOfACubeAQuarterTurnApartAreNotForced) {
+  const auto views = views_without_poses(surface_of(cube), 6, 0.4, 60.0);
+  expect_none_aligned_and_all_told_why({views[1], views[5]});
+}
+
+// Views that show other sides of much the same lengths.
+TEST(PlainShapes, NeighbouringSidesOfABoxAreNotForced) {
+  expect_none_aligned_and_all_told_why(views_without_poses(surface_of(box), 3, 1.2, 140.0));
+}
+
+TEST(PlainView, KnowsFlatFaces) {
+  const auto view_of = [](const Surface& surface) {
+    return views_without_poses(surface, 1, 0.0, 140.0)[0];
+  };
+  const RangeView corner = view_of(surface_of(box)), inside = view_of(surface_of(bowl)),
+                  bumpy = view_of(testing::bumpy_object(40.0));
+  EXPECT_TRUE(is_plain(ViewSurface(corner)));
+  EXPECT_FALSE(is_plain(ViewSurface(inside)));
+  EXPECT_FALSE(is_plain(ViewSurface(bumpy)));
+  EXPECT_LT(planar_fraction(ViewSurface(corner), 1), 0.8);
+  EXPECT_GT(planar_fraction(ViewSurface(corner), 2), 0.95);  // The eye is level with one side.
+}
+
+TEST(PlainView, HasNoFacesWithoutSamples) {
+  const RangeView view = testing::render([](const Ray&) { return std::nullopt; },
+                                         Camera::pinhole(20, 20, {200, 200, 9.5, 9.5}));
+  EXPECT_EQ(planar_fraction(ViewSurface(view), 4), 0.0);
+  EXPECT_FALSE(is_plain(ViewSurface(view)));
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,111 @@
+#include "registration/pairwise/degenerate_directions.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace relief {
+namespace {
+
+using ::testing::StartsWith;
+
+// A grid of parameters mapped to a surface.
+template <typename Map>
+std::vector<OrientedPoint> sampled(const Map& map) {
+  std::vector<OrientedPoint> points;
+  for (int i = 0; i <= 40; ++i)
+    for (int j = 0; j <= 40; ++j) points.push_back(map(i / 40.0, j / 40.0));
+  return points;
+}
+
+// How much the surface moves along its normals under a unit of the motion.
+double normal_motion(const std::vector<OrientedPoint>& points, const DegenerateDirection& d) {
+  double largest = 0.0;
+  for (const auto& p : points) {
+    const Eigen::Vector3d velocity =
+        d.motion.head<3>().cross(p.point - d.centre) + d.motion.tail<3>();
+    largest = std::max(largest, std::abs(velocity.dot(p.normal)));
+  }
+  return largest;
+}
+
+std::vector<OrientedPoint> plane() {
+  return sampled([](double a, double b) {
+    return OrientedPoint{{100 + 8 * a, 5 * b, 3}, {0, 0, 1}};
+  });
+}
+
+std::vector<OrientedPoint> sphere_cap() {
+  return sampled([](double a, double b) {
+    const double z = 0.3 + 0.7 * a, r = std::sqrt(1 - z * z), phi = 2 * std::numbers::pi * b;
+    const Eigen::Vector3d n(r * std::cos(phi), r * std::sin(phi), z);
+    return OrientedPoint{Eigen::Vector3d(10, 20, 30) + 4 * n, n};
+  });
+}
+
+std::vector<OrientedPoint> cylinder() {
+  return sampled([](double a, double b) {
+    const double phi = std::numbers::pi * b;
+    const Eigen::Vector3d n(std::cos(phi), 0, std::sin(phi));
+    return OrientedPoint{Eigen::Vector3d(0, 10 * a, 0) + 3 * n, n};
+  });
+}
+
+TEST(Slippage, OfAPlaneIsTwoSlidesAndATurn) {
+  const auto points = plane();
+  const auto directions = degenerate_directions(analyse_stability(points), 1e-4);
+  ASSERT_EQ(directions.size(), 3u);
+  EXPECT_THAT(directions[0].description, StartsWith("sliding along"));
+  EXPECT_THAT(directions[1].description, StartsWith("sliding along"));
+  EXPECT_THAT(directions[2].description, StartsWith("turning about"));
+  for (const auto& d : directions) EXPECT_LT(normal_motion(points, d), 1e-9);
+}
+
+TEST(Slippage, OfASphereIsEveryTurnAboutItsCentre) {
+  const auto points = sphere_cap();
+  const auto directions = degenerate_directions(analyse_stability(points), 1e-4);
+  ASSERT_EQ(directions.size(), 3u);
+  for (const auto& d : directions) {
+    EXPECT_THAT(d.description, StartsWith("turning about"));
+    EXPECT_LT(normal_motion(points, d), 1e-9);
+  }
+}
+
+TEST(Slippage, OfACylinderIsASlideAndATurn) {
+  const auto directions = degenerate_directions(analyse_stability(cylinder()), 1e-4);
+  ASSERT_EQ(directions.size(), 2u);
+  const Eigen::Vector3d slide = directions[0].motion.tail<3>().normalized();
+  EXPECT_NEAR(std::abs(slide.y()), 1.0, 1e-6);
+  EXPECT_LT(directions[0].motion.head<3>().norm(), 1e-6);
+  EXPECT_THAT(directions[1].description, StartsWith("turning about"));
+}
+
+TEST(Slippage, OfAnEllipsoidIsNone) {
+  const auto ellipsoid = sampled([](double a, double b) {
+    const double z = 2 * a - 1, r = std::sqrt(std::max(0.0, 1 - z * z));
+    const double phi = 2 * std::numbers::pi * b;
+    const Eigen::Vector3d s(r * std::cos(phi), r * std::sin(phi), z), axes(3, 4, 6);
+    return OrientedPoint{axes.cwiseProduct(s), s.cwiseQuotient(axes).normalized()};
+  });
+  EXPECT_TRUE(degenerate_directions(analyse_stability(ellipsoid), 1e-3).empty());
+}
+
+TEST(Slippage, StiffnessDoesNotDependOnUnitOrPlace) {
+  auto points = sphere_cap();
+  const auto before = analyse_stability(points);
+  for (auto& p : points) p.point = 1000.0 * p.point + Eigen::Vector3d(1e6, 0, -1e6);
+  const auto after = analyse_stability(points);
+  EXPECT_LT((before.stiffness - after.stiffness).norm(), 1e-8);
+}
+
+TEST(Slippage, FewPointsHoldNothing) {
+  const std::vector<OrientedPoint> few(5, {{1, 2, 3}, {0, 0, 1}});
+  EXPECT_EQ(degenerate_directions(analyse_stability(few), 1e-4).size(), 6u);
+  const std::vector<OrientedPoint> equal(50, {{1, 2, 3}, {0, 0, 1}});
+  EXPECT_EQ(degenerate_directions(analyse_stability(equal), 1e-4).size(), 6u);
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,303 @@
+#include "registration/posegraph/dense/pose_graph_refinement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <span>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/dense/pair_information.h"
+#include "registration/posegraph/dense/pose_graph_system.h"
+#include "registration/pairwise/robust.h"
+#include "tests/registration/bumpy_object.h"
+
+namespace relief {
+namespace {
+
+using testing::mean_displacements;
+using testing::perturbed;
+using testing::poses_of;
+
+struct Ring {
+  explicit Ring(std::uint32_t seed, double noise = 0.3) {
+    truth = testing::ring_of_views({.noise = noise, .seed = seed});
+    for (const auto& view : truth) surfaces.emplace_back(view);
+  }
+  double spacing() const { return surfaces[0].spacing(); }
+  std::vector<RangeView> truth;
+  std::vector<ViewSurface> surfaces;
+};
+
+DenseRefinementOptions options_for(const Ring& ring) {
+  DenseRefinementOptions options;
+  options.search.max_distance = 5.0 * ring.spacing();
+  options.tolerance = 1e-3 * ring.spacing();
+  return options;
+}
+
+std::vector<ViewPair> pairs_of(const Ring& ring) {
+  ViewGraphOptions graph;
+  graph.max_distance = 5.0 * ring.spacing();
+  return find_overlapping_pairs(ring.surfaces, poses_of(ring.truth), graph);
+}
+
+std::vector<bool> first_held(std::size_t views) {
+  std::vector<bool> held(views, false);
+  held[0] = true;
+  return held;
+}
+
+TEST(PairInformation, TakesInnerAndEdgeSamplesInProportion) {
+  const Ring ring(1);
+  const ViewSurface& view = ring.surfaces[0];
+  const auto &inner = view.samples(), &edge = view.edge_samples();
+  ASSERT_FALSE(edge.empty());
+  EXPECT_EQ(in_grid_order(view, 0).size(), inner.size() + edge.size());
+  const auto some = in_grid_order(view, 3000);
+  EXPECT_EQ(some.size(), 3000u);
+  EXPECT_TRUE(std::is_sorted(some.begin(), some.end()));
+  const auto from_edge = std::count_if(some.begin(), some.end(), [&](std::uint32_t i) {
+    return std::find(edge.begin(), edge.end(), i) != edge.end();
+  });
+  const double part =
+      static_cast<double>(edge.size()) / static_cast<double>(inner.size() + edge.size());
+  EXPECT_NEAR(static_cast<double>(from_edge), 3000.0 * part, 1.0);
+}
+
+TEST(PairInformation, IsTheSumOverItsResiduals) {
+  const Ring ring(1);
+  const auto poses = poses_of(ring.truth);
+  PairInformationOptions options;
+  options.search.max_distance = 5.0 * ring.spacing();
+  options.patch = 8.0 * ring.spacing();
+  options.centre = Eigen::Vector3d(3.0, -2.0, 1.0);
+  const auto compressed = pair_information(ring.surfaces[0], ring.surfaces[1], poses[0], poses[1],
+                                           in_grid_order(ring.surfaces[0], 3000), options);
+
+  const RigidMotion target_from_source = poses[1].inverse() * poses[0];
+  const double sigma =
+      find_correspondences(ring.surfaces[0], ring.surfaces[1], target_from_source, options.search)
+          .sigma;
+  std::vector<Correspondence> all;
+  CorrespondenceOptions whole = options.search;
+  whole.part = SurfacePart::kWhole;
+  append_correspondences(ring.surfaces[0], ring.surfaces[1], target_from_source,
+                         in_grid_order(ring.surfaces[0], 3000), whole, all);
+  Matrix6d information = Matrix6d::Zero();
+  RigidTangent pull = RigidTangent::Zero();
+  for (const auto& c : all) {
+    if (std::abs(c.distance) > 4.0 * sigma) continue;
+    const Eigen::Vector3d p = poses[1] * c.target.point - options.centre;
+    const Eigen::Vector3d n = poses[1].linear() * c.target.normal;
+    RigidTangent j;
+    j << p.cross(n), n;
+    const double r = c.distance / sigma;
+    information += cauchy_weight(r, kCauchyScale) / (sigma * sigma) * j * j.transpose();
+    pull += cauchy_weight(r, kCauchyScale) * r / sigma * j;
+  }
+  EXPECT_LT((compressed.information - information).norm(), 1e-10 * information.norm());
+  EXPECT_LT((compressed.pull - pull).norm(), 1e-10 * pull.norm());
+  RigidTangent of_patches = RigidTangent::Zero();
+  for (const auto& patch : compressed.patches) of_patches += patch.pull;
+  EXPECT_GT(compressed.patches.size(), 20u);
+  EXPECT_LT((of_patches - pull).norm(), 1e-9 * pull.norm());
+}
+
+TEST(PairInformation, IsIndifferentToMotionsThatAreIgnored) {
+  const Ring ring(1);
+  const auto poses = poses_of(ring.truth);
+  PairInformationOptions options;
+  options.search.max_distance = 5.0 * ring.spacing();
+  options.patch = 8.0 * ring.spacing();
+  options.centre = Eigen::Vector3d(3.0, -2.0, 1.0);
+  const auto all = pair_information(ring.surfaces[0], ring.surfaces[1], poses[0], poses[1],
+                                    in_grid_order(ring.surfaces[0], 3000), options);
+  DegenerateDirection slide;
+  slide.motion << 0.0, 0.0, 0.0, 0.6, 0.8, 0.0;
+  DegenerateDirection turn;
+  turn.centre = Eigen::Vector3d(20.0, 10.0, -5.0);
+  turn.motion << 0.0, 0.6, 0.8, 2.0, 1.0, 0.0;
+  auto rest = all;
+  ignore_motions({slide, turn}, options.centre, rest);
+  // A turn about another point moves the centre, too.
+  RigidTangent turn_about_centre = turn.motion;
+  turn_about_centre.tail<3>() += turn.motion.head<3>().cross(options.centre - turn.centre);
+  const double size = all.information.norm(), pull = all.pull.norm();
+  for (const RigidTangent& motion : {slide.motion, turn_about_centre}) {
+    EXPECT_LT((rest.information * motion).norm(), 1e-9 * size * motion.norm());
+    EXPECT_LT(std::abs(rest.pull.dot(motion)), 1e-9 * pull * motion.norm());
+    for (const PatchPull& patch : rest.patches)
+      EXPECT_LT(std::abs(patch.pull.dot(motion)), 1e-9 * pull * motion.norm());
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(rest.information);
+  EXPECT_GT(eigen.eigenvalues()[2], 1e-6 * eigen.eigenvalues()[5]);  // The other four are held.
+}
+
+TEST(PatchPulls, AddUpOverThePairsOfAView) {
+  PairInformation first, second;
+  first.source = 0;
+  first.target = 1;
+  first.patches = {{7, RigidTangent::Constant(1.0)}, {9, RigidTangent::Constant(2.0)}};
+  second.source = 1;
+  second.target = 2;
+  second.patches = {{7, RigidTangent::Constant(4.0)}};
+  PatchPulls pulls(3);
+  pulls.add(first);
+  pulls.add(second);
+  const auto entries = pulls.sorted();
+  ASSERT_EQ(entries.size(), 5u);
+  const std::uint64_t patches[] = {7, 7, 7, 9, 9};
+  const std::size_t views[] = {0, 1, 2, 0, 1};
+  const double expected[] = {1.0, 3.0, -4.0, 2.0, -2.0};
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(entries[i].patch, patches[i]);
+    EXPECT_EQ(entries[i].view, views[i]);
+    EXPECT_TRUE(entries[i].pull == RigidTangent::Constant(expected[i]));
+  }
+}
+
+// The patch in column `x` of the row through the origin: see patch_of() in pair_information.cpp.
+std::uint64_t patch_at(std::int64_t x) { return (static_cast<std::uint64_t>(x) & 0x1fffffU) << 42; }
+
+TEST(PatchPulls, AddUpOnLargerPatches) {
+  PairInformation pair;
+  pair.target = 1;
+  for (const std::int64_t x : {0, 3, 4, -1, -4, -5})
+    pair.patches.push_back({patch_at(x), RigidTangent::Constant(1.0 + static_cast<double>(x))});
+  PatchPulls pulls(2);
+  pulls.add(pair);
+  std::vector<double> of_source;
+  for (const auto& entry : pulls.on_larger_patches().sorted())
+    if (entry.view == 0) of_source.push_back(entry.pull[0]);
+  EXPECT_EQ(of_source, (std::vector<double>{5.0, 5.0, -4.0, -3.0}));  // 0 to 3, 4, -8 to -5, rest.
+}
+
+// Range noise that is alike over about `reach` pixels either way.
+void add_smooth_noise(RangeView& view, double sigma, int reach, std::uint32_t seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal(0.0, sigma * (2 * reach + 1));
+  const int width = view.width(), height = view.height();
+  Grid<double> noise(width, height, 0.0);
+  for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = normal(generator);
+  for (int v = reach; v + reach < height; ++v) {
+    for (int u = reach; u + reach < width; ++u) {
+      double sum = 0.0;
+      for (int y = v - reach; y <= v + reach; ++y)
+        for (int x = u - reach; x <= u + reach; ++x) sum += noise(x, y);
+      const int samples = (2 * reach + 1) * (2 * reach + 1);
+      view.range(u, v) += sum / samples / view.camera.ray(u, v).direction.norm();
+    }
+  }
+}
+
+TEST(PoseNetwork, SeesErrorsThatReachFartherThanAPatch) {
+  const Ring exact(4, 0.0), white(4);
+  auto smooth = exact.truth;
+  for (std::size_t i = 0; i < smooth.size(); ++i)
+    add_smooth_noise(smooth[i], 0.1 * exact.spacing(), 7, static_cast<std::uint32_t>(i + 1));
+  const auto growth = [&](const std::vector<RangeView>& views) {
+    std::vector<ViewSurface> surfaces;
+    for (const auto& view : views) surfaces.emplace_back(view);
+    PairInformationOptions options;
+    options.search.max_distance = 5.0 * exact.spacing();
+    options.patch = 8.0 * exact.spacing();
+    std::vector<PairInformation> all;
+    PatchPulls pulls(views.size());
+    for (const auto& pair : pairs_of(exact)) {
+      const auto samples = in_grid_order(surfaces[pair.a], 0);
+      all.push_back(pair_information(surfaces[pair.a], surfaces[pair.b],
+                                     views[pair.a].world_from_view, views[pair.b].world_from_view,
+                                     samples, options));
+      all.back().source = pair.a;
+      all.back().target = pair.b;
+      pulls.add(all.back());
+    }
+    return PoseNetwork(pointers_to(surfaces), all, first_held(views.size()),
+                       Eigen::Vector3d::Zero())
+        .growth(pulls);
+  };
+  EXPECT_LT(growth(white.truth), 1.3);
+  EXPECT_GT(growth(smooth), 2.0);
+}
+
+TEST(DenseRefinement, FindsExactPosesOfExactViews) {
+  const Ring ring(1, 0.0);
+  auto poses =
+      poses_of(perturbed(ring.truth, Eigen::Vector3d::Zero(), 0.005, 0.3 * ring.spacing()));
+  refine_densely(pointers_to(ring.surfaces), pairs_of(ring), first_held(poses.size()),
+                 options_for(ring), poses);
+  for (const double error : mean_displacements(ring.truth, poses, poses_of(ring.truth)))
+    EXPECT_LT(error, 0.005 * ring.spacing());
+}
+
+TEST(DenseRefinement, DoesNotDependOnTheThreadCountNorTheHeldView) {
+  const Ring ring(2);
+  const auto start =
+      poses_of(perturbed(ring.truth, Eigen::Vector3d::Zero(), 0.005, 0.3 * ring.spacing()));
+  auto options = options_for(ring);
+  options.tolerance = 1e-5 * ring.spacing();
+  options.max_iterations = 30;
+  const auto refine = [&](std::size_t held, int threads) {
+    auto poses = start;
+    std::vector<bool> is_held(poses.size(), false);
+    is_held[held] = true;
+    options.threads = threads;
+    refine_densely(pointers_to(ring.surfaces), pairs_of(ring), is_held, options, poses);
+    return poses;
+  };
+  const auto one = refine(0, 1), two = refine(0, 2), other = refine(4, 2);
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(one[i].matrix() == two[i].matrix());
+  for (const double difference : mean_displacements(ring.truth, one, other))
+    EXPECT_LT(difference, 1e-3 * ring.spacing());
+}
+
+TEST(DenseRefinement, LeavesHeldViewsWithoutVariance) {
+  const Ring ring(3);
+  auto poses = poses_of(ring.truth);
+  const auto refined = refine_densely(pointers_to(ring.surfaces), pairs_of(ring),
+                                      first_held(poses.size()), options_for(ring), poses);
+  EXPECT_TRUE(poses[0].matrix() == ring.truth[0].world_from_view.matrix());
+  EXPECT_TRUE(refined.covariance.topRows<6>().isZero());
+  EXPECT_TRUE(refined.covariance.leftCols<6>().isZero());
+  EXPECT_TRUE(refined.covariance.isApprox(refined.covariance.transpose()));
+  const auto free = refined.covariance.rows() - 6;
+  EXPECT_GT(refined.covariance.bottomRightCorner(free, free).ldlt().vectorD().minCoeff(), 0.0);
+}
+
+// The squared error whitened by the whole reported covariance, per degree of freedom.
+double whitened_error(std::uint32_t seed) {
+  const Ring ring(seed);
+  const auto start =
+      poses_of(perturbed(ring.truth, Eigen::Vector3d::Zero(), 0.01, ring.spacing(), seed));
+  std::vector<ViewRole> roles(start.size(), ViewRole::kFree);
+  roles[0] = ViewRole::kFixed;
+  const auto refined = refine_jointly(ring.surfaces, start, roles);
+  const auto free = static_cast<Eigen::Index>(6 * (start.size() - 1));
+  Eigen::VectorXd error(free);
+  for (std::size_t i = 1; i < start.size(); ++i) {
+    const RigidMotion &estimate = refined->world_from_view[i],
+                      &truth = ring.truth[i].world_from_view;
+    const Eigen::AngleAxisd turn(estimate.linear() * truth.linear().transpose());
+    const Eigen::Vector3d c = ring.surfaces[i].centre();
+    error.segment<6>(static_cast<Eigen::Index>(6 * (i - 1))) << turn.angle() * turn.axis(),
+        estimate * c - truth * c;
+  }
+  const Eigen::MatrixXd covariance = refined->pose_covariance.bottomRightCorner(free, free);
+  return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(free);
+}
+
+// A sample of what relief_pose_accuracy measures over a hundred runs.
+TEST(DenseRefinement, ReportsTheCovarianceThatErrorsHave) {
+  constexpr int kRuns = 4;
+  double sum = 0.0;
+  for (std::uint32_t seed = 1; seed <= kRuns; ++seed) sum += whitened_error(10 * seed);
+  EXPECT_GT(sum / kRuns, 0.5);
+  EXPECT_LT(sum / kRuns, 1.8);
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,181 @@
+#include "registration/surface/view_surface.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "tests/registration/bumpy_object.h"
+
+namespace relief {
+namespace {
+
+const Camera kCamera = Camera::pinhole(80, 60, {100, 100, 39.5, 29.5});
+
+TEST(ViewSurface, InterpolatesAPlaneExactly) {
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.2, -1).normalized();
+  const RangeView view = testing::render(testing::plane({0, 0, 10}, normal), kCamera);
+  const ViewSurface surface(view);
+  const auto found = surface.at({31.3, 22.8});
+  ASSERT_TRUE(found.has_value());
+  // The range is interpolated, whose inverse is what is linear on a plane.
+  EXPECT_NEAR((found->point - Eigen::Vector3d(0, 0, 10)).dot(normal), 0.0, 1e-4);
+  EXPECT_NEAR(found->normal.dot(normal), 1.0, 1e-6);
+}
+
+TEST(ViewSurface, BendsBetweenSamplesAsTheSurfaceDoes) {
+  constexpr double kRadius = 1.0;  // Ten samples: the chord's sag is 1/800 of it.
+  const Eigen::Vector3d centre(0, 0, 10);
+  const RangeView view = testing::render(testing::sphere(centre, kRadius), kCamera);
+  const ViewSurface surface(view);
+  for (const auto& pixel : {Eigen::Vector2d(39.0, 29.0), Eigen::Vector2d(36.5, 31.5)}) {
+    const auto found = surface.at(pixel);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_NEAR((found->point - centre).norm(), kRadius, 2e-4);
+    const auto sample = surface.nearest(pixel);
+    EXPECT_LE((sample->pixel - pixel).lpNorm<Eigen::Infinity>(), 0.5);
+    EXPECT_NEAR((sample->point - centre).norm(), kRadius, 1e-6);
+  }
+}
+
+TEST(ViewSurface, EndsBeforeBoundariesAndTheGridsBorder) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  for (int v = 0; v < 60; ++v) view.range(40, v) = kNoSample;
+  const ViewSurface surface(view, {.boundary_margin = 2});
+  EXPECT_FALSE(surface.at({38.5, 30.0}).has_value());
+  EXPECT_TRUE(surface.at({35.5, 30.0}).has_value());
+  EXPECT_FALSE(surface.at({0.5, 30.0}).has_value());
+  EXPECT_FALSE(surface.at({-5.0, 30.0}).has_value());
+  EXPECT_FALSE(surface.at({1e9, 30.0}).has_value());
+}
+
+TEST(ViewSurface, GoesFartherWhenAskedForTheWhole) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  for (int v = 0; v < 60; ++v) view.range(40, v) = kNoSample;
+  const ViewSurface surface(view, {.boundary_margin = 3, .final_margin = 1});
+  EXPECT_TRUE(surface.at({37.5, 30.0}, SurfacePart::kWhole).has_value());
+  EXPECT_TRUE(surface.nearest({37.4, 30.0}, SurfacePart::kWhole).has_value());
+  EXPECT_FALSE(surface.at({37.5, 30.0}).has_value());
+  EXPECT_FALSE(surface.nearest({37.4, 30.0}).has_value());
+  EXPECT_FALSE(surface.at({38.5, 30.0}, SurfacePart::kWhole).has_value());
+  // Pixels 1 to 38 and 42 to 78 of rows 1 to 58, of which those off boundaries by three are inner.
+  EXPECT_EQ(surface.samples().size(), (34u + 33u) * 54u);
+  EXPECT_EQ(surface.edge_samples().size(), (38u + 37u) * 58u - (34u + 33u) * 54u);
+  for (const std::uint32_t i : surface.edge_samples()) {
+    const int u = static_cast<int>(i % 80), v = static_cast<int>(i / 80);
+    EXPECT_NEAR((surface.sample(i).point - view.point(u, v)).norm(), 0.0, 1e-12);
+  }
+}
+
+TEST(PackedNormals, KeepNormalsToTheirPrecisionWhereTheyAre) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  Grid<Eigen::Vector3f> normals(7, 6, Eigen::Vector3f::Constant(nan));
+  EXPECT_FALSE(PackedNormals(normals).holds(3, 3, 3, 3));
+  normals(2, 1) = Eigen::Vector3f(0.6f, 0.0f, -0.8f);
+  normals(4, 3) = Eigen::Vector3f(1.0f, -2.0f, -3.0f).normalized();
+  const PackedNormals packed(normals);
+  EXPECT_TRUE(packed.holds(2, 1, 4, 3));
+  EXPECT_FALSE(packed.holds(1, 1, 4, 3));
+  EXPECT_FALSE(packed.holds(2, 1, 5, 3));
+  EXPECT_FALSE(packed.holds(2, 0, 4, 3));
+  EXPECT_FALSE(packed.holds(2, 1, 4, 4));
+  for (int v = 1; v <= 3; ++v) {
+    for (int u = 2; u <= 4; ++u) {
+      ASSERT_EQ(packed(u, v).exists(), normals(u, v).allFinite());
+      if (!packed(u, v).exists()) continue;
+      const Eigen::Vector3d unit = packed(u, v).scaled() / PackedNormal::kUnit;
+      EXPECT_LT((unit - normals(u, v).cast<double>()).norm(), 3e-5);
+    }
+  }
+}
+
+TEST(ViewSurface, DropsSamplesWithoutConfidence) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  view.confidence = Grid<float>(80, 60, 1.0f);
+  view.confidence(20, 20) = 0.0f;
+  const ViewSurface surface(view);
+  EXPECT_FALSE(surface.at({19.5, 19.5}).has_value());
+  EXPECT_TRUE(surface.at({22.5, 19.5}).has_value());
+}
+
+TEST(ViewSurface, TrustsSamplesByTheInverseOfTheirVariance) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  view.confidence = Grid<float>(80, 60, 0.5f);
+  view.confidence(60, 20) = 0.0f;
+  view.deviation = Grid<float>(80, 60, 0.01f);
+  view.deviation(20, 20) = 0.02f;
+  view.deviation(40, 20) = static_cast<float>(kNoSample);
+  testing::add_range_noise(view, 0.01, 1);
+  const ViewSurface surface(view);
+  EXPECT_FLOAT_EQ(surface.at({30.0, 20.0})->confidence, 1.0);
+  EXPECT_FLOAT_EQ(surface.at({20.0, 20.0})->confidence, 0.25);
+  EXPECT_FLOAT_EQ(surface.at({40.0, 20.0})->confidence, 0.5);
+  EXPECT_FALSE(surface.at({60.0, 20.0}).has_value());
+}
+
+// As refining leaves it: a smooth surface, of which no place is known well.
+TEST(ViewSurface, DoesNotWeighByDeviationsOfErrorsThatNeighboursShare) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  view.deviation = Grid<float>(80, 60, 0.03f);
+  view.deviation(20, 20) = 0.06f;
+  testing::add_range_noise(view, 0.01, 1);
+  EXPECT_DOUBLE_EQ(ViewSurface(view).at({20.0, 20.0})->confidence, 1.0);
+}
+
+TEST(ViewSurface, MeasuresTheNoiseOfAView) {
+  for (const double sigma : {0.005, 0.03}) {  // Spacings are 0.06 to 0.1.
+    RangeView view = testing::render(testing::sphere({0, 0, 10}, 4.0), kCamera);
+    testing::add_range_noise(view, sigma, 1);
+    // Along the normal, so a little less than along the ray.
+    const ViewSurface surface(view);
+    EXPECT_LT(surface.noise(), 1.1 * sigma);
+    EXPECT_GT(surface.noise(), 0.6 * sigma);
+  }
+}
+
+TEST(ViewSurface, EveryPrefixOfTheSamplesCoversTheSurface) {
+  const RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  const ViewSurface surface(view);
+  int quadrants[4] = {};
+  for (std::size_t i = 0; i < 400; ++i) {
+    const Eigen::Vector3d p = surface.sample(surface.samples()[i]).point;
+    ++quadrants[(p.x() > 0) + 2 * (p.y() > 0)];
+  }
+  for (const int count : quadrants) EXPECT_NEAR(count, 100, 35);
+}
+
+TEST(ViewSurface, ClosestPointsAgreeWithTheProjectedOnes) {
+  testing::RingOptions ring;
+  ring.views = 1;
+  ring.noise = 0.0;
+  const RangeView view = testing::ring_of_views(ring).front();
+  const ViewSurface surface(view, {.neighbour_index = true});
+  Eigen::Matrix3Xd queries(3, 200);
+  for (int i = 0; i < 200; ++i) {
+    const SurfacePoint s = surface.sample(surface.samples()[static_cast<std::size_t>(i)]);
+    queries.col(i) = s.point + 0.2 * surface.spacing() * s.normal;
+  }
+  const auto pixels = surface.closest(queries);
+  int compared = 0;
+  for (int i = 0; i < 200; ++i) {
+    const auto closest = surface.at(pixels[static_cast<std::size_t>(i)]);
+    const auto seen = surface.at(*surface.project(queries.col(i)));
+    if (!closest || !seen) continue;
+    ++compared;
+    const double by_closest = closest->normal.dot(queries.col(i) - closest->point);
+    const double by_projection = seen->normal.dot(queries.col(i) - seen->point);
+    EXPECT_NEAR(by_closest, by_projection, 0.05 * surface.spacing());
+  }
+  EXPECT_GT(compared, 150);
+}
+
+TEST(ViewSurface, OfAnEmptyViewHasNoSamples) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
+  std::fill(view.range.begin(), view.range.end(), kNoSample);
+  const ViewSurface surface(view, {.neighbour_index = true});
+  EXPECT_TRUE(surface.samples().empty());
+  EXPECT_FALSE(surface.at({30.5, 30.5}).has_value());
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,92 @@
+#include "registration/verification/pose_verification.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/registration/bumpy_object.h"
+
+namespace relief {
+namespace {
+
+class PoseVerificationTest : public ::testing::Test {
+ protected:
+  static const std::vector<RangeView>& views() {
+    static const auto ring = testing::ring_of_views({.pixels = 112});
+    return ring;
+  }
+
+  static std::vector<ViewSurface> surfaces_of(const std::vector<RangeView>& of) {
+    std::vector<ViewSurface> surfaces;
+    for (const RangeView& view : of) surfaces.emplace_back(view);
+    return surfaces;
+  }
+
+  static PoseVerification verify(const std::vector<RangeView>& of,
+                                 const std::vector<RigidMotion>& poses, int threads = 0) {
+    PoseVerificationOptions options;
+    options.threads = threads;
+    return verify_poses(surfaces_of(of), poses, std::vector<ViewRole>(of.size(), ViewRole::kFree),
+                        options);
+  }
+};
+
+TEST_F(PoseVerificationTest, TruePosesConfirmEachOther) {
+  const auto verified = verify(views(), testing::poses_of(views()));
+  for (std::size_t i = 0; i < views().size(); ++i) {
+    EXPECT_EQ(verified.group[i], 0u);
+    EXPECT_FALSE(verified.views[i].refuted);
+    EXPECT_EQ(verified.views[i].violation, 0.0);
+    EXPECT_GT(verified.views[i].support, 0.3);
+  }
+}
+
+TEST_F(PoseVerificationTest, TheOneWrongViewIsRefutedAndNoOther) {
+  for (const std::size_t wrong : {0u, 3u, 7u}) {
+    auto poses = testing::poses_of(views());
+    poses[wrong] = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()) * poses[wrong];
+    const auto verified = verify(views(), poses);
+    for (std::size_t i = 0; i < views().size(); ++i)
+      EXPECT_EQ(verified.views[i].refuted, i == wrong) << wrong << ", " << i;
+    EXPECT_EQ(verified.group[wrong], wrong);
+  }
+}
+
+TEST_F(PoseVerificationTest, FixedViewsAreNeverRefuted) {
+  auto poses = testing::poses_of(views());
+  poses[2] = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()) * poses[2];
+  std::vector<ViewRole> roles(views().size(), ViewRole::kFree);
+  roles[2] = ViewRole::kFixed;
+  EXPECT_FALSE(verify_poses(surfaces_of(views()), poses, roles).views[2].refuted);
+}
+
+// A laser and a camera lose what either does not see: at right poses half of what one view faces
+// may be missing in the other.
+TEST_F(PoseVerificationTest, MissingSamplesRefuteNothing) {
+  auto shadowed = views();
+  for (std::size_t i = 0; i < shadowed.size(); i += 2)
+    for (int v = 0; v < shadowed[i].height(); ++v)
+      for (int u = 0; u < shadowed[i].width() / 2; ++u) shadowed[i].range(u, v) = kNoSample;
+  const auto verified = verify(shadowed, testing::poses_of(views()));
+  for (std::size_t i = 0; i < shadowed.size(); ++i) {
+    EXPECT_FALSE(verified.views[i].refuted);
+    EXPECT_EQ(verified.group[i], 0u);
+  }
+}
+
+TEST_F(PoseVerificationTest, ViewsThatMeetNothingAreNeitherConfirmedNorRefuted) {
+  auto poses = testing::poses_of(views());
+  poses[5] = Eigen::Translation3d(1e4, 0, 0) * poses[5];
+  const auto verified = verify(views(), poses);
+  EXPECT_FALSE(verified.views[5].refuted);
+  EXPECT_FALSE(verified.views[5].overlaps);
+  EXPECT_EQ(verified.group[5], 5u);
+}
+
+TEST_F(PoseVerificationTest, DoesNotDependOnTheThreadCount) {
+  const auto poses = testing::poses_of(views());
+  const auto one = verify(views(), poses, 1), three = verify(views(), poses, 3);
+  for (std::size_t i = 0; i < views().size(); ++i)
+    EXPECT_EQ(one.views[i].support, three.views[i].support);
+}
+
+}  // namespace
+}  // namespace relief

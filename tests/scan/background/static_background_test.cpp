@@ -1,0 +1,243 @@
+#include "relief/scan/static_background.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/synthetic_views.h"
+
+namespace relief {
+namespace {
+
+using testing::look_at;
+using testing::plane;
+using testing::render;
+using testing::sphere;
+using testing::Surface;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+const Camera kCamera = Camera::pinhole(160, 120, {200, 200, 79.5, 59.5});
+constexpr double kNoise = 0.1;  // About a third of the sample spacing.
+
+Surface nearest_of(std::vector<Surface> parts) {
+  return [=](const Ray& ray) {
+    std::optional<testing::SurfaceHit> nearest;
+    for (const Surface& part : parts) {
+      const auto hit = part(ray);
+      if (hit && hit->t > 0.0 && (!nearest || hit->t < nearest->t)) nearest = hit;
+    }
+    return nearest;
+  };
+}
+
+// A vertical cylinder round the z axis between two heights.
+Surface cylinder(double radius, double low, double high) {
+  return [=](const Ray& ray) -> std::optional<testing::SurfaceHit> {
+    const Eigen::Vector2d o = ray.origin.head<2>(), d = ray.direction.head<2>();
+    const double a = d.squaredNorm(), b = o.dot(d), c = o.squaredNorm() - radius * radius;
+    const double discriminant = b * b - a * c;
+    if (discriminant < 0.0) return std::nullopt;
+    const double t = (-b - std::sqrt(discriminant)) / a;
+    const Eigen::Vector3d point = ray.at(t);
+    if (point.z() < low || point.z() > high) return std::nullopt;
+    return testing::SurfaceHit{t, {point.x() / radius, point.y() / radius, 0.0}};
+  };
+}
+
+// Three spheres of different size: no symmetry.
+Surface figure() {
+  return nearest_of({sphere({4, 0, 2}, 9), sphere({-6, 5, -5}, 6), sphere({-2, -9, 6}, 5)});
+}
+
+struct Scans {
+  std::vector<RangeView> views;
+  std::vector<Grid<std::uint8_t>> truth;  // 1: background.
+};
+
+// `object` turned before a camera; `behind`, if any, is fixed in the camera's frame.
+Scans turn(const Surface& object, const std::optional<Surface>& behind, int count = 12,
+           double height = 15.0) {
+  Scans scans;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / count;
+    const RigidMotion pose =
+        look_at({80 * std::cos(angle), 80 * std::sin(angle), height}, {0, 0, 0});
+    RangeView view = render(object, kCamera, pose);
+    Grid<std::uint8_t> background(view.width(), view.height(), 0);
+    if (behind) {
+      const RangeView plate = render(*behind, kCamera);
+      for (std::size_t k = 0; k < view.range.size(); ++k) {
+        if (!(plate.range[k] > 0.0) || plate.range[k] >= view.range[k]) continue;
+        view.range[k] = plate.range[k];
+        view.normals[k] = plate.normals[k];
+        background[k] = 1;
+      }
+    }
+    testing::add_range_noise(view, kNoise, static_cast<std::uint32_t>(i + 1));
+    view.name = "v" + std::to_string(i);
+    scans.views.push_back(std::move(view));
+    scans.truth.push_back(std::move(background));
+  }
+  return scans;
+}
+
+// As poses are that were found by eye.
+void disturb_poses(std::vector<RangeView>& views) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double phase = static_cast<double>(i);
+    const Eigen::Vector3d axis(std::cos(2.3 * phase), std::sin(1.7 * phase), std::cos(phase));
+    views[i].world_from_view = Eigen::Translation3d(0.5 * axis) *
+                               Eigen::AngleAxisd(3.0 * kDegree, axis.normalized()) *
+                               views[i].world_from_view;
+  }
+}
+
+void drop_poses(std::vector<RangeView>& views) {
+  for (RangeView& view : views) {
+    view.world_from_view = RigidMotion::Identity();
+    view.pose = PoseKind::kAbsent;
+  }
+}
+
+struct Mistakes {
+  std::size_t missed = 0, wrong = 0, far = 0, truth = 0;  // far: not beside an outline.
+};
+
+Mistakes mistakes(const Scans& scans, const StaticBackground& found) {
+  Mistakes total;
+  for (std::size_t i = 0; i < scans.views.size(); ++i) {
+    const Grid<std::uint8_t>& truth = scans.truth[i];
+    for (int v = 0; v < truth.height(); ++v) {
+      for (int u = 0; u < truth.width(); ++u) {
+        if (!scans.views[i].has_sample(u, v)) continue;
+        const int is = found.masks[i].empty() ? 0 : found.masks[i](u, v);
+        total.truth += truth(u, v);
+        if (is == truth(u, v)) continue;
+        ++(is ? total.wrong : total.missed);
+        bool outline = false;
+        for (int dv = -1; dv <= 1; ++dv)
+          for (int du = -1; du <= 1; ++du)
+            outline =
+                outline || (truth.contains(u + du, v + dv) && truth(u + du, v + dv) != truth(u, v));
+        total.far += outline ? 0 : 1;
+      }
+    }
+  }
+  return total;
+}
+
+const Surface kPlate = plane({0, 0, 115}, {0.2, 0.1, -1});
+
+TEST(StaticBackground, APlateBehindATurningObjectIsFoundToThePixel) {
+  for (const bool with_poses : {true, false}) {
+    Scans scans = turn(figure(), kPlate);
+    if (with_poses)
+      disturb_poses(scans.views);
+    else
+      drop_poses(scans.views);
+    const StaticBackground found = find_static_background(scans.views);
+    const Mistakes errors = mistakes(scans, found);
+    ASSERT_GT(errors.truth, 100000u);
+    EXPECT_EQ(found.views, 12u) << with_poses;
+    EXPECT_EQ(errors.wrong, 0u) << with_poses;
+    EXPECT_EQ(errors.far, 0u) << with_poses;
+    EXPECT_LT(errors.missed, errors.truth / 2000) << with_poses;
+    EXPECT_EQ(found.undecided, 0u);
+  }
+}
+
+// Two views of twelve look through the middle of the ring.
+TEST(StaticBackground, APlateSeenThroughAGapOfTheObjectIsFound) {
+  const Surface ring = nearest_of({sphere({0, 8, 8}, 8.5), sphere({0, -8, 8}, 8.5),
+                                   sphere({0, 8, -8}, 8.5), sphere({0, -8, -8}, 8.5)});
+  const Scans scans = turn(ring, kPlate, 12, 0.0);
+  ASSERT_EQ(scans.truth[0](79, 59), 1);
+  const Mistakes errors = mistakes(scans, find_static_background(scans.views));
+  EXPECT_EQ(errors.wrong, 0u);
+  EXPECT_EQ(errors.far, 0u);
+}
+
+TEST(StaticBackground, RemovingItLeavesTheObject) {
+  Scans scans = turn(figure(), kPlate);
+  const StaticBackground found = find_static_background(scans.views);
+  const std::size_t before = scans.views[3].sample_count();
+  remove_background(found, scans.views);
+  std::size_t removed = 0;
+  for (const std::uint8_t marked : found.masks[3]) removed += marked;
+  EXPECT_EQ(scans.views[3].sample_count(), before - removed);
+  for (std::size_t i = 0; i < found.masks[3].size(); ++i)
+    EXPECT_FALSE(found.masks[3][i] && scans.views[3].normals[i].allFinite());
+  EXPECT_THAT(describe(found, true).at(0), ::testing::HasSubstr("of 12 views stand still"));
+  EXPECT_THAT(describe(found, true).at(0), ::testing::HasSubstr("--background keep"));
+}
+
+TEST(StaticBackground, NothingIsFoundWhereThereIsNone) {
+  for (const bool with_poses : {true, false}) {
+    Scans scans = turn(figure(), std::nullopt);
+    if (!with_poses) drop_poses(scans.views);
+    const StaticBackground found = find_static_background(scans.views);
+    EXPECT_EQ(found.samples, 0u);
+    EXPECT_TRUE(describe(found, true).empty());
+  }
+}
+
+// The body looks the same from all sides; only its handle moves.
+TEST(StaticBackground, ASymmetricBodyOfAnObjectIsKept) {
+  const Surface cup = nearest_of({cylinder(12, -10, 10), sphere({13, 0, 0}, 5)});
+  for (const bool with_poses : {true, false}) {
+    Scans scans = turn(cup, std::nullopt, 12, 0.0);
+    if (with_poses)
+      disturb_poses(scans.views);
+    else
+      drop_poses(scans.views);
+    EXPECT_EQ(find_static_background(scans.views).samples, 0u) << with_poses;
+  }
+}
+
+TEST(StaticBackground, ASymmetricFootIsKeptWhenThePlateBehindItIsLeftOut) {
+  const Surface statue = nearest_of({figure(), cylinder(11, -20, -9)});
+  for (const bool with_poses : {true, false}) {
+    Scans scans = turn(statue, kPlate, 12, 0.0);
+    if (!with_poses) drop_poses(scans.views);
+    const Mistakes errors = mistakes(scans, find_static_background(scans.views));
+    EXPECT_EQ(errors.wrong, 0u) << with_poses;
+    EXPECT_EQ(errors.far, 0u) << with_poses;
+  }
+}
+
+// A camera that moves along a wall sees it at the same ranges; the poses say that it is the scene.
+TEST(StaticBackground, AWallThatTheCameraMovesAlongIsKept) {
+  const Surface room = nearest_of({plane({0, 0, 115}, {0, 0, -1}), sphere({0, 0, 90}, 10)});
+  std::vector<RangeView> views;
+  for (int i = 0; i < 6; ++i) {
+    RigidMotion pose = RigidMotion::Identity();
+    pose.translation().x() = 5.0 * i - 12.0;
+    RangeView view = render(room, kCamera, pose);
+    testing::add_range_noise(view, kNoise, static_cast<std::uint32_t>(i + 1));
+    views.push_back(view);
+  }
+  EXPECT_EQ(find_static_background(views).samples, 0u);
+}
+
+TEST(StaticBackground, ObjectsThatDoNotMoveAreKept) {
+  Scans scans = turn(figure(), kPlate, 1);
+  std::vector<RangeView> views(5, scans.views.front());
+  for (std::size_t i = 0; i < views.size(); ++i)
+    testing::add_range_noise(views[i], kNoise, static_cast<std::uint32_t>(20 + i));
+  EXPECT_EQ(find_static_background(views).samples, 0u);
+}
+
+TEST(StaticBackground, ThreadsMakeNoDifference) {
+  const Scans scans = turn(figure(), kPlate, 6);
+  const StaticBackground one = find_static_background(scans.views, 1);
+  const StaticBackground three = find_static_background(scans.views, 3);
+  EXPECT_EQ(one.samples, three.samples);
+  for (std::size_t i = 0; i < one.masks.size(); ++i)
+    EXPECT_TRUE(std::equal(one.masks[i].begin(), one.masks[i].end(), three.masks[i].begin()));
+}
+
+}  // namespace
+}  // namespace relief

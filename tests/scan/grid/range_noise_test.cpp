@@ -1,0 +1,201 @@
+#include "relief/scan/range_noise.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/synthetic_views.h"
+
+namespace relief {
+namespace {
+
+constexpr int kSide = 256;
+
+// Sample spacing about 1.
+const Camera kPinhole = Camera::pinhole(kSide, kSide, {400.0, 400.0, 127.5, 127.5});
+
+RangeView tilted_plane() {
+  return testing::render(testing::plane({0, 0, 400}, {0.23, 0.11, 1}), kPinhole);
+}
+RangeView ball() { return testing::render(testing::sphere({0, 0, 400}, 110.0), kPinhole); }
+
+void round_ranges(RangeView& view, double step) {
+  for (double& t : view.range) t = step * std::round(t / step);
+}
+
+void round_inverse_ranges(RangeView& view, double step) {
+  for (double& t : view.range) t = 1.0 / (step * std::round(1.0 / (t * step)));
+}
+
+void lose_samples(RangeView& view, double part, std::uint32_t seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> chance(0.0, 1.0);
+  for (double& t : view.range)
+    if (chance(generator) < part) t = kNoSample;
+}
+
+void through_single_precision(RangeView& view) {
+  for (double& t : view.range) t = static_cast<double>(static_cast<float>(t));
+}
+
+TEST(RangeQuantisation, FindsStepsOfTheRange) {
+  for (const double step : {0.05, 0.5, 2.0, 4.0}) {
+    for (RangeView view : {tilted_plane(), ball()}) {
+      testing::add_range_noise(view, 0.3, 5);
+      round_ranges(view, step);
+      through_single_precision(view);
+      const RangeQuantisation found = find_quantisation(view);
+      EXPECT_NEAR(found.step, step, 1e-3 * step);
+      EXPECT_EQ(found.inverse_step, 0.0) << step;
+    }
+  }
+}
+
+TEST(RangeQuantisation, FindsStepsOfTheInverseRange) {
+  // Of 0.5, 2 and 4 units at a range of 400, written in steps of 0.1 or not at all.
+  for (const double at_400 : {0.5, 2.0, 4.0}) {
+    for (const double written : {0.0, 0.1}) {
+      RangeView view = tilted_plane();
+      testing::add_range_noise(view, 0.3, 5);
+      const double step = at_400 / (400.0 * 400.0);
+      round_inverse_ranges(view, step);
+      if (written > 0.0) round_ranges(view, written);
+      through_single_precision(view);
+      const RangeQuantisation found = find_quantisation(view);
+      // Closer steps are not told from rounding.
+      if (at_400 < 10.0 * written) continue;
+      EXPECT_NEAR(found.inverse_step, step, 0.01 * step) << at_400 << " " << written;
+      EXPECT_NEAR(found.step_at(400.0, 1.0), at_400, 0.02 * at_400);
+    }
+  }
+}
+
+TEST(RangeQuantisation, FindsStepsWhereSamplesAreMissingOrFly) {
+  RangeView view = ball();
+  testing::add_range_noise(view, 0.3, 5);
+  round_ranges(view, 2.0);
+  lose_samples(view, 0.15, 3);
+  for (std::size_t i = 0; i < view.range.size(); i += 50) view.range[i] += 19.7;
+  EXPECT_NEAR(find_quantisation(view).step, 2.0, 2e-3);
+}
+
+TEST(RangeQuantisation, FindsNoneInPlainMeasurements) {
+  for (const double noise : {0.0, 1e-4, 0.3, 3.0}) {
+    for (RangeView view : {tilted_plane(), ball()}) {
+      testing::add_range_noise(view, noise, 5);
+      EXPECT_FALSE(find_quantisation(view).exists()) << noise;
+      through_single_precision(view);
+      EXPECT_FALSE(find_quantisation(view).exists()) << noise;
+    }
+  }
+}
+
+TEST(RangeQuantisation, FindsNoneOnExactPlanes) {
+  const Camera camera = Camera::orthographic(60, 50, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
+  for (const double slope : {0.0, 1.0, 12.0})
+    EXPECT_FALSE(
+        find_quantisation(testing::render(testing::plane({0, 0, 100}, {slope, 0, 1}), camera))
+            .exists())
+        << slope;
+}
+
+TEST(RangeNoise, IsThatOfTheSamples) {
+  for (const double sigma : {0.05, 0.3, 1.0, 3.0, 8.0}) {
+    for (RangeView view : {tilted_plane(), ball()}) {
+      testing::add_range_noise(view, sigma, 5);
+      const RangeNoise noise = estimate_range_noise(view);
+      EXPECT_NEAR(noise.sigma, sigma, 0.05 * sigma);
+    }
+  }
+}
+
+TEST(RangeNoise, IsTheSameEverywhereWhereTheSamplesAre) {
+  for (const double sigma : {0.1, 1.0}) {
+    RangeView view = tilted_plane();
+    testing::add_range_noise(view, sigma, 5);
+    EXPECT_TRUE(estimate_range_noise(view).map.empty()) << sigma;
+  }
+}
+
+TEST(RangeNoise, IsNeverBelowWhatRoundingLeaves) {
+  for (const double step : {0.5, 2.0, 4.0}) {
+    RangeView view = tilted_plane();
+    testing::add_range_noise(view, 0.02, 5);
+    round_ranges(view, step);
+    const RangeNoise noise = estimate_range_noise(view);
+    for (int v = 0; v < kSide; v += 5)
+      for (int u = 0; u < kSide; u += 5)
+        EXPECT_GE(noise.sigma_at(u, v), 0.999 * step / std::sqrt(12.0));
+    EXPECT_LE(noise.sigma, 0.6 * step);
+  }
+}
+
+TEST(RangeNoise, IsMappedWhereItChanges) {
+  RangeView quiet = ball(), loud = ball();
+  testing::add_range_noise(quiet, 0.1, 5);
+  testing::add_range_noise(loud, 0.5, 6);
+  RangeView view = quiet;
+  for (int v = 0; v < kSide; ++v)
+    for (int u = 0; u < kSide / 2; ++u) view.range(u, v) = loud.range(u, v);
+  const RangeNoise noise = estimate_range_noise(view);
+  ASSERT_FALSE(noise.map.empty());
+  for (int v = 64; v < kSide - 64; v += 8) {
+    EXPECT_NEAR(noise.sigma_at(kSide / 2 - 24, v), 0.5, 0.2);
+    EXPECT_NEAR(noise.sigma_at(kSide / 2 + 24, v), 0.1, 0.04);
+  }
+  EXPECT_NE(describe(noise, view, "mm").find("times larger at the left than at the right"),
+            std::string::npos)
+      << describe(noise, view, "mm");
+}
+
+TEST(RangeNoise, WithstandsMissingAndFlyingSamples) {
+  for (const double lost : {0.0, 0.15, 0.5}) {
+    RangeView view = ball();
+    testing::add_range_noise(view, 0.3, 5);
+    lose_samples(view, lost, 3);
+    for (std::size_t i = 0; i < view.range.size(); i += 50) view.range[i] += 20.0;
+    EXPECT_NEAR(estimate_range_noise(view).sigma, 0.3, 0.03) << lost;
+  }
+}
+
+TEST(RangeNoise, IsSeenWhereTheSensorInterpolatesAlongOneDirection) {
+  RangeView view = tilted_plane();
+  testing::add_range_noise(view, 0.3, 5);
+  for (int v = 0; v + 4 < kSide; v += 4)
+    for (int u = 0; u < kSide; ++u)
+      for (int k = 1; k < 4; ++k)
+        view.range(u, v + k) = std::lerp(view.range(u, v), view.range(u, v + 4), 0.25 * k);
+  const double sigma = estimate_range_noise(view).sigma;
+  EXPECT_GT(sigma, 0.1);
+  EXPECT_LT(sigma, 0.35);
+}
+
+TEST(RangeNoise, IsUnknownWithoutNeighbours) {
+  RangeView view = tilted_plane();
+  for (int v = 0; v < kSide; ++v)
+    for (int u = 0; u < kSide; ++u)
+      if (u % 2 || v % 2) view.range(u, v) = kNoSample;
+  EXPECT_FALSE(estimate_range_noise(view).known());
+  EXPECT_EQ(describe(estimate_range_noise(view), view, ""), "noise unknown");
+}
+
+TEST(RangeNoise, IsTheSameForAnyNumberOfThreads) {
+  RangeView view = ball();
+  testing::add_range_noise(view, 0.3, 5);
+  for (int v = 0; v < kSide; ++v) view.range(v, 100 + v / 4) += 1.0;
+  const RangeNoise one = estimate_range_noise(view, 1), four = estimate_range_noise(view, 4);
+  EXPECT_EQ(one.sigma, four.sigma);
+  EXPECT_TRUE(std::equal(one.map.begin(), one.map.end(), four.map.begin(), four.map.end()));
+}
+
+TEST(RangeNoise, NamesTheStep) {
+  RangeView view = tilted_plane();
+  testing::add_range_noise(view, 0.3, 5);
+  round_ranges(view, 1.0);
+  const std::string words = describe(estimate_range_noise(view), view, "mm");
+  EXPECT_EQ(words.find("range in steps of 1 mm; noise 0."), 0u) << words;
+}
+
+}  // namespace
+}  // namespace relief

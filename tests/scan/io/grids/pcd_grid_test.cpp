@@ -1,0 +1,146 @@
+#include <cstring>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scan/io/grids/grid_file.h"
+#include "tests/support/limited_memory.h"
+#include "tests/support/temporary_folder.h"
+
+namespace relief {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::LimitedMemory;
+using testing::TemporaryFolder;
+
+std::string header(const std::string& size, const std::string& data) {
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4\n"
+         "TYPE F F F F F F\nCOUNT 1 1 1 1 1 1\n" +
+         size + "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 6\nDATA " + data + "\n";
+}
+const std::string kSize = "WIDTH 3\nHEIGHT 2\n";
+const std::string kPoints =
+    "0 0 1 0 0 -1\n1 0 1 0 0 -1\nnan nan nan nan nan nan\n0 1 1 0 0 -1\n1 1 2 0 0 -1\n2 1 3 0 0 "
+    "-1\n";
+
+std::string binary_points() {
+  std::string bytes;
+  for (int i = 0; i < 36; ++i) {
+    const float value = static_cast<float>(i);
+    bytes.append(reinterpret_cast<const char*>(&value), 4);
+  }
+  return bytes;
+}
+
+TEST(PcdGrid, ReadsAsciiAndBinary) {
+  const TemporaryFolder folder;
+  const auto ascii = read_grid_file(folder.write("a.pcd", header(kSize, "ascii") + kPoints));
+  ASSERT_TRUE(ascii.ok()) << ascii.error().message;
+  EXPECT_EQ(ascii->points.width(), 3);
+  EXPECT_EQ(ascii->points(1, 1), Eigen::Vector3d(1, 1, 2));
+  EXPECT_FALSE(ascii->points(2, 0).allFinite());
+  EXPECT_EQ(ascii->normals(0, 0), Eigen::Vector3f(0, 0, -1));
+  const auto binary =
+      read_grid_file(folder.write("b.pcd", header(kSize, "binary") + binary_points()));
+  ASSERT_TRUE(binary.ok()) << binary.error().message;
+  EXPECT_EQ(binary->points(0, 1), Eigen::Vector3d(18, 19, 20));
+}
+
+TEST(PcdGrid, UnpacksColours) {
+  const TemporaryFolder folder;
+  for (const char* type : {"F", "U"}) {
+    std::string bytes;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const float xyz[] = {static_cast<float>(i % 2), static_cast<float>(i / 2), 1.0f};
+      const std::uint32_t packed = 0x0a141e + i;
+      bytes.append(reinterpret_cast<const char*>(xyz), 12);
+      bytes.append(reinterpret_cast<const char*>(&packed), 4);
+    }
+    const auto grid = read_grid_file(folder.write(
+        "a.pcd",
+        std::string("# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F ") +
+            type +
+            "\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA "
+            "binary\n" +
+            bytes));
+    ASSERT_TRUE(grid.ok()) << grid.error().message;
+    EXPECT_EQ(grid->colours(0, 0), (Colour{10, 20, 30})) << type;
+    EXPECT_EQ(grid->colours(1, 1), (Colour{10, 20, 33})) << type;
+  }
+}
+
+TEST(PcdGrid, RefusesWhatIsNoGrid) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& content) {
+    const auto read = read_grid_file(folder.write("a.pcd", content));
+    return read.ok() ? std::string("no error") : read.error().message;
+  };
+  EXPECT_THAT(error(header("WIDTH 6\nHEIGHT 1\n", "ascii") + kPoints), HasSubstr("not organized"));
+  EXPECT_THAT(error(header(kSize, "binary") + binary_points().substr(1)), HasSubstr("truncated"));
+  EXPECT_THAT(error(""), HasSubstr("a.pcd"));
+  EXPECT_FALSE(read_grid_file(folder / "missing.pcd").ok());
+}
+
+std::string large_header(const std::string& data) {
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\n"
+         "WIDTH 65536\nHEIGHT 65536\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4294967296\nDATA " +
+         data + "\n";
+}
+
+TEST(PcdGrid, AHeaderAloneTakesNoMemory) {
+  const TemporaryFolder folder;
+  const LimitedMemory limit(std::size_t{1} << 30);
+  for (const char* data : {"ascii", "binary", "binary_compressed"}) {
+    const auto read = read_grid_file(folder.write("a.pcd", large_header(data) + "0 0 1\n"));
+    ASSERT_FALSE(read.ok()) << data;
+    EXPECT_THAT(read.error().message, HasSubstr("a.pcd: truncated PCD: 4294967296 points")) << data;
+  }
+}
+
+TEST(PcdGrid, HoldsCompressedSizesAgainstTheFile) {
+  const TemporaryFolder folder;
+  const auto error = [&](std::uint32_t compressed, std::uint32_t whole) {
+    std::string bytes(8, '\0');
+    std::memcpy(bytes.data(), &compressed, 4);
+    std::memcpy(bytes.data() + 4, &whole, 4);
+    const auto read = read_grid_file(
+        folder.write("a.pcd", header(kSize, "binary_compressed") + bytes + std::string(40, 'x')));
+    return read.ok() ? std::string("no error") : read.error().message;
+  };
+  const LimitedMemory limit(std::size_t{1} << 30);
+  EXPECT_THAT(error(41, 144), HasSubstr("41 compressed bytes promised, 40 left"));
+  EXPECT_THAT(error(40, 4000000000u), HasSubstr("4000000000 bytes for 6 points of 24"));
+}
+
+TEST(PcdGrid, NamesTheLineOfABadHeader) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& size) {
+    const auto read = read_grid_file(folder.write("a.pcd", header(size, "ascii") + kPoints));
+    return read.ok() ? std::string("no error") : read.error().message;
+  };
+  EXPECT_THAT(error("WIDTH 3\nHEIGHT two\n"), HasSubstr("line 8 of the PCD header: 'two'"));
+  EXPECT_THAT(error("WIDTH 3\nWIDTH 3\nHEIGHT 2\n"), HasSubstr("a second line WIDTH"));
+  EXPECT_THAT(error("WIDTH 3\nHEIGHT 3\n"), HasSubstr("bad size"));
+}
+
+TEST(PcdGrid, DamagedFilesNeverCrash) {
+  const TemporaryFolder folder;
+  std::mt19937 random(3);
+  for (const bool ascii : {true, false}) {
+    const std::string content =
+        ascii ? header(kSize, "ascii") + kPoints : header(kSize, "binary") + binary_points();
+    for (std::size_t size = 0; size < content.size(); ++size)
+      (void)read_grid_file(folder.write("a.pcd", content.substr(0, size)));
+    for (int k = 0; k < 1500; ++k) {
+      std::string changed = content;
+      changed[random() % changed.size()] =
+          static_cast<char>(random() % 3 ? random() % 256 : '0' + random() % 10);
+      (void)read_grid_file(folder.write("a.pcd", changed));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,172 @@
+#include "relief/io/mesh_io.h"
+
+#include <cstring>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/meshes/coloured_mesh.h"
+#include "tests/support/temporary_folder.h"
+
+namespace relief {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+TriangleMesh tetrahedron(const Eigen::Vector3d& at = Eigen::Vector3d::Zero()) {
+  TriangleMesh mesh;
+  mesh.vertices = {at, at + Eigen::Vector3d(1.1, 0, 0), at + Eigen::Vector3d(0, 1.3, 0),
+                   at + Eigen::Vector3d(0, 0, 1.7)};
+  mesh.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  return mesh;
+}
+
+TriangleMesh with_attributes(TriangleMesh mesh) {
+  mesh.normals = vertex_normals(mesh);
+  mesh.quality = {0.5f, 1.5f, 2.5f, 3.5f};
+  mesh.views = {1, 2, 300, 0};
+  mesh.filled = {0, 1, 0, 1};
+  mesh.colours = {{1, 2, 3}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}};
+  return mesh;
+}
+
+double largest_distance(const TriangleMesh& a, const TriangleMesh& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.vertices.size(); ++i)
+    largest = std::max(largest, (a.vertices[i] - b.vertices[i]).norm());
+  return largest;
+}
+
+TEST(MeshIo, PlyKeepsEverything) {
+  const TemporaryFolder folder;
+  for (const double distance : {0.0, 1e6}) {
+    const TriangleMesh mesh = with_attributes(tetrahedron(Eigen::Vector3d::Constant(distance)));
+    ASSERT_TRUE(write_mesh(mesh, folder / "a.ply").ok());
+    const auto read = read_mesh(folder / "a.ply");
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_LT(largest_distance(mesh, *read), 2e-7);
+    EXPECT_EQ(read->faces, mesh.faces);
+    EXPECT_EQ(read->normals, mesh.normals);
+    EXPECT_EQ(read->quality, mesh.quality);
+    EXPECT_EQ(read->views, mesh.views);
+    EXPECT_EQ(read->filled, mesh.filled);
+    EXPECT_EQ(read->colours, mesh.colours);
+  }
+}
+
+TEST(MeshIo, ObjAndStlKeepTheSurface) {
+  const TemporaryFolder folder;
+  const TriangleMesh mesh = tetrahedron({5, 6, 7});
+  for (const char* name : {"a.obj", "a.stl"}) {
+    ASSERT_TRUE(write_mesh(mesh, folder / name).ok());
+    const auto read = read_mesh(folder / name);
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_EQ(read->vertices.size(), 4u) << "equal corners are joined";
+    EXPECT_EQ(read->faces.size(), 4u);
+    EXPECT_NEAR(enclosed_volume(*read), enclosed_volume(mesh), 1e-5);
+  }
+}
+
+TEST(MeshIo, ObjWritesNormals) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_mesh(with_attributes(tetrahedron()), folder / "a.obj").ok());
+  EXPECT_THAT(*read_file(folder / "a.obj"), HasSubstr("vn "));
+  EXPECT_TRUE(read_mesh(folder / "a.obj").ok());
+}
+
+TEST(MeshIo, GlbIsWellFormed) {
+  const TemporaryFolder folder;
+  const TriangleMesh mesh = with_attributes(tetrahedron(Eigen::Vector3d::Constant(1e6)));
+  ASSERT_TRUE(write_mesh(mesh, folder / "a.glb").ok());
+  const std::string bytes = *read_file(folder / "a.glb");
+  const auto word = [&](std::size_t at) {
+    std::uint32_t value;
+    std::memcpy(&value, bytes.data() + at, 4);
+    return value;
+  };
+  EXPECT_EQ(bytes.substr(0, 4), "glTF");
+  EXPECT_EQ(word(4), 2u);
+  EXPECT_EQ(word(8), bytes.size());
+  const std::size_t json_size = word(12);
+  const auto scene = nlohmann::json::parse(bytes.substr(20, json_size));
+  EXPECT_EQ(word(20 + json_size), scene["buffers"][0]["byteLength"].get<std::size_t>());
+  EXPECT_EQ(bytes.size(), 28 + json_size + word(20 + json_size));
+  EXPECT_EQ(scene["accessors"][0]["count"], 12);
+  EXPECT_EQ(scene["nodes"][0]["translation"][0], 1e6);
+}
+
+TEST(MeshIo, VtpHoldsTheAttributes) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_mesh(with_attributes(tetrahedron()), folder / "a.vtp").ok());
+  const std::string text = *read_file(folder / "a.vtp");
+  for (const char* name : {"normals", "quality", "views", "filled", "RGB", "NumberOfPolys=\"4\""})
+    EXPECT_THAT(text, HasSubstr(name));
+}
+
+TEST(MeshIo, PolygonsBecomeFans) {
+  const TemporaryFolder folder;
+  const auto read = read_mesh(folder.write(
+      "a.ply",
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float "
+      "z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n1 1 "
+      "0\n0.5 1.5 0\n0 1 0\n5 0 1 2 3 4\n"));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->faces.size(), 3u);
+  EXPECT_NEAR(surface_area(*read), 1.25, 1e-12);
+}
+
+TEST(MeshIo, ErrorsNameFileAndPlace) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& vertex, const std::string& face) {
+    const auto read = read_mesh(folder.write(
+        "a.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+        "float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n" +
+            vertex + "\n1 0 0\n1 1 0\n" + face + "\n"));
+    return read.ok() ? std::string("no error") : read.error().message;
+  };
+  EXPECT_THAT(error("0 0 0", "3 0 1 3"), HasSubstr("face 0: vertex index 3"));
+  EXPECT_THAT(error("0 0 0", "3 0 -1 2"), HasSubstr("vertex index -1"));
+  EXPECT_THAT(error("0 0 0", "2 0 1"), HasSubstr("2 corners"));
+  EXPECT_THAT(error("0 nan 0", "3 0 1 2"), HasSubstr("vertex 0"));
+  EXPECT_FALSE(read_mesh(folder / "missing.ply").ok());
+  EXPECT_FALSE(read_mesh(folder / "missing.obj").ok());
+  EXPECT_FALSE(read_mesh(folder / "missing.stl").ok());
+  EXPECT_FALSE(read_mesh(folder.write("empty.obj", "")).ok());
+  EXPECT_FALSE(read_mesh(folder.write("bad.obj", "v 0 0 0\nv 1 0 0\nf 1 2 7\n")).ok());
+  EXPECT_FALSE(read_mesh(folder.write("a.xyz", "")).ok());
+}
+
+TEST(MeshIo, WritingNeedsAKnownEndingAndAFolder) {
+  const TemporaryFolder folder;
+  EXPECT_FALSE(write_mesh(tetrahedron(), folder / "a.xyz").ok());
+  const auto result = write_mesh(tetrahedron(), folder / "missing/a.ply");
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.error().kind, ErrorKind::kCannotWrite);
+  EXPECT_TRUE(is_mesh_path("A.PLY"));
+  EXPECT_FALSE(is_mesh_path("scan.json"));
+}
+
+TEST(ColouredMesh, KeepsTheMeshAndSaysWhatColoursMean) {
+  const TemporaryFolder folder;
+  const TriangleMesh mesh = with_attributes(tetrahedron());
+  const auto file = folder.path() / "mesh.ply";
+  ASSERT_TRUE(write_coloured_mesh(mesh, {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {1, 2, 3}},
+                                  "red is far", file));
+  const auto text = read_file(file);
+  ASSERT_TRUE(text);
+  EXPECT_THAT(*text, HasSubstr("\ncomment red is far\n"));
+  EXPECT_THAT(*text, HasSubstr("property uchar red\nproperty uchar green\nproperty uchar blue\n"));
+  const auto back = read_mesh(file);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->faces, mesh.faces);
+  EXPECT_EQ(back->quality, mesh.quality);
+  EXPECT_EQ(back->colours[3], (Colour{1, 2, 3})) << "instead of the mesh's own";
+  EXPECT_LT(largest_distance(*back, mesh), 1e-6);
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,258 @@
+#include "scan/io/normals/convention_choice.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scan/io/normals/normal_map.h"
+#include "tests/support/synthetic_views.h"
+
+namespace relief {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+const Camera kCamera = Camera::pinhole(150, 150, {300, 300, 74.5, 74.5});
+const Eigen::Matrix3d kIdentity = Eigen::Matrix3d::Identity();
+const Eigen::Matrix3d kYReversed = Eigen::Vector3d(1, -1, 1).asDiagonal();
+
+// A height field over the plane z = 100, seen along z from the origin: slopes in x and y differ.
+double waves(double x, double y, double slope) {
+  const double k = 0.3;
+  return slope / k *
+         (std::sin(k * x) + 0.5 * std::cos(0.8 * k * y + 1.0) + 0.4 * std::sin(k * (x - 1.3 * y)));
+}
+
+// The plane of tilt (a, b) at distance 100 with waves of about the given slope, as seen by kCamera.
+RangeView wavy_view(double slope, double a = 0.0, double b = 0.0) {
+  RangeView view = testing::render(testing::plane({0, 0, 100}, {a, b, -1}), kCamera);
+  const auto height = [&](double x, double y) {
+    return 100.0 + a * x + b * y + waves(x, y, slope);
+  };
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      const Eigen::Vector3d d = view.camera.ray(u, v).direction;
+      double z = 100.0;
+      for (int i = 0; i < 60; ++i) z = height(d.x() * z, d.y() * z);
+      view.range(u, v) = z;
+      const double x = d.x() * z, y = d.y() * z, e = 1e-4;
+      const Eigen::Vector3d n((height(x + e, y) - height(x - e, y)) / (2 * e),
+                              (height(x, y + e) - height(x, y - e)) / (2 * e), -1.0);
+      view.normals(u, v) = n.normalized().cast<float>();
+    }
+  }
+  return view;
+}
+
+RangeView sphere_view() { return testing::render(testing::sphere({0, 0, 100}, 20), kCamera); }
+
+// Turns all normals by a rotation of `angle` [rad] about an axis that itself changes slowly.
+void add_bias(RangeView& view, double angle) {
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u) {
+      if (!view.has_normal(u, v)) continue;
+      const double phase = 0.02 * u + 0.013 * v;
+      const Eigen::Vector3d axis(std::cos(phase), std::sin(phase), 0.0);
+      view.normals(u, v) =
+          (Eigen::AngleAxisd(angle, axis) * view.normals(u, v).cast<double>()).cast<float>();
+    }
+}
+
+const NormalSpec kDeclared{"n.tiff", NormalEncoding::kUnit, NormalAxes::kOpencv,
+                           NormalSpace::kCamera};
+
+// The normals of `view` stored as `stored_from_view` says.
+StoredNormals store(const RangeView& view, const Eigen::Matrix3d& stored_from_view,
+                    const NormalSpec& spec = kDeclared) {
+  Image image(view.width(), view.height(), 3);
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      if (view.has_normal(u, v))
+        for (int c = 0; c < 3; ++c)
+          image(u, v, c) =
+              static_cast<float>((stored_from_view * view.normals(u, v).cast<double>())[c]);
+  return stored_in_image(image, spec, view).value();
+}
+
+// The mean angle between the normals that are found and the view's own [rad].
+double error_after(const RangeView& view, const StoredNormals& stored,
+                   const ChosenConvention& chosen) {
+  RangeView found = view;
+  apply_convention(stored, chosen, found);
+  if (!found.has_normals()) return std::numbers::pi;
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < view.normals.size(); ++i) {
+    if (!found.normals[i].allFinite() || !view.normals[i].allFinite()) continue;
+    sum += (found.normals[i] - view.normals[i]).norm();
+    count += 1.0;
+  }
+  return sum / count;
+}
+
+TEST(ConventionChoice, EveryFlipAndSwapUnderAWrongDeclarationIsFound) {
+  RangeView view = sphere_view();
+  testing::add_range_noise(view, 0.3 / 3.0, 7);
+  add_bias(view, 4.0 * kDegree);
+  for (const NormalConvention& convention : all_conventions(NormalFileKind::kImage)) {
+    if (convention.space == NormalSpace::kWorld) continue;
+    const StoredNormals stored = store(view, convention.space_from_stored.transpose());
+    const auto choice = choose_conventions({stored.evidence});
+    ASSERT_TRUE(choice.ok()) << choice.error().message;
+    EXPECT_LT(error_after(view, stored, choice->views[0]), 1e-5)
+        << to_string(convention, NormalFileKind::kImage);
+    if (convention == NormalConvention{}) {
+      EXPECT_TRUE(choice->notes.empty()) << choice->notes.front();
+    } else {
+      ASSERT_EQ(choice->notes.size(), 1u);
+      EXPECT_THAT(choice->notes[0], HasSubstr("axes opencv, space camera as declared"));
+      EXPECT_THAT(choice->notes[0], HasSubstr(to_string(convention, NormalFileKind::kImage)));
+    }
+  }
+}
+
+TEST(ConventionChoice, WorldSpaceUnderADeclarationOfCameraSpaceIsFound) {
+  RangeView view = testing::render(testing::sphere({0, 0, 0}, 20), kCamera,
+                                   testing::look_at({70, 50, 40}, {0, 0, 0}));
+  const StoredNormals stored = store(view, view.world_from_view.linear());
+  const auto choice = choose_conventions({stored.evidence});
+  ASSERT_TRUE(choice.ok()) << choice.error().message;
+  EXPECT_LT(error_after(view, stored, choice->views[0]), 1e-5);
+  EXPECT_THAT(choice->notes.at(0), HasSubstr("space world"));
+}
+
+TEST(ConventionChoice, BiasWithinThatOfPhotometricStereoKeepsTheDeclaration) {
+  for (const double bias : {4.0, 10.0, 14.0}) {
+    RangeView view = sphere_view();
+    testing::add_range_noise(view, 0.1, 7);
+    add_bias(view, bias * kDegree);
+    const auto choice = choose_conventions({store(view, kIdentity).evidence});
+    ASSERT_TRUE(choice.ok());
+    EXPECT_TRUE(choice->notes.empty()) << bias << ": " << choice->notes.front();
+    EXPECT_TRUE(choice->views[0].usable);
+  }
+}
+
+TEST(ConventionChoice, NoiseFarAboveTheSpacingIsNoEvidence) {
+  RangeView view = wavy_view(0.1);
+  testing::add_range_noise(view, 30.0, 3);
+  const auto choice = choose_conventions({store(view, kIdentity).evidence});
+  ASSERT_TRUE(choice.ok()) << choice.error().message;
+  EXPECT_EQ(choice->views[0].convention, NormalConvention{});
+  EXPECT_TRUE(choice->views[0].usable);
+  EXPECT_THAT(choice->notes.at(0), HasSubstr("other conventions fit as well"));
+}
+
+TEST(ConventionChoice, QuantisedRangesStillTell) {
+  RangeView view = sphere_view();
+  for (double& t : view.range) t = std::round(t / 1.3) * 1.3;  // Four spacings.
+  const StoredNormals stored = store(view, kYReversed);
+  const auto choice = choose_conventions({stored.evidence});
+  ASSERT_TRUE(choice.ok()) << choice.error().message;
+  EXPECT_LT(error_after(view, stored, choice->views[0]), 1e-5);
+}
+
+TEST(ConventionChoice, AFrontalPlateIsUndecidedAndKeepsTheDeclaration) {
+  // A bias of the tilt's size turns it the other way: another convention would seem to fit exactly.
+  RangeView view = wavy_view(0.0, 5.0 * kDegree);
+  testing::add_range_noise(view, 0.1, 3);
+  const Eigen::AngleAxisd bias(10.0 * kDegree, Eigen::Vector3d::UnitY());
+  for (auto& normal : view.normals) normal = (bias * normal.cast<double>()).cast<float>();
+  const auto choice = choose_conventions({store(view, kIdentity).evidence});
+  ASSERT_TRUE(choice.ok());
+  EXPECT_EQ(choice->views[0].convention, NormalConvention{});
+  ASSERT_EQ(choice->notes.size(), 1u);
+  EXPECT_THAT(choice->notes[0], HasSubstr("taken as declared"));
+  EXPECT_THAT(choice->notes[0], HasSubstr("other conventions fit as well"));
+}
+
+TEST(ConventionChoice, LowReliefDecidesInSpiteOfALargerBias) {
+  RangeView view = wavy_view(4.0 * kDegree);
+  testing::add_range_noise(view, 0.05, 3);
+  add_bias(view, 10.0 * kDegree);
+  for (const Eigen::Matrix3d& stored_from_view : {kIdentity, kYReversed}) {
+    const StoredNormals stored = store(view, stored_from_view);
+    const auto choice = choose_conventions({stored.evidence});
+    ASSERT_TRUE(choice.ok());
+    EXPECT_LT(error_after(view, stored, choice->views[0]), 1e-5);
+    EXPECT_EQ(choice->notes.empty(), stored_from_view == kIdentity);
+  }
+}
+
+TEST(ConventionChoice, AViewThatCannotTellFollowsTheOthers) {
+  RangeView flat = wavy_view(0.0);
+  flat.name = "flat";
+  testing::add_range_noise(flat, 0.1, 3);
+  const RangeView sphere = sphere_view();
+  const auto choice =
+      choose_conventions({store(flat, kYReversed).evidence, store(sphere, kYReversed).evidence});
+  ASSERT_TRUE(choice.ok());
+  for (const ChosenConvention& chosen : choice->views)
+    EXPECT_EQ(chosen.convention.space_from_stored, kYReversed);
+  ASSERT_EQ(choice->notes.size(), 1u);
+  EXPECT_THAT(choice->notes[0], HasSubstr("views flat, synthetic:"));
+}
+
+TEST(ConventionChoice, AViewThatDiffersFromTheOthersIsCorrectedAlone) {
+  const RangeView view = sphere_view();
+  const auto choice =
+      choose_conventions({store(view, kIdentity).evidence, store(view, kYReversed).evidence,
+                          store(view, kIdentity).evidence});
+  ASSERT_TRUE(choice.ok());
+  EXPECT_EQ(choice->views[0].convention, NormalConvention{});
+  EXPECT_EQ(choice->views[1].convention.space_from_stored, kYReversed);
+  EXPECT_EQ(choice->views[2].convention, NormalConvention{});
+}
+
+TEST(ConventionChoice, NormalsWithALargeBiasAreNotUsed) {
+  RangeView view = sphere_view();
+  testing::add_range_noise(view, 0.1, 7);
+  add_bias(view, 22.0 * kDegree);
+  const StoredNormals stored = store(view, kIdentity);
+  const auto choice = choose_conventions({stored.evidence});
+  ASSERT_TRUE(choice.ok()) << choice.error().message;
+  EXPECT_FALSE(choice->views[0].usable);
+  ASSERT_EQ(choice->notes.size(), 1u);
+  EXPECT_THAT(choice->notes[0], HasSubstr("normals are not used"));
+  EXPECT_THAT(choice->notes[0], HasSubstr("15.0 deg"));
+  apply_convention(stored, choice->views[0], view);
+  EXPECT_FALSE(view.has_normals());
+}
+
+TEST(ConventionChoice, AnImageOfSomethingElseIsAnError) {
+  const RangeView view = sphere_view();
+  RangeView other = view;
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      other.normals(u, v) = Eigen::Vector3d(0.9 * std::sin(0.15 * u), 0.9 * std::cos(0.2 * v), -0.5)
+                                .normalized()
+                                .cast<float>();
+  const auto choice = choose_conventions({store(other, kIdentity).evidence});
+  ASSERT_FALSE(choice.ok());
+  EXPECT_EQ(choice.error().kind, ErrorKind::kBadInput);
+  EXPECT_THAT(choice.error().message, HasSubstr("n.tiff: no convention of normals fits"));
+  EXPECT_THAT(choice.error().message, HasSubstr("belongs to this view"));
+}
+
+TEST(ConventionChoice, NormalsInGridFilesAreCorrectedToo) {
+  const RangeView view = sphere_view();
+  Eigen::Matrix3d swapped;
+  swapped << 0, 1, 0, 1, 0, 0, 0, 0, 1;
+  const Eigen::Matrix3d z_reversed = Eigen::Vector3d(1, 1, -1).asDiagonal();
+  for (const Eigen::Matrix3d& stored_from_view : {kIdentity, kYReversed, z_reversed, swapped}) {
+    Grid<Eigen::Vector3f> components = view.normals;
+    for (auto& normal : components)
+      normal = (stored_from_view * normal.cast<double>()).cast<float>();
+    const StoredNormals stored = stored_in_grid(components, "scan.ply", view);
+    const auto choice = choose_conventions({stored.evidence});
+    ASSERT_TRUE(choice.ok());
+    EXPECT_LT(error_after(view, stored, choice->views[0]), 1e-5);
+    EXPECT_EQ(choice->notes.empty(), stored_from_view == kIdentity);
+  }
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,414 @@
+#include "relief/io/project_io.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/images/image_io.h"
+#include "scan/io/grids/ply_grid_writer.h"
+#include "tests/support/synthetic_views.h"
+#include "tests/support/temporary_folder.h"
+
+namespace relief {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::render;
+using testing::sphere;
+using testing::TemporaryFolder;
+
+const PinholeIntrinsics kIntrinsics{60, 62, 23.5, 17.5};
+
+// One view of each kind of camera.
+ScanProject all_cameras() {
+  ScanProject project;
+  project.unit = "m";
+  const Camera gl = Camera::pinhole_gl(48, 36, kIntrinsics);
+  const Camera parallel = Camera::orthographic(40, 40, {-1, -1, 1}, {0.05, 0, 0}, {0, 0.05, 0},
+                                               -Eigen::Vector3d::UnitZ());
+  RationalProjection line_scanner{{40, 0, 0, 20}, {0, 0, 0, 1}, {0, 200, -20, 100}, {0, 0, -1, 5}};
+  Grid<Ray> rays(40, 40);
+  for (int v = 0; v < 40; ++v)
+    for (int u = 0; u < 40; ++u) rays(u, v) = line_scanner.ray(u, v, -Eigen::Vector3d::UnitZ());
+  project.views = {render(sphere({0, 0, 0}, 2), Camera::pinhole(48, 36, kIntrinsics),
+                          testing::look_at({8, 1, 2}, {0, 0, 0})),
+                   render(sphere({0, 0, -7}, 2), gl), render(sphere({0, 0, 0}, 0.79), parallel),
+                   render(sphere({0, 0, 0}, 0.39), Camera::ray_table(rays, line_scanner))};
+  const char* names[] = {"pinhole", "gl", "parallel", "line scanner/1"};
+  for (std::size_t i = 0; i < 4; ++i) project.views[i].name = names[i];
+  project.views[0].pose = PoseKind::kKnown;
+  project.views[2].pose = PoseKind::kAbsent;
+  for (auto& view : project.views) {
+    view.confidence = Grid<float>(view.width(), view.height(), 0.25f);
+    view.deviation = Grid<float>(view.width(), view.height(), 0.125f);
+    view.deviation(view.width() / 2, view.height() / 2) = static_cast<float>(kNoSample);
+    view.colours = Grid<Colour>(view.width(), view.height());
+    for (int v = 0; v < view.height(); ++v)
+      for (int u = 0; u < view.width(); ++u)
+        view.colours(u, v) = {static_cast<std::uint8_t>(5 * u), static_cast<std::uint8_t>(6 * v),
+                              200};
+    view.normals(view.width() / 2, view.height() / 2).setConstant(static_cast<float>(kNoSample));
+  }
+  return project;
+}
+
+void expect_same_view(const RangeView& read, const RangeView& written) {
+  SCOPED_TRACE(written.name);
+  EXPECT_EQ(read.name, written.name);
+  EXPECT_EQ(read.pose, written.pose);
+  EXPECT_TRUE(read.world_from_view.isApprox(written.world_from_view, 1e-14));
+  ASSERT_EQ(read.width(), written.width());
+  ASSERT_EQ(read.height(), written.height());
+  ASSERT_EQ(read.sample_count(), written.sample_count());
+  ASSERT_EQ(read.has_normals(), written.has_normals());
+  ASSERT_EQ(read.colours.empty(), written.colours.empty());
+  for (int v = 0; v < read.height(); ++v) {
+    for (int u = 0; u < read.width(); ++u) {
+      ASSERT_EQ(read.has_sample(u, v), written.has_sample(u, v));
+      if (!read.has_sample(u, v)) continue;
+      const Eigen::Vector3d p = written.point(u, v);
+      ASSERT_NEAR((read.point(u, v) - p).norm(), 0.0, 1e-6 * (1.0 + p.norm()));
+      ASSERT_EQ(read.confidence_at(u, v), written.confidence_at(u, v));
+      ASSERT_EQ(read.deviation_at(u, v) > 0.0f, written.deviation_at(u, v) > 0.0f);
+      if (written.deviation_at(u, v) > 0.0f) {
+        ASSERT_EQ(read.deviation_at(u, v), written.deviation_at(u, v));
+      }
+      if (!written.colours.empty()) {
+        ASSERT_EQ(read.colours(u, v), written.colours(u, v));
+      }
+      if (!written.has_normals()) continue;
+      ASSERT_EQ(read.has_normal(u, v), written.has_normal(u, v)) << u << " " << v;
+      if (read.has_normal(u, v)) {
+        ASSERT_NEAR((read.normals(u, v) - written.normals(u, v)).norm(), 0, 1e-6);
+      }
+      const Eigen::Vector3d d = written.camera.ray(u, v).direction.normalized();
+      ASSERT_NEAR((read.camera.ray(u, v).direction.normalized() - d).norm(), 0.0, 1e-6);
+    }
+  }
+}
+
+TEST(ProjectIo, WhatIsWrittenIsReadBackForEveryCamera) {
+  const TemporaryFolder folder;
+  const ScanProject project = all_cameras();
+  for (const auto& view : project.views) ASSERT_GT(view.sample_count(), 100u) << view.name;
+  const auto written = write_project(project, folder / "sub/out");
+  ASSERT_TRUE(written.ok()) << written.error().message;
+  const auto read = read_project(folder / "sub/out/scan.json");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->unit, "m");
+  ASSERT_EQ(read->views.size(), project.views.size());
+  for (std::size_t i = 0; i < project.views.size(); ++i)
+    expect_same_view(read->views[i], project.views[i]);
+  EXPECT_TRUE(read_project(folder / "sub/out").ok()) << "a folder with a scan.json";
+  EXPECT_TRUE(read->views[3].camera.can_project());
+}
+
+TEST(ProjectIo, AllCamerasMayBeWrittenAsGrids) {
+  const TemporaryFolder folder;
+  const ScanProject project = all_cameras();
+  ASSERT_TRUE(write_project(project, folder.path(), {}, {.grids = true}).ok());
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(name.ends_with(".ply") || name.ends_with("_deviation.tiff") || name == "scan.json")
+        << name;
+  }
+  const auto read = read_project(folder.path());
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  for (std::size_t i = 0; i < project.views.size(); ++i)
+    expect_same_view(read->views[i], project.views[i]);
+}
+
+TEST(ProjectIo, WritingTwiceGivesTheSameBytes) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_project(all_cameras(), folder / "a").ok());
+  ASSERT_TRUE(write_project(all_cameras(), folder / "b").ok());
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "a"))
+    EXPECT_EQ(*read_file(entry.path()), *read_file(folder / "b" / entry.path().filename()));
+}
+
+TEST(ProjectIo, ParallelDepthMapsBehindTheirOriginAreKept) {
+  const TemporaryFolder folder;
+  ScanProject project;
+  const Camera camera = Camera::orthographic(20, 20, {-1, -1, 0}, {0.1, 0, 0}, {0, 0.1, 0},
+                                             -Eigen::Vector3d::UnitZ());
+  project.views = {render(sphere({0, 0, 0}, 0.9), camera)};
+  project.views[0].normals = {};
+  ASSERT_LT(project.views[0].range(10, 10), 0.0);
+  ASSERT_TRUE(write_project(project, folder.path()).ok());
+  const auto read = read_project(folder.path());
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_NEAR((read->views[0].point(10, 10) - project.views[0].point(10, 10)).norm(), 0, 1e-6);
+}
+
+TEST(ProjectIo, UnwritablePlacesAreErrors) {
+  const auto result = write_project(all_cameras(), "/proc/relief");
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.error().kind, ErrorKind::kCannotWrite);
+}
+
+TEST(ProjectIo, AFolderOfGridsReadsPosesBesideThem) {
+  const TemporaryFolder folder;
+  const RangeView view = render(sphere({0, 0, 9}, 3), Camera::pinhole(48, 36, kIntrinsics));
+  folder.write("b.ply", encode_ply_grid(view));
+  folder.write("a.ply", encode_ply_grid(view));
+  folder.write("a.xf", "1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n");
+  folder.write("mesh.ply",
+               "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nend_header\n");
+  const auto project = read_project(folder.path());
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  ASSERT_EQ(project->views.size(), 2u);
+  EXPECT_EQ(project->views[0].name, "a");
+  EXPECT_EQ(project->views[0].world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
+  EXPECT_EQ(project->views[1].pose, PoseKind::kAbsent);
+  EXPECT_EQ(project->views[0].camera.model(), Camera::Model::kPinhole);
+  EXPECT_THAT(project->notes.at(0), HasSubstr("mesh.ply"));
+  folder.write("b.xf", "1 0 0 5\n0 1 0 6\n");
+  EXPECT_FALSE(read_project(folder.path()).ok());
+}
+
+TEST(ProjectIo, AnFcFileGivesTheIntrinsics) {
+  const TemporaryFolder folder;
+  const RangeView view = render(sphere({0, 0, -9}, 3), Camera::pinhole_gl(48, 36, kIntrinsics));
+  const auto grid = folder.write("a.ply", encode_ply_grid(view));
+  const auto read = [&](const std::string& text) {
+    return read_project(grid, {.fc_file = folder.write("a.fc", text)});
+  };
+  const auto project = read("60 62 23.5 17.5\n");
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  EXPECT_EQ(project->views[0].camera.model(), Camera::Model::kPinholeGl);
+  EXPECT_EQ(project->views[0].camera.intrinsics().fy, 62);
+  EXPECT_THAT(project->notes, IsEmpty());
+  const auto of_folder = read_project(folder.path(), {.fc_file = folder / "a.fc"});
+  ASSERT_TRUE(of_folder.ok()) << of_folder.error().message;
+  EXPECT_EQ(of_folder->views[0].camera.intrinsics().fy, 62);
+  EXPECT_FALSE(read("60 62 23.5\n").ok());
+  EXPECT_FALSE(read("0 62 23.5 17\n").ok());
+  EXPECT_FALSE(read("60 62 23.5 x\n").ok());
+}
+
+// A project of one depth map on disk, whose parts tests replace.
+class DepthProject : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    Image depth(8, 6, 1, 65535);
+    for (std::size_t i = 0; i < depth.samples.size(); ++i)
+      depth.samples[i] = static_cast<float>(1000 + i);
+    depth(0, 0) = 0;
+    folder_.write("d.png", *encode_png(depth));
+  }
+
+  Result<ScanProject> read(const std::string& more = "", const std::string& file = "d.png",
+                           const std::string& kind = "z") const {
+    return read_project(folder_.write(
+        "scan.json",
+        R"({"format":"relief-scan","version":1,"views":[{"name":"v7","depth":{"file":")" + file +
+            R"(","scale":0.01,"kind":")" + kind +
+            R"("},"camera":{"model":"pinhole","width":8,"height":6,"fx":5,"fy":5,"cx":4,"cy":3})" +
+            more + "}]}"));
+  }
+  std::string error(const std::string& more, const std::string& file = "d.png") const {
+    const auto project = read(more, file);
+    return project.ok() ? "no error" : project.error().message;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(DepthProject, ScalesDepthAndLeavesZeroOut) {
+  const auto project = read();
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  const RangeView& view = project->views[0];
+  EXPECT_FALSE(view.has_sample(0, 0));
+  EXPECT_NEAR(view.point(1, 0).z(), 10.01, 1e-12);
+  EXPECT_EQ(view.pose, PoseKind::kAbsent);
+  const auto along = read("", "d.png", "ray");
+  EXPECT_NEAR(along->views[0].point(1, 0).norm(), 10.01, 1e-12);
+}
+
+// ICL-NUIM trajectories come with fy = -480: y points up, against the rows.
+TEST_F(DepthProject, ANegativeFocalLengthTurnsTheAxisRound) {
+  const auto path = folder_.write(
+      "scan.json",
+      R"({"format":"relief-scan","version":1,"views":[{"name":"v7","depth":{"file":"d.png","scale":0.01},)"
+      R"("camera":{"model":"pinhole","width":8,"height":6,"fx":5,"fy":-5,"cx":4,"cy":3}}]})");
+  const auto project = read_project(path), upright = read();
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  const Eigen::Vector3d point = project->views[0].point(6, 1), mirrored(1, -1, 1);
+  EXPECT_LT((point - upright->views[0].point(6, 1).cwiseProduct(mirrored)).norm(), 1e-12);
+  EXPECT_GT(point.y(), 0.0);
+}
+
+TEST_F(DepthProject, ValuesThatAreNoDepthAreNoSamples) {
+  Image depth(8, 6, 1);
+  depth.samples.assign(depth.samples.size(), 5.0f);
+  depth(1, 1) = -5.0f;
+  depth(2, 1) = std::numeric_limits<float>::quiet_NaN();
+  depth(3, 1) = std::numeric_limits<float>::infinity();
+  folder_.write("f.tiff", *encode_tiff(depth));
+  const auto project = read("", "f.tiff");
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  EXPECT_EQ(project->views[0].sample_count(), 45u);
+  EXPECT_FALSE(project->views[0].has_sample(2, 1));
+}
+
+TEST_F(DepthProject, MasksAndConfidencesApply) {
+  Image mask(8, 6, 1, 255), confidence(8, 6, 1, 255);
+  mask(3, 3) = 1;
+  mask(4, 3) = 255;
+  confidence(3, 3) = 255;
+  folder_.write("m.png", *encode_png(mask));
+  folder_.write("c.png", *encode_png(confidence));
+  const auto project = read(R"(,"mask":{"file":"m.png"},"confidence":{"file":"c.png"})");
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  EXPECT_EQ(project->views[0].sample_count(), 2u);
+  EXPECT_EQ(project->views[0].confidence_at(3, 3), 1.0f);
+  EXPECT_EQ(project->views[0].confidence_at(4, 3), 0.0f);
+}
+
+TEST_F(DepthProject, DeviationsAreScaledAndUnknownWhereNotPositive) {
+  Image deviation(8, 6, 1);
+  deviation.samples.assign(deviation.samples.size(), 5.0f);
+  deviation(1, 1) = -5.0f;
+  deviation(2, 1) = std::numeric_limits<float>::quiet_NaN();
+  deviation(3, 1) = 0.0f;
+  folder_.write("s.tiff", *encode_tiff(deviation));
+  Image depth(8, 6, 1);
+  depth.samples.assign(depth.samples.size(), 10.0f);
+  depth(5, 5) = 0.0f;
+  folder_.write("f.tiff", *encode_tiff(depth));
+  const auto project = read(R"(,"deviation":{"file":"s.tiff","scale":0.01})", "f.tiff");
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  const RangeView& view = project->views[0];
+  EXPECT_NEAR(view.deviation_at(4, 4), 0.05, 1e-8);
+  for (const auto& [u, v] : {std::pair{1, 1}, {2, 1}, {3, 1}, {5, 5}})
+    EXPECT_TRUE(std::isnan(view.deviation_at(u, v))) << u << " " << v;
+}
+
+TEST_F(DepthProject, ColoursComeFromImagesOfIntegers) {
+  Image rgb(8, 6, 3, 65535), grey(8, 6, 1, 255);
+  rgb(2, 1, 0) = 65535;
+  rgb(2, 1, 2) = 257;
+  grey(2, 1) = 77;
+  folder_.write("rgb.png", *encode_png(rgb));
+  folder_.write("grey.png", *encode_png(grey));
+  const auto coloured = read(R"(,"color":{"file":"rgb.png"})");
+  ASSERT_TRUE(coloured.ok()) << coloured.error().message;
+  EXPECT_EQ(coloured->views[0].colours(2, 1), (Colour{255, 0, 1}));
+  EXPECT_EQ(read(R"(,"color":{"file":"grey.png"})")->views[0].colours(2, 1), (Colour{77, 77, 77}));
+  EXPECT_TRUE(read()->views[0].colours.empty());
+  folder_.write("small.png", *encode_png(Image(7, 6, 3, 255)));
+  folder_.write("float.tiff", *encode_tiff(Image(8, 6, 3)));
+  EXPECT_THAT(error(R"(,"color":{"file":"small.png"})"), HasSubstr("small.png: is 7x6"));
+  EXPECT_THAT(error(R"(,"color":{"file":"float.tiff"})"), HasSubstr("image of integers"));
+  EXPECT_THAT(error(R"(,"color":"rgb.png")"), HasSubstr("color"));
+}
+
+TEST_F(DepthProject, AViewWithoutSamplesIsNamed) {
+  folder_.write("m.png", *encode_png(Image(8, 6, 1, 255)));
+  folder_.write("empty.png", *encode_png(Image(8, 6, 1, 65535)));
+  for (const auto& project : {read(R"(,"mask":{"file":"m.png"})"), read("", "empty.png")}) {
+    ASSERT_FALSE(project.ok());
+    EXPECT_EQ(project.error().kind, ErrorKind::kUnsolvable);
+    EXPECT_THAT(project.error().message, HasSubstr("view v7 has no samples"));
+  }
+}
+
+TEST_F(DepthProject, SizesThatDifferAreNamedWithBothFiles) {
+  folder_.write("n.png", *encode_png(Image(7, 6, 3, 255)));
+  const std::string message = error(R"(,"normals":{"file":"n.png"})");
+  EXPECT_THAT(message, HasSubstr("n.png: is 7x6"));
+  EXPECT_THAT(message, HasSubstr("d.png of the same view is 8x6"));
+  folder_.write("big.png", *encode_png(Image(9, 6, 1, 65535)));
+  EXPECT_THAT(error("", "big.png"), HasSubstr("is 9x6, but the camera of view v7 is 8x6"));
+}
+
+TEST_F(DepthProject, MissingAndUnsuitableFilesAreNamed) {
+  EXPECT_THAT(error("", "missing.png"), HasSubstr("missing.png"));
+  folder_.write("rgb.png", *encode_png(Image(8, 6, 3, 255)));
+  EXPECT_THAT(error("", "rgb.png"), HasSubstr("one channel"));
+  EXPECT_THAT(error(R"(,"mask":{"file":"none.png"})"), HasSubstr("none.png"));
+}
+
+TEST_F(DepthProject, ProgressCanStopReading) {
+  const auto path = folder_ / "scan.json";
+  ASSERT_TRUE(read().ok());
+  const auto stopped =
+      read_project(path, {.threads = 1}, [](double, std::string_view) { return false; });
+  // The only view was read before anybody could stop.
+  EXPECT_TRUE(stopped.ok() || stopped.error().kind == ErrorKind::kInterrupted);
+}
+
+TEST_F(DepthProject, PosesAreWrittenIntoACopyThatRefersToTheSameFiles) {
+  auto project = read(R"(,"pose_is":"guess","world_from_view":)"
+                      R"([[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]])");
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  project->views[0].world_from_view.translation() << 7, 8, 9;
+  project->views[0].pose = PoseKind::kKnown;
+  std::filesystem::create_directory(folder_ / "results");
+  const auto file = folder_ / "results/aligned.json";
+  const auto written = write_project_poses(*project, folder_ / "scan.json", {}, file);
+  ASSERT_TRUE(written.ok()) << written.error().message;
+  EXPECT_THAT(*read_file(file), HasSubstr("../d.png"));
+  const auto again = read_project(file);
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  EXPECT_EQ(again->views[0].world_from_view.translation(), Eigen::Vector3d(7, 8, 9));
+  EXPECT_EQ(again->views[0].pose, PoseKind::kKnown);
+  EXPECT_EQ(again->views[0].range(4, 4), project->views[0].range(4, 4));
+}
+
+TEST(ProjectIo, PosesOfGridFilesGetAProjectFile) {
+  const TemporaryFolder folder;
+  const RangeView view = render(sphere({0, 0, -9}, 3), Camera::pinhole_gl(48, 36, kIntrinsics));
+  const auto grid = folder.write("a.ply", encode_ply_grid(view));
+  const ReadProjectOptions options{.fc_file = folder.write("a.fc", "60 62 23.5 17.5\n")};
+  auto project = read_project(grid, options);
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  project->views[0].world_from_view.translation() << 1, 2, 3;
+  project->views[0].pose = PoseKind::kGuess;
+  ASSERT_TRUE(write_project_poses(*project, grid, options, folder / "aligned.json").ok());
+  const auto again = read_project(folder / "aligned.json");
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  EXPECT_EQ(again->views[0].camera.model(), Camera::Model::kPinholeGl);
+  EXPECT_EQ(again->views[0].world_from_view.translation(), Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(ProjectIo, WhatIsNoProjectIsNamed) {
+  const TemporaryFolder folder;
+  for (const auto& path :
+       {folder / "missing", folder.path(), folder.write("a.txt", ""), folder.write("b.json", "")}) {
+    const auto project = read_project(path);
+    ASSERT_FALSE(project.ok());
+    EXPECT_EQ(project.error().kind, ErrorKind::kBadInput);
+    EXPECT_THAT(project.error().message, HasSubstr(path.string()));
+  }
+}
+
+TEST(ProjectIo, ManyViewsOfOneFileAreBoundByTheMemory) {
+  const TemporaryFolder folder;
+  Image depth(64, 64, 1, 65535);
+  for (float& sample : depth.samples) sample = 1000.0f;
+  folder.write("depth.png", *encode_png(depth));
+  std::string views;
+  for (int i = 0; i < 50; ++i)
+    views += std::string(i > 0 ? "," : "") + R"({"name":")" + std::to_string(i) +
+             R"(","depth":{"file":"depth.png"},"camera":{"model":"pinhole","fx":60,"fy":60,)" +
+             R"("cx":31.5,"cy":31.5}})";
+  const auto path = folder.write(
+      "scan.json", R"({"format":"relief-scan","version":1,"unit":"mm","views":[)" + views + "]}");
+  constexpr std::size_t kView = 64 * 64 * 20;
+  ReadProjectOptions options;
+  options.memory = 50 * kView;
+  EXPECT_TRUE(read_project(path, options).ok());
+  options.memory = 50 * kView - 1;
+  const auto refused = read_project(path, options);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().kind, ErrorKind::kUnsolvable);
+  EXPECT_THAT(refused.error().message, HasSubstr("depth.png: view "));
+  EXPECT_THAT(refused.error().message, HasSubstr("give fewer or smaller ones"));
+}
+
+}  // namespace
+}  // namespace relief

@@ -1,0 +1,39 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scan/io/project/view_spec.h"
+
+namespace relief {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(StanfordConf, TheQuaternionIsTheInverseRotation) {
+  // The usual quaternion (0, 0, s, s) turns x into y; in this format it turns y into x.
+  const auto spec = parse_stanford_conf(
+      "camera 0 0 0 0 0 0 1\n\nbmesh a.ply 1 2 3 0 0 0.70710678 0.70710678\n", "d/bun.conf");
+  ASSERT_TRUE(spec.ok()) << spec.error().message;
+  const ViewSpec& view = spec->views.at(0);
+  EXPECT_EQ(view.name, "a");
+  EXPECT_EQ(*view.grid, "d/a.ply");
+  EXPECT_EQ(view.pose, PoseKind::kGuess);
+  const Eigen::Vector3d moved = view.world_from_view * Eigen::Vector3d(0, 1, 0);
+  EXPECT_NEAR((moved - Eigen::Vector3d(2, 2, 3)).norm(), 0.0, 1e-7);
+}
+
+TEST(StanfordConf, ErrorsNameTheLine) {
+  const auto error = [](const std::string& text) {
+    const auto spec = parse_stanford_conf(text, "bun.conf");
+    return spec.ok() ? std::string("no error") : spec.error().message;
+  };
+  EXPECT_THAT(error("camera 0\nbmesh a.ply 1 2\n"), HasSubstr("bun.conf: line 2"));
+  EXPECT_THAT(error("bmesh a.ply 1 2 3 0 0 0 2\n"), HasSubstr("length 2"));
+  EXPECT_THAT(error("bmesh a.ply 1 2 3 0 0 0 1 9\n"), HasSubstr("unexpected '9'"));
+  EXPECT_THAT(error("amesh a.ply\n"), HasSubstr("'amesh'"));
+  EXPECT_THAT(error("bmesh a.ply 0 0 0 0 0 0 1\nbmesh b/a.ply 0 0 0 0 0 0 1\n"),
+              HasSubstr("second scan"));
+  EXPECT_THAT(error("camera 0\n"), HasSubstr("no bmesh"));
+}
+
+}  // namespace
+}  // namespace relief
