@@ -23,15 +23,15 @@
 
 #include <CLI/CLI.hpp>
 
-#include "relief/registration/align_views.h"
 #include "registration/verification/pose_evidence.h"
 #include "relief/evaluation/pose_errors.h"
 #include "relief/io/mesh_io.h"
 #include "relief/io/poses_io.h"
 #include "relief/io/project_io.h"
-#include "scan/simulation/objects/geodesic_sphere.h"
+#include "relief/registration/align_views.h"
 #include "relief/simulation/mesh_object.h"
 #include "relief/simulation/simulate.h"
+#include "scan/simulation/objects/geodesic_sphere.h"
 
 namespace relief {
 namespace {
@@ -81,7 +81,7 @@ std::vector<RangeView> without_poses(const ScanProject& truth, bool random, Gene
     view.pose = random ? PoseKind::kGuess : PoseKind::kAbsent;
     view.world_from_view = RigidMotion::Identity();
     if (!random) continue;
-    const ViewSurface surface(view);
+    const registration::ViewSurface surface(view);
     const double size = surface.radius();
     const Eigen::Vector3d place(uniform(generator, -size, size), uniform(generator, -size, size),
                                 uniform(generator, -size, size));
@@ -93,14 +93,14 @@ std::vector<RangeView> without_poses(const ScanProject& truth, bool random, Gene
 
 // Views of the object that share enough with another to have to be placed, and were not; beside
 // counts those of them that were aligned to one another, in a group apart.
-void count_missed(const Scene& scene, const Alignment& alignment, Outcome& outcome) {
-  std::vector<ViewSurface> surfaces;
+void count_missed(const Scene& scene, const registration::Alignment& alignment, Outcome& outcome) {
+  std::vector<registration::ViewSurface> surfaces;
   for (const RangeView& view : scene.truth.views) surfaces.emplace_back(view);
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     if (scene.foreign[i] || alignment.views[i].aligned) continue;
     for (std::size_t j = 0; j < surfaces.size(); ++j) {
       if (j == i || scene.foreign[j]) continue;
-      const auto evidence = judge_pose(
+      const auto evidence = registration::judge_pose(
           surfaces[i], surfaces[j],
           scene.truth.views[j].world_from_view.inverse() * scene.truth.views[i].world_from_view);
       if (evidence.overlap < kMustOverlap) continue;
@@ -115,7 +115,7 @@ Outcome run(Scene scene, bool random_poses, bool verbose, Generator& generator) 
   shuffle(scene, generator);
   const auto views = without_poses(scene.truth, random_poses, generator);
   const std::clock_t start = std::clock();
-  const Alignment alignment = align_views(views).value();
+  const registration::Alignment alignment = registration::align_views(views).value();
   Outcome outcome;
   outcome.seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   outcome.views = views.size();
@@ -138,9 +138,9 @@ Outcome run(Scene scene, bool random_poses, bool verbose, Generator& generator) 
   }
   count_missed(scene, alignment, outcome);
   if (result.views.size() < 2) return outcome;
-  PoseErrorOptions options;
+  evaluation::PoseErrorOptions options;
   options.robust = true;
-  const auto errors = evaluate_poses(result, scene.truth, options).value();
+  const auto errors = evaluation::evaluate_poses(result, scene.truth, options).value();
   outcome.displacement = errors.max_displacement;
   for (const auto& view : errors.views)
     outcome.wrong += view.mean_displacement > kWrongSpacings * outcome.spacing ? 1 : 0;
@@ -161,7 +161,7 @@ Scene project_scene(const std::string& path, const std::string& truth_file) {
 }
 
 // A body with bumps of random place and size, no two alike.
-SimulationObject random_body(Generator& generator) {
+simulation::SimulationObject random_body(Generator& generator) {
   struct Bump {
     Eigen::Vector3d direction;
     double height, sharpness;
@@ -171,7 +171,7 @@ SimulationObject random_body(Generator& generator) {
     bumps.push_back({random_rotation(generator) * Eigen::Vector3d::UnitX(),
                      uniform(generator, -0.12, 0.2), uniform(generator, 4.0, 60.0)});
   const Eigen::Vector3d axes(uniform(generator, 0.6, 1.4), uniform(generator, 0.6, 1.4), 1.0);
-  TriangleMesh mesh = geodesic_sphere(80);
+  TriangleMesh mesh = simulation::geodesic_sphere(80);
   for (auto& vertex : mesh.vertices) {
     const Eigen::Vector3d direction = vertex.normalized();
     double radius = 1.0;
@@ -179,11 +179,11 @@ SimulationObject random_body(Generator& generator) {
       radius += bump.height * std::exp(bump.sharpness * (direction.dot(bump.direction) - 1.0));
     vertex = 50.0 * radius * direction.cwiseProduct(axes);
   }
-  return mesh_object(std::move(mesh)).value();
+  return simulation::mesh_object(std::move(mesh)).value();
 }
 
 // A cube, a box with two square faces, or one with three lengths; up to twice as long as thick.
-SimulationObject random_box(Generator& generator) {
+simulation::SimulationObject random_box(Generator& generator) {
   Eigen::Vector3d half = Eigen::Vector3d::Constant(30.0);
   const std::size_t other_sides = index_below(generator, 3);
   for (std::size_t k = 0; k < other_sides; ++k)
@@ -194,7 +194,7 @@ SimulationObject random_box(Generator& generator) {
         Eigen::Vector3d(2 * (corner & 1) - 1, (corner & 2) - 1, (corner & 4) / 2 - 1)));
   mesh.faces = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return mesh_object(std::move(mesh)).value();
+  return simulation::mesh_object(std::move(mesh)).value();
 }
 
 void add_strays(RangeView& view, double fraction, double depth, Generator& generator) {
@@ -203,20 +203,21 @@ void add_strays(RangeView& view, double fraction, double depth, Generator& gener
       range += uniform(generator, -depth, depth);
 }
 
-SimulationOptions random_options(Generator& generator) {
-  SimulationOptions options;
+simulation::SimulationOptions random_options(Generator& generator) {
+  simulation::SimulationOptions options;
   options.views = 6 + static_cast<int>(index_below(generator, 9));
   options.width = options.height = 160 + 32 * static_cast<int>(index_below(generator, 5));
-  options.layout = index_below(generator, 2) == 0 ? ViewLayout::kTurntable : ViewLayout::kSphere;
-  options.rays = static_cast<SensorRays>(index_below(generator, 3));
-  options.normal_sensor = NoNormalSensor{};
+  options.layout = index_below(generator, 2) == 0 ? simulation::ViewLayout::kTurntable
+                                                  : simulation::ViewLayout::kSphere;
+  options.rays = static_cast<simulation::SensorRays>(index_below(generator, 3));
+  options.normal_sensor = simulation::NoNormalSensor{};
   const std::size_t sensor = index_below(generator, 4);
   if (sensor == 0)
-    options.range_sensor = structured_light_scanner();
+    options.range_sensor = simulation::structured_light_scanner();
   else if (sensor == 1)
-    options.range_sensor = laser_line_scanner();
+    options.range_sensor = simulation::laser_line_scanner();
   else
-    options.range_sensor = WhiteRangeSensor{uniform(generator, 0.0, 1.0)};
+    options.range_sensor = simulation::WhiteRangeSensor{uniform(generator, 0.0, 1.0)};
   options.pose = PoseKind::kKnown;
   options.mesh_divisions = 0;
   options.seed = generator();
@@ -224,29 +225,29 @@ SimulationOptions random_options(Generator& generator) {
 }
 
 Scene scene_of_box(Generator& generator) {
-  const SimulationObject box = random_box(generator);
-  Scene scene{"box", simulate(box, random_options(generator)).value().scans, {}};
+  const simulation::SimulationObject box = random_box(generator);
+  Scene scene{"box", simulation::simulate(box, random_options(generator)).value().scans, {}};
   scene.foreign.assign(scene.truth.views.size(), false);
   return scene;
 }
 
-Scene simulated_scene(const std::vector<SimulationObject>& objects,
+Scene simulated_scene(const std::vector<simulation::SimulationObject>& objects,
                       const std::vector<std::string>& names, Generator& generator) {
   const std::size_t which = index_below(generator, objects.size() + 1);
   const bool body = which == objects.size();
-  const SimulationObject object = body ? random_body(generator) : objects[which];
-  const SimulationOptions options = random_options(generator);
-  Simulation simulation = simulate(object, options).value();
+  const simulation::SimulationObject object = body ? random_body(generator) : objects[which];
+  const simulation::SimulationOptions options = random_options(generator);
+  simulation::Simulation simulation = simulation::simulate(object, options).value();
   Scene scene{body ? "random body" : names[which], std::move(simulation.scans), {}};
   scene.foreign.assign(scene.truth.views.size(), false);
   if (index_below(generator, 3) == 0) {  // A view that does not belong.
-    SimulationObject other = random_body(generator);
+    simulation::SimulationObject other = random_body(generator);
     const double scale = object.radius / other.radius;
     for (auto& vertex : other.mesh.vertices) vertex *= scale;
-    other = mesh_object(other.mesh).value();
-    SimulationOptions single = random_options(generator);
+    other = simulation::mesh_object(other.mesh).value();
+    simulation::SimulationOptions single = random_options(generator);
     single.views = 1;
-    auto foreign = simulate(other, single).value().scans;
+    auto foreign = simulation::simulate(other, single).value().scans;
     foreign.views[0].name = "foreign";
     scene.truth.views.push_back(std::move(foreign.views[0]));
     scene.foreign.push_back(true);
@@ -279,13 +280,13 @@ void print(std::uint64_t seed, const std::string& name, const Outcome& outcome) 
 }
 
 int run_all(const Settings& settings) {
-  std::vector<SimulationObject> objects;
+  std::vector<simulation::SimulationObject> objects;
   std::vector<std::string> names = {"owl"};
   Scene fixed;
   if (settings.simulate) {
-    objects.push_back(built_in_simulation_object(0));
+    objects.push_back(simulation::built_in_simulation_object(0));
     for (const auto& path : settings.meshes) {
-      objects.push_back(mesh_object(read_mesh(path).value()).value());
+      objects.push_back(simulation::mesh_object(read_mesh(path).value()).value());
       names.push_back(path.substr(path.find_last_of('/') + 1));
     }
   } else if (!settings.boxes) {

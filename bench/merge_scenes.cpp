@@ -78,9 +78,9 @@ std::string faults_of(const TriangleMesh& mesh, const SceneOptions& options,
 
 void run_scene(const std::vector<RangeView>& views, std::uint32_t seed, const SceneOptions& options,
                const std::filesystem::path& folder, Tally& tally) {
-  MergeOptions merge;
+  fusion::MergeOptions merge;
   merge.threads = options.threads;
-  const auto merged = merge_views(views, merge);
+  const auto merged = fusion::merge_views(views, merge);
   if (!merged) {
     ++tally.errors[merged.error().message];
     return;
@@ -88,10 +88,10 @@ void run_scene(const std::vector<RangeView>& views, std::uint32_t seed, const Sc
   ++tally.merged;
   tally.faces += merged->mesh.faces.size();
   std::string faults = faults_of(merged->mesh, options, folder, tally);
-  PolishOptions polish;
+  hybrid::PolishOptions polish;
   polish.threads = options.threads;
   polish.normals.max_distance = merged->truncation;
-  const auto polished = polish_mesh(merged->mesh, views, polish);
+  const auto polished = hybrid::polish_mesh(merged->mesh, views, polish);
   if (polished && polished->rounds > 0) {
     ++tally.polished;
     const std::string after = faults_of(polished->mesh, options, folder, tally);

@@ -27,13 +27,13 @@ struct Settings {
 
 std::vector<RangeView> exact_ring(const Settings& settings, double& spacing,
                                   Eigen::Vector3d& centre) {
-  const SimulationObject object = built_in_simulation_object(0);
+  const simulation::SimulationObject object = simulation::built_in_simulation_object(0);
   centre = object.centre;
-  SimulationOptions options;
+  simulation::SimulationOptions options;
   options.views = settings.views;
   options.width = options.height = settings.size;
   options.mesh_divisions = 0;
-  const auto simulated = simulate(object, options);
+  const auto simulated = simulation::simulate(object, options);
   if (!simulated) std::abort();
   spacing = simulated->spacing;
   return simulated->truth.views;
@@ -87,14 +87,15 @@ void measure_run(const std::vector<RangeView>& truth, const Eigen::MatrixXd& inf
                  const Eigen::Vector3d& centre, double spacing, const Settings& settings,
                  std::uint32_t seed, Sums& sums) {
   const auto views = noisy(truth, settings.noise * spacing, seed);
-  std::vector<ViewSurface> surfaces;
+  std::vector<registration::ViewSurface> surfaces;
   for (const auto& view : views) surfaces.emplace_back(view);
-  std::vector<ViewRole> roles(views.size(), ViewRole::kFree);
-  roles[0] = ViewRole::kFixed;
-  JointRefinementOptions options;
+  std::vector<registration::ViewRole> roles(views.size(), registration::ViewRole::kFree);
+  roles[0] = registration::ViewRole::kFixed;
+  registration::JointRefinementOptions options;
   options.final_samples = settings.samples;
   const auto start = std::chrono::steady_clock::now();
-  const auto refined = refine_jointly(surfaces, disturbed(views, spacing, seed), roles, options);
+  const auto refined =
+      registration::refine_jointly(surfaces, disturbed(views, spacing, seed), roles, options);
   sums.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   sums.iterations += refined->iterations;
 
@@ -121,7 +122,8 @@ int run(const Settings& settings) {
   double spacing = 0.0;
   Eigen::Vector3d centre;
   const auto truth = exact_ring(settings, spacing, centre);
-  const Eigen::MatrixXd information = pose_information(truth, settings.noise * spacing, centre);
+  const Eigen::MatrixXd information =
+      evaluation::pose_information(truth, settings.noise * spacing, centre);
   Sums sums;
   for (int i = 0; i < settings.runs; ++i)
     measure_run(truth, information, centre, spacing, settings, static_cast<std::uint32_t>(i + 1),

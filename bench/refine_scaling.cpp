@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "bench/wavy_view.h"
-#include "relief/hybrid/refine_view.h"
 #include "hybrid/model/view_problem.h"
 #include "hybrid/solver/view_solver.h"
-#include "scan/base/parallel.h"
+#include "relief/hybrid/refine_view.h"
 #include "relief/simulation/simulate.h"
+#include "scan/base/parallel.h"
 
 namespace relief {
 namespace {
@@ -65,14 +65,14 @@ struct Timed {
   int iterations = 0;
 };
 
-Timed solve(const ViewProblem& problem, Solver kind) {
+Timed solve(const hybrid::ViewProblem& problem, hybrid::Solver kind) {
   Timed timed;
   const double wall = wall_seconds(), start = processor_seconds();
-  const auto solver = make_view_solver(problem, true, kind, kThreads);
+  const auto solver = hybrid::make_view_solver(problem, true, kind, kThreads);
   if (!solver->set_weights(wavy_weights(problem, kWavyNormalNoise, kBiasStep))) std::abort();
   const double ready = processor_seconds();
   timed.y = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(problem.size()));
-  timed.iterations = solver->minimise(timed.y, RefineOptions().tolerance, 100).iterations;
+  timed.iterations = solver->minimise(timed.y, hybrid::RefineOptions().tolerance, 100).iterations;
   timed.setup = ready - start;
   timed.solve = processor_seconds() - ready;
   timed.wall = wall_seconds() - wall;
@@ -80,15 +80,15 @@ Timed solve(const ViewProblem& problem, Solver kind) {
 }
 
 void measure_solvers(const RangeView& view, double pixels) {
-  const ViewProblem problem =
-      make_view_problem(view, connect_samples(view), Stencil::kCompactEdge, kThreads);
-  const Timed fast = solve(problem, Solver::kMultigrid);
+  const hybrid::ViewProblem problem = hybrid::make_view_problem(
+      view, connect_samples(view), hybrid::Stencil::kCompactEdge, kThreads);
+  const Timed fast = solve(problem, hybrid::Solver::kMultigrid);
   std::printf(
       "%9.2f  multigrid   setup %6.2f us/pixel, %2d steps %6.2f us/pixel, %.3f s, %.3f s wall\n",
       pixels / 1048576.0, 1e6 * fast.setup / pixels, fast.iterations, 1e6 * fast.solve / pixels,
       fast.setup + fast.solve, fast.wall);
   if (view.width() > kLargestDirect) return;
-  const Timed direct = solve(problem, Solver::kCholesky);
+  const Timed direct = solve(problem, hybrid::Solver::kCholesky);
   const double direct_time = direct.setup + direct.solve;
   std::printf("%9s  direct      %6.2f us/pixel, %.1f times longer; x differs by %.1e of its norm\n",
               "", 1e6 * direct_time / pixels, direct_time / (fast.setup + fast.solve),
@@ -98,12 +98,12 @@ void measure_solvers(const RangeView& view, double pixels) {
 
 void measure_refinement(const RangeView& view, bool deviation) {
   const auto pixels = static_cast<double>(view.range.size());
-  RefineOptions options;
+  hybrid::RefineOptions options;
   options.threads = kThreads;
   options.deviation = deviation;
   const PeakMemory memory_used;
   const double wall = wall_seconds(), start = processor_seconds();
-  const auto refined = refine_view(view, options);
+  const auto refined = hybrid::refine_view(view, options);
   const double time = processor_seconds() - start, elapsed = wall_seconds() - wall;
   if (!refined) std::abort();
   std::printf(
@@ -115,12 +115,12 @@ void measure_refinement(const RangeView& view, bool deviation) {
 
 // A million samples of the built-in object.
 RangeView object_view() {
-  SimulationOptions options;
+  simulation::SimulationOptions options;
   options.views = 1;
   options.width = options.height = 1150;
   options.fill = 1.35;
   options.mesh_divisions = 0;
-  auto simulation = simulate(options);
+  auto simulation = simulation::simulate(options);
   if (!simulation) std::abort();
   return std::move(simulation->scans.views.front());
 }

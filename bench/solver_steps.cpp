@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "bench/wavy_view.h"
-#include "relief/hybrid/refine_view.h"
 #include "hybrid/model/view_problem.h"
 #include "hybrid/solver/view_solver.h"
+#include "relief/hybrid/refine_view.h"
 
 namespace relief {
 namespace {
@@ -46,9 +46,10 @@ RangeView with_holes(double share) {
   return masked([&](int, int) { return static_cast<double>(generator()) >= share * 0x1p32; });
 }
 
-ViewWeights weights_of(const ViewProblem& problem, const Lengths& lengths, double jumps) {
+hybrid::ViewWeights weights_of(const hybrid::ViewProblem& problem, const Lengths& lengths,
+                               double jumps) {
   const double sigma_normal = kWavyRangeNoise / lengths.position;
-  ViewWeights weights = wavy_weights(problem, sigma_normal, sigma_normal / lengths.bias);
+  hybrid::ViewWeights weights = wavy_weights(problem, sigma_normal, sigma_normal / lengths.bias);
   if (jumps == 0.0) return weights;
   std::mt19937 generator(11);
   problem.slopes.for_each([&](int axis, std::size_t i) {
@@ -59,16 +60,16 @@ ViewWeights weights_of(const ViewProblem& problem, const Lengths& lengths, doubl
   return weights;
 }
 
-int steps_for(const ViewProblem& problem, const Lengths& lengths, double jumps) {
-  const auto solver = make_view_solver(problem, true, Solver::kMultigrid, 0);
+int steps_for(const hybrid::ViewProblem& problem, const Lengths& lengths, double jumps) {
+  const auto solver = hybrid::make_view_solver(problem, true, hybrid::Solver::kMultigrid, 0);
   if (!solver->set_weights(weights_of(problem, lengths, jumps))) std::abort();
   Eigen::VectorXd y = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(problem.size()));
-  return solver->minimise(y, RefineOptions().tolerance, 500).iterations;
+  return solver->minimise(y, hybrid::RefineOptions().tolerance, 500).iterations;
 }
 
 void print_row(const Case& of) {
-  const ViewProblem problem =
-      make_view_problem(of.view, connect_samples(of.view), Stencil::kCompactEdge);
+  const hybrid::ViewProblem problem =
+      hybrid::make_view_problem(of.view, connect_samples(of.view), hybrid::Stencil::kCompactEdge);
   std::printf("| %s |", of.name.c_str());
   for (const Lengths& lengths : kLengths)
     std::printf(" %d |", steps_for(problem, lengths, of.jumps));

@@ -14,13 +14,13 @@
 namespace relief {
 namespace {
 
-const Simulation& scans(int size) {
-  static std::map<int, Simulation> simulations;
+const simulation::Simulation& scans(int size) {
+  static std::map<int, simulation::Simulation> simulations;
   if (const auto found = simulations.find(size); found != simulations.end()) return found->second;
-  SimulationOptions options;
+  simulation::SimulationOptions options;
   options.width = options.height = size;
   options.mesh_divisions = 0;
-  auto simulation = simulate(options);
+  auto simulation = simulation::simulate(options);
   if (!simulation) std::abort();
   return simulations.emplace(size, std::move(simulation).value()).first->second;
 }
@@ -36,23 +36,24 @@ void count_samples(benchmark::State& state, const std::vector<RangeView>& views)
 void align(benchmark::State& state) {
   const auto& views = scans(static_cast<int>(state.range(0))).scans.views;
   for (auto _ : state)
-    benchmark::DoNotOptimize(align_views(views, {.threads = static_cast<int>(state.range(1))}));
+    benchmark::DoNotOptimize(
+        registration::align_views(views, {.threads = static_cast<int>(state.range(1))}));
   count_samples(state, views);
 }
 
 void refine(benchmark::State& state) {
   const RangeView& view = scans(static_cast<int>(state.range(0))).scans.views.front();
-  RefineOptions options;
+  hybrid::RefineOptions options;
   options.threads = static_cast<int>(state.range(1));
-  for (auto _ : state) benchmark::DoNotOptimize(refine_view(view, options));
+  for (auto _ : state) benchmark::DoNotOptimize(hybrid::refine_view(view, options));
   count_samples(state, {view});
 }
 
 void merge(benchmark::State& state) {
   const auto& views = scans(static_cast<int>(state.range(0))).truth.views;
-  MergeOptions options;
+  fusion::MergeOptions options;
   options.threads = static_cast<int>(state.range(1));
-  for (auto _ : state) benchmark::DoNotOptimize(merge_views(views, options));
+  for (auto _ : state) benchmark::DoNotOptimize(fusion::merge_views(views, options));
   count_samples(state, views);
 }
 

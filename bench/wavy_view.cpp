@@ -31,8 +31,9 @@ RangeView wavy_view(int side) {
   return view;
 }
 
-ViewWeights wavy_weights(const ViewProblem& problem, double sigma_normal, double sigma_bias_step) {
-  ViewWeights weights;
+hybrid::ViewWeights wavy_weights(const hybrid::ViewProblem& problem, double sigma_normal,
+                                 double sigma_bias_step) {
+  hybrid::ViewWeights weights;
   weights.position.assign(problem.grid.size(), 0.0f);
   for (const std::uint32_t i : problem.pixels)
     weights.position[i] = static_cast<float>(1.0 / (kWavyRangeNoise * kWavyRangeNoise));

@@ -14,6 +14,7 @@ RangeView wavy_view(int side);
 
 /// The weights of (7a) in such a view: its range noise, and standard deviations of a normal's slope
 /// and of the bias from sample to sample [rad].
-ViewWeights wavy_weights(const ViewProblem& problem, double sigma_normal, double sigma_bias_step);
+hybrid::ViewWeights wavy_weights(const hybrid::ViewProblem& problem, double sigma_normal,
+                                 double sigma_bias_step);
 
 }  // namespace relief

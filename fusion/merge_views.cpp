@@ -4,20 +4,20 @@
 #include <optional>
 #include <sstream>
 
-#include "fusion/tsdf/closed_field.h"
-#include "fusion/mesh/crease_edges.h"
 #include "fusion/holes/fair_fill.h"
 #include "fusion/holes/filled_regions.h"
+#include "fusion/mesh/crease_edges.h"
 #include "fusion/surface/isosurface.h"
 #include "fusion/surface/vertex_attributes.h"
 #include "fusion/surface/vertex_colours.h"
+#include "fusion/tsdf/closed_field.h"
 #include "fusion/views/view_sampler.h"
 #include "scan/base/median.h"
 #include "scan/base/median_deviation.h"
-#include "scan/mesh/mesh_components.h"
 #include "scan/base/parallel.h"
+#include "scan/mesh/mesh_components.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -263,4 +263,4 @@ Result<MergeResult> merge_views(const std::vector<RangeView>& views, const Merge
   return merge_from_source({views.size(), load}, options, progress);
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

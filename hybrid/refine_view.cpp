@@ -7,20 +7,20 @@
 #include <utility>
 #include <vector>
 
-#include "hybrid/normals/normal_outliers.h"
+#include "hybrid/model/prepared_view.h"
+#include "hybrid/model/smooth_change.h"
+#include "hybrid/model/view_problem.h"
 #include "hybrid/noise/noise_model.h"
 #include "hybrid/normals/normal_correction.h"
+#include "hybrid/normals/normal_outliers.h"
 #include "hybrid/normals/normal_screening.h"
-#include "hybrid/model/prepared_view.h"
-#include "hybrid/solver/robust_solve.h"
-#include "hybrid/model/smooth_change.h"
 #include "hybrid/normals/unexplained_steps.h"
-#include "hybrid/model/view_problem.h"
 #include "hybrid/normals/wild_samples.h"
-#include "scan/grid/filled_view.h"
+#include "hybrid/solver/robust_solve.h"
 #include "scan/base/stopwatch.h"
+#include "scan/grid/filled_view.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -124,7 +124,7 @@ class Refinement {
     result_.iterations = solved.iterations;
     if (solved.status == RefineStatus::kSolverFailed)
       keep_as_measured(solved.status);
-    else if (contradicts(solved.y))
+    else if (registration::contradicts(solved.y))
       keep_as_measured(RefineStatus::kContradiction);
     else
       finish(solved);
@@ -321,4 +321,4 @@ Result<RefinedView> refine_view(const RangeView& view, const RefineOptions& opti
   return std::move(result);
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

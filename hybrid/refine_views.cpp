@@ -9,7 +9,7 @@
 #include "scan/base/parallel.h"
 #include "scan/base/system_memory.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -71,4 +71,4 @@ Result<std::vector<RefinedView>> refine_views(const std::vector<RangeView>& view
   return refined;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -7,7 +7,7 @@
 #include "registration/verification/given_poses.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -272,4 +272,4 @@ std::string_view to_string(PoseStatus status) {
   return "unknown";
 }
 
-}  // namespace relief
+}  // namespace relief::registration

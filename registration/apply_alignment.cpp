@@ -1,9 +1,9 @@
-#include "relief/registration/align_views.h"
-
 #include <cassert>
 #include <cstddef>
 
-namespace relief {
+#include "relief/registration/align_views.h"
+
+namespace relief::registration {
 
 void apply_alignment(const Alignment& alignment, std::vector<RangeView>& views) {
   assert(alignment.views.size() == views.size());
@@ -15,4 +15,4 @@ void apply_alignment(const Alignment& alignment, std::vector<RangeView>& views) 
   }
 }
 
-}  // namespace relief
+}  // namespace relief::registration

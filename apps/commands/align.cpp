@@ -1,10 +1,10 @@
 #include <memory>
 
 #include "apps/commands/command.h"
+#include "apps/options/stage_options.h"
 #include "apps/reports/console.h"
 #include "apps/reports/exit_status.h"
 #include "apps/reports/output.h"
-#include "apps/options/stage_options.h"
 #include "apps/stages/stages.h"
 
 namespace relief {
@@ -14,7 +14,7 @@ namespace {
 struct AlignCommand {
   CommonOptions common;
   ProjectInput input;
-  AlignOptions options;
+  registration::AlignOptions options;
   std::filesystem::path output;
 };
 
@@ -22,7 +22,7 @@ int align(const AlignCommand& command) {
   auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
   if (const auto ready = prepare_folder_of(command.output); !ready) return fail(ready.error());
-  AlignOptions options = command.options;
+  registration::AlignOptions options = command.options;
   options.threads = command.common.threads;
   const auto stage = align_stage(*project, options);
   if (!stage) return fail(stage.error());

@@ -8,19 +8,19 @@
 #include <fmt/format.h>
 
 #include "apps/commands/command.h"
+#include "apps/options/input_kind.h"
 #include "apps/reports/console.h"
 #include "apps/reports/evaluation_plots.h"
 #include "apps/reports/evaluation_report.h"
 #include "apps/reports/exit_status.h"
-#include "apps/options/input_kind.h"
 #include "apps/reports/output.h"
-#include "scan/evaluation/base/angles.h"
-#include "scan/evaluation/base/error_colours.h"
 #include "relief/evaluation/mesh_alignment.h"
-#include "scan/io/files/atomic_file.h"
-#include "scan/io/meshes/coloured_mesh.h"
 #include "relief/io/mesh_io.h"
 #include "relief/io/poses_io.h"
+#include "scan/evaluation/base/angles.h"
+#include "scan/evaluation/base/error_colours.h"
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/meshes/coloured_mesh.h"
 
 namespace relief {
 
@@ -30,7 +30,7 @@ struct EvaluateCommand {
   CommonOptions common;
   ProjectInput result;
   std::filesystem::path truth;
-  MeshDistanceOptions mesh;
+  evaluation::MeshDistanceOptions mesh;
   bool align = false;
   double colour_scale = 0.0;  ///< Error of full colour [unit]; 0: that of 95 % of the surface.
   std::filesystem::path output, plots;
@@ -50,14 +50,15 @@ Result<void> deliver(const EvaluateCommand& command, const Json& figures) {
 // A mesh with the distances of its vertices to `other` as quality and as colours.
 Result<void> write_errors(TriangleMesh mesh, const TriangleMesh& other, bool with_sign,
                           double scale, int threads, const std::filesystem::path& file) {
-  auto distances = signed_distances(mesh, other, threads);
+  auto distances = evaluation::signed_distances(mesh, other, threads);
   if (!with_sign)
     for (double& distance : distances) distance = std::abs(distance);
   mesh.quality.assign(distances.begin(), distances.end());
   const std::string comment = fmt::format(
       "quality: distance to the other surface{}; colours: blue {:.6g}, grey 0, red {:.6g}",
       with_sign ? ", negative inside" : "", -scale, scale);
-  auto written = write_coloured_mesh(mesh, colours_of_errors(distances, scale), comment, file);
+  auto written =
+      write_coloured_mesh(mesh, evaluation::colours_of_errors(distances, scale), comment, file);
   if (written) Console::info("wrote " + file.string() + ": " + comment);
   return written;
 }
@@ -74,8 +75,8 @@ Result<void> write_both_errors(const EvaluateCommand& command, const TriangleMes
 // Brings the result into the frame of the truth and notes how.
 Result<void> move_to_truth(const EvaluateCommand& command, const TriangleMesh& truth,
                            TriangleMesh& result, Json& figures) {
-  const auto fit =
-      align_mesh(result, truth, {.seed = command.common.seed, .threads = command.common.threads});
+  const auto fit = evaluation::align_mesh(
+      result, truth, {.seed = command.common.seed, .threads = command.common.threads});
   if (!fit) return fit.error();
   for (auto& vertex : result.vertices) vertex = fit->truth_from_result * vertex;
   const Eigen::Matrix3f rotation = fit->truth_from_result.linear().cast<float>();
@@ -87,7 +88,7 @@ Result<void> move_to_truth(const EvaluateCommand& command, const TriangleMesh& t
   if (!fit->converged) Console::warning("the alignment with the truth did not settle");
   if (!command.common.json)
     fmt::print("aligned: the result was turned by {:.4g} deg and moved\n",
-               degrees(rotation_angle(fit->truth_from_result)));
+               evaluation::degrees(rotation_angle(fit->truth_from_result)));
   return {};
 }
 
@@ -99,10 +100,11 @@ Result<void> evaluate_mesh(const EvaluateCommand& command) {
   Json alignment = Json::object();
   if (command.align)
     if (auto moved = move_to_truth(command, *truth, *result, alignment); !moved) return moved;
-  MeshDistanceOptions options = command.mesh;
+  evaluation::MeshDistanceOptions options = command.mesh;
   options.threads = command.common.threads;
   options.seed = command.common.seed;
-  const auto comparison = compare_meshes(*result, *truth, options, console_progress("evaluate"));
+  const auto comparison =
+      evaluation::compare_meshes(*result, *truth, options, console_progress("evaluate"));
   if (!comparison) return comparison.error();
 
   const MeshCheck check =
@@ -148,13 +150,14 @@ bool have_poses(const ScanProject& project) {
                      [](const RangeView& view) { return view.pose != PoseKind::kAbsent; });
 }
 
-Result<void> plot_views(const ViewSpectra& spectra, const ScanProject& result,
+Result<void> plot_views(const evaluation::ViewSpectra& spectra, const ScanProject& result,
                         const ScanProject& truth, const std::filesystem::path& folder) {
   if (auto done = plot_spectra(spectra, result.unit, folder); !done) return done;
-  const auto pairs = pair_views(result, truth);
+  const auto pairs = evaluation::pair_views(result, truth);
   if (!pairs) return pairs.error();
-  for (const ViewAndTruth& pair : *pairs)
-    if (auto done = plot_error_maps(error_maps(pair), result.unit, folder); !done) return done;
+  for (const evaluation::ViewAndTruth& pair : *pairs)
+    if (auto done = plot_error_maps(evaluation::error_maps(pair), result.unit, folder); !done)
+      return done;
   return {};
 }
 
@@ -168,12 +171,13 @@ Result<void> evaluate_project(const EvaluateCommand& command) {
   if (!truth) return truth.error();
 
   Json figures = Json::object();
-  std::optional<ViewSpectra> spectra;
+  std::optional<evaluation::ViewSpectra> spectra;
   if (with_views) {
-    const ViewErrorOptions options{.threads = command.common.threads};
-    const auto views = evaluate_views(*result, *truth, options);
+    const evaluation::ViewErrorOptions options{.threads = command.common.threads};
+    const auto views = evaluation::evaluate_views(*result, *truth, options);
     if (!views) return views.error();
-    auto by_frequency = evaluate_spectra(*result, *truth, options, console_progress("evaluate"));
+    auto by_frequency =
+        evaluation::evaluate_spectra(*result, *truth, options, console_progress("evaluate"));
     if (!by_frequency) return by_frequency.error();
     spectra = *std::move(by_frequency);
     figures = to_json(*views);
@@ -184,7 +188,7 @@ Result<void> evaluate_project(const EvaluateCommand& command) {
     }
   }
   if (result->views.size() > 1 && have_poses(*result)) {
-    const auto poses = evaluate_poses(*result, *truth);
+    const auto poses = evaluation::evaluate_poses(*result, *truth);
     if (!poses) return poses.error();
     figures["poses"] = to_json(*poses);
     if (!command.common.json) print_table(*poses, result->unit);

@@ -75,9 +75,9 @@ Json view_info(const RangeView& view, const std::string& unit) {
                {"pose", to_string(view.pose)},
                {"spacing", sample_spacing(points_of(view), edges)},
                {"inner_samples", inner_count(view, edges)}};
-  add_range_noise(view, unit, info);
+  simulation::add_range_noise(view, unit, info);
   if (!view.has_normals()) return info;
-  const NoiseEstimate noise = estimate_noise(view, edges);
+  const hybrid::NoiseEstimate noise = hybrid::estimate_noise(view, edges);
   if (noise.usable()) {
     info["sigma_position"] = noise.sigma_position;
     info["sigma_normal_deg"] = noise.sigma_normal * 180.0 / std::numbers::pi;

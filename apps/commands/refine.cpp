@@ -1,10 +1,10 @@
 #include <memory>
 
 #include "apps/commands/command.h"
+#include "apps/options/stage_options.h"
 #include "apps/reports/console.h"
 #include "apps/reports/exit_status.h"
 #include "apps/reports/output.h"
-#include "apps/options/stage_options.h"
 #include "apps/stages/stages.h"
 
 namespace relief {
@@ -22,7 +22,7 @@ int refine(const RefineCommand& command) {
   auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
   if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
-  RefineOptions options = command.flags.resolved();
+  hybrid::RefineOptions options = command.flags.resolved();
   options.threads = command.common.threads;
   options.seed = command.common.seed;
   const auto stage = refine_stage(*project, options, command.flags.memory());

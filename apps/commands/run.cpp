@@ -1,11 +1,11 @@
 #include <memory>
 
-#include "apps/stages/alignment_gain.h"
 #include "apps/commands/command.h"
+#include "apps/options/stage_options.h"
 #include "apps/reports/console.h"
 #include "apps/reports/exit_status.h"
 #include "apps/reports/output.h"
-#include "apps/options/stage_options.h"
+#include "apps/stages/alignment_gain.h"
 #include "apps/stages/stages.h"
 #include "relief/io/mesh_io.h"
 
@@ -16,7 +16,7 @@ namespace {
 struct RunCommand {
   CommonOptions common;
   ProjectInput input;
-  AlignOptions align;
+  registration::AlignOptions align;
   RefineFlags refine;
   MergeFlags merge;
   std::filesystem::path output;
@@ -66,7 +66,7 @@ class Run {
   }
 
   Result<void> refine() {
-    RefineOptions options = with_threads(command_.refine.resolved());
+    hybrid::RefineOptions options = with_threads(command_.refine.resolved());
     options.seed = command_.common.seed;
     const auto stage = refine_stage(project_, options, command_.refine.memory());
     if (!stage) return stage.error();
@@ -79,8 +79,8 @@ class Run {
     if (any_refined_ && project_.views.size() > 1) {
       std::vector<RigidMotion> before;
       for (const RangeView& view : project_.views) before.push_back(view.world_from_view);
-      AlignOptions options = with_threads(command_.align);
-      options.surface.normals = NormalSource::kMeasured;
+      registration::AlignOptions options = with_threads(command_.align);
+      options.surface.normals = registration::NormalSource::kMeasured;
       auto stage = align_stage(project_, options);
       if (!stage) return stage.error();
       const Json gain = alignment_gain(first_alignment_, stage->report, project_.views);

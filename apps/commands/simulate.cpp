@@ -7,18 +7,18 @@
 #include <fmt/format.h>
 
 #include "apps/commands/command.h"
+#include "apps/options/simulation_defects.h"
+#include "apps/options/simulation_options.h"
+#include "apps/options/simulation_record.h"
 #include "apps/reports/console.h"
 #include "apps/reports/exit_status.h"
 #include "apps/reports/output.h"
 #include "apps/reports/report.h"
-#include "apps/options/simulation_defects.h"
-#include "apps/options/simulation_options.h"
-#include "apps/options/simulation_record.h"
-#include "scan/io/files/atomic_file.h"
 #include "relief/io/mesh_io.h"
 #include "relief/io/poses_io.h"
 #include "relief/scan/mesh_check.h"
 #include "relief/simulation/mesh_object.h"
+#include "scan/io/files/atomic_file.h"
 
 namespace relief {
 
@@ -26,7 +26,7 @@ namespace {
 
 struct SimulateCommand {
   CommonOptions common;
-  SimulationOptions options;
+  simulation::SimulationOptions options;
   SensorChoice sensors;
   DefectChoice defects;
   std::filesystem::path poses;  ///< Empty: a layout.
@@ -36,7 +36,7 @@ struct SimulateCommand {
 };
 
 // What the simulated sensors did, and where they truly stood.
-Json truth_record(const Simulation& simulation, const SimulateCommand& command) {
+Json truth_record(const simulation::Simulation& simulation, const SimulateCommand& command) {
   Json record = simulation_record(simulation, command.options);
   const Json defects = defects_json(command.options.defects, command.defects.undeclared_normals);
   if (!defects.is_null()) record["defects"] = defects;
@@ -48,7 +48,8 @@ Json truth_record(const Simulation& simulation, const SimulateCommand& command) 
 }
 
 // The truth goes first, so that a scan.json never stands without it.
-Result<void> write_simulation(const Simulation& simulation, const SimulateCommand& command) {
+Result<void> write_simulation(const simulation::Simulation& simulation,
+                              const SimulateCommand& command) {
   const auto& folder = command.output;
   if (auto done = prepare_folder(folder / "truth"); !done) return done;
   if (!simulation.mesh.faces.empty())
@@ -63,29 +64,30 @@ Result<void> write_simulation(const Simulation& simulation, const SimulateComman
   return write_project(simulation.scans, folder, console_progress("write"), writing);
 }
 
-Result<SimulationObject> object_to_scan(const SimulateCommand& command) {
+Result<simulation::SimulationObject> object_to_scan(const SimulateCommand& command) {
   if (command.mesh.empty())
-    return built_in_simulation_object(command.options.mesh_divisions, command.common.threads);
+    return simulation::built_in_simulation_object(command.options.mesh_divisions,
+                                                  command.common.threads);
   auto mesh = read_mesh(command.mesh);
   if (!mesh) return mesh.error();
   if (!check_mesh(*mesh).closed())
     Console::warning(command.mesh.string() +
                      ": the mesh is not closed; scans see through where it is open");
-  auto object = mesh_object(std::move(*mesh), command.unit);
+  auto object = simulation::mesh_object(std::move(*mesh), command.unit);
   if (!object)
     return Error{object.error().kind, command.mesh.string() + ": " + object.error().message};
   return object;
 }
 
-Result<SimulationOptions> chosen_options(const SimulateCommand& command) {
-  SimulationOptions options = command.options;
+Result<simulation::SimulationOptions> chosen_options(const SimulateCommand& command) {
+  simulation::SimulationOptions options = command.options;
   options.threads = command.common.threads;
   options.seed = command.common.seed;
   if (auto applied = command.sensors.apply(options); !applied) return applied.error();
   auto defects = command.defects.chosen();
   if (!defects) return defects.error();
   options.defects = *defects;
-  if (command.defects.undeclared_normals && options.rays != SensorRays::kPinhole)
+  if (command.defects.undeclared_normals && options.rays != simulation::SensorRays::kPinhole)
     return Error{ErrorKind::kBadInput,
                  "--undeclared-normals has no meaning here; it needs --rays pinhole, whose normals "
                  "are maps of their own"};
@@ -99,11 +101,11 @@ Result<SimulationOptions> chosen_options(const SimulateCommand& command) {
 int simulate_scans(const SimulateCommand& command) {
   const auto chosen = chosen_options(command);
   if (!chosen) return fail(chosen.error());
-  const SimulationOptions& options = *chosen;
+  const simulation::SimulationOptions& options = *chosen;
   if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
   const auto object = object_to_scan(command);
   if (!object) return fail(object.error());
-  const auto simulation = simulate(*object, options, console_progress("simulate"));
+  const auto simulation = simulation::simulate(*object, options, console_progress("simulate"));
   if (!simulation) return fail(simulation.error());
   SimulateCommand used = command;
   used.options = options;

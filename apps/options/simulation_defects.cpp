@@ -7,29 +7,32 @@ namespace relief {
 
 namespace {
 
-const std::map<std::string, NormalMistake> kNormalMistakes = {
-    {"none", NormalMistake::kNone},      {"flip-x", NormalMistake::kFlipX},
-    {"flip-y", NormalMistake::kFlipY},   {"flip-z", NormalMistake::kFlipZ},
-    {"swap-xy", NormalMistake::kSwapXY}, {"world", NormalMistake::kWorldSpace}};
+const std::map<std::string, simulation::NormalMistake> kNormalMistakes = {
+    {"none", simulation::NormalMistake::kNone},
+    {"flip-x", simulation::NormalMistake::kFlipX},
+    {"flip-y", simulation::NormalMistake::kFlipY},
+    {"flip-z", simulation::NormalMistake::kFlipZ},
+    {"swap-xy", simulation::NormalMistake::kSwapXY},
+    {"world", simulation::NormalMistake::kWorldSpace}};
 
-std::string name_of(NormalMistake mistake) {
+std::string name_of(simulation::NormalMistake mistake) {
   for (const auto& [name, value] : kNormalMistakes)
     if (value == mistake) return name;
   return "";
 }
 
-Json to_json(const BackgroundPlate& plate) {
+Json to_json(const simulation::BackgroundPlate& plate) {
   return {{"distance", plate.distance}, {"tilt_deg", plate.tilt_deg}};
 }
 
-Json to_json(const Glare& glare) {
+Json to_json(const simulation::Glare& glare) {
   return {{"lamps", glare.lamps},
           {"lamp_angle_deg", glare.lamp_angle_deg},
           {"width_deg", glare.width_deg},
           {"range_error", glare.range_error}};
 }
 
-Json every_parameter(const ScanDefects& defects, bool undeclared_normals) {
+Json every_parameter(const simulation::ScanDefects& defects, bool undeclared_normals) {
   return {{"background", defects.background ? to_json(*defects.background) : Json()},
           {"noise_half", defects.noise_half},
           {"view_warp", defects.view_warp},
@@ -46,17 +49,17 @@ Json every_parameter(const ScanDefects& defects, bool undeclared_normals) {
 
 }  // namespace
 
-Result<ScanDefects> DefectChoice::chosen() const {
-  ScanDefects chosen = defects;
+Result<simulation::ScanDefects> DefectChoice::chosen() const {
+  simulation::ScanDefects chosen = defects;
   if (background) chosen.background = plate;
   if (glare) chosen.glare = highlights;
   const auto needs = [](const char* parameters, const char* flag) {
     return Error{ErrorKind::kBadInput,
                  std::string(parameters) + " have no meaning here; they need " + flag};
   };
-  if (!background && plate != BackgroundPlate{})
+  if (!background && plate != simulation::BackgroundPlate{})
     return needs("--background-distance and --background-tilt", "--background");
-  if (!glare && highlights != Glare{})
+  if (!glare && highlights != simulation::Glare{})
     return needs("--glare-lamps, --glare-angle, --glare-width and --glare-error", "--glare");
   return chosen;
 }
@@ -66,7 +69,7 @@ void add_defect_options(CLI::App& command, DefectChoice& choice) {
   const auto add = [&](const char* name, double& value, const char* help) {
     group(command.add_option(name, value, help)->capture_default_str());
   };
-  ScanDefects& defects = choice.defects;
+  simulation::ScanDefects& defects = choice.defects;
   group(command.add_flag("--background", choice.background,
                          "A tilted plate behind the object that stands still before the sensor"));
   add("--background-distance", choice.plate.distance,
@@ -102,7 +105,7 @@ void add_defect_options(CLI::App& command, DefectChoice& choice) {
   add("--scale-factor", defects.scale_factor, "Factor of all ranges, poses staying as they are");
 }
 
-Json defects_json(const ScanDefects& defects, bool undeclared_normals) {
+Json defects_json(const simulation::ScanDefects& defects, bool undeclared_normals) {
   const Json all = every_parameter(defects, undeclared_normals);
   return all == every_parameter({}, false) ? Json() : all;
 }

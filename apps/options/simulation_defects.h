@@ -9,22 +9,22 @@ namespace relief {
 
 /// What a command line asks to be wrong with the scans.
 struct DefectChoice {
-  ScanDefects defects;
+  simulation::ScanDefects defects;
   bool background = false;
-  BackgroundPlate plate;
+  simulation::BackgroundPlate plate;
   bool glare = false;
-  Glare highlights;
+  simulation::Glare highlights;
   /// Whether the written project says which axes and space the normal maps have.
   bool undeclared_normals = false;
 
   /// kBadInput when a parameter of plate or glare is given without it.
-  Result<ScanDefects> chosen() const;
+  Result<simulation::ScanDefects> chosen() const;
 };
 
 /// Adds --background, --missing and the other defects that every sensor may have.
 void add_defect_options(CLI::App& command, DefectChoice& choice);
 
 /// The defects as an object of truth.json; null when there are none.
-Json defects_json(const ScanDefects& defects, bool undeclared_normals);
+Json defects_json(const simulation::ScanDefects& defects, bool undeclared_normals);
 
 }  // namespace relief

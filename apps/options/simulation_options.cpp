@@ -10,23 +10,24 @@ namespace {
 
 const std::map<std::string, PoseKind> kPoses = {
     {"exact", PoseKind::kKnown}, {"perturbed", PoseKind::kGuess}, {"absent", PoseKind::kAbsent}};
-const std::map<std::string, ViewLayout> kLayouts = {{"turntable", ViewLayout::kTurntable},
-                                                    {"sphere", ViewLayout::kSphere}};
-const std::map<std::string, SensorRays> kRays = {{"pinhole", SensorRays::kPinhole},
-                                                 {"orthographic", SensorRays::kOrthographic},
-                                                 {"line", SensorRays::kLine}};
-const std::map<std::string, RangeSensor> kRangeSensors = {
-    {"exact", WhiteRangeSensor{0.0}},
-    {"white", WhiteRangeSensor{}},
-    {"structured-light", structured_light_scanner()},
-    {"laser-line", laser_line_scanner()},
-    {"rgbd", rgbd_camera()},
-    {"tof", TimeOfFlightCamera{}}};
-const std::map<std::string, NormalSensor> kNormalSensors = {
-    {"exact", WhiteNormalSensor{0.0, 0.0}},
-    {"white", WhiteNormalSensor{}},
-    {"photometric-stereo", PhotometricStereo{}},
-    {"none", NoNormalSensor{}}};
+const std::map<std::string, simulation::ViewLayout> kLayouts = {
+    {"turntable", simulation::ViewLayout::kTurntable}, {"sphere", simulation::ViewLayout::kSphere}};
+const std::map<std::string, simulation::SensorRays> kRays = {
+    {"pinhole", simulation::SensorRays::kPinhole},
+    {"orthographic", simulation::SensorRays::kOrthographic},
+    {"line", simulation::SensorRays::kLine}};
+const std::map<std::string, simulation::RangeSensor> kRangeSensors = {
+    {"exact", simulation::WhiteRangeSensor{0.0}},
+    {"white", simulation::WhiteRangeSensor{}},
+    {"structured-light", simulation::structured_light_scanner()},
+    {"laser-line", simulation::laser_line_scanner()},
+    {"rgbd", simulation::rgbd_camera()},
+    {"tof", simulation::TimeOfFlightCamera{}}};
+const std::map<std::string, simulation::NormalSensor> kNormalSensors = {
+    {"exact", simulation::WhiteNormalSensor{0.0, 0.0}},
+    {"white", simulation::WhiteNormalSensor{}},
+    {"photometric-stereo", simulation::PhotometricStereo{}},
+    {"none", simulation::NoNormalSensor{}}};
 
 template <typename Sensor>
 std::vector<std::string> names_of(const std::map<std::string, Sensor>& sensors) {
@@ -36,9 +37,9 @@ std::vector<std::string> names_of(const std::map<std::string, Sensor>& sensors) 
 }
 
 // A sensor that looks at the surface's colour comes with a surface that has some.
-bool looks_at_reflectance(const SimulationOptions& options) {
-  return !std::holds_alternative<WhiteRangeSensor>(options.range_sensor) ||
-         std::holds_alternative<PhotometricStereo>(options.normal_sensor);
+bool looks_at_reflectance(const simulation::SimulationOptions& options) {
+  return !std::holds_alternative<simulation::WhiteRangeSensor>(options.range_sensor) ||
+         std::holds_alternative<simulation::PhotometricStereo>(options.normal_sensor);
 }
 
 // One parameter of a command line: sets the field of the chosen sensor, wherever it is found.
@@ -48,20 +49,21 @@ class ParameterAdder {
       : command_(command), choice_(choice), group_(group) {}
 
   template <typename Value>
-  void add(const char* name, const char* help, std::function<Value*(SimulationOptions&)> field,
-           const char* needs) {
+  void add(const char* name, const char* help,
+           std::function<Value*(simulation::SimulationOptions&)> field, const char* needs) {
     command_
         .add_option_function<Value>(
             name,
             [this_choice = &choice_, name, field = std::move(field), needs](const Value& value) {
-              this_choice->overrides.push_back([=](SimulationOptions& options) -> Result<void> {
-                Value* target = field(options);
-                if (!target)
-                  return Error{ErrorKind::kBadInput,
-                               std::string(name) + " has no meaning here; it needs " + needs};
-                *target = value;
-                return {};
-              });
+              this_choice->overrides.push_back(
+                  [=](simulation::SimulationOptions& options) -> Result<void> {
+                    Value* target = field(options);
+                    if (!target)
+                      return Error{ErrorKind::kBadInput,
+                                   std::string(name) + " has no meaning here; it needs " + needs};
+                    *target = value;
+                    return {};
+                  });
             },
             help)
         ->group(group_);
@@ -74,12 +76,12 @@ class ParameterAdder {
 };
 
 template <typename Value>
-using Field = std::function<Value*(SimulationOptions&)>;
+using Field = std::function<Value*(simulation::SimulationOptions&)>;
 
 // The member of the chosen sensor, null when another kind is chosen.
 template <typename Sensor, typename Value>
 Field<Value> of_range(Value Sensor::*member) {
-  return [member](SimulationOptions& options) -> Value* {
+  return [member](simulation::SimulationOptions& options) -> Value* {
     auto* sensor = std::get_if<Sensor>(&options.range_sensor);
     return sensor ? &(sensor->*member) : nullptr;
   };
@@ -87,7 +89,7 @@ Field<Value> of_range(Value Sensor::*member) {
 
 template <typename Sensor, typename Value>
 Field<Value> of_normal(Value Sensor::*member) {
-  return [member](SimulationOptions& options) -> Value* {
+  return [member](simulation::SimulationOptions& options) -> Value* {
     auto* sensor = std::get_if<Sensor>(&options.normal_sensor);
     return sensor ? &(sensor->*member) : nullptr;
   };
@@ -96,32 +98,36 @@ Field<Value> of_normal(Value Sensor::*member) {
 // Of a parameter that two range sensors have.
 template <typename First, typename Second>
 Field<double> of_ranges(double First::*first, double Second::*second) {
-  return [first = of_range(first), second = of_range(second)](SimulationOptions& options) {
-    double* field = first(options);
-    return field ? field : second(options);
-  };
+  return
+      [first = of_range(first), second = of_range(second)](simulation::SimulationOptions& options) {
+        double* field = first(options);
+        return field ? field : second(options);
+      };
 }
 
 // Of a parameter that both normal sensors have.
-Field<double> of_either(double WhiteNormalSensor::*white, double PhotometricStereo::*shading) {
-  return [white = of_normal(white), shading = of_normal(shading)](SimulationOptions& options) {
+Field<double> of_either(double simulation::WhiteNormalSensor::*white,
+                        double simulation::PhotometricStereo::*shading) {
+  return [white = of_normal(white),
+          shading = of_normal(shading)](simulation::SimulationOptions& options) {
     double* field = white(options);
     return field ? field : shading(options);
   };
 }
 
-Field<double> of_surface(double Reflectance::*member) {
-  return [member](SimulationOptions& options) -> double* {
+Field<double> of_surface(double simulation::Reflectance::*member) {
+  return [member](simulation::SimulationOptions& options) -> double* {
     return looks_at_reflectance(options) ? &(options.reflectance.*member) : nullptr;
   };
 }
 
 void add_triangulation_parameters(ParameterAdder& parameters) {
-  const auto add = [&](const char* name, const char* help, double TriangulationScanner::*member) {
+  const auto add = [&](const char* name, const char* help,
+                       double simulation::TriangulationScanner::*member) {
     parameters.add<double>(name, help, of_range(member),
                            "--range-sensor structured-light, laser-line or rgbd");
   };
-  using T = TriangulationScanner;
+  using T = simulation::TriangulationScanner;
   add("--baseline", "From the camera to the projector or laser [working distances]", &T::baseline);
   add("--disparity-noise", "Standard deviation of the disparity [pixels]", &T::disparity_noise);
   add("--noise-correlation", "Distance at which its correlation is 1/e [pixels]",
@@ -134,9 +140,9 @@ void add_triangulation_parameters(ParameterAdder& parameters) {
 
 void add_range_parameters(CLI::App& command, SensorChoice& choice) {
   ParameterAdder parameters(command, choice, "Range sensor");
-  using W = WhiteRangeSensor;
-  using T = TriangulationScanner;
-  using F = TimeOfFlightCamera;
+  using W = simulation::WhiteRangeSensor;
+  using T = simulation::TriangulationScanner;
+  using F = simulation::TimeOfFlightCamera;
   parameters.add<double>("--range-noise",
                          "White noise: standard deviation along the ray [sample spacings]",
                          of_ranges(&W::noise, &F::noise), "--range-sensor white, exact or tof");
@@ -163,8 +169,8 @@ void add_range_parameters(CLI::App& command, SensorChoice& choice) {
 
 void add_normal_parameters(CLI::App& command, SensorChoice& choice) {
   ParameterAdder parameters(command, choice, "Normal sensor");
-  using W = WhiteNormalSensor;
-  using P = PhotometricStereo;
+  using W = simulation::WhiteNormalSensor;
+  using P = simulation::PhotometricStereo;
   const char* const some = "--normal-sensor white, photometric-stereo or exact";
   const char* const shading = "--normal-sensor photometric-stereo";
   parameters.add<double>("--normal-noise", "White noise about each tangent axis [deg]",
@@ -189,13 +195,14 @@ void add_normal_parameters(CLI::App& command, SensorChoice& choice) {
 
 void add_surface_parameters(CLI::App& command, SensorChoice& choice) {
   ParameterAdder parameters(command, choice, "Surface");
-  const auto add = [&](const char* name, const char* help, double Reflectance::*member) {
+  const auto add = [&](const char* name, const char* help,
+                       double simulation::Reflectance::*member) {
     parameters.add<double>(
         name, help, of_surface(member),
         "--range-sensor structured-light, laser-line, rgbd or tof or --normal-sensor "
         "photometric-stereo");
   };
-  using R = Reflectance;
+  using R = simulation::Reflectance;
   add("--dark-fraction", "Part of the surface in dark patches", &R::dark_fraction);
   add("--dark-albedo", "Albedo of the dark patches", &R::dark_albedo);
   add("--glossy-fraction", "Part of the surface in glossy patches", &R::glossy_fraction);
@@ -207,16 +214,16 @@ void add_surface_parameters(CLI::App& command, SensorChoice& choice) {
 
 }  // namespace
 
-Result<void> SensorChoice::apply(SimulationOptions& options) const {
+Result<void> SensorChoice::apply(simulation::SimulationOptions& options) const {
   options.range_sensor = kRangeSensors.at(range);
   options.normal_sensor = kNormalSensors.at(normal);
-  if (looks_at_reflectance(options)) options.reflectance = patchy_surface();
+  if (looks_at_reflectance(options)) options.reflectance = simulation::patchy_surface();
   for (const auto& set : overrides)
     if (auto done = set(options); !done) return done;
   return {};
 }
 
-void add_simulation_options(CLI::App& command, SimulationOptions& options) {
+void add_simulation_options(CLI::App& command, simulation::SimulationOptions& options) {
   command.add_option("--views", options.views, "Number of views")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -6,23 +6,23 @@ namespace relief {
 
 namespace {
 
-const char* name_of(SensorRays rays) {
+const char* name_of(simulation::SensorRays rays) {
   switch (rays) {
-    case SensorRays::kPinhole:
+    case simulation::SensorRays::kPinhole:
       return "pinhole";
-    case SensorRays::kOrthographic:
+    case simulation::SensorRays::kOrthographic:
       return "orthographic";
-    case SensorRays::kLine:
+    case simulation::SensorRays::kLine:
       return "line";
   }
   return "";
 }
 
-Json to_json(const WhiteRangeSensor& sensor) {
+Json to_json(const simulation::WhiteRangeSensor& sensor) {
   return {{"model", "white"}, {"noise", sensor.noise}};
 }
 
-Json to_json(const TriangulationScanner& sensor) {
+Json to_json(const simulation::TriangulationScanner& sensor) {
   return {{"model", "triangulation"},
           {"baseline", sensor.baseline},
           {"disparity_noise", sensor.disparity_noise},
@@ -36,7 +36,7 @@ Json to_json(const TriangulationScanner& sensor) {
           {"warp", sensor.warp}};
 }
 
-Json to_json(const TimeOfFlightCamera& sensor) {
+Json to_json(const simulation::TimeOfFlightCamera& sensor) {
   return {{"model", "time of flight"},
           {"noise", sensor.noise},
           {"noise_growth", sensor.noise_growth},
@@ -47,14 +47,14 @@ Json to_json(const TimeOfFlightCamera& sensor) {
           {"range_step", sensor.range_step}};
 }
 
-Json to_json(const WhiteNormalSensor& sensor) {
+Json to_json(const simulation::WhiteNormalSensor& sensor) {
   return {{"model", "white"},
           {"noise_deg", sensor.noise_deg},
           {"bias_deg", sensor.bias_deg},
           {"bias_wavelength", sensor.bias_wavelength}};
 }
 
-Json to_json(const PhotometricStereo& sensor) {
+Json to_json(const simulation::PhotometricStereo& sensor) {
   return {{"model", "photometric stereo"},
           {"lights", sensor.lights},
           {"light_angle_deg", sensor.light_angle_deg},
@@ -66,9 +66,9 @@ Json to_json(const PhotometricStereo& sensor) {
           {"shadow_threshold", sensor.shadow_threshold}};
 }
 
-Json to_json(const NoNormalSensor&) { return {{"model", "none"}}; }
+Json to_json(const simulation::NoNormalSensor&) { return {{"model", "none"}}; }
 
-Json to_json(const Reflectance& reflectance) {
+Json to_json(const simulation::Reflectance& reflectance) {
   return {{"dark_fraction", reflectance.dark_fraction},
           {"dark_albedo", reflectance.dark_albedo},
           {"glossy_fraction", reflectance.glossy_fraction},
@@ -84,7 +84,8 @@ Json sensor_json(const std::variant<Sensors...>& sensor) {
 
 }  // namespace
 
-Json simulation_record(const Simulation& simulation, const SimulationOptions& options) {
+Json simulation_record(const simulation::Simulation& simulation,
+                       const simulation::SimulationOptions& options) {
   return {{"seed", options.seed},
           {"unit", simulation.scans.unit},
           {"diameter", simulation.diameter},

@@ -8,26 +8,32 @@ namespace relief {
 
 namespace {
 
-const std::map<std::string, Stencil> kStencils = {{"edge", Stencil::kCompactEdge},
-                                                  {"paper", Stencil::kPaperCentral}};
-const std::map<std::string, BiasModel> kBiasModels = {
-    {"latent", BiasModel::kLatent}, {"two-step", BiasModel::kTwoStep}, {"none", BiasModel::kNone}};
-const std::map<std::string, MeshForm> kForms = {{"normal", MeshForm::kAlongNormals},
-                                                {"full", MeshForm::kFull}};
-const std::map<std::string, Solver> kSolvers = {{"multigrid", Solver::kMultigrid},
-                                                {"cholesky", Solver::kCholesky}};
-const std::map<std::string, GivenPoses> kGivenPoses = {
-    {"check", GivenPoses::kCheck}, {"trust", GivenPoses::kTrust}, {"ignore", GivenPoses::kIgnore}};
+const std::map<std::string, hybrid::Stencil> kStencils = {
+    {"edge", hybrid::Stencil::kCompactEdge}, {"paper", hybrid::Stencil::kPaperCentral}};
+const std::map<std::string, hybrid::BiasModel> kBiasModels = {
+    {"latent", hybrid::BiasModel::kLatent},
+    {"two-step", hybrid::BiasModel::kTwoStep},
+    {"none", hybrid::BiasModel::kNone}};
+const std::map<std::string, hybrid::MeshForm> kForms = {{"normal", hybrid::MeshForm::kAlongNormals},
+                                                        {"full", hybrid::MeshForm::kFull}};
+const std::map<std::string, hybrid::Solver> kSolvers = {{"multigrid", hybrid::Solver::kMultigrid},
+                                                        {"cholesky", hybrid::Solver::kCholesky}};
+const std::map<std::string, registration::GivenPoses> kGivenPoses = {
+    {"check", registration::GivenPoses::kCheck},
+    {"trust", registration::GivenPoses::kTrust},
+    {"ignore", registration::GivenPoses::kIgnore}};
 // The names that the option --coarse had for them.
-const std::map<std::string, GivenPoses> kCoarseSearches = {
-    {"auto", GivenPoses::kCheck}, {"never", GivenPoses::kTrust}, {"always", GivenPoses::kIgnore}};
+const std::map<std::string, registration::GivenPoses> kCoarseSearches = {
+    {"auto", registration::GivenPoses::kCheck},
+    {"never", registration::GivenPoses::kTrust},
+    {"always", registration::GivenPoses::kIgnore}};
 
 constexpr double kRadians = std::numbers::pi / 180.0;
 
 }  // namespace
 
-RefineOptions RefineFlags::resolved() const {
-  RefineOptions resolved = options;
+hybrid::RefineOptions RefineFlags::resolved() const {
+  hybrid::RefineOptions resolved = options;
   if (sigma_normal_deg) resolved.sigma_normal = *sigma_normal_deg * kRadians;
   return resolved;
 }
@@ -43,7 +49,7 @@ MergeStageOptions MergeFlags::resolved() const {
 
 void add_refine_options(CLI::App& command, RefineFlags& flags) {
   auto* group = command.add_option_group("Refinement");
-  RefineOptions& options = flags.options;
+  hybrid::RefineOptions& options = flags.options;
   group->add_option("--stencil", options.stencil, "Normal constraints: edge, or the published ones")
       ->transform(CLI::CheckedTransformer(kStencils))
       ->default_str("edge");
@@ -81,9 +87,9 @@ void add_refine_options(CLI::App& command, RefineFlags& flags) {
       ->capture_default_str();
 }
 
-void add_align_options(CLI::App& command, AlignOptions& options) {
+void add_align_options(CLI::App& command, registration::AlignOptions& options) {
   auto* group = command.add_option_group("Alignment");
-  JointRefinementOptions& refinement = options.refinement;
+  registration::JointRefinementOptions& refinement = options.refinement;
   group
       ->add_option("--poses", options.starting_poses.given,
                    "Given poses: check (refined, kept unless other views refute them), trust "
@@ -126,7 +132,7 @@ namespace {
 
 void add_polish_options(CLI::App& command, MergeFlags& flags) {
   auto* group = command.add_option_group("Polishing");
-  PolishOptions& options = *flags.options.polish;
+  hybrid::PolishOptions& options = *flags.options.polish;
   group->add_flag("--no-polish", flags.no_polish,
                   "Leave the mesh as merged, not refined with the normals of the views");
   group
@@ -148,7 +154,7 @@ void add_polish_options(CLI::App& command, MergeFlags& flags) {
 
 void add_merge_options(CLI::App& command, MergeFlags& flags) {
   auto* group = command.add_option_group("Merging");
-  MergeOptions& options = flags.options.merge;
+  fusion::MergeOptions& options = flags.options.merge;
   group
       ->add_option(
           "--voxel", options.voxel_size,
@@ -175,7 +181,7 @@ void add_merge_options(CLI::App& command, MergeFlags& flags) {
                    "all are filled")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  DecimationOptions& decimation = flags.options.decimation;
+  fusion::DecimationOptions& decimation = flags.options.decimation;
   group->add_option("--faces", decimation.faces, "Decimate to this number of faces; 0: do not")
       ->capture_default_str();
   group

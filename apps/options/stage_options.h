@@ -13,15 +13,15 @@
 namespace relief {
 
 /// Bind the flags of each stage to the fields of its options, which hold the defaults.
-void add_align_options(CLI::App& command, AlignOptions& options);
+void add_align_options(CLI::App& command, registration::AlignOptions& options);
 
 /// Angles are degrees on the command line and radians in the options.
 struct RefineFlags {
-  RefineOptions options;
+  hybrid::RefineOptions options;
   std::optional<double> sigma_normal_deg;
   std::size_t memory_mb = 0;
 
-  RefineOptions resolved() const;
+  hybrid::RefineOptions resolved() const;
   std::size_t memory() const { return memory_mb << 20; }  ///< [bytes]
 };
 void add_refine_options(CLI::App& command, RefineFlags& flags);

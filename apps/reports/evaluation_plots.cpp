@@ -22,9 +22,10 @@ std::string in_unit(const std::string& what, const std::string& unit) {
   return gnuplot_text(unit.empty() ? what : what + " [" + unit + "]");
 }
 
-Result<void> write_spectrum(const ErrorSpectrum& spectrum, const std::filesystem::path& file) {
+Result<void> write_spectrum(const evaluation::ErrorSpectrum& spectrum,
+                            const std::filesystem::path& file) {
   std::string text = "frequency\tdensity\tarea\ttile\ttiles\n";
-  for (const SpectrumBand& band : spectrum.bands)
+  for (const evaluation::SpectrumBand& band : spectrum.bands)
     text += fmt::format("{}\t{}\t{}\t{}\t{}\n", band.frequency, band.density, band.area, band.tile,
                         band.tiles);
   return write_file(file, text);
@@ -71,11 +72,11 @@ std::string histogram_rows(const std::vector<double>& errors, double range) {
   return text;
 }
 
-Result<void> plot_cumulative(const MeshComparison& comparison, const std::string& unit,
+Result<void> plot_cumulative(const evaluation::MeshComparison& comparison, const std::string& unit,
                              const std::filesystem::path& folder) {
   const auto accuracy = magnitudes(comparison.signed_accuracy);
-  const double range =
-      std::max(quantile(accuracy, 0.995), quantile(comparison.completeness_distances, 0.995));
+  const double range = std::max(registration::quantile(accuracy, 0.995),
+                                registration::quantile(comparison.completeness_distances, 0.995));
   if (auto done = write_file(folder / "accuracy.tsv", cumulative_rows(accuracy)); !done)
     return done;
   if (auto done = write_file(folder / "completeness.tsv",
@@ -92,9 +93,9 @@ Result<void> plot_cumulative(const MeshComparison& comparison, const std::string
   return run_gnuplot(folder, "distances", script);
 }
 
-Result<void> plot_histogram(const MeshComparison& comparison, const std::string& unit,
+Result<void> plot_histogram(const evaluation::MeshComparison& comparison, const std::string& unit,
                             const std::filesystem::path& folder) {
-  const double range = quantile(magnitudes(comparison.signed_accuracy), 0.995);
+  const double range = registration::quantile(magnitudes(comparison.signed_accuracy), 0.995);
   if (!(range > 0.0)) return {};
   if (auto done =
           write_file(folder / "histogram.tsv", histogram_rows(comparison.signed_accuracy, range));
@@ -137,7 +138,7 @@ double largest_shown(const Grid<float>& image) {
   std::vector<double> values;
   for (const float value : image)
     if (std::isfinite(value)) values.push_back(std::abs(value));
-  const double shown = quantile(std::move(values), 0.98);
+  const double shown = registration::quantile(std::move(values), 0.98);
   return shown > 0.0 ? shown : 1.0;
 }
 
@@ -149,10 +150,10 @@ std::string file_stem(std::string name) {
 
 }  // namespace
 
-Result<void> plot_spectra(const ViewSpectra& spectra, const std::string& unit,
+Result<void> plot_spectra(const evaluation::ViewSpectra& spectra, const std::string& unit,
                           const std::filesystem::path& folder) {
   struct Curve {
-    const ErrorSpectrum* spectrum;
+    const evaluation::ErrorSpectrum* spectrum;
     std::string file, title, axes;
   };
   const std::vector<Curve> curves = {
@@ -185,13 +186,13 @@ Result<void> plot_spectra(const ViewSpectra& spectra, const std::string& unit,
   return run_gnuplot(folder, "spectra", script + plot + "\n");
 }
 
-Result<void> plot_distances(const MeshComparison& comparison, const std::string& unit,
+Result<void> plot_distances(const evaluation::MeshComparison& comparison, const std::string& unit,
                             const std::filesystem::path& folder) {
   if (auto done = plot_cumulative(comparison, unit, folder); !done) return done;
   return plot_histogram(comparison, unit, folder);
 }
 
-Result<void> plot_error_maps(const ViewErrorMaps& maps, const std::string& unit,
+Result<void> plot_error_maps(const evaluation::ViewErrorMaps& maps, const std::string& unit,
                              const std::filesystem::path& folder) {
   const std::string stem = file_stem(maps.name);
   const double depth = largest_shown(maps.depth);

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "relief/evaluation/mesh_distance.h"
-#include "scan/evaluation/views/view_error_maps.h"
 #include "relief/evaluation/view_spectra.h"
 #include "relief/scan/result.h"
+#include "scan/evaluation/views/view_error_maps.h"
 
 namespace relief {
 
@@ -15,17 +15,17 @@ namespace relief {
 // that of the lengths.
 
 /// spectra.svg: error power of positions and normals against spatial frequency.
-Result<void> plot_spectra(const ViewSpectra& spectra, const std::string& unit,
+Result<void> plot_spectra(const evaluation::ViewSpectra& spectra, const std::string& unit,
                           const std::filesystem::path& folder);
 
 /// distances.svg: the fraction of each surface within a distance of the other; histogram.svg: the
 /// signed errors of the result.
-Result<void> plot_distances(const MeshComparison& comparison, const std::string& unit,
+Result<void> plot_distances(const evaluation::MeshComparison& comparison, const std::string& unit,
                             const std::filesystem::path& folder);
 
 /// NAME-depth.png, NAME-geometry-normals.png and NAME-map-normals.png: the errors of each pixel of
 /// a view, with their scale.
-Result<void> plot_error_maps(const ViewErrorMaps& maps, const std::string& unit,
+Result<void> plot_error_maps(const evaluation::ViewErrorMaps& maps, const std::string& unit,
                              const std::filesystem::path& folder);
 
 }  // namespace relief

@@ -13,34 +13,34 @@ namespace relief {
 
 namespace {
 
-Json to_json(const ErrorStatistics& statistics) {
+Json to_json(const evaluation::ErrorStatistics& statistics) {
   return {{"count", statistics.count}, {"mean", statistics.mean}, {"median", statistics.median},
           {"rms", statistics.rms},     {"p95", statistics.p95},   {"max", statistics.max}};
 }
 
 // The figures over everything at the top, those of the parts below it.
-Json to_json(const SplitStatistics& split) {
+Json to_json(const evaluation::SplitStatistics& split) {
   Json json = to_json(split.all);
   json["inner"] = to_json(split.inner);
   json["edge"] = to_json(split.edge);
   return json;
 }
 
-Json to_json(const DirectedDistance& direction) {
+Json to_json(const evaluation::DirectedDistance& direction) {
   Json json = to_json(direction.distance);
   json["normals_deg"] = to_json(direction.normals_deg);
   json["within"] = direction.within;
   return json;
 }
 
-Json to_json(const DistanceReport& report) {
+Json to_json(const evaluation::DistanceReport& report) {
   Json json = to_json(report.all);
   if (report.measured) json["measured"] = to_json(*report.measured);
   if (report.filled) json["filled"] = to_json(*report.filled);
   return json;
 }
 
-Json to_json(const ViewErrors& view) {
+Json to_json(const evaluation::ViewErrors& view) {
   return {{"name", view.name},
           {"depth", to_json(view.depth)},
           {"depth_bias", view.depth_bias},
@@ -52,12 +52,12 @@ Json to_json(const ViewErrors& view) {
 }
 
 // Columns, so that a plotting tool can take them as they are.
-Json to_json(const ErrorSpectrum& spectrum) {
+Json to_json(const evaluation::ErrorSpectrum& spectrum) {
   Json json = {{"variance", spectrum.variance()},
                {"coverage", {spectrum.finest_coverage, spectrum.coarsest_coverage}}};
   for (const char* column : {"frequency", "density", "area", "tile", "tiles"})
     json[column] = Json::array();
-  for (const SpectrumBand& band : spectrum.bands) {
+  for (const evaluation::SpectrumBand& band : spectrum.bands) {
     json["frequency"].push_back(band.frequency);
     json["density"].push_back(band.density);
     json["area"].push_back(band.area);
@@ -68,16 +68,17 @@ Json to_json(const ErrorSpectrum& spectrum) {
 }
 
 // The error at wavelengths of [shorter, longer) samples, RMS; nothing when none were seen.
-std::optional<double> deviation_between(const ErrorSpectrum& spectrum, double shorter,
+std::optional<double> deviation_between(const evaluation::ErrorSpectrum& spectrum, double shorter,
                                         double longer) {
   std::optional<double> power;
-  for (const SpectrumBand& band : spectrum.bands)
+  for (const evaluation::SpectrumBand& band : spectrum.bands)
     if (shorter <= 1.0 / band.frequency && 1.0 / band.frequency < longer)
       power = power.value_or(0.0) + band.density * band.area;
   return power ? std::optional(std::sqrt(*power)) : std::nullopt;
 }
 
-void print_spectrum(const std::string& what, const ErrorSpectrum& spectrum, double factor) {
+void print_spectrum(const std::string& what, const evaluation::ErrorSpectrum& spectrum,
+                    double factor) {
   if (spectrum.bands.empty()) return;
   fmt::print("{:<34}", what);
   for (const auto& [shorter, longer] :
@@ -93,7 +94,7 @@ void print_head(const std::string& title) {
              "max");
 }
 
-void print_row(const std::string& what, const ErrorStatistics& s) {
+void print_row(const std::string& what, const evaluation::ErrorStatistics& s) {
   if (s.count == 0) return;
   fmt::print("{:<34} {:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}\n", what, s.mean, s.median,
              s.rms, s.p95, s.max);
@@ -117,7 +118,8 @@ void print_faults(const MeshCheck& check) {
         found.complete ? "pairs of faces intersect" : "pairs of faces intersect, and more");
 }
 
-void print_direction(const std::string& what, const std::optional<DirectedDistance>& direction) {
+void print_direction(const std::string& what,
+                     const std::optional<evaluation::DirectedDistance>& direction) {
   if (!direction) return;
   print_row(what, direction->distance);
   print_row("  normals [deg]", direction->normals_deg);
@@ -125,7 +127,7 @@ void print_direction(const std::string& what, const std::optional<DirectedDistan
 
 }  // namespace
 
-Json to_json(const MeshComparison& comparison, const MeshCheck& check) {
+Json to_json(const evaluation::MeshComparison& comparison, const MeshCheck& check) {
   return {{"accuracy", to_json(comparison.accuracy)},
           {"completeness", to_json(comparison.completeness)},
           {"thresholds", comparison.thresholds},
@@ -134,16 +136,16 @@ Json to_json(const MeshComparison& comparison, const MeshCheck& check) {
           {"topology", to_json(check)}};
 }
 
-Json to_json(const ViewErrorReport& report) {
+Json to_json(const evaluation::ViewErrorReport& report) {
   Json json = to_json(report.overall);
   json.erase("name");
   json["unmatched"] = report.unmatched;
   json["views"] = Json::array();
-  for (const ViewErrors& view : report.views) json["views"].push_back(to_json(view));
+  for (const evaluation::ViewErrors& view : report.views) json["views"].push_back(to_json(view));
   return json;
 }
 
-Json to_json(const ViewSpectra& spectra) {
+Json to_json(const evaluation::ViewSpectra& spectra) {
   Json json = {{"spacing", spectra.spacing},
                {"depth", to_json(spectra.depth)},
                {"geometry_normals", to_json(spectra.position_normals)},
@@ -155,7 +157,7 @@ Json to_json(const ViewSpectra& spectra) {
   return json;
 }
 
-Json to_json(const PoseErrorReport& report) {
+Json to_json(const evaluation::PoseErrorReport& report) {
   Json json = {{"mean_rotation_deg", report.mean_rotation_deg},
                {"max_rotation_deg", report.max_rotation_deg},
                {"mean_translation", report.mean_translation},
@@ -166,7 +168,7 @@ Json to_json(const PoseErrorReport& report) {
                {"truth_from_result", to_json(report.truth_from_result)},
                {"unmatched", report.unmatched},
                {"views", Json::array()}};
-  for (const PoseError& view : report.views)
+  for (const evaluation::PoseError& view : report.views)
     json["views"].push_back({{"name", view.name},
                              {"rotation_deg", view.rotation_deg},
                              {"translation", view.translation},
@@ -175,7 +177,7 @@ Json to_json(const PoseErrorReport& report) {
   return json;
 }
 
-void print_table(const MeshComparison& comparison, const MeshCheck& check,
+void print_table(const evaluation::MeshComparison& comparison, const MeshCheck& check,
                  const std::string& unit) {
   print_head(unit.empty() ? "distances" : "distances [" + unit + "]");
   print_direction("result to truth", comparison.accuracy.all);
@@ -197,9 +199,9 @@ void print_table(const MeshComparison& comparison, const MeshCheck& check,
   print_faults(check);
 }
 
-void print_table(const ViewErrorReport& report, const std::string& unit) {
+void print_table(const evaluation::ViewErrorReport& report, const std::string& unit) {
   print_head(fmt::format("{} views", report.views.size()));
-  const ViewErrors& all = report.overall;
+  const evaluation::ViewErrors& all = report.overall;
   print_row("depth [" + unit + "]", all.depth.all);
   print_row("  away from edges", all.depth.inner);
   print_row("  at edges", all.depth.edge);
@@ -210,20 +212,21 @@ void print_table(const ViewErrorReport& report, const std::string& unit) {
   print_row("normal maps [deg]", all.map_normals_deg.all);
 }
 
-void print_table(const ViewSpectra& spectra, const std::string& unit) {
+void print_table(const evaluation::ViewSpectra& spectra, const std::string& unit) {
   if (spectra.depth.bands.empty()) return;
   fmt::print("{:<34} {:>10} {:>10} {:>10} {:>10}\n", "RMS by wavelength [samples]", "< 4", "4-16",
              "16-64", "> 64");
   print_spectrum("depth [" + unit + "]", spectra.depth, 1.0);
-  print_spectrum("normals of the geometry [deg]", spectra.position_normals, degrees(1.0));
-  print_spectrum("normal maps [deg]", spectra.map_normals, degrees(1.0));
+  print_spectrum("normals of the geometry [deg]", spectra.position_normals,
+                 evaluation::degrees(1.0));
+  print_spectrum("normal maps [deg]", spectra.map_normals, evaluation::degrees(1.0));
   if (spectra.crossing_wavelength)
     fmt::print(
         "normal maps are better than positions at wavelengths below {:.3g} samples = {:.4g} {}\n",
         *spectra.crossing_wavelength, *spectra.crossing_wavelength * spectra.spacing, unit);
 }
 
-void print_table(const PoseErrorReport& report, const std::string& unit) {
+void print_table(const evaluation::PoseErrorReport& report, const std::string& unit) {
   fmt::print(
       "poses: displacement of the samples mean {:.4g}, RMS {:.4g}, worst view {:.4g} {}; "
       "rotation mean {:.4g}, max {:.4g} deg; translation mean {:.4g}, max {:.4g} {}\n",

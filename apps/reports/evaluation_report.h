@@ -12,15 +12,16 @@
 
 namespace relief {
 
-Json to_json(const MeshComparison& comparison, const MeshCheck& check);
-Json to_json(const ViewErrorReport& report);
-Json to_json(const ViewSpectra& spectra);
-Json to_json(const PoseErrorReport& report);
+Json to_json(const evaluation::MeshComparison& comparison, const MeshCheck& check);
+Json to_json(const evaluation::ViewErrorReport& report);
+Json to_json(const evaluation::ViewSpectra& spectra);
+Json to_json(const evaluation::PoseErrorReport& report);
 
 /// The same figures for people, on standard output. `unit` is that of the lengths.
-void print_table(const MeshComparison& comparison, const MeshCheck& check, const std::string& unit);
-void print_table(const ViewErrorReport& report, const std::string& unit);
-void print_table(const ViewSpectra& spectra, const std::string& unit);
-void print_table(const PoseErrorReport& report, const std::string& unit);
+void print_table(const evaluation::MeshComparison& comparison, const MeshCheck& check,
+                 const std::string& unit);
+void print_table(const evaluation::ViewErrorReport& report, const std::string& unit);
+void print_table(const evaluation::ViewSpectra& spectra, const std::string& unit);
+void print_table(const evaluation::PoseErrorReport& report, const std::string& unit);
 
 }  // namespace relief

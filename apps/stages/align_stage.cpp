@@ -12,7 +12,7 @@ namespace relief {
 
 namespace {
 
-Json view_report(const ViewReport& view) {
+Json view_report(const registration::ViewReport& view) {
   Json report = {{"name", view.name},
                  {"world_from_view", to_json(view.world_from_view)},
                  {"aligned", view.aligned},
@@ -25,9 +25,9 @@ Json view_report(const ViewReport& view) {
   return report;
 }
 
-Json pair_report(const PairFit& pair, const Alignment& alignment) {
+Json pair_report(const registration::PairFit& pair, const registration::Alignment& alignment) {
   Json directions = Json::array();
-  for (const DegenerateDirection& direction : pair.degenerate_directions)
+  for (const registration::DegenerateDirection& direction : pair.degenerate_directions)
     directions.push_back(direction.description);
   return {{"a", alignment.views[pair.a].name},
           {"b", alignment.views[pair.b].name},
@@ -39,20 +39,21 @@ Json pair_report(const PairFit& pair, const Alignment& alignment) {
           {"degenerate_directions", std::move(directions)}};
 }
 
-Json alignment_report(const Alignment& alignment) {
+Json alignment_report(const registration::Alignment& alignment) {
   Json report = {{"termination", to_string(alignment.termination)},
                  {"iterations", alignment.iterations},
                  {"rms", alignment.rms},
                  {"views", Json::array()},
                  {"pairs", Json::array()}};
-  for (const ViewReport& view : alignment.views) report["views"].push_back(view_report(view));
-  for (const PairFit& pair : alignment.pairs)
+  for (const registration::ViewReport& view : alignment.views)
+    report["views"].push_back(view_report(view));
+  for (const registration::PairFit& pair : alignment.pairs)
     report["pairs"].push_back(pair_report(pair, alignment));
   return report;
 }
 
 // The whole table where it can be taken in at a glance, else with -v.
-void log_pairs(const Alignment& alignment, const std::string& unit) {
+void log_pairs(const registration::Alignment& alignment, const std::string& unit) {
   constexpr std::size_t kShortTable = 60;
   const auto log = alignment.pairs.size() <= kShortTable ? Console::info : Console::detail;
   if (!alignment.pairs.empty())
@@ -62,19 +63,20 @@ void log_pairs(const Alignment& alignment, const std::string& unit) {
 
 }  // namespace
 
-Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options) {
+Result<AlignStage> align_stage(ScanProject& project, const registration::AlignOptions& options) {
   const Stopwatch watch;
-  const auto alignment = align_views(project.views, options, console_progress("align"));
+  const auto alignment =
+      registration::align_views(project.views, options, console_progress("align"));
   if (!alignment) return alignment.error();
 
   for (const std::string& note : alignment->notes) Console::info(note);
   log_pairs(*alignment, project.unit);
   std::size_t aligned = 0;
-  for (const ViewReport& view : alignment->views) aligned += view.aligned ? 1 : 0;
-  apply_alignment(*alignment, project.views);
+  for (const registration::ViewReport& view : alignment->views) aligned += view.aligned ? 1 : 0;
+  registration::apply_alignment(*alignment, project.views);
 
   AlignStage stage;
-  const bool solved = alignment->termination != RefinementTermination::kSolverFailed;
+  const bool solved = alignment->termination != registration::RefinementTermination::kSolverFailed;
   if (!solved)
     Console::warning(
         "the poses are not refined to the end, as their equations are not finite: look for "
@@ -91,7 +93,7 @@ Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options
 
 void warn_of_unaligned(const Json& align_report) {
   for (const Json& view : align_report["views"]) {
-    if (view["status"] == to_string(PoseStatus::kVerified)) continue;
+    if (view["status"] == to_string(registration::PoseStatus::kVerified)) continue;
     Console::warning(
         "view " + view["name"].get<std::string>() +
         (view["aligned"] ? " is kept at a pose that is not verified: " : " is not aligned: ") +

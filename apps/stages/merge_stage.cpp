@@ -9,16 +9,16 @@
 #include "apps/reports/console.h"
 #include "apps/reports/mesh_report.h"
 #include "apps/stages/stages.h"
-#include "scan/io/project/view_loader.h"
-#include "scan/base/parallel.h"
 #include "relief/scan/static_background.h"
+#include "scan/base/parallel.h"
 #include "scan/base/stopwatch.h"
+#include "scan/io/project/view_loader.h"
 
 namespace relief {
 
 namespace {
 
-Json merge_report(const MergeResult& merged) {
+Json merge_report(const fusion::MergeResult& merged) {
   Json report = to_json(merged.check);
   report["filled_area_fraction"] = merged.filled_area_fraction;
   report["flying_samples"] = merged.flying_samples;
@@ -30,7 +30,7 @@ Json merge_report(const MergeResult& merged) {
   return report;
 }
 
-Json polish_report(const PolishedMesh& polished) {
+Json polish_report(const hybrid::PolishedMesh& polished) {
   return {{"status", to_string(polished.status)},
           {"vertices_with_normal", polished.with_normal},
           {"sigma_view_deg", polished.sigma_view * 180.0 / std::numbers::pi},
@@ -43,8 +43,8 @@ Json polish_report(const PolishedMesh& polished) {
           {"seconds", polished.seconds}};
 }
 
-void log_polish(const PolishedMesh& polished, const std::string& unit) {
-  if (polished.status == PolishStatus::kNotConverged)
+void log_polish(const hybrid::PolishedMesh& polished, const std::string& unit) {
+  if (polished.status == hybrid::PolishStatus::kNotConverged)
     Console::warning("polishing did not converge: its last iterate is kept");
   if (polished.rounds == 0)
     Console::info(fmt::format("not polished: {}", to_string(polished.status)));
@@ -55,11 +55,13 @@ void log_polish(const PolishedMesh& polished, const std::string& unit) {
 
 // Refines the merged mesh with the views' normals; moving the vertices changes its check, and what
 // was closed must still be.
-Result<Json> polish(const ScanProject& project, const PolishOptions& options, MergeResult& merged) {
-  PolishOptions scaled = options;
+Result<Json> polish(const ScanProject& project, const hybrid::PolishOptions& options,
+                    fusion::MergeResult& merged) {
+  hybrid::PolishOptions scaled = options;
   release_freed_memory();  // What merging took.
   if (!(scaled.normals.max_distance > 0.0)) scaled.normals.max_distance = merged.truncation;
-  auto polished = polish_mesh(merged.mesh, project.views, scaled, console_progress("polish"));
+  auto polished =
+      hybrid::polish_mesh(merged.mesh, project.views, scaled, console_progress("polish"));
   if (!polished) return polished.error();
   log_polish(*polished, project.unit);
   if (polished->rounds > 0) {
@@ -74,9 +76,9 @@ Result<Json> polish(const ScanProject& project, const PolishOptions& options, Me
 }
 
 // Fewer faces, when the options ask for it.
-Result<void> decimate(const DecimationOptions& options, MergeResult& merged) {
+Result<void> decimate(const fusion::DecimationOptions& options, fusion::MergeResult& merged) {
   if (options.faces == 0 && !(options.max_error > 0.0)) return {};
-  auto decimated = decimate_mesh(merged.mesh, options);
+  auto decimated = fusion::decimate_mesh(merged.mesh, options);
   if (!decimated) return decimated.error();
   Console::info(fmt::format("decimated: {} of {} faces", decimated->mesh.faces.size(),
                             merged.mesh.faces.size()));
@@ -85,8 +87,8 @@ Result<void> decimate(const DecimationOptions& options, MergeResult& merged) {
   return {};
 }
 
-MergeOptions merge_options_of(const MergeStageOptions& options) {
-  MergeOptions merge_options = options.merge;
+fusion::MergeOptions merge_options_of(const MergeStageOptions& options) {
+  fusion::MergeOptions merge_options = options.merge;
   merge_options.threads = options.threads;
   return merge_options;
 }
@@ -94,14 +96,14 @@ MergeOptions merge_options_of(const MergeStageOptions& options) {
 // From the merged mesh to the end of the stage. `load` gives the project with its views when they
 // are needed.
 template <typename LoadProject>
-Result<MergeStage> finish(Result<MergeResult> merged, const MergeStageOptions& options,
+Result<MergeStage> finish(Result<fusion::MergeResult> merged, const MergeStageOptions& options,
                           const Stopwatch& watch, const LoadProject& load) {
   if (!merged) return merged.error();
   for (const std::string& note : merged->notes) Console::info(note);
 
   Json polish_section;
   if (options.polish) {
-    PolishOptions polish_options = *options.polish;
+    hybrid::PolishOptions polish_options = *options.polish;
     polish_options.threads = options.threads;
     const auto project = load(*merged);
     if (!project) return project.error();
@@ -135,7 +137,7 @@ class ProjectViews {
                const StaticBackground& background)
       : specs_(std::move(specs)), conventions_(std::move(conventions)), background_(background) {}
 
-  ViewSource source() {
+  fusion::ViewSource source() {
     return {specs_.size(), [this](std::size_t i) { return load(i); }};
   }
   /// Of the largest view so far.
@@ -165,7 +167,7 @@ class ProjectViews {
 // vertex]; see docs/fusion.md.
 constexpr std::size_t kViewPixel = 30, kPolishedVertex = 550;
 
-Result<void> check_room_to_polish(const MergeResult& merged, std::size_t pixels,
+Result<void> check_room_to_polish(const fusion::MergeResult& merged, std::size_t pixels,
                                   std::size_t limit) {
   const std::size_t needed = kViewPixel * pixels + kPolishedVertex * merged.mesh.vertices.size();
   if (needed <= limit) return {};
@@ -214,9 +216,10 @@ Result<StaticBackground> find_background(const ProjectInput& input,
 
 Result<MergeStage> merge_stage(const ScanProject& project, const MergeStageOptions& options) {
   const Stopwatch watch;
-  auto merged = merge_views(project.views, merge_options_of(options), console_progress("merge"));
+  auto merged =
+      fusion::merge_views(project.views, merge_options_of(options), console_progress("merge"));
   return finish(std::move(merged), options, watch,
-                [&](const MergeResult&) { return Result<const ScanProject*>(&project); });
+                [&](const fusion::MergeResult&) { return Result<const ScanProject*>(&project); });
 }
 
 Result<MergeStage> merge_stage_within_limit(const ProjectInput& input,
@@ -233,10 +236,10 @@ Result<MergeStage> merge_stage_within_limit(const ProjectInput& input,
   if (!background) return background.error();
   release_freed_memory();
   ProjectViews views(std::move(spec->views), std::move(conventions->views), *background);
-  auto merged =
-      merge_from_source(views.source(), merge_options_of(options), console_progress("merge"));
+  auto merged = fusion::merge_from_source(views.source(), merge_options_of(options),
+                                          console_progress("merge"));
   ScanProject project;
-  const auto load = [&](const MergeResult& mesh) -> Result<const ScanProject*> {
+  const auto load = [&](const fusion::MergeResult& mesh) -> Result<const ScanProject*> {
     const auto room = check_room_to_polish(mesh, count * views.pixels(), options.merge.memory);
     if (!room) return room.error();
     ReadProjectOptions read = input.options;

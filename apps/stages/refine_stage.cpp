@@ -14,11 +14,12 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-bool is_failure(RefineStatus status) {
-  return status == RefineStatus::kNotConverged || status == RefineStatus::kSolverFailed;
+bool is_failure(hybrid::RefineStatus status) {
+  return status == hybrid::RefineStatus::kNotConverged ||
+         status == hybrid::RefineStatus::kSolverFailed;
 }
 
-Json view_report(const RefinedView& refined) {
+Json view_report(const hybrid::RefinedView& refined) {
   return {{"name", refined.view.name},
           {"status", to_string(refined.status)},
           {"sigma_position", refined.sigma_position},
@@ -36,13 +37,13 @@ Json view_report(const RefinedView& refined) {
           {"filled_samples", refined.filled}};
 }
 
-void log_view(const RefinedView& refined, const std::string& unit) {
-  if (refined.status == RefineStatus::kContradiction) {
+void log_view(const hybrid::RefinedView& refined, const std::string& unit) {
+  if (refined.status == hybrid::RefineStatus::kContradiction) {
     Console::warning(fmt::format("view {}: {}; it stays as measured: check the axes of its normals",
                                  refined.view.name, to_string(refined.status)));
   } else if (is_failure(refined.status)) {
     Console::warning(fmt::format("view {}: {}", refined.view.name, to_string(refined.status)));
-  } else if (refined.status != RefineStatus::kRefined) {
+  } else if (refined.status != hybrid::RefineStatus::kRefined) {
     Console::info(fmt::format("view {}: {}", refined.view.name, to_string(refined.status)));
   } else {
     Console::detail(fmt::format(
@@ -54,21 +55,21 @@ void log_view(const RefinedView& refined, const std::string& unit) {
 
 }  // namespace
 
-Result<RefineStage> refine_stage(ScanProject& project, const RefineOptions& options,
+Result<RefineStage> refine_stage(ScanProject& project, const hybrid::RefineOptions& options,
                                  std::size_t memory) {
   const Stopwatch watch;
-  auto refined = refine_views(project.views, options, console_progress("refine"), memory);
+  auto refined = hybrid::refine_views(project.views, options, console_progress("refine"), memory);
   if (!refined) return refined.error();
 
   RefineStage stage;
   stage.report["views"] = Json::array();
   std::size_t improved = 0;
   for (std::size_t i = 0; i < refined->size(); ++i) {
-    RefinedView& view = (*refined)[i];
+    hybrid::RefinedView& view = (*refined)[i];
     log_view(view, project.unit);
     stage.report["views"].push_back(view_report(view));
     stage.complete = stage.complete && !is_failure(view.status);
-    improved += view.status == RefineStatus::kRefined ? 1 : 0;
+    improved += view.status == hybrid::RefineStatus::kRefined ? 1 : 0;
     project.views[i] = std::move(view.view);
   }
   stage.any_refined = improved > 0;

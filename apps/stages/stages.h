@@ -20,7 +20,7 @@ struct AlignStage {
   bool complete = true;
   Json report;
 };
-Result<AlignStage> align_stage(ScanProject& project, const AlignOptions& options);
+Result<AlignStage> align_stage(ScanProject& project, const registration::AlignOptions& options);
 
 /// Warns of the views that the section of the report says are not aligned.
 void warn_of_unaligned(const Json& align_report);
@@ -32,15 +32,16 @@ struct RefineStage {
   bool any_refined = false;
   Json report;
 };
-Result<RefineStage> refine_stage(ScanProject& project, const RefineOptions& options,
+Result<RefineStage> refine_stage(ScanProject& project, const hybrid::RefineOptions& options,
                                  std::size_t memory);
 
 /// Merges the views and polishes the mesh with their normals.
 struct MergeStageOptions {
-  MergeOptions merge;
-  std::optional<PolishOptions> polish = PolishOptions{};  ///< Nothing: the mesh stays as merged.
-  DecimationOptions decimation;  ///< Asks for nothing unless told otherwise.
-  int threads = 0;               ///< 0: one per core; takes the place of those above.
+  fusion::MergeOptions merge;
+  std::optional<hybrid::PolishOptions> polish =
+      hybrid::PolishOptions{};           ///< Nothing: the mesh stays as merged.
+  fusion::DecimationOptions decimation;  ///< Asks for nothing unless told otherwise.
+  int threads = 0;                       ///< 0: one per core; takes the place of those above.
 };
 struct MergeStage {
   TriangleMesh mesh;

@@ -6,12 +6,12 @@
 #include <unordered_map>
 #include <utility>
 
-#include "fusion/tsdf/tsdf_integration.h"
 #include "fusion/holes/thin_plate.h"
-#include "scan/mesh/moved_faces.h"
+#include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
+#include "scan/mesh/moved_faces.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -269,4 +269,4 @@ FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSam
   return Fairing(mesh, views, options).run();
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

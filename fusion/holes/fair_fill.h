@@ -9,7 +9,7 @@
 #include "fusion/views/view_sampler.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 struct FairFill {
   std::vector<Eigen::Vector3d> places;  ///< Of all vertices; empty when none moves.
@@ -23,4 +23,4 @@ struct FairFill {
 FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
                              const FairFillOptions& options);
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -6,11 +6,11 @@
 #include <numbers>
 #include <utility>
 
-#include "fusion/tsdf/tsdf_integration.h"
 #include "fusion/holes/filled_regions.h"
+#include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -216,4 +216,4 @@ void FairRegions::prepare(FairRegion& region, const std::vector<ViewSampler>& vi
   }
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -10,7 +10,7 @@
 #include "fusion/views/view_sampler.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 struct FairFillOptions {
   double truncation = 0.0;  ///< As used for the field [unit].
@@ -63,4 +63,4 @@ class FairRegions {
   std::vector<std::uint32_t> region_of_;
 };
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -7,7 +7,7 @@
 #include "scan/base/disjoint_sets.h"
 #include "scan/mesh/mesh_components.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -49,4 +49,4 @@ void open_holes(TriangleMesh& mesh, double largest) {
   drop_unused_vertices(mesh);
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -5,7 +5,7 @@
 
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// The part of the surface's area in faces with a filled vertex.
 double filled_area_fraction(const TriangleMesh& mesh);
@@ -20,4 +20,4 @@ std::vector<std::uint32_t> regions_of(const TriangleMesh& mesh,
 /// as well.
 void open_holes(TriangleMesh& mesh, double largest);
 
-}  // namespace relief
+}  // namespace relief::fusion

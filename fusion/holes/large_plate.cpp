@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -94,4 +94,4 @@ bool approach_plate(const PlateEquations& equations, double tolerance, MemoryLim
   return false;
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

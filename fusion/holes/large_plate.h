@@ -8,7 +8,7 @@
 
 #include "fusion/memory/memory_limit.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// A factorisation that knows, before the numbers, how many there will be.
 class SizedFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> {
@@ -44,4 +44,4 @@ struct PlateEquations {
 bool approach_plate(const PlateEquations& equations, double tolerance, MemoryLimit* memory,
                     Eigen::MatrixX3d& places);
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -62,4 +62,4 @@ void SideNormals::average() {
   normals_ = std::move(sums);
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -9,7 +9,7 @@
 #include "fusion/holes/thin_plate.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// Normals of what was measured and of what was filled, near the border between them, each averaged
 /// over some rings of vertices of its own side: the border itself is too ragged to tell how the two
@@ -35,4 +35,4 @@ class SideNormals {
   std::unordered_map<std::uint32_t, Eigen::Vector3d> normals_;
 };
 
-}  // namespace relief
+}  // namespace relief::fusion

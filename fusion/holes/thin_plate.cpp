@@ -11,7 +11,7 @@
 #include "fusion/holes/large_plate.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -196,4 +196,4 @@ std::vector<Eigen::Vector3d> rest_plate(const TriangleMesh& mesh, const FacesAro
                                                       : system.approach(patch, options);
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -9,7 +9,7 @@
 #include "fusion/memory/memory_limit.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// The faces at each vertex of a part of a mesh.
 class FacesAround {
@@ -65,4 +65,4 @@ struct PlateOptions {
 std::vector<Eigen::Vector3d> rest_plate(const TriangleMesh& mesh, const FacesAround& around,
                                         const PlatePatch& patch, const PlateOptions& options = {});
 
-}  // namespace relief
+}  // namespace relief::fusion

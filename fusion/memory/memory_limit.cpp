@@ -14,7 +14,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -126,4 +126,4 @@ void MemoryLimit::unmap(void* address) {
   blocks_.erase(block);
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -9,7 +9,7 @@
 
 #include "relief/scan/result.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// Keeps a computation below a limit of memory. Large arrays made under a limit (PagedArray) lie in
 /// temporary files that are mapped to memory. Work on them goes brick by brick; between bricks
@@ -77,4 +77,4 @@ inline Result<void> check(const MemoryLimit* limit) {
   return limit ? limit->check() : Result<void>();
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -10,7 +10,7 @@
 
 #include "fusion/memory/memory_limit.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// A fixed number of values, all bits zero at first: in memory, or, under a limit, in a file that
 /// is mapped to memory. What was never written takes no memory. T is plain data for which zero bits
@@ -96,4 +96,4 @@ class PagedGrid {
   PagedArray<T> values_;
 };
 
-}  // namespace relief
+}  // namespace relief::fusion

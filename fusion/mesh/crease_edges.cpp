@@ -12,10 +12,10 @@
 #include <Eigen/Geometry>
 
 #include "fusion/holes/thin_plate.h"
-#include "scan/mesh/moved_faces.h"
 #include "scan/base/parallel.h"
+#include "scan/mesh/moved_faces.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -227,4 +227,4 @@ std::size_t align_edges_with_creases(TriangleMesh& mesh, const CreaseEdgeOptions
   return turned;
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -5,7 +5,7 @@
 #include "fusion/memory/memory_limit.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 struct CreaseEdgeOptions {
   double voxel_size = 0.0;  ///< About the length of an edge [unit].
@@ -21,4 +21,4 @@ struct CreaseEdgeOptions {
 /// edges were turned.
 std::size_t align_edges_with_creases(TriangleMesh& mesh, const CreaseEdgeOptions& options);
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -5,7 +5,7 @@
 #include "fusion/mesh/edge_collapse.h"
 #include "scan/mesh/mesh_components.h"
 
-namespace relief {
+namespace relief::fusion {
 
 Result<DecimatedMesh> decimate_mesh(const TriangleMesh& mesh, const DecimationOptions& options) {
   if (options.faces == 0 && !(options.max_error > 0.0))
@@ -30,4 +30,4 @@ Result<DecimatedMesh> decimate_mesh(const TriangleMesh& mesh, const DecimationOp
   return result;
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -12,7 +12,7 @@
 
 #include <Eigen/Core>
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -181,4 +181,4 @@ void collapse_edges(TriangleMesh& mesh, const EdgeCollapseOptions& options) {
   Collapser(mesh, options).run();
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

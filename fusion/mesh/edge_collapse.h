@@ -4,7 +4,7 @@
 
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 struct EdgeCollapseOptions {
   std::size_t faces = 0;  ///< Stop when no more are left.
@@ -19,4 +19,4 @@ struct EdgeCollapseOptions {
 /// no face turns by more than 60 degrees. Vertices on a border stay. Leaves unused vertices behind.
 void collapse_edges(TriangleMesh& mesh, const EdgeCollapseOptions& options);
 
-}  // namespace relief
+}  // namespace relief::fusion

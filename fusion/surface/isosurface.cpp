@@ -16,7 +16,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -239,4 +239,4 @@ TriangleMesh extract_isosurface(const SparseField& field, int threads, MemoryLim
   return joiner.finish();
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

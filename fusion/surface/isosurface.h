@@ -3,7 +3,7 @@
 #include "fusion/tsdf/sparse_field.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// Extracts the zero set of the field on its active blocks, which close_zero_set has closed. The
 /// result is a closed manifold, oriented towards positive values, in an order that depends on the
@@ -14,4 +14,4 @@ namespace relief {
 TriangleMesh extract_isosurface(const SparseField& field, int threads,
                                 MemoryLimit* memory = nullptr);
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -8,7 +8,7 @@
 #include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -73,4 +73,4 @@ void set_filled_quality(TriangleMesh& mesh) {
     if (mesh.filled[v]) mesh.quality[v] = static_cast<float>(distance[v]);
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

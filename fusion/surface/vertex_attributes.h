@@ -5,7 +5,7 @@
 #include "fusion/views/view_sampler.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 struct VertexAttributeOptions {
   double truncation = 0.0;  ///< As used for the field [unit].
@@ -26,4 +26,4 @@ void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& v
 /// Sets the quality of filled vertices to the distance along the mesh to the nearest measured one.
 void set_filled_quality(TriangleMesh& mesh);
 
-}  // namespace relief
+}  // namespace relief::fusion

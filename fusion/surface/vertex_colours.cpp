@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <utility>
 
-#include "fusion/tsdf/tsdf_integration.h"
 #include "fusion/holes/thin_plate.h"
+#include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -144,4 +144,4 @@ void set_vertex_colours(TriangleMesh& mesh, const std::vector<ViewSampler>& view
   for (const Eigen::Vector3f& colour : painting.colour) mesh.colours.push_back(rounded(colour));
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -6,7 +6,7 @@
 #include "fusion/views/view_sampler.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// Sets `colours` of a merged mesh whose `filled` and `normals` are set: to the mean over the views
 /// that measured the vertex and have colours, by the weights of their distances. Other vertices
@@ -15,4 +15,4 @@ namespace relief {
 void set_vertex_colours(TriangleMesh& mesh, const std::vector<ViewSampler>& views,
                         const VertexAttributeOptions& options);
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -7,11 +7,11 @@
 
 #include <Eigen/Geometry>
 
-#include "fusion/tsdf/tsdf_integration.h"
 #include "fusion/tsdf/obstacle_solver.h"
+#include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -252,4 +252,4 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
   return result;
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -8,7 +8,7 @@
 #include "relief/scan/progress.h"
 #include "relief/scan/result.h"
 
-namespace relief {
+namespace relief::fusion {
 
 struct ClosedFieldOptions {
   double voxel_size = 0.0;  ///< Spacing of the finest lattice [unit], > 0.
@@ -37,4 +37,4 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
                                          const ClosedFieldOptions& options,
                                          const Progress& progress);
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-namespace relief {
+namespace relief::fusion {
 
 /// Integer coordinates of a lattice node.
 using Node = Eigen::Vector3i;
@@ -40,4 +40,4 @@ inline Node node_of(NodeKey key) {
   return {coordinate(key), coordinate(key >> 21), coordinate(key >> 42)};
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -8,7 +8,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -122,4 +122,4 @@ ObstacleSolution solve_obstacle_problem(SparseField& field,
   return {options.max_sweeps, restless.find().size()};
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -6,7 +6,7 @@
 
 #include "fusion/tsdf/sparse_field.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// What is known at one node of a field.
 struct NodeConstraint {
@@ -39,4 +39,4 @@ ObstacleSolution solve_obstacle_problem(SparseField& field,
                                         std::span<const NodeConstraint> constraints,
                                         const ObstacleSolverOptions& options);
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -5,7 +5,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -217,4 +217,4 @@ void SparseField::close_zero_set(float limit, int threads) {
     activate(crossed, limit, threads);
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "fusion/tsdf/lattice.h"
 #include "fusion/memory/paged_array.h"
+#include "fusion/tsdf/lattice.h"
 
-namespace relief {
+namespace relief::fusion {
 
 inline constexpr int kBlockSide = 8;
 inline constexpr int kBlockNodes = kBlockSide * kBlockSide * kBlockSide;
@@ -95,4 +95,4 @@ inline constexpr std::size_t padded_index(int x, int y, int z) {
 /// Sorts and removes repetitions.
 void make_sorted_set(std::vector<NodeKey>& keys);
 
-}  // namespace relief
+}  // namespace relief::fusion

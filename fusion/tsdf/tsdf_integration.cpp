@@ -5,7 +5,7 @@
 #include <cmath>
 #include <tuple>
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -170,4 +170,4 @@ Evidence EvidenceCollector::combine(const Eigen::Vector3d* normal) {
   return evidence;
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

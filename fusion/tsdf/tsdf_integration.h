@@ -8,7 +8,7 @@
 
 #include "fusion/views/view_sampler.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// What all views together say about a point.
 struct Evidence {
@@ -76,4 +76,4 @@ class EvidenceCollector {
   std::vector<Vote> near_, empty_;
 };
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -51,4 +51,4 @@ float DepthPyramid::greatest(const Eigen::AlignedBox2i& pixels) const {
   return greatest;
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

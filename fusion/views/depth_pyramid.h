@@ -7,7 +7,7 @@
 #include "fusion/memory/paged_array.h"
 #include "relief/scan/grid.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// Greatest depths over rectangles of pixels, coarser by two from level to level, so that a
 /// rectangle of any size is answered by looking at a few cells.
@@ -28,4 +28,4 @@ class DepthPyramid {
   std::vector<PagedGrid<float>> levels_;
 };
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "relief/scan/discontinuities.h"
+#include "scan/base/median.h"
 #include "scan/grid/filled_view.h"
 #include "scan/grid/grid_normals.h"
-#include "scan/base/median.h"
 
-namespace relief {
+namespace relief::fusion {
 
 namespace {
 
@@ -142,7 +142,7 @@ QuadSurface surface_of(const RangeView& measured, const QuadSurfaceOptions& opti
   surface.flying = filled.flying;
   surface.filled = filled.filled_count;
   surface.spacing = sample_spacing(points, edges);
-  surface.noise = position_noise(grid, normals);
+  surface.noise = registration::position_noise(grid, normals);
   place_quads(find_quads(view, edges, normals, options.smallest_patch), options.memory, surface);
 
   std::size_t corners = 0;
@@ -174,4 +174,4 @@ QuadSurface surface_of(const RangeView& measured, const QuadSurfaceOptions& opti
   return surface;
 }
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -9,7 +9,7 @@
 #include "fusion/memory/paged_array.h"
 #include "relief/scan/range_view.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// One sample of a view as merging needs it: numbers side by side, to be interpolated in one loop.
 struct SurfacePixel {
@@ -67,4 +67,4 @@ struct QuadSurface {
 /// weighs as much as those it is interpolated from.
 QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options);
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -13,7 +13,7 @@
 #include "relief/scan/result.h"
 #include "scan/views/view_projection.h"
 
-namespace relief {
+namespace relief::fusion {
 
 /// What one view says about a point of space.
 struct Observation {
@@ -107,4 +107,4 @@ class ViewSampler {
   DepthPyramid depths_;  // Of the surface along the axis, from its centre.
 };
 
-}  // namespace relief
+}  // namespace relief::fusion

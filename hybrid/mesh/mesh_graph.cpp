@@ -5,7 +5,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -93,4 +93,4 @@ MeshGraph mesh_graph(const TriangleMesh& mesh, int threads) {
   return graph;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -6,7 +6,7 @@
 
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// The edges of a mesh from each of their ends. Those of vertex i are at begin[i] to begin[i + 1],
 /// by rising neighbour; every edge is there twice with the same values.
@@ -22,4 +22,4 @@ struct MeshGraph {
 /// Indices of faces must be in range. Memory and time linear in the size of the mesh.
 MeshGraph mesh_graph(const TriangleMesh& mesh, int threads = 0);
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -7,11 +7,11 @@
 
 #include <Eigen/Geometry>
 
-#include "scan/mesh/moved_faces.h"
-#include "scan/base/parallel.h"
 #include "relief/scan/self_intersections.h"
+#include "scan/base/parallel.h"
+#include "scan/mesh/moved_faces.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -136,4 +136,4 @@ GuardedMove guarded_move(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displ
   return Guard(mesh, displacements, threads).run();
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -7,7 +7,7 @@
 
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 struct GuardedMove {
   std::vector<Eigen::Vector3d> vertices;  ///< Where the vertices may go.
@@ -24,4 +24,4 @@ struct GuardedMove {
 GuardedMove guarded_move(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displacements,
                          int threads = 0);
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -16,7 +16,7 @@
 #include "scan/base/parallel.h"
 #include "scan/views/view_projection.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -339,4 +339,4 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
   return blended;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -10,7 +10,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -205,4 +205,4 @@ ConjugateGradients conjugate_gradients(const LinearMap& matrix, const LinearMap&
   return solve;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

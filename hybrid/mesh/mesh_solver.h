@@ -10,7 +10,7 @@
 
 #include "hybrid/mesh/mesh_graph.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// A symmetric matrix with one row per vertex and the sparsity of a mesh's edges.
 struct MeshMatrix {
@@ -59,4 +59,4 @@ ConjugateGradients conjugate_gradients(const LinearMap& matrix, const LinearMap&
                                        const Eigen::VectorXd& rhs, double tolerance,
                                        int max_iterations, int threads, Eigen::VectorXd& x);
 
-}  // namespace relief
+}  // namespace relief::hybrid

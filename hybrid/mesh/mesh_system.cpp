@@ -6,7 +6,7 @@
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -228,4 +228,4 @@ Eigen::VectorXd MeshSystem::full_precondition(const LinearMap& along_normals,
   return result;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

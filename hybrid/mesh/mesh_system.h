@@ -5,11 +5,11 @@
 #include <Eigen/Core>
 
 #include "hybrid/mesh/mesh_graph.h"
-#include "relief/hybrid/mesh_normals.h"
 #include "hybrid/mesh/mesh_solver.h"
+#include "relief/hybrid/mesh_normals.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 struct MeshSystemOptions {
   double sigma_position = 0.0;  ///< Of every vertex [unit]; 0: `quality` of the mesh.
@@ -74,4 +74,4 @@ class MeshSystem {
   std::vector<float> weight_;                                // of edges, in the order of graph_
 };
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -11,7 +11,7 @@
 #include "scan/base/parallel.h"
 #include "scan/base/stopwatch.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -207,4 +207,4 @@ Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const std::vector<Ran
   return polished;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

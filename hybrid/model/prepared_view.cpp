@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "scan/grid/filled_view.h"
 #include "scan/base/median.h"
+#include "scan/grid/filled_view.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -97,4 +97,4 @@ PreparedView prepare_view(const RangeView& view, const DiscontinuityOptions& opt
   return prepared;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

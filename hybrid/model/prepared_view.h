@@ -9,7 +9,7 @@
 #include "relief/scan/range_noise.h"
 #include "relief/scan/range_view.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// A view as refining it needs it: without flying samples, small gaps filled, and with how much
 /// each range counts.
@@ -41,4 +41,4 @@ void count_by_noise(PreparedView& prepared);
 
 PreparedView prepare_view(const RangeView& view, const DiscontinuityOptions& options, int threads);
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -3,7 +3,7 @@
 #include "hybrid/model/slope_constraints.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -52,4 +52,4 @@ RangeSteps range_steps(const RangeView& view, const GridEdges& edges, int thread
   return steps;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

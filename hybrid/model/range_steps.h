@@ -4,7 +4,7 @@
 #include "relief/scan/grid.h"
 #include "relief/scan/range_view.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// For every connected grid edge whose two ends have normals, lengths along the ray [unit]; NaN on
 /// all others. (u,v) of `along rows` is the edge to (u+1,v), of `along columns` to (u,v+1).
@@ -20,4 +20,4 @@ struct RangeSteps {
 
 RangeSteps range_steps(const RangeView& view, const GridEdges& edges, int threads = 1);
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -6,7 +6,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -189,4 +189,4 @@ SlopeConstraints slope_constraints(const RangeView& view, const GridEdges& edges
   return constraints;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

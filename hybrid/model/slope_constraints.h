@@ -8,12 +8,12 @@
 #include <Eigen/Core>
 
 #include "hybrid/multigrid/padded_grid.h"
-#include "relief/scan/discontinuities.h"
-#include "scan/base/parallel.h"
-#include "relief/scan/range_view.h"
 #include "relief/hybrid/refine_options.h"
+#include "relief/scan/discontinuities.h"
+#include "relief/scan/range_view.h"
+#include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// Linear constraints of the measured normals on two samples each, equations (4) to (6), at most
 /// one per pixel and axis. Samples move along their rays by x = |d| (t - t^m) [unit]; with b the
@@ -89,4 +89,4 @@ Eigen::Vector3d surface_step(const Ray& tail, const Ray& head, double t,
 SlopeConstraints slope_constraints(const RangeView& view, const GridEdges& edges, Stencil stencil,
                                    int threads = 0);
 
-}  // namespace relief
+}  // namespace relief::hybrid

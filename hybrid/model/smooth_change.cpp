@@ -10,7 +10,7 @@
 
 #include "relief/scan/grid.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -72,4 +72,4 @@ SmoothChange smooth_change(const ViewProblem& problem, const Eigen::VectorXd& x,
   return {rms(between), rms(within)};
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

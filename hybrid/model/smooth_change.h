@@ -4,7 +4,7 @@
 
 #include "hybrid/model/view_problem.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// How much refining changed the ranges over blocks of 8 x 8 samples, and within them [unit]. The
 /// tenth of the blocks that changed most is left out: wrong normals over small patches are no sign
@@ -24,4 +24,4 @@ struct SmoothChange {
 /// 0.
 SmoothChange smooth_change(const ViewProblem& problem, const Eigen::VectorXd& x, double step);
 
-}  // namespace relief
+}  // namespace relief::hybrid

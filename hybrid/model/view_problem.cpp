@@ -8,7 +8,7 @@
 #include "scan/base/median_deviation.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -193,4 +193,4 @@ std::array<std::vector<float>, 2> slope_residuals(const ViewProblem& problem,
   return residuals;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -7,10 +7,10 @@
 #include <Eigen/Core>
 
 #include "hybrid/model/slope_constraints.h"
-#include "scan/base/parallel.h"
 #include "relief/scan/range_view.h"
+#include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// How much the range of each sample of a view counts, 1 for nominal: its confidence or, where its
 /// deviation is known, the inverse of its variance against that of the median deviation.
@@ -92,4 +92,4 @@ struct ViewWeights {
 std::array<std::vector<float>, 2> slope_residuals(const ViewProblem& problem,
                                                   const Eigen::VectorXd& y, int threads = 0);
 
-}  // namespace relief
+}  // namespace relief::hybrid

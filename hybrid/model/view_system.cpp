@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace relief {
+namespace relief::hybrid {
 
 ViewSystem::ViewSystem(const ViewProblem& problem, bool with_bias)
     : problem_(problem),
@@ -110,4 +110,4 @@ void ViewSystem::add_bias_prior(const ViewWeights& weights) {
   }
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

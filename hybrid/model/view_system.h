@@ -9,7 +9,7 @@
 
 #include "hybrid/model/view_problem.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// The normal equations of a view: A y = b with y = [x; b_u; b_v], or y = x without a bias. The
 /// sparsity pattern is found once, weights are put in as often as needed.
@@ -51,4 +51,4 @@ class ViewSystem {
   std::vector<std::uint32_t> smooth_slots_;  // off-diagonal places of the bias differences
 };
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -8,7 +8,7 @@
 
 #include "hybrid/multigrid/edge_stencil.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 inline constexpr std::uint32_t kNoAggregate = std::numeric_limits<std::uint32_t>::max();
 
@@ -27,7 +27,7 @@ struct Transport {
 /// The nodes of a coarse level: groups of nodes of the level below that lie in one block of 3 x 3
 /// places and hang together. A group moves as a rigid piece.
 struct Aggregates {
-  struct Node {
+  struct fusion::Node {
     std::int32_t column = 0, row = 0;  ///< Of the block.
   };
   struct Bond {
@@ -38,7 +38,7 @@ struct Aggregates {
 
   std::vector<std::uint32_t> label;  ///< Per node below its group; kNoAggregate: none.
   std::vector<Transport> from_root;  ///< Per node below, from its group's displacement to its own.
-  std::vector<Node> nodes;           ///< Ordered by row, then column.
+  std::vector<fusion::Node> nodes;   ///< Ordered by row, then column.
   std::vector<std::uint32_t> rows;   ///< Nodes of block row k are [rows[k], rows[k + 1]).
   std::vector<Bond> bonds;           ///< Between the nodes, a < b, ordered, each pair once.
 };
@@ -49,4 +49,4 @@ Aggregates aggregate_pixels(const EdgeStencil& stencil, int threads);
 /// Groups of nodes. Nodes without bonds join none: relaxation solves them alone.
 Aggregates aggregate_nodes(const Aggregates& below);
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -7,7 +7,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -82,4 +82,4 @@ StencilView EdgeStencil::view() const {
   return view;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -3,11 +3,11 @@
 #include <cstddef>
 #include <vector>
 
+#include "hybrid/model/view_problem.h"
 #include "hybrid/multigrid/edge_stencil_kernels.h"
 #include "hybrid/multigrid/padded_grid.h"
-#include "hybrid/model/view_problem.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// Values of the three unknowns x, b_u, b_v of every pixel; zero where none moves.
 template <typename T>
@@ -43,4 +43,4 @@ class EdgeStencil {
   std::vector<float> inverse_[6];
 };
 
-}  // namespace relief
+}  // namespace relief::hybrid

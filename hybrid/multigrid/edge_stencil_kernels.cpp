@@ -13,7 +13,7 @@
 #endif
 #define RELIEF_INLINE inline __attribute__((always_inline))
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -196,4 +196,4 @@ RELIEF_CLONES void scale_row(const StencilView& s, float b, PlanesView<const flo
   combine(s.inverse[2], s.inverse[4], s.inverse[5], out.bv);
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace relief {
+namespace relief::hybrid {
 
 /// The coefficients of an EdgeStencil as bare pointers, for loops that the compiler can vectorise.
 /// All planes have padding: the pixels left, right, above and below of any pixel exist in memory.
@@ -47,4 +47,4 @@ void relax_row(const StencilView& stencil, float g, float a, PlanesView<const fl
 void scale_row(const StencilView& stencil, float b, PlanesView<const float> r, std::ptrdiff_t begin,
                std::ptrdiff_t end, PlanesView<float> out);
 
-}  // namespace relief
+}  // namespace relief::hybrid

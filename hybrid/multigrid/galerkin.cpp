@@ -8,7 +8,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -326,4 +326,4 @@ CoarseMatrix coarsen(const CoarseMatrix& fine, const std::vector<std::uint32_t>&
   return coarsen_rows(NodeRows(fine, fine_rows), groups, damping, threads);
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

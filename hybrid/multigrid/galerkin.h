@@ -8,7 +8,7 @@
 #include "hybrid/multigrid/aggregation.h"
 #include "hybrid/multigrid/edge_stencil.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// A symmetric sparse matrix of 3 x 3 blocks. Only blocks on and above the diagonal are stored; a
 /// row lists all of its blocks, in order of column.
@@ -54,4 +54,4 @@ CoarseMatrix coarsen(const EdgeStencil& fine, const Aggregates& groups, double d
 CoarseMatrix coarsen(const CoarseMatrix& fine, const std::vector<std::uint32_t>& fine_rows,
                      const Aggregates& groups, double damping, int threads);
 
-}  // namespace relief
+}  // namespace relief::hybrid

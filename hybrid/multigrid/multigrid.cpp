@@ -9,7 +9,7 @@
 #include "hybrid/multigrid/galerkin.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -342,4 +342,4 @@ void Multigrid::apply(const Planes<float>& r, Planes<float>& x) {
   h.cycle(h.finest, h.relaxation, h.work, r, x, 0);
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -4,7 +4,7 @@
 
 #include "hybrid/multigrid/edge_stencil.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// One V-cycle of multigrid by smoothed aggregation for the matrix of an EdgeStencil: a symmetric
 /// positive definite approximation of its inverse. Groups of 3 x 3 samples move as rigid pieces
@@ -33,4 +33,4 @@ class Multigrid {
   std::unique_ptr<Hierarchy> hierarchy_;
 };
 
-}  // namespace relief
+}  // namespace relief::hybrid

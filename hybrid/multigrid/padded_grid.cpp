@@ -1,6 +1,6 @@
 #include "hybrid/multigrid/padded_grid.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 std::vector<RowSpan> row_spans(const PaddedGrid& grid, const std::vector<std::uint8_t>& inside) {
   std::vector<RowSpan> spans;
@@ -16,4 +16,4 @@ std::vector<RowSpan> row_spans(const PaddedGrid& grid, const std::vector<std::ui
   return spans;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

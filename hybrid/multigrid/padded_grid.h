@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace relief {
+namespace relief::hybrid {
 
 /// Where the pixels of a grid are in planes that have one column and one row of padding, so that
 /// every pixel has four neighbours in memory.
@@ -34,4 +34,4 @@ struct RowSpan {
 /// The shortest span of every row that holds all pixels where `inside` (padded) is not zero.
 std::vector<RowSpan> row_spans(const PaddedGrid& grid, const std::vector<std::uint8_t>& inside);
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -9,7 +9,7 @@
 #include "hybrid/multigrid/multigrid.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -255,4 +255,4 @@ LinearSolve ViewMultigrid::solve(Eigen::VectorXd& y, double tolerance, int max_i
   return s.iterate(y, energy, tolerance * tolerance * energy, tolerance, max_iterations);
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -7,7 +7,7 @@
 #include "hybrid/model/view_problem.h"
 #include "hybrid/solver/view_solver.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// Conjugate gradients with multigrid for the normal equations of a view with the compact stencil:
 /// A y = b as of ViewSystem, never assembled. A set-up serves as many right sides as needed.
@@ -26,4 +26,4 @@ class ViewMultigrid : public ViewSolver {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace relief
+}  // namespace relief::hybrid

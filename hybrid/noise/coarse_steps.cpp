@@ -5,7 +5,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -54,4 +54,4 @@ RangeSteps coarse_steps(const RangeSteps& steps, int factor, int threads) {
           coarse(steps.along_columns, 0, 1, factor, threads)};
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -2,7 +2,7 @@
 
 #include "hybrid/model/range_steps.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// The steps from block to block of `factor` x `factor` samples, between the mean ranges of the
 /// blocks. Blocks at which any step is missing have none. Errors that neighbouring samples share
@@ -10,4 +10,4 @@ namespace relief {
 /// independent noise would have to be to do as much harm over long waves.
 RangeSteps coarse_steps(const RangeSteps& steps, int factor, int threads);
 
-}  // namespace relief
+}  // namespace relief::hybrid

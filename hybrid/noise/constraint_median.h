@@ -8,7 +8,7 @@
 #include "hybrid/model/view_problem.h"
 #include "scan/base/median.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// The median of `value(axis, i)` over the slope constraints of `problem`; of many, only so many
 /// that it is good to about a percent.
@@ -23,4 +23,4 @@ double median_over_constraints(const ViewProblem& problem, const Value& value) {
   return median(std::move(values));
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -6,7 +6,7 @@
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/range_view.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// The errors of one view's measurements, estimated from how its ranges and normals disagree.
 struct NoiseEstimate {
@@ -30,4 +30,4 @@ NoiseEstimate estimate_noise(const RangeSteps& steps, int threads = 1);
 
 NoiseEstimate estimate_noise(const RangeView& view, const GridEdges& edges, int threads = 1);
 
-}  // namespace relief
+}  // namespace relief::hybrid

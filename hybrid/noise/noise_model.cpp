@@ -6,7 +6,7 @@
 
 #include "hybrid/noise/constraint_median.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -76,4 +76,4 @@ double equivalent_lambda(const NoiseModel& noise) {
   return variance / (noise.sigma_position * noise.sigma_position + variance);
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -2,12 +2,12 @@
 
 #include <cstddef>
 
+#include "hybrid/model/view_problem.h"
 #include "hybrid/noise/noise.h"
 #include "hybrid/noise/range_deviation.h"
 #include "relief/hybrid/refine_view.h"
-#include "hybrid/model/view_problem.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// The errors of a view in the form that the weights of equation (7a) need.
 struct NoiseModel {
@@ -30,4 +30,4 @@ NoiseModel make_noise_model(const RefineOptions& options, const NoiseEstimate& e
 /// The ratio of the noises in the terms of the published method.
 double equivalent_lambda(const NoiseModel& noise);
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -7,7 +7,7 @@
 #include "hybrid/noise/surface_average.h"
 #include "relief/scan/counter_random.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -138,4 +138,4 @@ Eigen::VectorXf range_deviation(const ViewProblem& problem, const ViewWeights& w
   return (from_noise + from_bias).cwiseSqrt();
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -7,7 +7,7 @@
 #include "hybrid/model/view_problem.h"
 #include "hybrid/solver/view_solver.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// The errors of the measurements, whatever weights the terms of (7a) got.
 struct MeasurementNoise {
@@ -35,4 +35,4 @@ Eigen::VectorXf range_deviation(const ViewProblem& problem, const ViewWeights& w
                                 const MeasurementNoise& noise, const Eigen::VectorXd& y,
                                 ViewSolver& solver, const DeviationOptions& options = {});
 
-}  // namespace relief
+}  // namespace relief::hybrid

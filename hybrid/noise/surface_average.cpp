@@ -4,7 +4,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -101,4 +101,4 @@ Eigen::VectorXf SurfaceAverage::share(double window) const {
   return shares;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

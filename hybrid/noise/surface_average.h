@@ -7,7 +7,7 @@
 
 #include "hybrid/model/view_problem.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// Averages over the surface of a view, weighted by exp(-distance / window) along rows and columns
 /// of the grid. Only what hangs together by for_each_bias_pair() is averaged: nothing crosses an
@@ -38,4 +38,4 @@ class SurfaceAverage {
   std::vector<std::uint8_t> right_, down_;  // padded; 1: hangs together with the next pixel
 };
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -8,7 +8,7 @@
 #include "hybrid/solver/spd_solver.h"
 #include "scan/grid/grid_normals.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -141,4 +141,4 @@ TwoStepResult two_step_correction(const RangeView& view, const GridEdges& edges,
   return result;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -6,7 +6,7 @@
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/range_view.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// The measured normals less a slope error per movable sample, `bias` = [b_u; b_v] [rad]: normal to
 /// the two tangents whose slopes against the measured normal are b_u and b_v. Other normals stay.
@@ -24,4 +24,4 @@ struct TwoStepResult {
 TwoStepResult two_step_correction(const RangeView& view, const GridEdges& edges,
                                   const ViewProblem& problem, double scale);
 
-}  // namespace relief
+}  // namespace relief::hybrid

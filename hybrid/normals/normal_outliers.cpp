@@ -9,7 +9,7 @@
 #include "relief/scan/grid.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -175,4 +175,4 @@ CoherentErrors coherent_errors(const ViewProblem& problem, const NoiseEstimate& 
   return errors;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -4,10 +4,10 @@
 
 #include <Eigen/Core>
 
-#include "hybrid/noise/noise.h"
 #include "hybrid/model/view_problem.h"
+#include "hybrid/noise/noise.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 struct CoherentErrors {
   Eigen::VectorXd
@@ -23,4 +23,4 @@ struct CoherentErrors {
 CoherentErrors coherent_errors(const ViewProblem& problem, const NoiseEstimate& noise,
                                double spacing, int threads = 1);
 
-}  // namespace relief
+}  // namespace relief::hybrid

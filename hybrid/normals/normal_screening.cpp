@@ -9,7 +9,7 @@
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -117,4 +117,4 @@ ScreenedNormals screen_normals(const RangeView& view, int threads) {
   return screened;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

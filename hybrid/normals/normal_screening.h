@@ -8,7 +8,7 @@
 #include "relief/scan/grid.h"
 #include "relief/scan/range_view.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 struct ScreenedNormals {
   Grid<Eigen::Vector3f> normals;  ///< Isolated ones replaced by the median of their neighbourhood.
@@ -21,4 +21,4 @@ struct ScreenedNormals {
 /// than four times the typical distance there and in the whole view: creases and steps are not.
 ScreenedNormals screen_normals(const RangeView& view, int threads);
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -6,7 +6,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -97,4 +97,4 @@ GridEdges cut_unexplained_steps(const GridEdges& edges, const RangeSteps& steps,
   return remaining;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

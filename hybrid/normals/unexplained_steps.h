@@ -1,10 +1,10 @@
 #pragma once
 
-#include "hybrid/noise/noise.h"
 #include "hybrid/model/range_steps.h"
+#include "hybrid/noise/noise.h"
 #include "relief/scan/discontinuities.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// `edges` without those that cross a step which the normals do not explain: three samples on one
 /// side lie together above or below three on the other by more than five standard deviations of
@@ -14,4 +14,4 @@ GridEdges cut_unexplained_steps(const GridEdges& edges, const RangeSteps& steps,
                                 const NoiseEstimate& noise, const Grid<float>& variance = {},
                                 int threads = 1);
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -4,7 +4,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -56,4 +56,4 @@ Grid<std::uint8_t> wild_samples(const RangeSteps& steps, const NoiseEstimate& no
   return wild;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

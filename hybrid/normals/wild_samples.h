@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
-#include "hybrid/noise/noise.h"
 #include "hybrid/model/range_steps.h"
+#include "hybrid/noise/noise.h"
 #include "relief/scan/grid.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// `steps` are those between all neighbouring samples. 1 for samples whose range alone is wrong:
 /// all their steps to neighbours, or all but one of four, lead the same way and are each more than
@@ -15,4 +15,4 @@ namespace relief {
 Grid<std::uint8_t> wild_samples(const RangeSteps& steps, const NoiseEstimate& noise,
                                 const Grid<float>& variance = {}, int threads = 1);
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -10,7 +10,7 @@
 #include "hybrid/solver/view_solver.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -127,4 +127,4 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
   return result;
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -2,12 +2,12 @@
 
 #include <Eigen/Core>
 
+#include "hybrid/model/view_problem.h"
 #include "hybrid/noise/noise_model.h"
 #include "relief/hybrid/refine_view.h"
-#include "hybrid/model/view_problem.h"
 #include "relief/scan/progress.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 struct RobustSolve {
   Eigen::VectorXd y;          ///< [x; b_u; b_v], or x without a bias.
@@ -23,4 +23,4 @@ struct RobustSolve {
 RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
                            const RefineOptions& options, const Progress& progress);
 
-}  // namespace relief
+}  // namespace relief::hybrid

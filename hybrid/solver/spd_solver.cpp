@@ -2,7 +2,7 @@
 
 #include <Eigen/CholmodSupport>
 
-namespace relief {
+namespace relief::hybrid {
 
 struct SpdSolver::Factor {
   Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower> cholesky;
@@ -26,4 +26,4 @@ Eigen::VectorXd SpdSolver::solve(const Eigen::VectorXd& rhs) const {
   return factor_->cholesky.solve(rhs);
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
-namespace relief {
+namespace relief::hybrid {
 
 /// Solves sparse symmetric positive definite systems that share a sparsity pattern, by supernodal
 /// factorisation (CHOLMOD). Keeps the ordering from one matrix to the next.
@@ -24,4 +24,4 @@ class SpdSolver {
   std::unique_ptr<Factor> factor_;
 };
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -1,10 +1,10 @@
 #include "hybrid/solver/view_solver.h"
 
-#include "hybrid/solver/spd_solver.h"
-#include "hybrid/multigrid/view_multigrid.h"
 #include "hybrid/model/view_system.h"
+#include "hybrid/multigrid/view_multigrid.h"
+#include "hybrid/solver/spd_solver.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 namespace {
 
@@ -39,4 +39,4 @@ std::unique_ptr<ViewSolver> make_view_solver(const ViewProblem& problem, bool wi
   return std::make_unique<DirectSolver>(problem, with_bias);
 }
 
-}  // namespace relief
+}  // namespace relief::hybrid

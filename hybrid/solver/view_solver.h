@@ -7,7 +7,7 @@
 #include "hybrid/model/view_problem.h"
 #include "relief/hybrid/refine_options.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 struct LinearSolve {
   bool converged = false;
@@ -36,4 +36,4 @@ class ViewSolver {
 std::unique_ptr<ViewSolver> make_view_solver(const ViewProblem& problem, bool with_bias,
                                              Solver solver, int threads);
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -73,4 +73,4 @@ std::vector<std::size_t> ConsistencyGraph::consensus_around(std::size_t i) const
   return set;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -7,7 +7,7 @@
 #include "registration/global/features/feature_matches.h"
 #include "registration/global/features/resampled_view.h"
 
-namespace relief {
+namespace relief::registration {
 
 struct ConsistencyOptions {
   /// Two matches agree when the distances of their points in the two views differ by no more
@@ -44,4 +44,4 @@ class ConsistencyGraph {
   std::vector<std::size_t> degrees_;
 };
 
-}  // namespace relief
+}  // namespace relief::registration

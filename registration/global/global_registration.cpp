@@ -4,14 +4,14 @@
 #include <cassert>
 #include <utility>
 
+#include "registration/global/features/planar_view.h"
+#include "registration/global/features/view_similarity.h"
 #include "registration/global/link_limits.h"
 #include "registration/global/pair_search.h"
-#include "registration/global/features/planar_view.h"
 #include "registration/global/turntable.h"
-#include "registration/global/features/view_similarity.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -169,4 +169,4 @@ Result<ViewGroups> place_views(const std::vector<ViewSurface>& surfaces, const V
   return Placing(surfaces, start, known, options, progress).run();
 }
 
-}  // namespace relief
+}  // namespace relief::registration

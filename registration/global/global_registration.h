@@ -3,13 +3,13 @@
 #include <vector>
 
 #include "registration/global/view_groups.h"
-#include "registration/verification/pose_evidence.h"
 #include "registration/surface/view_surface.h"
+#include "registration/verification/pose_evidence.h"
 #include "relief/scan/progress.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 struct PlaceViewsOptions {
   Association association = Association::kAuto;
@@ -32,4 +32,4 @@ Result<ViewGroups> place_views(const std::vector<ViewSurface>& surfaces, const V
                                const PlaceViewsOptions& options = {},
                                const Progress& progress = {});
 
-}  // namespace relief
+}  // namespace relief::registration

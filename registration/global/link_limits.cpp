@@ -10,7 +10,7 @@
 #include "registration/global/pair_search.h"
 #include "registration/pairwise/robust.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -177,4 +177,4 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
   return limits;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

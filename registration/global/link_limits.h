@@ -6,7 +6,7 @@
 #include "registration/global/view_groups.h"
 #include "registration/surface/view_surface.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// For each link how many views c confirm it by two others: a - c - b leads to the same pose.
 std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
@@ -30,4 +30,4 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
                            const std::vector<PoseLink>& links, const std::vector<int>& loops,
                            const ViewGroupOptions& options);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -10,7 +10,7 @@
 #include "registration/global/robust_motion.h"
 #include "registration/pairwise/icp.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -172,4 +172,4 @@ bool fits_itself(const CoarseView& view, const CoarseScale& scale, const Plausib
   });
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -4,11 +4,11 @@
 
 #include "registration/global/features/local_features.h"
 #include "registration/global/features/resampled_view.h"
-#include "registration/verification/pose_evidence.h"
 #include "registration/surface/view_surface.h"
+#include "registration/verification/pose_evidence.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// A view as coarse alignment sees it.
 struct CoarseView {
@@ -53,4 +53,4 @@ PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
 bool same_pose(const ViewSurface& view, const RigidMotion& x, const RigidMotion& y,
                double tolerance);
 
-}  // namespace relief
+}  // namespace relief::registration

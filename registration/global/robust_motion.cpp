@@ -3,7 +3,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -49,4 +49,4 @@ RobustMotion fit_robustly(const Eigen::Matrix3Xd& source, const Eigen::Matrix3Xd
   return result;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -7,7 +7,7 @@
 
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// A rigid motion between two sets of points of which many do not belong together.
 struct RobustMotion {
@@ -21,4 +21,4 @@ struct RobustMotion {
 RobustMotion fit_robustly(const Eigen::Matrix3Xd& source, const Eigen::Matrix3Xd& target,
                           double tolerance);
 
-}  // namespace relief
+}  // namespace relief::registration

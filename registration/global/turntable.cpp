@@ -9,7 +9,7 @@
 #include "registration/global/pair_search.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -86,4 +86,4 @@ std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
   return links;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

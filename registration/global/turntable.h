@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "registration/global/view_groups.h"
-#include "registration/verification/pose_evidence.h"
 #include "registration/surface/view_surface.h"
+#include "registration/verification/pose_evidence.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// Links between views that follow each other (the first follows the last) and are not in one
 /// `group` yet, as if the object had been turned between them: by 15 to 90 degrees or 360 over the
@@ -17,4 +17,4 @@ std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
                                       const PlausibleEvidence& limits, Association association,
                                       int threads);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -12,7 +12,7 @@
 #include "registration/global/pair_search.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -264,4 +264,4 @@ ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<Pose
   return Joining(surfaces, links, start, known, limits, options).run();
 }
 
-}  // namespace relief
+}  // namespace relief::registration

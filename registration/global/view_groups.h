@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "registration/verification/pose_evidence.h"
 #include "registration/surface/view_surface.h"
+#include "registration/verification/pose_evidence.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// A relative pose of two views that their measurements allow.
 struct PoseLink {
@@ -68,4 +68,4 @@ ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<Pose
                       const ViewGroups& start, const std::vector<bool>& known,
                       const ViewGroupOptions& options = {});
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -8,7 +8,7 @@
 
 #include "registration/pairwise/robust.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -119,4 +119,4 @@ double rms_distance(const std::vector<Correspondence>& correspondences) {
   return std::sqrt(sum / static_cast<double>(correspondences.size()));
 }
 
-}  // namespace relief
+}  // namespace relief::registration

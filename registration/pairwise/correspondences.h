@@ -8,10 +8,10 @@
 #include <Eigen/Core>
 
 #include "registration/surface/view_surface.h"
-#include "relief/scan/rigid_motion.h"
 #include "relief/registration/align_options.h"
+#include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 struct CorrespondenceOptions {
   /// How many to find, at most; the search tries up to `tries` samples for each.
@@ -68,4 +68,4 @@ void append_correspondences(const ViewSurface& source, const ViewSurface& target
 /// Root mean square of the distances [unit]; 0 for none.
 double rms_distance(const std::vector<Correspondence>& correspondences);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -6,7 +6,7 @@
 
 #include <Eigen/Dense>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -83,4 +83,4 @@ double stiffness_threshold(double normal_noise) {
   return std::max(1e-4, 4.0 * normal_noise * normal_noise);
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -5,10 +5,10 @@
 
 #include <Eigen/Core>
 
-#include "relief/scan/rigid_motion.h"
 #include "relief/registration/pair_fit.h"
+#include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// A point of a surface and its unit normal, any frame.
 struct OrientedPoint {
@@ -37,4 +37,4 @@ std::vector<DegenerateDirection> degenerate_directions(const Stability& stabilit
 /// holds nothing. At least (0.6 deg)^2.
 double stiffness_threshold(double normal_noise);
 
-}  // namespace relief
+}  // namespace relief::registration

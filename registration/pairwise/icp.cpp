@@ -6,12 +6,12 @@
 
 #include <Eigen/Dense>
 
-#include "registration/posegraph/dense/pose_graph_refinement.h"
 #include "registration/pairwise/plane_step.h"
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
+#include "registration/posegraph/dense/pose_graph_refinement.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -235,4 +235,4 @@ std::string_view to_string(IcpTermination termination) {
   return "unknown";
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -8,7 +8,7 @@
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 enum class IcpObjective {
   kPointToPlane,  ///< Chen and Medioni 1991.
@@ -73,4 +73,4 @@ IcpResult align_pair(const ViewSurface& source, const ViewSurface& target,
 /// `converged`, `iteration limit` or `no overlap`.
 std::string_view to_string(IcpTermination termination);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -3,7 +3,7 @@
 #include "registration/pairwise/degenerate_directions.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// Sums of a weighted least-squares problem in one rigid motion: of w j j^T, and of w r j, half the
 /// gradient, over residuals r with derivatives j.
@@ -17,4 +17,4 @@ struct NormalEquations {
   }
 };
 
-}  // namespace relief
+}  // namespace relief::registration

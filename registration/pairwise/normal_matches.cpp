@@ -12,7 +12,7 @@
 
 #include "registration/pairwise/robust.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -220,4 +220,4 @@ void ignore_motion(const RigidTangent& motion, const Eigen::Vector3d& centre,
   }
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -9,7 +9,7 @@
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// The two measured normals of a correspondence, in the target's frame. Where the views are aligned
 /// they agree; under a motion (w, v) of the source their difference along the columns e of `basis`
@@ -69,4 +69,4 @@ bool slides_nearly(const Stability& geometric, double threshold);
 void ignore_motion(const RigidTangent& motion, const Eigen::Vector3d& centre,
                    NormalMatches& matches);
 
-}  // namespace relief
+}  // namespace relief::registration

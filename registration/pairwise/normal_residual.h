@@ -7,7 +7,7 @@
 
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// Two terms of the joint refinement, equation (R9): the difference of the measured normals of a
 /// correspondence between views s and t, in the frame of view t,
@@ -35,4 +35,4 @@ struct NormalResidual {
   }
 };
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -4,7 +4,7 @@
 
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// One term of the joint refinement, equation (R3), in the frame of view t:
 ///   r = scale n . (R a + m - b),
@@ -25,4 +25,4 @@ struct PlaneResidual {
   }
 };
 
-}  // namespace relief
+}  // namespace relief::registration

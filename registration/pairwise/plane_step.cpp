@@ -8,7 +8,7 @@
 #include "registration/pairwise/normal_equations.h"
 #include "registration/pairwise/robust.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -126,4 +126,4 @@ PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, const NormalTerm
   return step;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

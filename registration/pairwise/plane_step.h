@@ -4,12 +4,12 @@
 
 #include <Eigen/Core>
 
+#include "registration/pairwise/degenerate_directions.h"
 #include "registration/pairwise/icp.h"
 #include "registration/pairwise/normal_matches.h"
-#include "registration/pairwise/degenerate_directions.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// Two points that should coincide up to sliding along the surface, in one frame.
 struct PlanePair {
@@ -43,4 +43,4 @@ struct PlaneStep {
 PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, const NormalTerms& normals,
                            IcpObjective objective, double threshold);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace relief {
+namespace relief::registration {
 
 /// Turns the median absolute value of Gaussian numbers of mean zero into their standard deviation.
 inline constexpr double kSigmaPerMedian = 1.4826;
@@ -35,4 +35,4 @@ inline double cauchy_weight(double residual, double c) {
 /// % of the efficiency of least squares on Gaussian residuals.
 inline constexpr double kCauchyScale = 2.385;
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -39,4 +39,4 @@ std::vector<SearchLevel> search_schedule(const SearchScheduleOptions& options) {
   return schedule;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

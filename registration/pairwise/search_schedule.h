@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace relief {
+namespace relief::registration {
 
 /// One level of a coarse-to-fine search.
 struct SearchLevel {
@@ -39,4 +39,4 @@ inline double largest_plausible_rms(double spacing, double noise) {
 /// first distance is not larger than the last and there are no normal maps.
 std::vector<SearchLevel> search_schedule(const SearchScheduleOptions& options);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <utility>
 
+#include "registration/pairwise/robust.h"
+#include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/dense/pose_graph_refinement.h"
 #include "registration/posegraph/joint_solver.h"
 #include "registration/posegraph/pair_matcher.h"
-#include "registration/pairwise/robust.h"
-#include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/view_graph.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -285,4 +285,4 @@ std::string_view to_string(RefinementTermination termination) {
   return "unknown";
 }
 
-}  // namespace relief
+}  // namespace relief::registration

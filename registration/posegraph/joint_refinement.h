@@ -7,14 +7,14 @@
 #include "registration/pairwise/correspondences.h"
 #include "registration/posegraph/pair_fit.h"
 #include "registration/surface/view_surface.h"
-#include "relief/scan/progress.h"
-#include "relief/scan/result.h"
-#include "relief/scan/rigid_motion.h"
 #include "relief/registration/align_options.h"
 #include "relief/registration/align_views.h"
 #include "relief/registration/pair_fit.h"
+#include "relief/scan/progress.h"
+#include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 struct JointRefinement {
   std::vector<RigidMotion> world_from_view;
@@ -50,4 +50,4 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
                                        const JointRefinementOptions& options = {},
                                        const Progress& progress = {});
 
-}  // namespace relief
+}  // namespace relief::registration

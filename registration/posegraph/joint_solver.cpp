@@ -11,7 +11,7 @@
 #include "registration/posegraph/pose_parameters.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -152,4 +152,4 @@ PoseSolution solve_poses(const std::vector<ViewSurface>& surfaces,
   return PoseSolution::kUsable;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

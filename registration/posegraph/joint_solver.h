@@ -10,7 +10,7 @@
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// Correspondences from samples of one view to the surface of another.
 struct DirectedMatches {
@@ -38,4 +38,4 @@ enum class PoseSolution {
                                        const JointSolverOptions& options,
                                        std::vector<RigidMotion>& world_from_view);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -6,7 +6,7 @@
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -99,4 +99,4 @@ std::string_view to_string(PairGrade grade) {
   return "unknown";
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -4,13 +4,13 @@
 #include <string_view>
 #include <vector>
 
-#include "registration/posegraph/joint_solver.h"
 #include "registration/pairwise/degenerate_directions.h"
+#include "registration/posegraph/joint_solver.h"
 #include "registration/surface/view_surface.h"
-#include "relief/scan/rigid_motion.h"
 #include "relief/registration/pair_fit.h"
+#include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// The fit of one pair by its matches in both directions, not graded yet.
 PairFit fit_of(const std::vector<ViewSurface>& surfaces,
@@ -28,4 +28,4 @@ std::vector<double> largest_fitting_rms(const std::vector<ViewSurface>& surfaces
 /// The stiffness below which noise alone would explain what holds the pair (R5).
 double slip_threshold(const ViewSurface& a, const ViewSurface& b);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -1,10 +1,10 @@
 #include "registration/posegraph/pair_matcher.h"
 
+#include "registration/pairwise/degenerate_directions.h"
 #include "registration/pairwise/normal_matches.h"
 #include "registration/posegraph/pair_fit.h"
-#include "registration/pairwise/degenerate_directions.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -46,4 +46,4 @@ DirectedMatches PairMatcher::operator()(std::size_t i) const {
   return directed;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

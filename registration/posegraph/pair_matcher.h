@@ -9,7 +9,7 @@
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// Matches pairs of views at poses, one direction of a pair at a time. All that is given has to
 /// outlive it.
@@ -45,4 +45,4 @@ class PairMatcher {
   const std::vector<bool>& sliding_;
 };
 
-}  // namespace relief
+}  // namespace relief::registration

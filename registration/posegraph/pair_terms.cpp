@@ -9,7 +9,7 @@
 #include "registration/pairwise/normal_equations.h"
 #include "registration/pairwise/robust.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -87,4 +87,4 @@ CompressedTerms PairTerms::compress(const RigidMotion& target_from_source) const
   return square_root(sum, of_planes.sum() + of_normals.sum());
 }
 
-}  // namespace relief
+}  // namespace relief::registration

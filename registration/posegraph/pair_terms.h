@@ -4,12 +4,12 @@
 
 #include <Eigen/Core>
 
+#include "registration/pairwise/degenerate_directions.h"
 #include "registration/pairwise/normal_residual.h"
 #include "registration/pairwise/plane_residual.h"
-#include "registration/pairwise/degenerate_directions.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// Seven residuals that stand for all terms of a directed pair of views at a pose of the source
 /// relative to the target: the sum of squares of `residuals` is that of the losses,
@@ -31,4 +31,4 @@ struct PairTerms {
   CompressedTerms compress(const RigidMotion& target_from_source) const;
 };
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -76,4 +76,4 @@ TangentByParameters tangent_by_target(const PoseParameters& target) {
   return tangent;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

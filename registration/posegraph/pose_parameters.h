@@ -4,7 +4,7 @@
 
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// A view's pose as the joint refinement varies it: (qx, qy, qz, qw, mx, my, mz), with
 ///   x_world - W = R(q) (x_view - c) + m.
@@ -27,4 +27,4 @@ using TangentByParameters = Eigen::Matrix<double, 6, 7>;
 TangentByParameters tangent_by_source(const PoseParameters& source, const PoseParameters& target);
 TangentByParameters tangent_by_target(const PoseParameters& target);
 
-}  // namespace relief
+}  // namespace relief::registration

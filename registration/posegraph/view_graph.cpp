@@ -5,7 +5,7 @@
 
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -91,4 +91,4 @@ std::vector<std::size_t> connected_groups(std::size_t views, const std::vector<V
   return group;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

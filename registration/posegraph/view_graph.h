@@ -7,7 +7,7 @@
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// Two views that see a common part of the surface; a < b.
 struct ViewPair {
@@ -47,4 +47,4 @@ std::vector<ViewPair> largest_overlaps(std::size_t views, const std::vector<View
 /// directly or through others.
 std::vector<std::size_t> connected_groups(std::size_t views, const std::vector<ViewPair>& pairs);
 
-}  // namespace relief
+}  // namespace relief::registration

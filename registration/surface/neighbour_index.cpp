@@ -4,7 +4,7 @@
 
 #include <flann/flann.hpp>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -48,4 +48,4 @@ std::vector<int> NeighbourIndex::nearest(const Eigen::Matrix3Xd& queries) const 
   return indices;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

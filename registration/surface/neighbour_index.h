@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-namespace relief {
+namespace relief::registration {
 
 /// Exact nearest neighbours among a fixed set of points (a FLANN kd-tree). Points are stored in
 /// single precision relative to their centre, so that the position of the set costs no precision.
@@ -25,4 +25,4 @@ class NeighbourIndex {
   std::unique_ptr<Tree> tree_;
 };
 
-}  // namespace relief
+}  // namespace relief::registration

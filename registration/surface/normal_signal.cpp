@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -85,4 +85,4 @@ std::optional<NormalSample> NormalSignal::at(const Eigen::Vector2d& pixel, int l
   return sample;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

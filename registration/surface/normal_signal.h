@@ -8,7 +8,7 @@
 #include "registration/surface/packed_normals.h"
 #include "relief/scan/grid.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// A normal interpolated between pixels and how it changes from pixel to pixel.
 struct NormalSample {
@@ -40,4 +40,4 @@ class NormalSignal {
   std::vector<PackedNormals> levels_;
 };
 
-}  // namespace relief
+}  // namespace relief::registration

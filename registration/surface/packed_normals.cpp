@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace relief {
+namespace relief::registration {
 
 PackedNormals::PackedNormals(const Grid<Eigen::Vector3f>& normals)
     : width_(normals.width()), height_(normals.height()) {
@@ -25,4 +25,4 @@ PackedNormals::PackedNormals(const Grid<Eigen::Vector3f>& normals)
       if (normals(u, v).allFinite()) (*this)(u, v) = PackedNormal(normals(u, v));
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -8,7 +8,7 @@
 
 #include "relief/scan/grid.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// A unit normal in six bytes, good to 3e-5 rad, and two bytes for whoever keeps it.
 struct PackedNormal {
@@ -64,4 +64,4 @@ class PackedNormals {
   Grid<PackedNormal> stored_;
 };
 
-}  // namespace relief
+}  // namespace relief::registration

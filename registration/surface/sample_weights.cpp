@@ -4,7 +4,7 @@
 
 #include "scan/base/median_deviation.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -40,4 +40,4 @@ Grid<float> sample_weights(const RangeView& view, double noise, const RangeNoise
   return weights;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -4,7 +4,7 @@
 #include "relief/scan/range_noise.h"
 #include "relief/scan/range_view.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// What each sample counts for in alignment: its confidence, or, where deviations are known, which
 /// have the confidence in them, the inverse of its variance relative to the view's median one.
@@ -15,4 +15,4 @@ namespace relief {
 /// the deviations of single samples do. `noise`: white noise of positions [unit].
 Grid<float> sample_weights(const RangeView& view, double noise, const RangeNoise& ranges);
 
-}  // namespace relief
+}  // namespace relief::registration

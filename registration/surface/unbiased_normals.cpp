@@ -6,7 +6,7 @@
 
 #include <Eigen/Dense>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -119,4 +119,4 @@ Grid<Eigen::Vector3f> unbiased_normals(const RangeView& view, const GridEdges& e
   return result;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -6,7 +6,7 @@
 #include "relief/scan/grid.h"
 #include "relief/scan/range_view.h"
 
-namespace relief {
+namespace relief::registration {
 
 struct UnbiasedNormalOptions {
   /// Half width [pixels] of the window over which the bias of the normals is taken as constant. 0:
@@ -23,4 +23,4 @@ struct UnbiasedNormalOptions {
 Grid<Eigen::Vector3f> unbiased_normals(const RangeView& view, const GridEdges& edges,
                                        const UnbiasedNormalOptions& options);
 
-}  // namespace relief
+}  // namespace relief::registration

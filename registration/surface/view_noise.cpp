@@ -8,7 +8,7 @@
 #include "registration/pairwise/robust.h"
 #include "scan/grid/grid_normals.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -90,4 +90,4 @@ double typical_step(const RangeView& view, const RangeNoise& noise) {
   return count > 0.0 ? std::sqrt(squares / count) : 0.0;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -6,7 +6,7 @@
 #include "relief/scan/range_noise.h"
 #include "relief/scan/range_view.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// Standard deviation of the white noise of positions along the normal [unit], robustly from third
 /// differences of the range along rows and columns; 0 where there are none.
@@ -26,4 +26,4 @@ double typical_incidence(const RangeView& view, const Grid<Eigen::Vector3f>& nor
 /// are not rounded.
 double typical_step(const RangeView& view, const RangeNoise& noise);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -12,11 +12,11 @@
 #include "registration/surface/unbiased_normals.h"
 #include "registration/surface/view_noise.h"
 #include "relief/scan/discontinuities.h"
-#include "scan/grid/grid_normals.h"
 #include "relief/scan/range_noise.h"
+#include "scan/grid/grid_normals.h"
 #include "scan/grid/small_gaps.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -322,4 +322,4 @@ std::vector<Eigen::Vector2d> ViewSurface::closest(const Eigen::Matrix3Xd& points
   return pixels;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -11,11 +11,11 @@
 #include "registration/surface/neighbour_index.h"
 #include "registration/surface/normal_signal.h"
 #include "registration/surface/packed_normals.h"
+#include "relief/registration/align_options.h"
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/range_view.h"
-#include "relief/registration/align_options.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// How far a view's surface goes.
 enum class SurfacePart {
@@ -143,4 +143,4 @@ class ViewSurface {
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), mean_normal_ = Eigen::Vector3d::Zero();
 };
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -65,4 +65,4 @@ double coherent_rms(const Eigen::Matrix3Xd& points, const std::vector<double>& r
   return pairs > 0.0 ? std::sqrt(std::max(0.0, products / pairs)) : 0.0;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

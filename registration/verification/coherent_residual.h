@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace relief {
+namespace relief::registration {
 
 /// Distances between points that may agree with each other [unit].
 struct DistanceBand {
@@ -19,4 +19,4 @@ struct DistanceBand {
 double coherent_rms(const Eigen::Matrix3Xd& points, const std::vector<double>& residuals,
                     const DistanceBand& band);
 
-}  // namespace relief
+}  // namespace relief::registration

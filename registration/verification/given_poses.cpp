@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -83,4 +83,4 @@ Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& sur
   }
 }
 
-}  // namespace relief
+}  // namespace relief::registration

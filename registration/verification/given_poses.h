@@ -3,14 +3,14 @@
 #include <vector>
 
 #include "registration/posegraph/joint_refinement.h"
+#include "registration/surface/view_surface.h"
 #include "registration/verification/pose_verification.h"
 #include "registration/verification/starting_poses.h"
-#include "registration/surface/view_surface.h"
 #include "relief/scan/progress.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// The poses that views came with, refined together before they are judged: poses a few spacings
 /// off, as other programs and turntables give them, contradict each other until they are refined.
@@ -32,4 +32,4 @@ Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& sur
 /// What a pose must show of the set's own errors: see verify_poses().
 PoseVerificationOptions verification_options(const StartingPoseOptions& options);
 
-}  // namespace relief
+}  // namespace relief::registration

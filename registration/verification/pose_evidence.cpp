@@ -5,11 +5,11 @@
 #include <cmath>
 #include <vector>
 
-#include "registration/verification/coherent_residual.h"
-#include "registration/pairwise/search_schedule.h"
 #include "registration/pairwise/degenerate_directions.h"
+#include "registration/pairwise/search_schedule.h"
+#include "registration/verification/coherent_residual.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -238,4 +238,4 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
   return evidence;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

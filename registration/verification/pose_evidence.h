@@ -4,7 +4,7 @@
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// What two views' own measurements say of a relative pose.
 struct PoseEvidence {
@@ -95,4 +95,4 @@ PoseEvidence judge_sight_lines(const ViewSurface& a, const ViewSurface& b,
 double rough_agreement(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
                        double reach, int probes);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -8,7 +8,7 @@
 #include "registration/posegraph/view_graph.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -190,4 +190,4 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
   return result;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

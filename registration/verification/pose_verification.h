@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "registration/posegraph/joint_refinement.h"
-#include "registration/verification/pose_evidence.h"
 #include "registration/surface/view_surface.h"
+#include "registration/verification/pose_evidence.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 struct PoseVerificationOptions {
   /// What a pair must show at least; the errors that the views themselves show widen it.
@@ -45,4 +45,4 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
                               const std::vector<ViewRole>& roles,
                               const PoseVerificationOptions& options = {});
 
-}  // namespace relief
+}  // namespace relief::registration

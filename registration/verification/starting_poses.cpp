@@ -7,7 +7,7 @@
 
 #include "registration/global/global_registration.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -257,4 +257,4 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
   return result;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

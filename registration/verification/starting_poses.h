@@ -7,13 +7,13 @@
 
 #include "registration/pairwise/correspondences.h"
 #include "registration/surface/view_surface.h"
+#include "relief/registration/align_options.h"
 #include "relief/scan/progress.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
-#include "relief/registration/align_options.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// What is known of the poses before any is looked for by shape.
 struct SettledPoses {
@@ -48,4 +48,4 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
                                           const StartingPoseOptions& options = {},
                                           const Progress& progress = {});
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -9,7 +9,7 @@
 #include "relief/fusion/merge_views.h"
 #include "tests/fusion/scenes.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 using testing::box_distance;
@@ -173,4 +173,4 @@ TEST(AnalyticShapes, LettersInReliefAreLegible) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

@@ -7,7 +7,7 @@
 #include "relief/fusion/merge_views.h"
 #include "tests/fusion/scenes.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 const testing::SignedDistance kTorus = testing::torus_distance(35.0, 12.0);
@@ -77,4 +77,4 @@ TEST(IncompleteViews, FlyingSamplesAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

@@ -8,7 +8,7 @@
 
 #include "tests/fusion/scenes.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 using testing::box_distance;
@@ -220,4 +220,4 @@ TEST(MergeViews, CanBeInterrupted) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

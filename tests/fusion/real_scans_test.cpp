@@ -4,7 +4,7 @@
 #include "relief/io/project_io.h"
 #include "tests/support/test_data.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 TEST(RealScans, TheBunnyIsOneClosedManifold) {
@@ -24,4 +24,4 @@ TEST(RealScans, TheBunnyIsOneClosedManifold) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

@@ -27,7 +27,7 @@ SignedDistance box_distance(const Eigen::Vector3d& half_sizes) {
 }
 
 Surface traced(SignedDistance distance) {
-  return [=](const Ray& ray) -> std::optional<SurfaceHit> {
+  return [=](const Ray& ray) -> std::optional<simulation::SurfaceHit> {
     const double speed = ray.direction.norm();
     double t = 0.0;
     for (int step = 0; step < 500; ++step) {
@@ -41,7 +41,7 @@ Surface traced(SignedDistance distance) {
         const Eigen::Vector3d h = 1e-5 * Eigen::Vector3d::Unit(k);
         normal[k] = distance(p + h) - distance(p - h);
       }
-      return SurfaceHit{t, normal.normalized()};
+      return simulation::SurfaceHit{t, normal.normalized()};
     }
     return std::nullopt;
   };
@@ -94,8 +94,8 @@ void spoil_rectangle(RangeView& view, SceneRandom& random) {
 }
 
 void spoil(RangeView& view, SceneRandom& random) {
-  add_range_noise(view, 0.3 * random.below(6), random.seed());
-  add_normal_noise(view, 0.03 * random.below(6), random.seed());
+  simulation::add_range_noise(view, 0.3 * random.below(6), random.seed());
+  simulation::add_normal_noise(view, 0.03 * random.below(6), random.seed());
   RigidTangent error;
   const double turn = 0.02 * random.below(3), shift = random.below(3);
   for (int k = 0; k < 6; ++k) error[k] = random.symmetric(k < 3 ? turn : shift);
@@ -132,22 +132,23 @@ std::vector<RangeView> RandomScenes::scene(std::uint32_t seed) const {
   return views;
 }
 
-std::vector<NodeKey> cube_of_blocks(int side) {
-  std::vector<NodeKey> blocks;
+std::vector<fusion::NodeKey> cube_of_blocks(int side) {
+  std::vector<fusion::NodeKey> blocks;
   for (int z = 0; z < side; ++z)
     for (int y = 0; y < side; ++y)
-      for (int x = 0; x < side; ++x) blocks.push_back(key_of({x, y, z}));
-  make_sorted_set(blocks);
+      for (int x = 0; x < side; ++x) blocks.push_back(fusion::key_of({x, y, z}));
+  fusion::make_sorted_set(blocks);
   return blocks;
 }
 
-SparseField field_of(int side, const std::function<double(const Node&)>& function) {
-  SparseField field({Eigen::Vector3d(1, 2, 3), 0.5}, cube_of_blocks(side), nullptr, 1.0f);
+fusion::SparseField field_of(int side, const std::function<double(const fusion::Node&)>& function) {
+  fusion::SparseField field({Eigen::Vector3d(1, 2, 3), 0.5}, cube_of_blocks(side), nullptr, 1.0f);
   for (std::size_t b = 0; b < field.block_count(); ++b) {
     if (!field.active(b)) continue;
-    for (int i = 0; i < kBlockNodes; ++i) {
-      const Node node = field.first_node(b) + node_at_offset(i);
-      const bool inner = (node.array() > 0).all() && (node.array() < kBlockSide * side - 1).all();
+    for (int i = 0; i < fusion::kBlockNodes; ++i) {
+      const fusion::Node node = field.first_node(b) + fusion::node_at_offset(i);
+      const bool inner =
+          (node.array() > 0).all() && (node.array() < fusion::kBlockSide * side - 1).all();
       if (inner) field.values(b)[i] = static_cast<float>(function(node));
     }
   }

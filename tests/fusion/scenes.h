@@ -40,10 +40,10 @@ class RandomScenes {
 };
 
 /// The keys of `side`^3 blocks from (0, 0, 0) on, sorted.
-std::vector<NodeKey> cube_of_blocks(int side);
+std::vector<fusion::NodeKey> cube_of_blocks(int side);
 
 /// `function` at the nodes inside the cube of blocks, 1 on its border and outside. Nodes are 0.5
 /// apart.
-SparseField field_of(int side, const std::function<double(const Node&)>& function);
+fusion::SparseField field_of(int side, const std::function<double(const fusion::Node&)>& function);
 
 }  // namespace relief::testing

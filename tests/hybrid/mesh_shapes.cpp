@@ -89,13 +89,13 @@ double torus_distance(const Eigen::Vector3d& point, double radius, double tube) 
 }
 
 TriangleMesh sphere_mesh(double radius, int divisions) {
-  TriangleMesh mesh = geodesic_sphere(divisions);
+  TriangleMesh mesh = simulation::geodesic_sphere(divisions);
   for (Eigen::Vector3d& vertex : mesh.vertices) vertex *= radius;
   return mesh;
 }
 
-MeshNormals exact_normals(const TriangleMesh& exact, double spacing, double sigma) {
-  MeshNormals normals;
+hybrid::MeshNormals exact_normals(const TriangleMesh& exact, double spacing, double sigma) {
+  hybrid::MeshNormals normals;
   normals.normals = vertex_normals(exact);
   normals.sigma.assign(exact.vertices.size(), static_cast<float>(sigma));
   normals.views.assign(exact.vertices.size(), 1);

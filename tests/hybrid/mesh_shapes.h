@@ -22,7 +22,7 @@ double torus_distance(const Eigen::Vector3d& point, double radius, double tube);
 TriangleMesh sphere_mesh(double radius, int divisions);
 
 /// The vertex normals of `exact` as if views had measured them with an error of `sigma` [rad].
-MeshNormals exact_normals(const TriangleMesh& exact, double spacing, double sigma);
+hybrid::MeshNormals exact_normals(const TriangleMesh& exact, double spacing, double sigma);
 
 /// Moves each vertex by Gaussian noise of `sigma` along its normal, and says so in `quality`.
 void add_vertex_noise(TriangleMesh& mesh, double sigma, std::uint64_t seed);

@@ -6,11 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "relief/hybrid/refine_view.h"
-#include "scan/grid/grid_normals.h"
 #include "relief/io/project_io.h"
+#include "scan/grid/grid_normals.h"
 #include "tests/support/test_data.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 double median_angle_deg(const Grid<Eigen::Vector3f>& a, const Grid<Eigen::Vector3f>& b) {
@@ -46,4 +46,4 @@ TEST(RefineRealScans, TheGeometryOfThePanelTakesUpItsMeasuredNormals) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -11,7 +11,7 @@
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 using testing::bumpy_camera;
@@ -358,4 +358,4 @@ TEST(RefineView, TheSeedIsThatOfTheDeviationsAlone) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -7,7 +7,7 @@
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 constexpr int kSize = 64;
@@ -74,4 +74,4 @@ TEST(RefineViews, StopOnRequest) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

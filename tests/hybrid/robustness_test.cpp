@@ -13,7 +13,7 @@
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 using testing::bumpy_camera;
@@ -194,14 +194,15 @@ TEST(Robustness, WithoutAnyConfidenceTheViewIsAsMeasured) {
 // The sensors of the simulator break every assumption: noise that neighbours share and that grows
 // towards grazing angles, calibration warp, samples in the air, shadows, distorted normals.
 TEST(Robustness, RealisticSensorsComeOutBetterInEveryRespect) {
-  SimulationOptions options;
+  simulation::SimulationOptions options;
   options.views = 1;
   options.width = options.height = 192;
   options.mesh_divisions = 0;
-  options.normal_sensor = PhotometricStereo{};
-  for (const TriangulationScanner& scanner : {structured_light_scanner(), laser_line_scanner()}) {
+  options.normal_sensor = simulation::PhotometricStereo{};
+  for (const simulation::TriangulationScanner& scanner :
+       {simulation::structured_light_scanner(), simulation::laser_line_scanner()}) {
     options.range_sensor = scanner;
-    const auto simulation = simulate(options);
+    const auto simulation = simulation::simulate(options);
     ASSERT_TRUE(simulation.ok());
     const RangeView& view = simulation->scans.views.front();
     RangeView inner = simulation->truth.views.front();
@@ -214,7 +215,8 @@ TEST(Robustness, RealisticSensorsComeOutBetterInEveryRespect) {
             !edges.connected(u, v, 0, -1) ||
             std::abs(view.range(u, v) - exact.range(u, v)) > 3.0 * simulation->spacing)
           inner.range(u, v) = kNoSample;
-    const ViewErrors raw = errors_of(view, inner), after = errors_of(refined(view).view, inner);
+    const evaluation::ViewErrors raw = errors_of(view, inner),
+                                 after = errors_of(refined(view).view, inner);
     EXPECT_LT(after.depth_rms, 0.75 * raw.depth_rms);
     EXPECT_LT(after.surface_normals, 0.5 * raw.surface_normals);
     EXPECT_LT(after.normals, raw.normals);
@@ -222,4 +224,4 @@ TEST(Robustness, RealisticSensorsComeOutBetterInEveryRespect) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -9,7 +9,7 @@
 #include "registration/pairwise/icp.h"
 #include "tests/registration/bumpy_object.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 using ::testing::HasSubstr;
@@ -300,4 +300,4 @@ TEST(AlignViews, FindsPosesOfATurntableWithoutAnyGuess) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

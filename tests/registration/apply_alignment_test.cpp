@@ -1,8 +1,8 @@
-#include "relief/registration/align_views.h"
-
 #include <gtest/gtest.h>
 
-namespace relief {
+#include "relief/registration/align_views.h"
+
+namespace relief::registration {
 namespace {
 
 ViewReport report_at(double x, bool aligned) {
@@ -31,4 +31,4 @@ TEST(ApplyAlignment, GivesAlignedViewsTheirPoseAndItsKind) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

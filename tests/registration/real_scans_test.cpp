@@ -3,15 +3,15 @@
 
 #include <gtest/gtest.h>
 
-#include "relief/registration/align_views.h"
 #include "registration/pairwise/icp.h"
 #include "relief/io/poses_io.h"
 #include "relief/io/project_io.h"
+#include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/registration/relief_views.h"
 #include "tests/support/test_data.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 std::vector<RigidMotion> poses_in(const std::filesystem::path& path) {
@@ -165,4 +165,4 @@ TEST(RealScans, FiveViewsOfARoomByAKinectArePlacedWithoutPoses) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

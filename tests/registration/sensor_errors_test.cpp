@@ -8,7 +8,7 @@
 #include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 const std::vector<RangeView>& truth() {
@@ -89,4 +89,4 @@ TEST(SensorErrors, ASmoothErrorOfItsOwnInEveryView) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -75,4 +75,4 @@ std::vector<FeatureMatch> match_features(const LocalFeatures& a, const LocalFeat
   return matches;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -6,7 +6,7 @@
 
 #include "registration/global/features/local_features.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// A point of view a and one of view b that look alike.
 struct FeatureMatch {
@@ -27,4 +27,4 @@ struct FeatureMatchOptions {
 std::vector<FeatureMatch> match_features(const LocalFeatures& a, const LocalFeatures& b,
                                          const FeatureMatchOptions& options = {});
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -96,4 +96,4 @@ LocalFeatures describe_locally(const ResampledView& view, double small_radius,
   return features;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

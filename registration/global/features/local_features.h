@@ -4,7 +4,7 @@
 
 #include "registration/global/features/resampled_view.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// One column of numbers per point that describe the shape of the surface around it and do not
 /// change when the view moves.
@@ -14,4 +14,4 @@ using LocalFeatures = Eigen::MatrixXf;
 /// each of length 1. Bins are finer about zero, where smooth objects have most of their angles.
 LocalFeatures describe_locally(const ResampledView& view, double small_radius, double large_radius);
 
-}  // namespace relief
+}  // namespace relief::registration

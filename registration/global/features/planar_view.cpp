@@ -8,7 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -86,4 +86,4 @@ double planar_fraction(const ViewSurface& view, int planes) {
 
 bool is_plain(const ViewSurface& view) { return planar_fraction(view, kFaces) >= kPlainFraction; }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -2,7 +2,7 @@
 
 #include "registration/surface/view_surface.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// The part of a view's samples, in [0, 1], that noise alone parts from at most `planes` planes,
 /// found greedily, the largest first. A view of a box consists of three.
@@ -12,4 +12,4 @@ double planar_fraction(const ViewSurface& view, int planes);
 /// look alike wherever faces meet at equal angles.
 bool is_plain(const ViewSurface& view);
 
-}  // namespace relief
+}  // namespace relief::registration

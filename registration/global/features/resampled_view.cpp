@@ -8,7 +8,7 @@
 
 #include "registration/pairwise/robust.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -88,4 +88,4 @@ ResampledView resample(const ViewSurface& surface, double cell) {
   return view;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -6,7 +6,7 @@
 
 #include "registration/surface/view_surface.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// A view thinned out to points about one `cell` apart: what coarse alignment looks at.
 struct ResampledView {
@@ -30,4 +30,4 @@ CoarseScale coarse_scale(const std::vector<ViewSurface>& surfaces);
 /// Cells that hold surfaces of different directions, as thin sheets do, are left out.
 ResampledView resample(const ViewSurface& surface, double cell);
 
-}  // namespace relief
+}  // namespace relief::registration

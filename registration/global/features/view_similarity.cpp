@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -117,4 +117,4 @@ std::vector<std::pair<std::size_t, std::size_t>> rank_pairs(
   return pairs;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -6,7 +6,7 @@
 
 #include "registration/global/features/local_features.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// All pairs of views (a < b) in the order in which it pays to compare them: those first whose
 /// local shapes are alike as a whole. Each view's features are counted by kind, rare kinds weighing
@@ -16,4 +16,4 @@ namespace relief {
 std::vector<std::pair<std::size_t, std::size_t>> rank_pairs(
     const std::vector<const LocalFeatures*>& views);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -48,4 +48,4 @@ std::vector<PatchPulls::Entry> PatchPulls::sorted() const {
   return entries;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

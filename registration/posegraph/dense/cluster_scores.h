@@ -8,7 +8,7 @@
 #include "registration/posegraph/dense/pair_information.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// What the residuals on each patch of the surface pull each view by, all pairs together: one entry
 /// for a patch and a view that sees it, however many pairs meet there.
@@ -38,4 +38,4 @@ class PatchPulls {
   std::vector<std::unordered_map<std::uint64_t, RigidTangent>> of_view_;
 };
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -8,7 +8,7 @@
 
 #include "registration/pairwise/robust.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -169,4 +169,4 @@ void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen
   for (PatchPull& patch : sum.patches) patch.pull = rest.transpose() * patch.pull;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -8,12 +8,12 @@
 #include <Eigen/Core>
 
 #include "registration/pairwise/correspondences.h"
-#include "registration/pairwise/normal_matches.h"
 #include "registration/pairwise/degenerate_directions.h"
+#include "registration/pairwise/normal_matches.h"
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// What the residuals on one patch of the surface pull: sum of w r j.
 struct PatchPull {
@@ -72,4 +72,4 @@ void add_normals(const NormalMatches& normals, const RigidMotion& world_from_tar
 void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen::Vector3d& centre,
                     PairInformation& sum);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -5,12 +5,12 @@
 
 #include <Eigen/Geometry>
 
+#include "registration/pairwise/robust.h"
 #include "registration/posegraph/dense/pair_information.h"
 #include "registration/posegraph/dense/pose_graph_system.h"
-#include "registration/pairwise/robust.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -225,4 +225,4 @@ double largest_motion(const std::vector<const ViewSurface*>& surfaces,
   return largest;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -11,7 +11,7 @@
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 struct DenseRefinementOptions {
   /// Of the search; `count` correspondences measure the deviation of each directed pair.
@@ -55,4 +55,4 @@ double largest_motion(const std::vector<const ViewSurface*>& surfaces,
                       const std::vector<RigidMotion>& before,
                       const std::vector<RigidMotion>& after);
 
-}  // namespace relief
+}  // namespace relief::registration

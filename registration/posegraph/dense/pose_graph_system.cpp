@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-namespace relief {
+namespace relief::registration {
 
 namespace {
 
@@ -173,4 +173,4 @@ Eigen::MatrixXd PoseNetwork::covariance(const std::vector<RigidMotion>& world_fr
   return result;
 }
 
-}  // namespace relief
+}  // namespace relief::registration

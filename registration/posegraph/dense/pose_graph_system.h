@@ -4,12 +4,12 @@
 
 #include <Eigen/Core>
 
-#include "registration/posegraph/dense/pair_information.h"
 #include "registration/posegraph/dense/cluster_scores.h"
+#include "registration/posegraph/dense/pair_information.h"
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// The normal equations of all poses: a graph whose nodes are views and whose edges carry the 6x6
 /// information of pairs (R11). With all tangents about one centre its matrix is a block Laplacian,
@@ -59,4 +59,4 @@ class PoseNetwork {
   std::vector<RigidTangent> prior_;  // Precisions: what keeps undetermined poses finite.
 };
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace relief {
+namespace relief::evaluation {
 
 inline double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 
@@ -17,4 +17,4 @@ double angle_between_deg(const Vector& a, const Vector& b) {
   return degrees(std::atan2(x.cross(y).norm(), x.dot(y)));
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

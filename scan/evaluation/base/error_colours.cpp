@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -32,4 +32,4 @@ std::vector<Colour> colours_of_errors(const std::vector<double>& errors, double 
   return colours;
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -36,4 +36,4 @@ ErrorStatistics summarize(std::vector<double> errors) {
   return statistics;
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -10,12 +10,12 @@
 #include <Eigen/Geometry>
 
 #include "relief/scan/counter_random.h"
-#include "scan/evaluation/meshes/surface_samples.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
+#include "scan/evaluation/meshes/surface_samples.h"
 #include "scan/mesh/triangle_tree.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -191,4 +191,4 @@ Result<MeshAlignment> align_mesh(const TriangleMesh& result, const TriangleMesh&
   return fit(target, points, best.truth_from_result, kMostRounds, options.threads);
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -4,13 +4,13 @@
 #include <string>
 #include <utility>
 
+#include "scan/base/parallel.h"
 #include "scan/evaluation/base/angles.h"
 #include "scan/evaluation/meshes/pseudo_normals.h"
 #include "scan/evaluation/meshes/surface_samples.h"
-#include "scan/base/parallel.h"
 #include "scan/mesh/triangle_tree.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -188,4 +188,4 @@ std::vector<double> signed_distances(const TriangleMesh& mesh, const TriangleMes
   return distances;
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

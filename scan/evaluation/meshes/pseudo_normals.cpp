@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace relief {
+namespace relief::evaluation {
 
 PseudoNormals::PseudoNormals(const TriangleMesh& mesh)
     : mesh_(&mesh), begin_(mesh.vertices.size() + 1, 0), faces_(3 * mesh.faces.size()) {
@@ -26,7 +26,7 @@ Eigen::Vector3d PseudoNormals::at(std::uint32_t face, const Eigen::Vector3d& wei
     if (weights[k] == 1.0) return at_vertex(corners[k]);
   for (int k = 0; k < 3; ++k)
     if (weights[k] == 0.0) return at_edge(corners[(k + 1) % 3], corners[(k + 2) % 3]);
-  return unit_normal(face);
+  return simulation::unit_normal(face);
 }
 
 Eigen::Vector3d PseudoNormals::at_vertex(std::uint32_t vertex) const {
@@ -47,9 +47,9 @@ Eigen::Vector3d PseudoNormals::at_edge(std::uint32_t a, std::uint32_t b) const {
   for (std::uint32_t i = begin_[a]; i < begin_[a + 1]; ++i) {
     const TriangleMesh::Face& corners = mesh_->faces[faces_[i]];
     if (std::find(corners.begin(), corners.end(), b) != corners.end())
-      sum += unit_normal(faces_[i]);
+      sum += simulation::unit_normal(faces_[i]);
   }
   return sum;
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

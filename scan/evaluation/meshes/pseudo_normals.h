@@ -7,7 +7,7 @@
 
 #include "scan/mesh/triangle_tree.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 /// Normals whose dot product with the offset of a point from its closest point on a closed mesh has
 /// the sign of the distance, wherever that closest point lies: on a face its normal, on an edge the
@@ -30,4 +30,4 @@ class PseudoNormals {
   std::vector<std::uint32_t> begin_, faces_;
 };
 
-}  // namespace relief
+}  // namespace relief::evaluation

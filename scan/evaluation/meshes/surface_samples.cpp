@@ -5,7 +5,7 @@
 
 #include "relief/scan/counter_random.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -45,4 +45,4 @@ Eigen::Vector3d point_at(const TriangleMesh& mesh, const SurfaceSample& sample) 
          sample.weights[2] * mesh.corner(sample.face, 2);
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

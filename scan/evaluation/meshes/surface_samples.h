@@ -8,7 +8,7 @@
 
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 /// A point of a mesh: the weighted mean of a face's corners.
 struct SurfaceSample {
@@ -24,4 +24,4 @@ std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, std::size_t 
 
 Eigen::Vector3d point_at(const TriangleMesh& mesh, const SurfaceSample& sample);
 
-}  // namespace relief
+}  // namespace relief::evaluation

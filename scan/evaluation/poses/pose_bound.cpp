@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -100,4 +100,4 @@ Eigen::MatrixXd pose_information(const std::vector<RangeView>& truth, double sig
   return information;
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

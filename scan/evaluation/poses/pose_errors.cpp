@@ -5,7 +5,7 @@
 
 #include "scan/evaluation/base/angles.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -133,4 +133,4 @@ Result<PoseErrorReport> evaluate_poses(const ScanProject& result, const ScanProj
   return report;
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 #include <unsupported/Eigen/FFT>
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -242,4 +242,4 @@ std::optional<double> crossing_frequency(const ErrorSpectrum& noisy_high,
   return std::nullopt;
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -6,7 +6,7 @@
 #include "scan/evaluation/base/angles.h"
 #include "scan/grid/grid_normals.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -38,4 +38,4 @@ ViewErrorMaps error_maps(const ViewAndTruth& pair) {
   return maps;
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "scan/evaluation/views/view_pairs.h"
 #include "relief/scan/grid.h"
+#include "scan/evaluation/views/view_pairs.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 /// The errors of one view at each pixel; NaN where there is none.
 struct ViewErrorMaps {
@@ -18,4 +18,4 @@ struct ViewErrorMaps {
 /// The errors that evaluate_views summarises.
 ViewErrorMaps error_maps(const ViewAndTruth& pair);
 
-}  // namespace relief
+}  // namespace relief::evaluation

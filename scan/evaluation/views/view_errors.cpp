@@ -4,12 +4,12 @@
 #include <utility>
 
 #include "relief/scan/discontinuities.h"
+#include "scan/base/parallel.h"
 #include "scan/evaluation/base/angles.h"
 #include "scan/evaluation/views/view_pairs.h"
 #include "scan/grid/grid_normals.h"
-#include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -116,4 +116,4 @@ Result<ViewErrorReport> evaluate_views(const ScanProject& result, const ScanProj
   return report;
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -63,4 +63,4 @@ double depth_error(const ViewAndTruth& pair, int u, int v) {
   return offset.dot(pair.truth->camera.ray(u, v).direction.normalized());
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -6,7 +6,7 @@
 #include "relief/scan/result.h"
 #include "relief/scan/scan_project.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 /// A view and its truth, which outlive this.
 struct ViewAndTruth {
@@ -22,4 +22,4 @@ Result<std::vector<ViewAndTruth>> pair_views(const ScanProject& result, const Sc
 /// view's is farther away. Their ranges may be in different scales.
 double depth_error(const ViewAndTruth& pair, int u, int v);
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -9,12 +9,12 @@
 #include <Eigen/Geometry>
 
 #include "relief/scan/discontinuities.h"
-#include "scan/evaluation/views/view_pairs.h"
-#include "scan/grid/grid_normals.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
+#include "scan/evaluation/views/view_pairs.h"
+#include "scan/grid/grid_normals.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 namespace {
 
@@ -116,4 +116,4 @@ Result<ViewSpectra> evaluate_spectra(const ScanProject& result, const ScanProjec
   return spectra;
 }
 
-}  // namespace relief
+}  // namespace relief::evaluation

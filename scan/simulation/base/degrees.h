@@ -2,8 +2,8 @@
 
 #include <numbers>
 
-namespace relief {
+namespace relief::simulation {
 
 inline double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -2,10 +2,10 @@
 
 #include <cstddef>
 
-#include "scan/base/parallel.h"
 #include "relief/scan/range_view.h"
+#include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// Calls `body(u, v)` for every pixel of `view` that has a sample, in several threads.
 template <typename Body>
@@ -21,7 +21,7 @@ void for_each_sample(const RangeView& view, int threads, const Body& body) {
 /// The same for pixels that also have a normal.
 template <typename Body>
 void for_each_normal(const RangeView& view, int threads, const Body& body) {
-  for_each_sample(view, threads, [&](int u, int v) {
+  hybrid::for_each_sample(view, threads, [&](int u, int v) {
     if (view.has_normal(u, v)) body(u, v);
   });
 }
@@ -32,4 +32,4 @@ inline void lose_sample(RangeView& view, int u, int v) {
   if (view.has_normals()) view.normals(u, v).setConstant(static_cast<float>(kNoSample));
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

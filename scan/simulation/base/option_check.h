@@ -6,7 +6,7 @@
 
 #include "relief/scan/result.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// Success if `holds`, else kBadInput that names the option, its value and the constraint.
 inline Result<void> require(bool holds, const char* option, double value, const char* constraint) {
@@ -30,4 +30,4 @@ inline Result<void> first_failure(std::initializer_list<Result<void>> checks) {
   return {};
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace relief {
+namespace relief::simulation {
 
 PlaneWaves::PlaneWaves(double wavelength, const CounterRandom& random) {
   std::uint64_t draw = 0;
@@ -41,4 +41,4 @@ Eigen::Vector3d random_direction(const CounterRandom& random, std::uint64_t inde
       .normalized();
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -11,7 +11,7 @@
 #include "scan/simulation/base/degrees.h"
 #include "scan/simulation/base/option_check.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -64,4 +64,4 @@ Grid<unsigned char> add_background(RangeView& view, const SimulationObject& obje
   return seen;
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

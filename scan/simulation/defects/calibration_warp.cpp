@@ -5,7 +5,7 @@
 
 #include "relief/scan/counter_random.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -40,4 +40,4 @@ double CalibrationWarp::at(double x, double y) const {
   return sum;
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

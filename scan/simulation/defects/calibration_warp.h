@@ -4,7 +4,7 @@
 
 #include "relief/simulation/random_stream.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// The smooth error that a calibration leaves: a random cubic polynomial of the image coordinates,
 /// equation (S9). Its mean over the image is 0 and its RMS 1.
@@ -23,4 +23,4 @@ class CalibrationWarp {
 /// The image coordinate of pixel `index` of a row or column of `count`: from -1 to 1.
 inline double image_coordinate(int index, int count) { return 2.0 * (index + 0.5) / count - 1.0; }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -10,7 +10,7 @@
 #include "scan/simulation/sensors/pixel_noise.h"
 #include "scan/simulation/sensors/sensor_errors.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -64,7 +64,7 @@ void add_glare(RangeView& view, const Glare& glare, const SensorScene& scene) {
   const Grid<double> noise = pixel_noise(view.width(), view.height(), kCorrelation,
                                          scene.of_view(kGlareNoise), scene.threads);
   const double width = radians(glare.width_deg), size = glare.range_error * scene.spacing;
-  for_each_sample(view, scene.threads, [&](int u, int v) {
+  hybrid::for_each_sample(view, scene.threads, [&](int u, int v) {
     if (scene.sees_background(u, v)) return;
     const Eigen::Vector3d direction = view.camera.ray(u, v).direction;
     const Highlight found =
@@ -77,4 +77,4 @@ void add_glare(RangeView& view, const Glare& glare, const SensorScene& scene) {
   });
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

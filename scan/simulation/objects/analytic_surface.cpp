@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -77,4 +77,4 @@ std::optional<double> intersect(const AnalyticSurface& surface, const Ray& ray) 
   return std::nullopt;
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

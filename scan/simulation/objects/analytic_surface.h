@@ -7,7 +7,7 @@
 
 #include "relief/scan/ray.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// A closed surface known exactly: the zero set of a smooth implicit function, negative inside.
 /// Lengths are in the unit of the object.
@@ -31,4 +31,4 @@ Eigen::Vector3d unit_normal(const AnalyticSurface& surface, const Eigen::Vector3
 /// than 1e-4 of the bounding radius may pass as a miss. Rays starting inside give nothing.
 std::optional<double> intersect(const AnalyticSurface& surface, const Ray& ray);
 
-}  // namespace relief
+}  // namespace relief::simulation

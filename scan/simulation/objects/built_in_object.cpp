@@ -8,7 +8,7 @@
 #include "scan/simulation/objects/dual.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -286,4 +286,4 @@ TriangleMesh built_in_truth_mesh(int divisions, int threads) {
   return mesh;
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -2,10 +2,10 @@
 
 #include <Eigen/Core>
 
-#include "scan/simulation/objects/analytic_surface.h"
 #include "relief/scan/triangle_mesh.h"
+#include "scan/simulation/objects/analytic_surface.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// The built-in object: a carved owl with its head turned, 97 mm tall, in millimetres, z up, its
 /// breast towards -y. It is star-shaped (one radius for every direction from the origin), hence
@@ -23,4 +23,4 @@ double built_in_radius(const Eigen::Vector3d& direction);
 /// the surface: 20 divisions^2 faces with edges of about 60 / divisions mm.
 TriangleMesh built_in_truth_mesh(int divisions, int threads = 0);
 
-}  // namespace relief
+}  // namespace relief::simulation

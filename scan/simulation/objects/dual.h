@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace relief {
+namespace relief::simulation {
 
 /// A number with its gradient in space: forward-mode differentiation of functions of three
 /// coordinates, so that a shape is written once and its normals are exact.
@@ -46,4 +46,4 @@ inline Dual cos(const Dual& a) { return {std::cos(a.value), -std::sin(a.value) *
 inline double value_of(double a) { return a; }
 inline double value_of(const Dual& a) { return a.value; }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -100,4 +100,4 @@ TriangleMesh geodesic_sphere(int divisions) {
   return Subdivider(divisions).take();
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

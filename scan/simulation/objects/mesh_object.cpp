@@ -6,7 +6,7 @@
 
 #include "scan/mesh/triangle_tree.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -45,4 +45,4 @@ Result<SimulationObject> mesh_object(TriangleMesh mesh, const std::string& unit)
   return object;
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

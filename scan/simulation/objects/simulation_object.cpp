@@ -1,6 +1,6 @@
 #include "relief/simulation/simulation_object.h"
 
-namespace relief {
+namespace relief::simulation {
 
 bool in_sight(const SimulationObject& object, const Eigen::Vector3d& from,
               const Eigen::Vector3d& point) {
@@ -8,4 +8,4 @@ bool in_sight(const SimulationObject& object, const Eigen::Vector3d& from,
   return !hit || hit->range > 1.0 - 1e-6;
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace relief {
+namespace relief::simulation {
 
 EdgeMixer::EdgeMixer(double fraction, const SensorScene& scene)
     : fraction_(fraction),
@@ -23,4 +23,4 @@ EdgeMixer::Mixture EdgeMixer::at(int u, int v) const {
   return {0.0, own};
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -4,7 +4,7 @@
 #include "relief/scan/discontinuities.h"
 #include "relief/simulation/sensor_scene.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// Which samples beside an occlusion edge see both of its sides: pixels across an edge average.
 class EdgeMixer {
@@ -26,4 +26,4 @@ class EdgeMixer {
   CounterRandom random_;
 };
 
-}  // namespace relief
+}  // namespace relief::simulation

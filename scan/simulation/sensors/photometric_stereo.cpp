@@ -12,7 +12,7 @@
 #include "scan/simulation/base/option_check.h"
 #include "scan/simulation/sensors/sensor_errors.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -144,7 +144,7 @@ void scan_by_shading(RangeView& view, const PhotometricStereo& camera, const Sen
       normal_distortion(camera, scene.of_sensor(kNormalDistortion)).inverse().transpose();
   std::vector<Eigen::Vector3d> believed = light_directions(camera);
   for (Eigen::Vector3d& light : believed) light = unbelieved * light;
-  for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
+  hybrid::for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
     const auto normal = solve_normal(believed, readings.at(u, v), camera.shadow_threshold);
     view.normals(u, v) = normal ? facing_sensor(*normal, view.camera.ray(u, v).direction)
                                 : Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
@@ -153,4 +153,4 @@ void scan_by_shading(RangeView& view, const PhotometricStereo& camera, const Sen
                   scene.of_view(kPhotometricBias), scene.threads);
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -6,7 +6,7 @@
 #include "relief/scan/counter_random.h"
 #include "scan/base/parallel.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -64,4 +64,4 @@ Grid<double> pixel_noise(int width, int height, double correlation, const Random
   return smoothed_rows(smoothed_rows(white, half, threads), half, threads);
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -3,7 +3,7 @@
 #include "relief/scan/grid.h"
 #include "relief/simulation/random_stream.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// Gaussian noise of mean 0 and variance 1 at each pixel, correlated between pixels: white noise
 /// smoothed by a Gaussian kernel. The correlation of two pixels is exp(-(distance / length)^2) with
@@ -12,4 +12,4 @@ namespace relief {
 Grid<double> pixel_noise(int width, int height, double correlation, const RandomStream& random,
                          int threads = 0);
 
-}  // namespace relief
+}  // namespace relief::simulation

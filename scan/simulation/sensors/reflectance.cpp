@@ -9,7 +9,7 @@
 #include "scan/simulation/base/degrees.h"
 #include "scan/simulation/base/option_check.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -99,4 +99,4 @@ double PaintedSurface::reflected(const SurfacePaint& paint, const Eigen::Vector3
   return light;
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "relief/scan/counter_random.h"
-#include "scan/simulation/base/for_each_sample.h"
 #include "relief/simulation/plane_waves.h"
+#include "scan/simulation/base/for_each_sample.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -41,7 +41,7 @@ Eigen::Vector3f facing_sensor(Eigen::Vector3d normal, const Eigen::Vector3d& ray
 void add_range_noise(RangeView& view, double sigma, const RandomStream& stream, int threads,
                      double right_half) {
   const CounterRandom random(stream.seed, stream.stream);
-  for_each_sample(view, threads, [&](int u, int v) {
+  hybrid::for_each_sample(view, threads, [&](int u, int v) {
     const double size = 2 * u >= view.width() ? right_half * sigma : sigma;
     view.range(u, v) +=
         size * random.normal(view.range.index(u, v)) / view.camera.ray(u, v).direction.norm();
@@ -86,4 +86,4 @@ RigidMotion random_motion(double angle_rad, double distance, const Eigen::Vector
   return Eigen::Translation3d(centre + translation) * rotation * Eigen::Translation3d(-centre);
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -3,7 +3,7 @@
 #include "relief/scan/range_view.h"
 #include "relief/simulation/random_stream.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// A measured normal as a unit vector that faces the sensor: one that an error turned away from it
 /// is put back to just facing it. `ray_direction` is that of the pixel, `normal` not zero.
@@ -32,4 +32,4 @@ void add_normal_bias(RangeView& view, double rms_rad, double wavelength, const R
 RigidMotion random_motion(double angle_rad, double distance, const Eigen::Vector3d& centre,
                           const RandomStream& random);
 
-}  // namespace relief
+}  // namespace relief::simulation

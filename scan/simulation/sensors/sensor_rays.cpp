@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -37,4 +37,4 @@ Camera sensor_camera(SensorRays rays, int width, int height, double focal, doubl
   return {};
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

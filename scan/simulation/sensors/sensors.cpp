@@ -4,7 +4,7 @@
 #include "scan/simulation/base/option_check.h"
 #include "scan/simulation/sensors/sensor_errors.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -91,4 +91,4 @@ void measure_range(RangeView& view, const RangeSensor& sensor, const SensorScene
   std::visit([&](const auto& s) { measure(view, s, scene); }, sensor);
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

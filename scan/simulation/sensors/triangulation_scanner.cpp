@@ -5,13 +5,13 @@
 #include <optional>
 #include <utility>
 
-#include "scan/simulation/defects/calibration_warp.h"
-#include "scan/simulation/sensors/edge_mixer.h"
 #include "scan/simulation/base/for_each_sample.h"
 #include "scan/simulation/base/option_check.h"
+#include "scan/simulation/defects/calibration_warp.h"
+#include "scan/simulation/sensors/edge_mixer.h"
 #include "scan/simulation/sensors/pixel_noise.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -119,7 +119,7 @@ void scan_by_triangulation(RangeView& view, const TriangulationScanner& scanner,
                                          scene.of_view(kDisparityNoise), scene.threads);
   const CalibrationWarp warp(scene.of_sensor(kCalibrationWarp));
   const double scale = disparity_scale(scanner, scene);
-  for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
+  hybrid::for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
     const auto signal = illumination.signal(u, v);
     if (!signal) return lose_sample(view, u, v);
     // Equations (S5) and (S6).
@@ -140,4 +140,4 @@ double depth_deviation(const TriangulationScanner& scanner, double z, double dis
   return z * z * spacing / (distance * distance * scanner.baseline) * scanner.disparity_noise;
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

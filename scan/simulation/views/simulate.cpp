@@ -5,15 +5,15 @@
 #include <string>
 #include <utility>
 
+#include "relief/simulation/sensor_scene.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
-#include "scan/simulation/objects/built_in_object.h"
 #include "scan/simulation/base/degrees.h"
 #include "scan/simulation/base/option_check.h"
+#include "scan/simulation/objects/built_in_object.h"
 #include "scan/simulation/sensors/sensor_errors.h"
-#include "relief/simulation/sensor_scene.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -170,7 +170,7 @@ Result<Simulation> simulate(const SimulationObject& object, const SimulationOpti
   const double focal = framing_focal(options, simulation.distance / simulation.diameter);
   simulation.spacing = simulation.distance / focal;
   simulation.range_sigma =
-      range_deviation(options.range_sensor, simulation.distance, simulation.spacing);
+      hybrid::range_deviation(options.range_sensor, simulation.distance, simulation.spacing);
   simulation.scans.unit = simulation.truth.unit = object.unit;
 
   const Camera camera =
@@ -206,4 +206,4 @@ Result<Simulation> simulate(const SimulationOptions& options, const Progress& pr
                   progress);
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -6,7 +6,7 @@
 
 #include "scan/simulation/base/degrees.h"
 
-namespace relief {
+namespace relief::simulation {
 
 namespace {
 
@@ -60,4 +60,4 @@ std::vector<RigidMotion> layout_poses(ViewLayout layout, int count, const Eigen:
   return poses;
 }
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -9,16 +9,16 @@
 
 #include <gtest/gtest.h>
 
+#include "fusion/surface/isosurface.h"
+#include "fusion/surface/vertex_attributes.h"
 #include "fusion/tsdf/closed_field.h"
 #include "fusion/tsdf/tsdf_integration.h"
-#include "fusion/surface/isosurface.h"
 #include "relief/fusion/merge_views.h"
-#include "fusion/surface/vertex_attributes.h"
 #include "scan/mesh/mesh_components.h"
 #include "tests/fusion/scenes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 constexpr double kVoxel = 1.6, kTruncation = 4.8;
@@ -196,4 +196,4 @@ TEST(FairFill, ThreadsAndALimitOfMemoryDoNotChangeAByte) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 constexpr int kSide = 21;
@@ -138,4 +138,4 @@ TEST(ThinPlate, APatchWithoutFreeVerticesHasNoPlaces) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

@@ -10,15 +10,15 @@
 
 #include <gtest/gtest.h>
 
-#include "fusion/tsdf/closed_field.h"
-#include "fusion/surface/isosurface.h"
-#include "relief/fusion/merge_views.h"
 #include "fusion/memory/paged_array.h"
+#include "fusion/surface/isosurface.h"
 #include "fusion/surface/vertex_attributes.h"
+#include "fusion/tsdf/closed_field.h"
+#include "relief/fusion/merge_views.h"
 #include "tests/fusion/scenes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
@@ -173,4 +173,4 @@ TEST_F(MemoryLimitTest, AViewThatCannotBeLoadedEndsTheMerging) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

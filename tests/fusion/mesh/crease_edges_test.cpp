@@ -13,7 +13,7 @@
 #include "relief/scan/mesh_check.h"
 #include "tests/fusion/scenes.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 using testing::box_distance;
@@ -129,4 +129,4 @@ TEST(CreaseEdges, OfNothingAreNone) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

@@ -9,7 +9,7 @@
 #include "relief/fusion/merge_views.h"
 #include "tests/fusion/scenes.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 const TriangleMesh& torus_mesh() {
@@ -85,4 +85,4 @@ TEST(DecimateMesh, LeavesAloneWhatIsSmallEnoughAndSaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

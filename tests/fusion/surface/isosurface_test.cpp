@@ -10,7 +10,7 @@
 #include "relief/scan/mesh_check.h"
 #include "tests/fusion/scenes.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 using testing::field_of;
@@ -105,4 +105,4 @@ TEST(Isosurface, OfAFieldOfOneSignIsEmpty) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

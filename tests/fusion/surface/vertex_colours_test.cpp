@@ -12,7 +12,7 @@
 #include "tests/fusion/scenes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 using Painter = std::function<Colour(const Eigen::Vector3d&)>;
@@ -119,4 +119,4 @@ TEST(VertexColours, ThreadsOrderAndMemoryDoNotChangeAByte) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

@@ -4,7 +4,7 @@
 
 #include "tests/fusion/scenes.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 // A sphere seen from one side: half of its surface is for the field to find.
@@ -32,4 +32,4 @@ TEST(ClosedField, IsSolvedToItsToleranceOrSaysThatItIsNot) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

@@ -11,7 +11,7 @@
 #include "relief/scan/discontinuities.h"
 #include "tests/fusion/scenes.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 using testing::SignedDistance;
@@ -253,4 +253,4 @@ TEST(Closing, OnlySmallHolesAreFilledOnRequest) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

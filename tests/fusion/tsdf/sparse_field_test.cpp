@@ -7,7 +7,7 @@
 #include "fusion/tsdf/obstacle_solver.h"
 #include "tests/fusion/scenes.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 using testing::cube_of_blocks;
@@ -157,4 +157,4 @@ TEST_F(ObstacleSolver, ThreadsDoNotChangeAByte) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

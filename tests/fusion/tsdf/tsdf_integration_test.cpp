@@ -9,7 +9,7 @@
 
 #include "tests/fusion/scenes.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 constexpr double kTruncation = 3.0, kSpacing = 1.0;
@@ -52,4 +52,4 @@ TEST(Evidence, IsTheSameAsFarAsEnough) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

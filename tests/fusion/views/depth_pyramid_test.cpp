@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
@@ -45,4 +45,4 @@ TEST(DepthPyramid, HasNothingOutsideOfTheGridAndWhenEmpty) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

@@ -9,7 +9,7 @@
 #include "fusion/views/quad_surface.h"
 #include "tests/fusion/scenes.h"
 
-namespace relief {
+namespace relief::fusion {
 namespace {
 
 ViewSampler sampler_of(const RangeView& view) {
@@ -213,4 +213,4 @@ TEST(ViewSampler, MeasuresTheNoise) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::fusion

@@ -12,7 +12,7 @@
 #include "tests/hybrid/mesh_shapes.h"
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 using testing::sphere_mesh;
@@ -130,4 +130,4 @@ TEST(MeshNormals, ViewsWithoutNormalsSayNothing) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

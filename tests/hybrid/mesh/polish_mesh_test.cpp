@@ -14,7 +14,7 @@
 #include "relief/scan/self_intersections.h"
 #include "tests/hybrid/mesh_shapes.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 using testing::add_vertex_noise;
@@ -292,4 +292,4 @@ TEST(GuardedMove, SharpShapesNeitherFlipNorIntersect) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

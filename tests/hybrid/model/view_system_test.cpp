@@ -7,7 +7,7 @@
 
 #include "tests/hybrid/bumpy_view.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 // A small view with a hole, an occlusion and a patch without normals.
@@ -117,4 +117,4 @@ TEST(ViewProblem, NoConstraintCrossesWhatIsNotConnected) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

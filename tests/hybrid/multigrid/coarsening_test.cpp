@@ -8,15 +8,15 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "hybrid/model/view_system.h"
 #include "hybrid/multigrid/aggregation.h"
 #include "hybrid/multigrid/edge_stencil.h"
 #include "hybrid/multigrid/galerkin.h"
 #include "hybrid/multigrid/multigrid.h"
-#include "hybrid/model/view_system.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 constexpr double kDamping = 0.6;
@@ -260,4 +260,4 @@ TEST_F(Coarsening, TheCycleIsSymmetricAndPositive) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -4,13 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include "relief/hybrid/refine_view.h"
 #include "hybrid/multigrid/view_multigrid.h"
 #include "hybrid/solver/view_solver.h"
+#include "relief/hybrid/refine_view.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 // Conjugate gradient steps to 1e-6, whatever the data.
@@ -191,4 +191,4 @@ TEST(Multigrid, TheNumberOfThreadsChangesNoByte) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

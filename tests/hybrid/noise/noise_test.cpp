@@ -7,7 +7,7 @@
 
 #include "tests/hybrid/bumpy_view.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -108,4 +108,4 @@ TEST(Noise, TheBiasOfTheNormalsIsSeen) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

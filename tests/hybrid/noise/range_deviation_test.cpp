@@ -9,14 +9,14 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "relief/hybrid/refine_view.h"
-#include "hybrid/noise/surface_average.h"
 #include "hybrid/model/view_system.h"
+#include "hybrid/noise/surface_average.h"
+#include "relief/hybrid/refine_view.h"
 #include "relief/scan/discontinuities.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -382,4 +382,4 @@ TEST(SurfaceAverage, WeighsByTheDistanceAlongRowsAndColumnsAndCrossesNoCut) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

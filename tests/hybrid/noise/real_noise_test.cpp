@@ -10,7 +10,7 @@
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::hybrid {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -157,4 +157,4 @@ TEST(RealNoise, NothingIsRefinedThatGetsWorse) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -8,15 +8,15 @@
 #include "registration/global/consistency_graph.h"
 #include "registration/global/features/feature_matches.h"
 #include "registration/global/features/local_features.h"
-#include "registration/global/pair_search.h"
 #include "registration/global/features/resampled_view.h"
-#include "registration/global/robust_motion.h"
 #include "registration/global/features/view_similarity.h"
+#include "registration/global/pair_search.h"
+#include "registration/global/robust_motion.h"
 #include "registration/verification/coherent_residual.h"
 #include "registration/verification/pose_evidence.h"
 #include "tests/registration/bumpy_object.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 using ::testing::ElementsAre;
@@ -249,4 +249,4 @@ TEST(ViewSimilarity, RanksNeighboursBeforeOpposites) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

@@ -6,12 +6,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "relief/registration/align_views.h"
 #include "relief/io/project_io.h"
+#include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/support/test_data.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 using ::testing::HasSubstr;
@@ -156,4 +156,4 @@ TEST(CoarsePlacing, PlacesTheBunnyWithoutPoses) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

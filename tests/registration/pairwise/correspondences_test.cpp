@@ -4,7 +4,7 @@
 
 #include "tests/registration/bumpy_object.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 struct Pair {
@@ -90,4 +90,4 @@ TEST(Correspondences, WeighByConfidence) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 using ::testing::StartsWith;
@@ -108,4 +108,4 @@ TEST(Slippage, FewPointsHoldNothing) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

@@ -9,7 +9,7 @@
 #include "registration/pairwise/plane_step.h"
 #include "tests/registration/bumpy_object.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 struct Pair {
@@ -204,4 +204,4 @@ TEST(PlaneStep, OfASmallMotionUndoesIt) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

@@ -5,12 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "relief/registration/align_views.h"
 #include "registration/pairwise/icp.h"
+#include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/registration/relief_views.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 constexpr int kPixels = 160;
@@ -170,4 +170,4 @@ TEST(NormalMaps, HoldAPlateOfThreeViewsJointly) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 TEST(NormalResidual, DerivativesAgreeWithFiniteDifferences) {
@@ -35,4 +35,4 @@ TEST(NormalResidual, DerivativesAgreeWithFiniteDifferences) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

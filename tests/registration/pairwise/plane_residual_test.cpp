@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 struct Example {
@@ -41,4 +41,4 @@ TEST(PlaneResidual, DerivativeAgreesWithFiniteDifferences) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

@@ -8,7 +8,7 @@
 #include "registration/posegraph/joint_refinement.h"
 #include "tests/registration/bumpy_object.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 using testing::perturbed;
@@ -88,4 +88,4 @@ TEST(JointRefinement, SaysThatItsLastStepsFailed) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

@@ -7,7 +7,7 @@
 
 #include "registration/pairwise/robust.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 class RandomTerms {
@@ -144,4 +144,4 @@ TEST(PairTerms, NoTermsSayNothing) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

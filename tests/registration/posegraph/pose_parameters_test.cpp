@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 const Eigen::Vector3d kSourceCentre(0.1, 0.2, 3.0), kTargetCentre(-0.3, 0.1, 2.0), kWorld(5, 6, 7);
@@ -76,4 +76,4 @@ TEST(PoseParameters, TangentsAgreeWithFiniteDifferences) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

@@ -4,7 +4,7 @@
 
 #include "tests/registration/bumpy_object.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 TEST(ViewGraph, LinksNeighboursOfARingAndNotOppositeViews) {
@@ -45,4 +45,4 @@ TEST(ViewGraph, GroupsFollowChainsInAnyOrder) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

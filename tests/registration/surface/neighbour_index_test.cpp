@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 int brute_force(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& query) {
@@ -37,4 +37,4 @@ TEST(NeighbourIndex, HoldsASinglePoint) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

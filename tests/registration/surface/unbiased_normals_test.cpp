@@ -7,7 +7,7 @@
 #include "registration/surface/normal_signal.h"
 #include "tests/registration/relief_views.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
@@ -87,4 +87,4 @@ TEST(NormalSignal, EndsAtGapsAndBorders) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

@@ -7,7 +7,7 @@
 
 #include "tests/registration/bumpy_object.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 const Camera kCamera = Camera::pinhole(80, 60, {100, 100, 39.5, 29.5});
@@ -178,4 +178,4 @@ TEST(ViewSurface, OfAnEmptyViewHasNoSamples) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

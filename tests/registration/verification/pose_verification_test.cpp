@@ -4,7 +4,7 @@
 
 #include "tests/registration/bumpy_object.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 class PoseVerificationTest : public ::testing::Test {
@@ -89,4 +89,4 @@ TEST_F(PoseVerificationTest, DoesNotDependOnTheThreadCount) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

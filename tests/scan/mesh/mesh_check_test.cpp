@@ -145,7 +145,7 @@ std::map<std::string, long> counts_of(const TriangleMesh& mesh) {
 // The counts that a fault added to those of a sound sphere.
 std::map<std::string, long> added_counts(const TriangleMesh& faulty) {
   std::map<std::string, long> added;
-  const auto sound = counts_of(geodesic_sphere(6));
+  const auto sound = counts_of(simulation::geodesic_sphere(6));
   for (const auto& [name, count] : counts_of(faulty))
     if (count != sound.at(name)) added[name] = count - sound.at(name);
   return added;
@@ -154,7 +154,7 @@ std::map<std::string, long> added_counts(const TriangleMesh& faulty) {
 using Counts = std::map<std::string, long>;
 
 TEST(MeshCheck, FindsEachFaultAndNothingElse) {
-  const TriangleMesh sphere = geodesic_sphere(6);
+  const TriangleMesh sphere = simulation::geodesic_sphere(6);
   EXPECT_EQ(added_counts(sphere), Counts{});
 
   TriangleMesh hole = sphere;
@@ -184,7 +184,7 @@ TEST(MeshCheck, FindsEachFaultAndNothingElse) {
 }
 
 TEST(MeshCheck, FindsASelfIntersectionAndNothingElse) {
-  const TriangleMesh sphere = geodesic_sphere(6);
+  const TriangleMesh sphere = simulation::geodesic_sphere(6);
   // A slender spike from inside through the middle of face 100.
   TriangleMesh spike = tetrahedron();
   const Eigen::Vector3d middle =

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "scan/simulation/objects/geodesic_sphere.h"
 #include "scan/mesh/triangle_overlap.h"
+#include "scan/simulation/objects/geodesic_sphere.h"
 
 namespace relief {
 namespace {
@@ -32,13 +32,13 @@ std::vector<std::array<std::uint32_t, 2>> by_brute_force(const TriangleMesh& mes
 }
 
 TEST(SelfIntersections, ASphereHasNone) {
-  const auto found = find_self_intersections(geodesic_sphere(40));
+  const auto found = find_self_intersections(simulation::geodesic_sphere(40));
   EXPECT_TRUE(found.pairs.empty());
   EXPECT_TRUE(found.complete);
 }
 
 TEST(SelfIntersections, AgreeWithBruteForce) {
-  const TriangleMesh sphere = geodesic_sphere(6);
+  const TriangleMesh sphere = simulation::geodesic_sphere(6);
   const TriangleMesh two = joined(sphere, sphere, {0.7, 0.31, 0.17});
   const auto found = find_self_intersections(two);
   EXPECT_GT(found.pairs.size(), 50u);
@@ -64,7 +64,7 @@ TEST(SelfIntersections, OfRandomTrianglesAgreeWithBruteForce) {
 
 TEST(SelfIntersections, NameTheFaces) {
   // A spike through the opposite side: the fan of one vertex crosses what it meets.
-  TriangleMesh mesh = geodesic_sphere(4);
+  TriangleMesh mesh = simulation::geodesic_sphere(4);
   const TriangleMesh sphere = mesh;
   mesh.vertices[0] *= -1.5;
   const auto found = find_self_intersections(mesh);
@@ -80,7 +80,7 @@ TEST(SelfIntersections, NameTheFaces) {
 }
 
 TEST(SelfIntersections, DoNotAskWhetherAMeshIsWelded) {
-  const TriangleMesh sphere = geodesic_sphere(8);
+  const TriangleMesh sphere = simulation::geodesic_sphere(8);
   TriangleMesh soup;
   for (std::size_t f = 0; f < sphere.faces.size(); ++f) {
     const auto first = static_cast<std::uint32_t>(soup.vertices.size());
@@ -91,7 +91,7 @@ TEST(SelfIntersections, DoNotAskWhetherAMeshIsWelded) {
 }
 
 TEST(SelfIntersections, ACopyCoversEveryFace) {
-  const TriangleMesh sphere = geodesic_sphere(5);
+  const TriangleMesh sphere = simulation::geodesic_sphere(5);
   const auto count = static_cast<std::uint32_t>(sphere.faces.size());
   const auto found = find_self_intersections(joined(sphere, sphere, Eigen::Vector3d::Zero()));
   ASSERT_EQ(found.pairs.size(), sphere.faces.size());
@@ -109,7 +109,7 @@ TEST(SelfIntersections, StopAtTheLimit) {
 }
 
 TEST(SelfIntersections, DoNotDependOnTheThreads) {
-  const TriangleMesh sphere = geodesic_sphere(40);
+  const TriangleMesh sphere = simulation::geodesic_sphere(40);
   const TriangleMesh two = joined(sphere, sphere, {0.7, 0.31, 0.17});
   const auto one = find_self_intersections(two, {.threads = 1});
   EXPECT_GT(one.pairs.size(), 300u);

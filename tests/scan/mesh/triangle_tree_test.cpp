@@ -111,7 +111,7 @@ TEST(TriangleTree, FirstHitMatchesBruteForce) {
 }
 
 TEST(TriangleTree, RaysDoNotSlipThroughEdgesOrVertices) {
-  const TriangleMesh sphere = geodesic_sphere(6);
+  const TriangleMesh sphere = simulation::geodesic_sphere(6);
   const TriangleTree tree(sphere);
   for (std::size_t f = 0; f < sphere.faces.size(); ++f) {
     for (int k = 0; k < 3; ++k) {

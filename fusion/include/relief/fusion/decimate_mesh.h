@@ -6,7 +6,7 @@
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 struct DecimationOptions {
   /// Faces wanted, >= 4; 0: as few as `max_error` allows. More are left where fewer would change
@@ -26,4 +26,4 @@ struct DecimatedMesh {
 /// options ask for nothing; kUnsolvable when a closed manifold does not stay one.
 Result<DecimatedMesh> decimate_mesh(const TriangleMesh& mesh, const DecimationOptions& options);
 
-}  // namespace relief
+}  // namespace relief::fusion

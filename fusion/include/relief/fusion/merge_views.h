@@ -13,7 +13,7 @@
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::fusion {
 
 struct MergeOptions {
   /// Spacing of the lattice the surface is extracted from [unit]; 0: the median sample spacing of
@@ -77,4 +77,4 @@ Result<MergeResult> merge_views(const std::vector<RangeView>& views,
 Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOptions& options = {},
                                       const Progress& progress = {});
 
-}  // namespace relief
+}  // namespace relief::fusion

@@ -10,7 +10,7 @@
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// The normals that views measured at the vertices of a mesh. All vectors have an entry a vertex.
 struct MeshNormals {
@@ -49,4 +49,4 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
                                               const MeshNormalOptions& options = {},
                                               const Progress& progress = {});
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -11,7 +11,7 @@
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// How the vertices of a mesh may move.
 enum class MeshForm {
@@ -72,4 +72,4 @@ Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const std::vector<Ran
 Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, MeshNormals normals,
                                  const PolishOptions& options = {}, const Progress& progress = {});
 
-}  // namespace relief
+}  // namespace relief::hybrid

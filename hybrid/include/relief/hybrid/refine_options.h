@@ -5,7 +5,7 @@
 
 #include "relief/scan/discontinuities.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// How a normal constrains the ranges next to it.
 enum class Stencil {
@@ -63,4 +63,4 @@ struct RefineOptions {
   int threads = 0;  ///< 0: one per core. The result does not depend on it.
 };
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -9,7 +9,7 @@
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 enum class RefineStatus {
   kRefined,
@@ -45,10 +45,10 @@ struct RefinedView {
 
 /// Refines the range of a view with its measured normals (Nehab et al. 2005; equations (3) to
 /// (7a)). Samples without normals, or whose neighbours have none, keep their range; flying samples
-/// are taken away and small gaps filled (scan/grid/filled_view.h). The rounding of the ranges and noise
-/// that changes over the view are allowed for (scan/include/relief/scan/range_noise.h). Errors:
-/// kBadInput for an option out of range, kInterrupted when `progress` asks to stop.
+/// are taken away and small gaps filled (scan/grid/filled_view.h). The rounding of the ranges and
+/// noise that changes over the view are allowed for (scan/include/relief/scan/range_noise.h).
+/// Errors: kBadInput for an option out of range, kInterrupted when `progress` asks to stop.
 Result<RefinedView> refine_view(const RangeView& view, const RefineOptions& options = {},
                                 const Progress& progress = {});
 
-}  // namespace relief
+}  // namespace relief::hybrid

@@ -5,7 +5,7 @@
 
 #include "relief/hybrid/refine_view.h"
 
-namespace relief {
+namespace relief::hybrid {
 
 /// How many of `views` are refined at once: as many as there are threads, as long as the memory
 /// that refining the largest ones takes beyond that of the views themselves stays within `memory`
@@ -23,4 +23,4 @@ Result<std::vector<RefinedView>> refine_views(const std::vector<RangeView>& view
                                               const Progress& progress = {},
                                               std::size_t memory = 0);
 
-}  // namespace relief
+}  // namespace relief::hybrid

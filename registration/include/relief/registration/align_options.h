@@ -1,6 +1,6 @@
 #pragma once
 
-namespace relief {
+namespace relief::registration {
 
 enum class NormalSource {
   kGeometric,  ///< Of the measured surface, smoothed: right whatever the normal maps are.
@@ -84,4 +84,4 @@ struct AlignOptions {
   int threads = 0;  ///< 0: one per core; for all steps. Never changes the result.
 };
 
-}  // namespace relief
+}  // namespace relief::registration

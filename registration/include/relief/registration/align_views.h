@@ -11,7 +11,7 @@
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 enum class RefinementTermination {
   kConverged,
@@ -75,4 +75,4 @@ std::string_view to_string(PoseStatus status);
 /// Views that were not aligned stay as they are.
 void apply_alignment(const Alignment& alignment, std::vector<RangeView>& views);
 
-}  // namespace relief
+}  // namespace relief::registration

@@ -9,7 +9,7 @@
 
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::registration {
 
 /// What a pair of views is worth by itself.
 enum class PairGrade {
@@ -44,4 +44,4 @@ struct PairFit {
 /// `firm`, `slides`, `thin` or `misfit`.
 std::string_view to_string(PairGrade grade);
 
-}  // namespace relief
+}  // namespace relief::registration

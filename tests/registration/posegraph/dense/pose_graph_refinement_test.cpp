@@ -9,13 +9,13 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/pairwise/robust.h"
 #include "registration/posegraph/dense/pair_information.h"
 #include "registration/posegraph/dense/pose_graph_system.h"
-#include "registration/pairwise/robust.h"
+#include "registration/posegraph/joint_refinement.h"
 #include "tests/registration/bumpy_object.h"
 
-namespace relief {
+namespace relief::registration {
 namespace {
 
 using testing::mean_displacements;
@@ -300,4 +300,4 @@ TEST(DenseRefinement, ReportsTheCovarianceThatErrorsHave) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::registration

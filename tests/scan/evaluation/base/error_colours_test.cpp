@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::evaluation {
 namespace {
 
 TEST(ColoursOfErrors, GoFromBlueOverGreyToRed) {
@@ -24,4 +24,4 @@ TEST(ColoursOfErrors, MarkWhatIsNoNumber) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -8,7 +8,7 @@
 #include "scan/evaluation/meshes/surface_samples.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 
-namespace relief {
+namespace relief::evaluation {
 namespace {
 
 TEST(Summarize, GivesTheStatisticsOfMagnitudes) {
@@ -52,7 +52,7 @@ TEST(SampleSurface, SpreadsPointsByArea) {
 }
 
 TEST(SampleSurface, IsAFunctionOfTheSeed) {
-  const TriangleMesh mesh = geodesic_sphere(3);
+  const TriangleMesh mesh = simulation::geodesic_sphere(3);
   const auto a = sample_surface(mesh, 500, 1), b = sample_surface(mesh, 500, 1),
              c = sample_surface(mesh, 500, 2);
   std::size_t equal = 0;
@@ -72,4 +72,4 @@ TEST(SampleSurface, IsEmptyWithoutArea) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::evaluation

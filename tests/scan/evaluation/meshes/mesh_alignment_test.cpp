@@ -7,7 +7,7 @@
 #include "relief/evaluation/mesh_distance.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 
-namespace relief {
+namespace relief::evaluation {
 namespace {
 
 RigidMotion motion(double a, double b, double c, double x, double y, double z) {
@@ -16,7 +16,7 @@ RigidMotion motion(double a, double b, double c, double x, double y, double z) {
 
 // A sphere with bumps of no symmetry.
 TriangleMesh potato(int divisions = 30) {
-  TriangleMesh mesh = geodesic_sphere(divisions);
+  TriangleMesh mesh = simulation::geodesic_sphere(divisions);
   for (auto& p : mesh.vertices) {
     const double bumps = 0.2 * std::sin(3.0 * p.x() + 1.0) + 0.15 * std::cos(4.0 * p.y() + p.z()) +
                          0.1 * std::sin(5.0 * p.z() - 2.0 * p.x());
@@ -55,7 +55,7 @@ TEST(AlignMesh, UndoesAnyMotion) {
 TEST(AlignMesh, IsNotPulledByWhatOnlyOneMeshHas) {
   TriangleMesh result = potato();
   std::erase_if(result.faces, [&](const auto& face) { return result.vertices[face[0]].z() > 4.0; });
-  TriangleMesh junk = geodesic_sphere(5);
+  TriangleMesh junk = simulation::geodesic_sphere(5);
   const auto offset = static_cast<std::uint32_t>(result.vertices.size());
   for (const auto& p : junk.vertices)
     result.vertices.push_back(2.0 * p + Eigen::Vector3d(0, 20, 0));
@@ -81,4 +81,4 @@ TEST(AlignMesh, RefusesMeshesWithoutArea) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::evaluation

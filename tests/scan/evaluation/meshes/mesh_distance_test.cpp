@@ -8,11 +8,11 @@
 #include "relief/scan/rigid_motion.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 
-namespace relief {
+namespace relief::evaluation {
 namespace {
 
 TriangleMesh sphere(double radius, int divisions = 100) {
-  TriangleMesh mesh = geodesic_sphere(divisions);
+  TriangleMesh mesh = simulation::geodesic_sphere(divisions);
   for (auto& vertex : mesh.vertices) vertex *= radius;
   return mesh;
 }
@@ -192,4 +192,4 @@ TEST(SignedDistances, AreTheRadialErrorOfASphere) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::evaluation

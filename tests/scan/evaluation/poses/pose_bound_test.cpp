@@ -4,7 +4,7 @@
 
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::evaluation {
 namespace {
 
 constexpr double kSigma = 0.2;
@@ -55,4 +55,4 @@ TEST(PoseBound, MovingAllViewsAlikeCannotBeSeen) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::evaluation

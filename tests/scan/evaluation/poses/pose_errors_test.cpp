@@ -7,7 +7,7 @@
 
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::evaluation {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -110,4 +110,4 @@ TEST(EvaluatePoses, NamesAViewWithoutTruth) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::evaluation

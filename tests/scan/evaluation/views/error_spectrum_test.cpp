@@ -8,7 +8,7 @@
 
 #include "relief/scan/counter_random.h"
 
-namespace relief {
+namespace relief::evaluation {
 namespace {
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
@@ -201,4 +201,4 @@ TEST(CrossingFrequency, IsWhereThePowersAreEqual) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -8,7 +8,7 @@
 #include "relief/scan/discontinuities.h"
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::evaluation {
 namespace {
 
 const Camera kCamera = Camera::pinhole(120, 100, {150, 150, 59.5, 49.5});
@@ -140,4 +140,4 @@ TEST(EvaluateViews, SaysWhyViewsCannotBeCompared) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::evaluation

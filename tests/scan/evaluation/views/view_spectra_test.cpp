@@ -7,7 +7,7 @@
 
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::evaluation {
 namespace {
 
 ScanProject project_of(const RangeView& view) {
@@ -86,4 +86,4 @@ TEST(EvaluateSpectra, NeedATrueViewOfTheName) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::evaluation

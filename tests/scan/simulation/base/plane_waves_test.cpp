@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -59,4 +59,4 @@ TEST(PlaneWaves, HaveWavelengthsUpToTwiceTheShortest) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 TEST(CalibrationWarp, HasMeanZeroAndUnitRmsOverTheImage) {
@@ -35,4 +35,4 @@ TEST(CalibrationWarp, IsACubicAlongAnyLine) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

@@ -6,7 +6,7 @@
 
 #include "tests/scan/simulation/sensor_bench.h"
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 using testing::SensorBench;
@@ -75,4 +75,4 @@ TEST(Glare, NamesAFieldOutOfItsRange) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

@@ -8,7 +8,7 @@
 
 #include "relief/simulation/simulate.h"
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 SimulationOptions exact_sensors() {
@@ -239,4 +239,4 @@ TEST(ScanDefects, NamesAFieldOutOfItsRange) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

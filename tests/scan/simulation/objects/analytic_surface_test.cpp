@@ -7,7 +7,7 @@
 
 #include "scan/simulation/objects/built_in_object.h"
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 Eigen::Vector3d random_vector(std::mt19937& generator) {
@@ -71,4 +71,4 @@ TEST(Intersect, FindsTheFirstEntryIntoTheBuiltInObject) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

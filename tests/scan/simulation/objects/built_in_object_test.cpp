@@ -8,7 +8,7 @@
 
 #include "scan/simulation/objects/geodesic_sphere.h"
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 // How often each undirected edge is used in either direction.
@@ -96,4 +96,4 @@ TEST(BuiltInObject, TruthMeshIsClosedAndOnTheSurface) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

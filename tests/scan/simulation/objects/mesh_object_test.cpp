@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/simulation/simulate.h"
 #include "scan/simulation/objects/built_in_object.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
-#include "relief/simulation/simulate.h"
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 TEST(MeshObject, IsSeenWhereTheAnalyticObjectIs) {
@@ -77,4 +77,4 @@ TEST(MeshObject, NeedsASurface) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

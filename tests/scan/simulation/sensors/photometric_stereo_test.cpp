@@ -10,7 +10,7 @@
 
 #include "tests/scan/simulation/sensor_bench.h"
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 using testing::angle_between;
@@ -270,4 +270,4 @@ TEST(PhotometricStereo, NamesAFieldOutOfItsRange) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

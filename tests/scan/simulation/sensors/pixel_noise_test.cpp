@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 double correlation(const Grid<double>& noise, int du, int dv) {
@@ -55,4 +55,4 @@ TEST(PixelNoise, DoesNotDependOnThreads) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 PaintedSurface painted(const Reflectance& reflectance, double diameter = 1.0) {
@@ -71,4 +71,4 @@ TEST(Reflectance, NamesAFieldOutOfItsRange) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

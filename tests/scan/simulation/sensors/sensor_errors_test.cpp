@@ -8,7 +8,7 @@
 #include "relief/scan/counter_random.h"
 #include "tests/support/synthetic_views.h"
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 const Camera kCamera = Camera::pinhole(320, 240, {300, 300, 159.5, 119.5});
@@ -169,4 +169,4 @@ TEST(RandomMotion, HasTheStatedAmounts) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 TEST(SensorRays, PixelsHaveTheSpacingAtTheWorkingDistance) {
@@ -33,4 +33,4 @@ TEST(SensorRays, OfALineScannerArePerspectiveAlongTheLineOnly) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

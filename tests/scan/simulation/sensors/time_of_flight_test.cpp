@@ -8,7 +8,7 @@
 
 #include "tests/scan/simulation/sensor_bench.h"
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 using testing::SensorBench;
@@ -139,4 +139,4 @@ TEST(TimeOfFlight, NamesAFieldOutOfItsRange) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

@@ -8,7 +8,7 @@
 
 #include "tests/scan/simulation/sensor_bench.h"
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 using testing::perfect_scanner;
@@ -306,4 +306,4 @@ TEST(TriangulationScanner, NamesAFieldOutOfItsRange) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

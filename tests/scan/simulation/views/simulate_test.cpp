@@ -7,7 +7,7 @@
 
 #include "scan/simulation/objects/built_in_object.h"
 
-namespace relief {
+namespace relief::simulation {
 namespace {
 
 SimulationOptions small_options() {
@@ -307,4 +307,4 @@ TEST(Simulate, TakesAnyObject) {
 }
 
 }  // namespace
-}  // namespace relief
+}  // namespace relief::simulation

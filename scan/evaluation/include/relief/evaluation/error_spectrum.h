@@ -7,7 +7,7 @@
 
 #include "relief/scan/grid.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 /// An error at each pixel: of one component (the imaginary part is then 0) or of two. NaN where
 /// there is none.
@@ -74,4 +74,4 @@ class TileSpectra {
 std::optional<double> crossing_frequency(const ErrorSpectrum& noisy_high,
                                          const ErrorSpectrum& noisy_low);
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace relief {
+namespace relief::evaluation {
 
 /// Summary of the magnitudes of some errors. All zero when there are none.
 struct ErrorStatistics {
@@ -18,4 +18,4 @@ struct ErrorStatistics {
 /// Statistics of |errors|, which must be finite. Quantiles are order statistics, not interpolated.
 ErrorStatistics summarize(std::vector<double> errors);
 
-}  // namespace relief
+}  // namespace relief::evaluation

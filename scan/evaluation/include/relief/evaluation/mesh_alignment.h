@@ -7,7 +7,7 @@
 #include "relief/scan/rigid_motion.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 struct MeshAlignmentOptions {
   std::size_t samples = 20000;  ///< Points of the result in the final fit, >= 100.
@@ -32,4 +32,4 @@ struct MeshAlignment {
 Result<MeshAlignment> align_mesh(const TriangleMesh& result, const TriangleMesh& truth,
                                  const MeshAlignmentOptions& options = {});
 
-}  // namespace relief
+}  // namespace relief::evaluation

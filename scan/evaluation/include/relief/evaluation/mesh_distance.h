@@ -10,7 +10,7 @@
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 struct MeshDistanceOptions {
   std::size_t samples = 200000;  ///< Points on each of the two meshes, >= 1.
@@ -63,4 +63,4 @@ Result<MeshComparison> compare_meshes(const TriangleMesh& result, const Triangle
 std::vector<double> signed_distances(const TriangleMesh& mesh, const TriangleMesh& truth,
                                      int threads = 0);
 
-}  // namespace relief
+}  // namespace relief::evaluation

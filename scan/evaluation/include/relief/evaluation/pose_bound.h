@@ -6,7 +6,7 @@
 
 #include "relief/scan/range_view.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 /// The Fisher information of all poses (6V x 6V, tangents (rotation [rad], translation [unit])
 /// about `centre` in world axes) that range views with white noise carry about how they lie to each
@@ -20,4 +20,4 @@ namespace relief {
 Eigen::MatrixXd pose_information(const std::vector<RangeView>& truth, double sigma,
                                  const Eigen::Vector3d& centre);
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -7,7 +7,7 @@
 #include "relief/scan/rigid_motion.h"
 #include "relief/scan/scan_project.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 struct PoseErrorOptions {
   /// Whether the two worlds may differ by a rigid motion, which is fitted and taken away first. Off
@@ -50,4 +50,4 @@ struct PoseErrorReport {
 Result<PoseErrorReport> evaluate_poses(const ScanProject& result, const ScanProject& truth,
                                        const PoseErrorOptions& options = {});
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -9,7 +9,7 @@
 #include "relief/scan/result.h"
 #include "relief/scan/scan_project.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 struct ViewErrorOptions {
   /// Samples up to this many pixels (chessboard distance) from the silhouette, a hole, an occlusion
@@ -54,4 +54,4 @@ Result<ViewErrorReport> evaluate_views(const ScanProject& result, const ScanProj
                                        const ViewErrorOptions& options = {},
                                        const Progress& progress = {});
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -8,7 +8,7 @@
 #include "relief/scan/result.h"
 #include "relief/scan/scan_project.h"
 
-namespace relief {
+namespace relief::evaluation {
 
 /// The errors of all views by spatial frequency along their grids, away from discontinuities.
 struct ViewSpectra {
@@ -32,4 +32,4 @@ Result<ViewSpectra> evaluate_spectra(const ScanProject& result, const ScanProjec
                                      const ViewErrorOptions& options = {},
                                      const Progress& progress = {});
 
-}  // namespace relief
+}  // namespace relief::evaluation

@@ -5,7 +5,7 @@
 #include "relief/scan/result.h"
 #include "relief/simulation/simulation_object.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// A flat plate behind the object that stands still before the sensor while the object turns, such
 /// as a wall or the bed of a turntable's stand. It fills the image, is white and diffuse.
@@ -28,4 +28,4 @@ Grid<unsigned char> add_background(RangeView& view, const SimulationObject& obje
                                    const BackgroundPlate& plate, double working_distance,
                                    double diameter, double max_incidence_deg, int threads = 0);
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -3,7 +3,7 @@
 #include "relief/scan/result.h"
 #include "relief/simulation/sensor_scene.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// Highlights of lamps that stand still before the sensor, on an object that is glossy all over.
 /// They wander over the object from view to view and spoil range and normals.
@@ -26,4 +26,4 @@ Result<void> validate(const Glare& glare);
 /// Spoils a measured view of what `scene.truth` shows. A plate behind the object is not glossy.
 void add_glare(RangeView& view, const Glare& glare, const SensorScene& scene);
 
-}  // namespace relief
+}  // namespace relief::simulation

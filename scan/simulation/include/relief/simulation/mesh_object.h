@@ -3,10 +3,10 @@
 #include <string>
 
 #include "relief/scan/result.h"
-#include "relief/simulation/simulation_object.h"
 #include "relief/scan/triangle_mesh.h"
+#include "relief/simulation/simulation_object.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// A triangle mesh as the object of a simulation. Ranges and normals are those of the flat faces,
 /// exactly: at facets larger than a sample spacing the scans show facets. The faces must be
@@ -15,4 +15,4 @@ namespace relief {
 /// vertex that is not finite.
 Result<SimulationObject> mesh_object(TriangleMesh mesh, const std::string& unit = "mm");
 
-}  // namespace relief
+}  // namespace relief::simulation

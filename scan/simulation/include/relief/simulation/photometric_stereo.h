@@ -7,7 +7,7 @@
 #include "relief/scan/result.h"
 #include "relief/simulation/sensor_scene.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// A camera that measures normals from the shading under several distant lights (Woodham 1980): it
 /// reads the brightness of each pixel under one light at a time and solves for the normal by least
@@ -46,4 +46,4 @@ Eigen::Matrix3d normal_distortion(const PhotometricStereo& camera, const RandomS
 /// measures.
 void scan_by_shading(RangeView& view, const PhotometricStereo& camera, const SensorScene& scene);
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -6,7 +6,7 @@
 
 #include "relief/scan/counter_random.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// A smooth random field of vectors in space, equation (S4): the sum of 16 plane waves of random
 /// directions, phases and normally distributed amplitudes, their lengths between `wavelength`
@@ -32,4 +32,4 @@ class PlaneWaves {
 /// A random direction, uniform on the sphere, from three of the numbers of `random`.
 Eigen::Vector3d random_direction(const CounterRandom& random, std::uint64_t index);
 
-}  // namespace relief
+}  // namespace relief::simulation

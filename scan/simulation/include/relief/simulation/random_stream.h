@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace relief {
+namespace relief::simulation {
 
 /// Which random numbers an error draws: equal streams of equal seeds give equal errors.
 struct RandomStream {
@@ -10,4 +10,4 @@ struct RandomStream {
   std::uint64_t stream = 0;
 };
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -6,7 +6,7 @@
 #include "relief/simulation/plane_waves.h"
 #include "relief/simulation/random_stream.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// How the object's surface reflects light. Dark and glossy patches are fixed to the object, so all
 /// views and sensors agree on where they are. The default is a white diffuse surface.
@@ -55,4 +55,4 @@ class PaintedSurface {
   PlaneWaves dark_field_, gloss_field_;
 };
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -7,7 +7,7 @@
 #include "relief/simulation/glare.h"
 #include "relief/simulation/sensor_scene.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// What is wrong with the convention of the normal maps, in sensor axes x right, y down, z forward.
 enum class NormalMistake {
@@ -58,4 +58,4 @@ void mistake_normals(RangeView& view, NormalMistake mistake, const RigidMotion& 
 /// Gives a pinhole view a wrong focal length and a wrong scale.
 void miscalibrate(RangeView& view, const ScanDefects& defects);
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -2,7 +2,7 @@
 
 #include "relief/scan/camera.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// How the rays of a simulated sensor run. View frame: x right, y down, z forward; the range of a
 /// sample is its depth z.
@@ -17,4 +17,4 @@ enum class SensorRays {
 /// `spacing` [unit], the side of a pixel at the working distance.
 Camera sensor_camera(SensorRays rays, int width, int height, double focal, double spacing);
 
-}  // namespace relief
+}  // namespace relief::simulation

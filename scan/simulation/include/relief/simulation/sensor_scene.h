@@ -8,7 +8,7 @@
 #include "relief/simulation/reflectance.h"
 #include "relief/simulation/simulation_object.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// The kinds of error that draw random numbers, from 1.
 enum SensorErrorKind : std::uint64_t {
@@ -69,4 +69,4 @@ struct SensorScene {
   RandomStream of_sensor(SensorErrorKind kind) const { return sensor_stream(seed, kind); }
 };
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -6,7 +6,7 @@
 #include "relief/simulation/time_of_flight.h"
 #include "relief/simulation/triangulation_scanner.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// A range sensor with white noise of one size.
 struct WhiteRangeSensor {
@@ -39,4 +39,4 @@ void measure_normals(RangeView& view, const NormalSensor& sensor, const SensorSc
 /// normals.
 void measure_range(RangeView& view, const RangeSensor& sensor, const SensorScene& scene);
 
-}  // namespace relief
+}  // namespace relief::simulation

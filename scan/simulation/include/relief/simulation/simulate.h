@@ -7,15 +7,15 @@
 #include "relief/scan/progress.h"
 #include "relief/scan/result.h"
 #include "relief/scan/scan_project.h"
+#include "relief/scan/triangle_mesh.h"
 #include "relief/simulation/reflectance.h"
 #include "relief/simulation/scan_defects.h"
 #include "relief/simulation/sensor_rays.h"
 #include "relief/simulation/sensors.h"
 #include "relief/simulation/simulation_object.h"
 #include "relief/simulation/view_layout.h"
-#include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::simulation {
 
 struct SimulationOptions {
   int views = 12;                 ///< >= 1.
@@ -81,4 +81,4 @@ Result<Simulation> simulate(const SimulationOptions& options, const Progress& pr
 RangeView exact_view(const SimulationObject& object, const Camera& camera,
                      const RigidMotion& world_from_view, double max_incidence_deg, int threads = 0);
 
-}  // namespace relief
+}  // namespace relief::simulation

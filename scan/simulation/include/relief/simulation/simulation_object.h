@@ -9,7 +9,7 @@
 #include "relief/scan/ray.h"
 #include "relief/scan/triangle_mesh.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// Where a ray first meets an object.
 struct SurfaceHit {
@@ -34,4 +34,4 @@ struct SimulationObject {
 bool in_sight(const SimulationObject& object, const Eigen::Vector3d& from,
               const Eigen::Vector3d& point);
 
-}  // namespace relief
+}  // namespace relief::simulation

@@ -3,7 +3,7 @@
 #include "relief/scan/result.h"
 #include "relief/simulation/sensor_scene.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// A camera that measures how long its own light takes to come back (phase of modulated light).
 /// The amplitude of that light, 1 on a white surface that faces the camera at the working
@@ -33,4 +33,4 @@ Result<void> validate(const TimeOfFlightCamera& camera);
 void scan_by_time_of_flight(RangeView& view, const TimeOfFlightCamera& camera,
                             const SensorScene& scene);
 
-}  // namespace relief
+}  // namespace relief::simulation

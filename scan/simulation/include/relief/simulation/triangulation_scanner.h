@@ -3,7 +3,7 @@
 #include "relief/scan/result.h"
 #include "relief/simulation/sensor_scene.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// A range sensor that triangulates between the ray of a pixel and a second ray, that of a
 /// projector or laser: it measures the disparity f b / z [pixels] of each pixel, f being the
@@ -62,4 +62,4 @@ void scan_by_triangulation(RangeView& view, const TriangulationScanner& scanner,
 double depth_deviation(const TriangulationScanner& scanner, double z, double distance,
                        double spacing);
 
-}  // namespace relief
+}  // namespace relief::simulation

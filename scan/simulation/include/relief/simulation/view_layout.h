@@ -6,7 +6,7 @@
 
 #include "relief/scan/rigid_motion.h"
 
-namespace relief {
+namespace relief::simulation {
 
 /// Where the sensor stands round the object.
 enum class ViewLayout {
@@ -23,4 +23,4 @@ RigidMotion camera_looking_at(const Eigen::Vector3d& eye, const Eigen::Vector3d&
 std::vector<RigidMotion> layout_poses(ViewLayout layout, int count, const Eigen::Vector3d& target,
                                       double distance);
 
-}  // namespace relief
+}  // namespace relief::simulation
