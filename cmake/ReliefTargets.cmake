@@ -1,7 +1,9 @@
-# What every target of the project shares: warnings, sanitizers, include root, instruction set.
+# What every target of the project shares: warnings, sanitizers, instruction set, and the project folder, from which
+# private headers are included.
 
 add_library(relief_build_flags INTERFACE)
 target_compile_features(relief_build_flags INTERFACE cxx_std_20)
+target_include_directories(relief_build_flags INTERFACE ${PROJECT_SOURCE_DIR})
 # The distribution builds PCL, Ceres and VTK for plain SSE; wider vectors here would change Eigen's
 # alignment and corrupt memory shared with them. x86-64-v2 keeps the alignment.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
@@ -31,8 +33,7 @@ function(relief_library name)
   add_library(relief::${name} ALIAS relief_${name})
   set_target_properties(relief_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(relief_${name}
-    PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
-    PRIVATE ${PROJECT_SOURCE_DIR})
+    PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/include/relief DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   target_link_libraries(relief_${name} PUBLIC Eigen3::Eigen PRIVATE $<BUILD_INTERFACE:relief_build_flags>)
   target_compile_features(relief_${name} PUBLIC cxx_std_20)

@@ -51,7 +51,6 @@ endfunction()
 function(relief_test name)
   cmake_parse_arguments(ARG "" "" "LIBRARIES;SOURCES" ${ARGN})
   add_executable(relief_${name}_tests ${ARG_SOURCES})
-  target_include_directories(relief_${name}_tests PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(relief_${name}_tests PRIVATE ${ARG_LIBRARIES} relief_test_support relief_build_flags
                                                      GTest::gmock GTest::gtest_main)
   if(RELIEF_SANITIZE)

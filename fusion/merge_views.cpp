@@ -15,16 +15,12 @@
 #include "scan/base/median.h"
 #include "scan/base/median_deviation.h"
 #include "scan/base/parallel.h"
+#include "scan/base/usable_pose.h"
 #include "scan/mesh/mesh_components.h"
 
 namespace relief::fusion {
 
 namespace {
-
-// A single view has nothing to be aligned with: any pose serves.
-bool usable(const RangeView& view, std::size_t count) {
-  return count == 1 || view.pose != PoseKind::kAbsent;
-}
 
 // The median of the views' median deviations; 0 when no view knows any.
 Result<double> typical_deviation(const ViewSource& views, MemoryLimit* memory) {
@@ -74,14 +70,14 @@ class Preparation {
     for (std::size_t i = begin; i < end; ++i) {
       auto view = views.load(i);
       if (!view) return view.error();
-      if (usable(**view, views.count)) {
+      if (has_usable_pose(**view, views.count)) {
         used.push_back(std::move(view).value());
         continue;
       }
       ++without_pose_;
       notes.push_back("view `" + (*view)->name + "` has no pose and is left out; align it first");
     }
-    for (const auto& view : used) relieve(options_.memory, kPreparation * view->range.size());
+    for (const auto& view : used) evict_pages(options_.memory, kPreparation * view->range.size());
     using Prepared = std::optional<Result<ViewSampler>>;
     auto samplers = parallel_map<Prepared>(used.size(), options_.threads, [&](std::size_t k) {
       return Prepared(ViewSampler::create(*used[k], options_));
@@ -188,7 +184,7 @@ void fair_fill(const FairFillOptions& options, const std::vector<ViewSampler>& v
                            "was found for them");
   if (fair.places.empty()) return;
   result.mesh.vertices.swap(fair.places);
-  relieve(options.memory, kMeshCheck * result.mesh.vertices.size());
+  evict_pages(options.memory, kMeshCheck * result.mesh.vertices.size());
   const MeshCheck check = check_mesh(result.mesh);
   if (check.watertight()) {
     result.check = check;
@@ -230,13 +226,13 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
                  "no surface was found: the voxel size is too large for the object"};
   align_edges_with_creases(result.mesh,
                            {result.voxel_size, result.view_noise, options.threads, memory.get()});
-  relieve(memory.get(), kMeshCheck * result.mesh.vertices.size());
+  evict_pages(memory.get(), kMeshCheck * result.mesh.vertices.size());
   if (const auto kept = check(memory.get()); !kept) return kept.error();
   result.check = check_mesh(result.mesh);
   if (!result.check.watertight()) return failed_check(result.check);
 
   if (!report_progress(progress, 0.9, "measure the surface")) return interrupted;
-  relieve(memory.get(), kVertexAttributes * result.mesh.vertices.size());
+  evict_pages(memory.get(), kVertexAttributes * result.mesh.vertices.size());
   const VertexAttributeOptions measure{result.truncation, result.voxel_size, result.view_noise,
                                        options.threads, memory.get()};
   set_vertex_attributes(result.mesh, *samplers, measure);

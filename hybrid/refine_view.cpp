@@ -109,7 +109,7 @@ class Refinement {
     problem_ = make_view_problem(view, edges_, options_.stencil, options_.threads);
     if (problem_.empty()) return stop(why_empty());
     noise_ = make_noise_model(options_, estimate, problem_);
-    if (!noise_.usable()) return stop(RefineStatus::kNoNoise);
+    if (!noise_.usable()) return stop(RefineStatus::kNoiseUnknown);
     if (options_.robust_rounds > 0 && options_.stencil == Stencil::kCompactEdge)
       turn_contradicted_normals(estimate);
     return options_.bias != BiasModel::kTwoStep || correct_first();
@@ -124,7 +124,7 @@ class Refinement {
     result_.iterations = solved.iterations;
     if (solved.status == RefineStatus::kSolverFailed)
       keep_as_measured(solved.status);
-    else if (registration::contradicts(solved.y))
+    else if (contradicts(solved.y))
       keep_as_measured(RefineStatus::kContradiction);
     else
       finish(solved);
@@ -176,7 +176,7 @@ class Refinement {
                         const Visit& visit) const {
     const Grid<std::uint8_t> all(trusted.width(), trusted.height(), 1);
     const RangeSteps steps = range_steps(trusted, {all, all}, options_.threads);
-    const auto wild = wild_samples(steps, estimate, ranges_.variance, options_.threads);
+    const auto wild = range_outliers(steps, estimate, ranges_.variance, options_.threads);
     for (int v = 0; v < wild.height(); ++v)
       for (int u = 0; u < wild.width(); ++u)
         if (wild(u, v)) visit(u, v);
@@ -227,7 +227,7 @@ class Refinement {
     const CoherentErrors errors =
         coherent_errors(problem_, estimate, noise_.spacing, options_.threads);
     if (errors.samples == 0) return;
-    result_.turned_normals = errors.samples;
+    result_.outlier_normals = errors.samples;
     result_.view.normals = subtract_bias(result_.view, problem_, errors.slopes, options_.threads);
     problem_ = make_view_problem(result_.view, edges_, options_.stencil, options_.threads);
   }
@@ -297,7 +297,7 @@ std::string_view to_string(RefineStatus status) {
       return "no normals";
     case RefineStatus::kNoConfidence:
       return "no confidence";
-    case RefineStatus::kNoNoise:
+    case RefineStatus::kNoiseUnknown:
       return "noise unknown";
     case RefineStatus::kContradiction:
       return "ranges and normals contradict each other";

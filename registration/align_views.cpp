@@ -29,9 +29,20 @@ std::string invalid_option(const AlignOptions& options) {
   if (refinement.max_iterations < 1) return "refinement.max_iterations must be >= 1";
   if (!(starting.min_overlap > 0.0 && starting.min_overlap <= 1.0))
     return "starting_poses.min_overlap must be in (0, 1]";
-  if (!(starting.max_contradiction >= 0.0 && starting.max_contradiction <= 1.0))
-    return "starting_poses.max_contradiction must be in [0, 1]";
+  if (!(starting.max_free_space_violation >= 0.0 && starting.max_free_space_violation <= 1.0))
+    return "starting_poses.max_free_space_violation must be in [0, 1]";
   return {};
+}
+
+// The first view that projective association was asked for and cannot serve.
+const RangeView* view_without_projection(const std::vector<RangeView>& views,
+                                         const AlignOptions& options) {
+  if (options.refinement.association != Association::kProjective &&
+      options.starting_poses.association != Association::kProjective)
+    return nullptr;
+  for (const RangeView& view : views)
+    if (!view.camera.can_project()) return &view;
+  return nullptr;
 }
 
 Result<std::vector<ViewSurface>> build_surfaces(const std::vector<RangeView>& views,
@@ -78,7 +89,7 @@ std::vector<bool> find_misfits(const std::vector<bool>& found_by_shape,
   for (const auto& pair : refined.pairs) {
     for (const std::size_t i : {pair.a, pair.b}) {
       paired[i] = true;
-      if (pair.grade != PairGrade::kMisfit) fits[i] = true;
+      if (pair.grade != PairStatus::kMisfit) fits[i] = true;
     }
   }
   std::vector<bool> misfits(roles.size());
@@ -103,17 +114,17 @@ class Aligning {
   Result<Alignment> run() {
     auto given = refine_given_poses(surfaces_, views_, starting_, refinement_, progress_);
     if (!given) return given.error();
-    auto starts = find_starting_poses(surfaces_, views_, given->settled, starting_, progress_);
+    auto starts = find_starting_poses(surfaces_, views_, given->checked, starting_, progress_);
     if (!starts) return starts.error();
     starts_ = std::move(*starts);
     take_roles();
-    if (unchanged(given->settled)) {
+    if (unchanged(given->checked)) {
       refined_ = std::move(given->refined);
       verified_ = std::move(given->verified);
     } else if (const auto done = refine_all(); !done) {
       return done.error();
     }
-    return report(given->settled);
+    return report(given->checked);
   }
 
  private:
@@ -128,10 +139,10 @@ class Aligning {
   }
 
   // Whether all poses are the given ones, already refined together.
-  bool unchanged(const SettledPoses& settled) const {
+  bool unchanged(const CheckedPoses& checked) const {
     for (std::size_t i = 0; i < views_.size(); ++i)
       if (starts_.found_by_shape[i] ||
-          starts_.world_from_view[i].has_value() != settled.world_from_view[i].has_value())
+          starts_.world_from_view[i].has_value() != checked.world_from_view[i].has_value())
         return false;
     return true;
   }
@@ -153,7 +164,7 @@ class Aligning {
     return {};
   }
 
-  Alignment report(const SettledPoses& settled) {
+  Alignment report(const CheckedPoses& checked) {
     Alignment result;
     result.notes = starts_.notes;
     const std::size_t main = main_group(verified_, roles_);
@@ -174,7 +185,7 @@ class Aligning {
       if (view.status == PoseStatus::kLeftOut) view.reason = reason_left_out(i);
       result.views.push_back(std::move(view));
     }
-    note_moves(settled, result);
+    note_moves(checked, result);
     if (views_.size() == 1) result.notes.push_back("one view only: nothing to align");
     result.pairs = std::move(refined_.pairs);
     result.termination = refined_.termination;
@@ -183,13 +194,13 @@ class Aligning {
     return result;
   }
 
-  void note_moves(const SettledPoses& settled, Alignment& result) const {
+  void note_moves(const CheckedPoses& checked, Alignment& result) const {
     for (std::size_t i = 0; i < views_.size(); ++i)
       if (starts_.found_by_shape[i] && starts_.in_main_frame[i] &&
-          (settled.refuted[i] || settled.world_from_view[i]))
+          (checked.refuted[i] || checked.world_from_view[i]))
         result.notes.push_back(
             "view " + views_[i].name + ": its given pose " +
-            (settled.refuted[i] ? "stands where other views saw through" : "is not confirmed") +
+            (checked.refuted[i] ? "stands where other views saw through" : "is not confirmed") +
             "; a pose that fits was found by its shape instead");
   }
 
@@ -254,6 +265,11 @@ Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOp
   if (views.empty()) return Error{ErrorKind::kBadInput, "there are no views to align"};
   if (const auto why = invalid_option(options); !why.empty())
     return Error{ErrorKind::kBadInput, "alignment options: " + why};
+  if (const RangeView* view = view_without_projection(views, options))
+    return Error{ErrorKind::kBadInput,
+                 "view " + view->name +
+                     ": its camera has no projection of points to pixels; use "
+                     "the association auto or nearest"};
 
   auto surfaces = build_surfaces(views, options, progress);
   if (!surfaces) return surfaces.error();

@@ -2,10 +2,12 @@
 
 #include "apps/commands/command.h"
 #include "apps/options/stage_options.h"
+#include "apps/reports/alignment_report.h"
 #include "apps/reports/console.h"
 #include "apps/reports/exit_status.h"
 #include "apps/reports/output.h"
-#include "apps/stages/stages.h"
+#include "relief/registration/align_views.h"
+#include "scan/base/stopwatch.h"
 
 namespace relief {
 
@@ -24,18 +26,24 @@ int align(const AlignCommand& command) {
   if (const auto ready = prepare_folder_of(command.output); !ready) return fail(ready.error());
   registration::AlignOptions options = command.options;
   options.threads = command.common.threads;
-  const auto stage = align_stage(*project, options);
-  if (!stage) return fail(stage.error());
-  warn_of_unaligned(stage->report);
+  const Stopwatch watch;
+  const auto alignment =
+      registration::align_views(project->views, options, console_progress("align"));
+  if (!alignment) return fail(alignment.error());
+  registration::apply_alignment(*alignment, project->views);
+  Json report = to_json(*alignment);
+  report["seconds"] = watch.seconds();
+  log_alignment(*alignment, project->unit, report["seconds"]);
+  warn_of_unverified(*alignment);
 
   const auto written =
       write_project_poses(*project, command.input.path, command.input.options, command.output);
   if (!written) return fail(written.error());
-  const auto reported = write_report(report_path(command.common, command.output), "align",
-                                     stage->report, command.common);
+  const auto reported =
+      write_report(report_path(command.common, command.output), "align", report, command.common);
   if (!reported) return fail(reported.error());
   Console::info("wrote " + command.output.string());
-  return stage->complete ? kDone : kDataDoesNotAllow;
+  return is_complete(*alignment) ? kDone : kDataDoesNotAllow;
 }
 
 }  // namespace

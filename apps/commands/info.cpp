@@ -75,7 +75,7 @@ Json view_info(const RangeView& view, const std::string& unit) {
                {"pose", to_string(view.pose)},
                {"spacing", sample_spacing(points_of(view), edges)},
                {"inner_samples", inner_count(view, edges)}};
-  simulation::add_range_noise(view, unit, info);
+  add_range_noise(view, unit, info);
   if (!view.has_normals()) return info;
   const hybrid::NoiseEstimate noise = hybrid::estimate_noise(view, edges);
   if (noise.usable()) {

@@ -1,12 +1,17 @@
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "apps/commands/command.h"
+#include "apps/commands/merge_within_limit.h"
+#include "apps/options/stage_options.h"
 #include "apps/reports/console.h"
 #include "apps/reports/exit_status.h"
+#include "apps/reports/model_report.h"
 #include "apps/reports/output.h"
-#include "apps/options/stage_options.h"
-#include "apps/stages/stages.h"
 #include "relief/io/mesh_io.h"
+#include "relief/reconstruction/build_model.h"
+#include "scan/base/stopwatch.h"
 
 namespace relief {
 
@@ -20,32 +25,50 @@ struct MergeCommand {
   std::filesystem::path output;
 };
 
-Result<MergeStage> in_memory(const MergeCommand& command, const MergeStageOptions& options) {
+struct MergedProject {
+  reconstruction::Model model;
+  std::string unit;
+};
+
+Result<MergedProject> in_memory(const MergeCommand& command,
+                                const reconstruction::ModelOptions& options) {
   const auto project = read_with_notes(command.input, command.common);
   if (!project) return project.error();
   if (const auto ready = prepare_folder_of(command.output); !ready) return ready.error();
-  return merge_stage(*project, options);
+  auto model = reconstruction::build_model(project->views, options, console_stage_progress());
+  if (!model) return model.error();
+  return MergedProject{std::move(*model), project->unit};
 }
 
-Result<MergeStage> within_limit(const MergeCommand& command, const MergeStageOptions& options) {
+Result<MergedProject> within_limit(const MergeCommand& command,
+                                   const reconstruction::ModelOptions& options) {
   if (const auto ready = prepare_folder_of(command.output); !ready) return ready.error();
-  return merge_stage_within_limit(command.input, options);
+  MergedProject merged;
+  auto model = merge_within_limit(command.input, options, merged.unit);
+  if (!model) return model.error();
+  merged.model = std::move(*model);
+  return merged;
 }
 
 int merge(const MergeCommand& command) {
-  MergeStageOptions options = command.merge.resolved();
+  reconstruction::ModelOptions options = command.merge.resolved();
   options.threads = command.common.threads;
   options.merge.memory = command.memory_mb << 20;
   options.merge.scratch_folder =
       command.output.has_parent_path() ? command.output.parent_path() : ".";
-  const auto stage =
+  const Stopwatch watch;
+  const auto merged =
       options.merge.memory > 0 ? within_limit(command, options) : in_memory(command, options);
-  if (!stage) return fail(stage.error());
+  if (!merged) return fail(merged.error());
+  Json report = to_json(merged->model);
+  report["seconds"] = watch.seconds();
+  report["peak_memory_mb"] = peak_memory_mb();
+  log_model(merged->model, merged->unit, report["seconds"]);
 
-  if (const auto written = write_mesh(stage->mesh, command.output); !written)
+  if (const auto written = write_mesh(merged->model.mesh, command.output); !written)
     return fail(written.error());
-  const auto reported = write_report(report_path(command.common, command.output), "merge",
-                                     stage->report, command.common);
+  const auto reported =
+      write_report(report_path(command.common, command.output), "merge", report, command.common);
   if (!reported) return fail(reported.error());
   Console::info("wrote " + command.output.string());
   return kDone;

@@ -1,11 +1,17 @@
+#include <algorithm>
+#include <cstddef>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "apps/commands/command.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/console.h"
 #include "apps/reports/exit_status.h"
 #include "apps/reports/output.h"
-#include "apps/stages/stages.h"
+#include "apps/reports/refinement_report.h"
+#include "relief/hybrid/refine_views.h"
+#include "scan/base/stopwatch.h"
 
 namespace relief {
 
@@ -25,17 +31,27 @@ int refine(const RefineCommand& command) {
   hybrid::RefineOptions options = command.flags.resolved();
   options.threads = command.common.threads;
   options.seed = command.common.seed;
-  const auto stage = refine_stage(*project, options, command.flags.memory());
-  if (!stage) return fail(stage.error());
+  const Stopwatch watch;
+  auto refined = hybrid::refine_views(project->views, options, console_progress("refine"),
+                                      command.flags.memory());
+  if (!refined) return fail(refined.error());
+  std::vector<hybrid::RefineSummary> refinements(refined->begin(), refined->end());
+  for (std::size_t i = 0; i < refined->size(); ++i)
+    project->views[i] = std::move((*refined)[i].view);
+  Json report = refinement_report(refinements, project->views);
+  report["seconds"] = watch.seconds();
+  log_refinement(refinements, project->views, project->unit, report["seconds"]);
 
   if (const auto written = write_project(*project, command.output, console_progress("write"));
       !written)
     return fail(written.error());
   const auto reported = write_report(report_path(command.common, command.output / "scan.json"),
-                                     "refine", stage->report, command.common);
+                                     "refine", report, command.common);
   if (!reported) return fail(reported.error());
   Console::info("wrote " + (command.output / "scan.json").string());
-  return stage->complete ? kDone : kDataDoesNotAllow;
+  const bool failed = std::any_of(refinements.begin(), refinements.end(),
+                                  [](const auto& view) { return is_failure(view.status); });
+  return failed ? kDataDoesNotAllow : kDone;
 }
 
 }  // namespace

@@ -1,13 +1,19 @@
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "apps/commands/command.h"
 #include "apps/options/stage_options.h"
+#include "apps/reports/alignment_report.h"
 #include "apps/reports/console.h"
 #include "apps/reports/exit_status.h"
+#include "apps/reports/model_report.h"
 #include "apps/reports/output.h"
-#include "apps/stages/alignment_gain.h"
-#include "apps/stages/stages.h"
+#include "apps/reports/refinement_report.h"
 #include "relief/io/mesh_io.h"
+#include "relief/reconstruction/reconstruct.h"
+#include "scan/base/stopwatch.h"
 
 namespace relief {
 
@@ -22,108 +28,111 @@ struct RunCommand {
   std::filesystem::path output;
 };
 
-// Views that fit nowhere would only spoil the model.
-void drop_unaligned(ScanProject& project, const Json& align_report) {
-  std::vector<RangeView> kept;
-  for (std::size_t i = 0; i < project.views.size(); ++i)
-    if (align_report["views"][i]["aligned"]) kept.push_back(std::move(project.views[i]));
-  project.views = std::move(kept);
-}
-
 class Run {
  public:
   explicit Run(const RunCommand& command) : command_(command) {}
 
-  // align, refine, align again on the refined surfaces, merge. What a stage achieved is written
-  // before the next one starts.
+  // What a stage achieved is written before the next one starts.
   int operator()() {
     auto project = read_with_notes(command_.input, command_.common);
     if (!project) return fail(project.error());
     if (const auto ready = prepare_folder(command_.output); !ready) return fail(ready.error());
     project_ = std::move(*project);
-    for (const auto stage : {&Run::align, &Run::refine, &Run::align_again, &Run::merge}) {
-      const Result<void> done = (this->*stage)();
-      if (!done) return fail(done.error());
-    }
+    watch_ = Stopwatch();
+    auto result = reconstruction::reconstruct(std::move(project_.views), options(), callbacks());
+    if (!result) return fail(result.error());
+    if (const auto written = write_model(result->model); !written) return fail(written.error());
     Console::info("wrote " + (command_.output / "model.ply").string() + " and report.json");
-    return complete_ ? kDone : kDataDoesNotAllow;
+    return result->complete() ? kDone : kDataDoesNotAllow;
   }
 
  private:
-  Result<void> align() {
-    const auto stage = align_stage(project_, with_threads(command_.align));
-    if (!stage) return stage.error();
-    warn_of_unaligned(stage->report);
-    if (auto written = keep("align", stage->report); !written) return written;
-    first_alignment_ = stage->report;
-    if (!stage->complete) {
-      complete_ = false;
-      drop_unaligned(project_, stage->report);
-    }
-    if (project_.views.empty())
-      return Error{ErrorKind::kUnsolvable, "no view could be aligned: nothing to merge"};
-    return {};
-  }
-
-  Result<void> refine() {
-    hybrid::RefineOptions options = with_threads(command_.refine.resolved());
+  reconstruction::ReconstructionOptions options() const {
+    reconstruction::ReconstructionOptions options;
+    options.remove_background = false;  // read_with_notes() did.
+    options.align = command_.align;
+    options.refine = command_.refine.resolved();
+    options.refine_memory = command_.refine.memory();
+    options.model = command_.merge.resolved();
+    options.threads = command_.common.threads;
     options.seed = command_.common.seed;
-    const auto stage = refine_stage(project_, options, command_.refine.memory());
-    if (!stage) return stage.error();
-    complete_ = complete_ && stage->complete;
-    any_refined_ = stage->any_refined;
-    return keep("refine", stage->report);
+    return options;
   }
 
-  Result<void> align_again() {
-    if (any_refined_ && project_.views.size() > 1) {
-      std::vector<RigidMotion> before;
-      for (const RangeView& view : project_.views) before.push_back(view.world_from_view);
-      registration::AlignOptions options = with_threads(command_.align);
-      options.surface.normals = registration::NormalSource::kMeasured;
-      auto stage = align_stage(project_, options);
-      if (!stage) return stage.error();
-      const Json gain = alignment_gain(first_alignment_, stage->report, project_.views);
-      for (const std::string& line : gain_table(gain, project_.unit)) Console::info(line);
-      stage->report["gain"] = gain;
-      if (!gain["kept"]) restore_poses(before);
-      if (auto written = keep("align_again", stage->report); !written) return written;
-    }
-    return write_project(project_, command_.output, console_progress("write"));
+  reconstruction::ReconstructionCallbacks callbacks() {
+    reconstruction::ReconstructionCallbacks callbacks;
+    callbacks.progress = console_stage_progress();
+    callbacks.aligned = [this](const registration::Alignment& alignment) {
+      return keep_alignment(alignment);
+    };
+    callbacks.refined = [this](const std::vector<hybrid::RefineSummary>& refinements,
+                               const std::vector<RangeView>& views) {
+      return keep_refinement(refinements, views);
+    };
+    callbacks.aligned_again = [this](const reconstruction::SecondAlignment& second) {
+      return keep_second_alignment(second);
+    };
+    callbacks.views_finished = [this](const std::vector<RangeView>& views) {
+      return write_views(views);
+    };
+    return callbacks;
   }
 
-  void restore_poses(const std::vector<RigidMotion>& poses) {
-    for (std::size_t i = 0; i < poses.size(); ++i) project_.views[i].world_from_view = poses[i];
+  Result<void> keep_alignment(const registration::Alignment& alignment) {
+    Json report = to_json(alignment);
+    report["seconds"] = watch_.seconds();
+    log_alignment(alignment, project_.unit, report["seconds"]);
+    warn_of_unverified(alignment);
+    return keep("align", report);
   }
 
-  Result<void> merge() {
-    const auto stage = merge_stage(project_, with_threads(command_.merge.resolved()));
-    if (!stage) return stage.error();
-    if (auto written = write_mesh(stage->mesh, command_.output / "model.ply"); !written)
+  Result<void> keep_refinement(const std::vector<hybrid::RefineSummary>& refinements,
+                               const std::vector<RangeView>& views) {
+    Json report = refinement_report(refinements, views);
+    report["seconds"] = watch_.seconds();
+    log_refinement(refinements, views, project_.unit, report["seconds"]);
+    return keep("refine", report);
+  }
+
+  Result<void> keep_second_alignment(const reconstruction::SecondAlignment& second) {
+    Json report = to_json(second.alignment);
+    report["seconds"] = watch_.seconds();
+    report["gain"] = to_json(second.gain);
+    log_alignment(second.alignment, project_.unit, report["seconds"]);
+    log_gain(second.gain, project_.unit);
+    return keep("align_again", report);
+  }
+
+  Result<void> write_views(const std::vector<RangeView>& views) {
+    auto written =
+        write_project(views, project_.unit, command_.output, console_progress("write"));
+    watch_ = Stopwatch();
+    return written;
+  }
+
+  Result<void> write_model(const reconstruction::Model& model) {
+    Json report = to_json(model);
+    report["seconds"] = watch_.seconds();
+    report["peak_memory_mb"] = peak_memory_mb();
+    log_model(model, project_.unit, report["seconds"]);
+    if (auto written = write_mesh(model.mesh, command_.output / "model.ply"); !written)
       return written;
     return write_report(report_path(command_.common, command_.output / "scan.json"), "merge",
-                        stage->report, command_.common);
+                        report, command_.common);
   }
 
   // Into the report file; standard output gets the whole report once, at the end.
   Result<void> keep(const std::string& section, const Json& report) {
+    watch_ = Stopwatch();
     CommonOptions silent = command_.common;
     silent.json = false;
     return write_report(report_path(silent, command_.output / "scan.json"), section, report,
                         silent);
   }
 
-  template <typename Options>
-  Options with_threads(Options options) const {
-    options.threads = command_.common.threads;
-    return options;
-  }
-
   const RunCommand& command_;
-  ScanProject project_;
-  Json first_alignment_;  // Its section of the report.
-  bool complete_ = true;
-  bool any_refined_ = false;
+  ScanProject project_;  // Its views are given away.
+  Stopwatch watch_;      // Of the stage.
 };
 
 }  // namespace

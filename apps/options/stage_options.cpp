@@ -30,6 +30,11 @@ const std::map<std::string, registration::GivenPoses> kCoarseSearches = {
 
 constexpr double kRadians = std::numbers::pi / 180.0;
 
+const std::map<std::string, registration::Association> kAssociations = {
+    {"auto", registration::Association::kAuto},
+    {"projective", registration::Association::kProjective},
+    {"nearest", registration::Association::kNearest}};
+
 }  // namespace
 
 hybrid::RefineOptions RefineFlags::resolved() const {
@@ -38,8 +43,8 @@ hybrid::RefineOptions RefineFlags::resolved() const {
   return resolved;
 }
 
-MergeStageOptions MergeFlags::resolved() const {
-  MergeStageOptions resolved = options;
+reconstruction::ModelOptions MergeFlags::resolved() const {
+  reconstruction::ModelOptions resolved = options;
   if (no_polish)
     resolved.polish.reset();
   else if (polish_sigma_normal_deg)
@@ -99,6 +104,17 @@ void add_align_options(CLI::App& command, registration::AlignOptions& options) {
   group->add_option("--coarse", options.starting_poses.given, "The former name of --poses")
       ->transform(CLI::CheckedTransformer(kCoarseSearches))
       ->group("");
+  group
+      ->add_option_function<registration::Association>(
+          "--association",
+          [&options](registration::Association association) {
+            options.starting_poses.association = association;
+            options.refinement.association = association;
+          },
+          "Corresponding points: projective (the pixel that sees a point), nearest (the closest "
+          "sample), auto (projective where the camera allows)")
+      ->transform(CLI::CheckedTransformer(kAssociations))
+      ->default_str("auto");
   group
       ->add_option("--correspondences", refinement.correspondences,
                    "Correspondences per direction of a pair of views")

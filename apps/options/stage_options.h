@@ -5,9 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "apps/stages/stages.h"
-#include "relief/fusion/merge_views.h"
 #include "relief/hybrid/refine_view.h"
+#include "relief/reconstruction/build_model.h"
 #include "relief/registration/align_views.h"
 
 namespace relief {
@@ -27,11 +26,11 @@ struct RefineFlags {
 void add_refine_options(CLI::App& command, RefineFlags& flags);
 
 struct MergeFlags {
-  MergeStageOptions options;
+  reconstruction::ModelOptions options;
   bool no_polish = false;
   std::optional<double> polish_sigma_normal_deg;
 
-  MergeStageOptions resolved() const;
+  reconstruction::ModelOptions resolved() const;
 };
 void add_merge_options(CLI::App& command, MergeFlags& flags);
 

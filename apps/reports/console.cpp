@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <map>
 #include <memory>
 
 #include <fmt/format.h>
@@ -96,6 +97,15 @@ Progress console_progress(const std::string& stage) {
       *last_step = step;
     }
     return true;
+  };
+}
+
+reconstruction::StageProgress console_stage_progress() {
+  std::map<reconstruction::Stage, Progress> progress;
+  return [progress](reconstruction::Stage stage, double fraction, std::string_view step) mutable {
+    Progress& of_stage = progress[stage];
+    if (!of_stage) of_stage = console_progress(std::string(to_string(stage)));
+    return of_stage(fraction, step);
   };
 }
 

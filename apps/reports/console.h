@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "relief/reconstruction/build_model.h"
 #include "relief/scan/progress.h"
 #include "relief/scan/result.h"
 
@@ -24,6 +25,9 @@ class Console {
 /// A progress callback for one stage: a bar on a terminal, otherwise a line per step and per
 /// quarter. It asks the computation to stop after Ctrl-C or a termination signal.
 Progress console_progress(const std::string& stage);
+
+/// The same for a computation of several stages.
+reconstruction::StageProgress console_stage_progress();
 
 /// From now on Ctrl-C and termination ask for an orderly stop; a second one ends the program at
 /// once.

@@ -75,8 +75,8 @@ std::string histogram_rows(const std::vector<double>& errors, double range) {
 Result<void> plot_cumulative(const evaluation::MeshComparison& comparison, const std::string& unit,
                              const std::filesystem::path& folder) {
   const auto accuracy = magnitudes(comparison.signed_accuracy);
-  const double range = std::max(registration::quantile(accuracy, 0.995),
-                                registration::quantile(comparison.completeness_distances, 0.995));
+  const double range = std::max(quantile(accuracy, 0.995),
+                                quantile(comparison.completeness_distances, 0.995));
   if (auto done = write_file(folder / "accuracy.tsv", cumulative_rows(accuracy)); !done)
     return done;
   if (auto done = write_file(folder / "completeness.tsv",
@@ -95,7 +95,7 @@ Result<void> plot_cumulative(const evaluation::MeshComparison& comparison, const
 
 Result<void> plot_histogram(const evaluation::MeshComparison& comparison, const std::string& unit,
                             const std::filesystem::path& folder) {
-  const double range = registration::quantile(magnitudes(comparison.signed_accuracy), 0.995);
+  const double range = quantile(magnitudes(comparison.signed_accuracy), 0.995);
   if (!(range > 0.0)) return {};
   if (auto done =
           write_file(folder / "histogram.tsv", histogram_rows(comparison.signed_accuracy, range));
@@ -138,7 +138,7 @@ double largest_shown(const Grid<float>& image) {
   std::vector<double> values;
   for (const float value : image)
     if (std::isfinite(value)) values.push_back(std::abs(value));
-  const double shown = registration::quantile(std::move(values), 0.98);
+  const double shown = quantile(std::move(values), 0.98);
   return shown > 0.0 ? shown : 1.0;
 }
 

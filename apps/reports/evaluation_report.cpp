@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/reports/mesh_report.h"
+#include "apps/reports/model_report.h"
 #include "scan/evaluation/base/angles.h"
 
 namespace relief {

@@ -63,7 +63,7 @@ class Fairing {
     if (work_.empty()) return {};
     for (int round = 0; round <= kRounds; ++round) settle_all(round == kRounds);
     for (std::size_t v = 0; v < places_.size(); ++v) changed_[v] = places_[v] != mesh_.vertices[v];
-    for (int round = 0; mend(round); ++round) {
+    for (int round = 0; resolve_intersections(round); ++round) {
     }
     const auto unsolved = static_cast<std::size_t>(std::count_if(
         work_.begin(), work_.end(), [](const Settling& work) { return work.unsolved; }));
@@ -131,19 +131,19 @@ class Fairing {
 
   // Lets the region come to rest, and pins what would then be in space seen empty.
   void settle(std::size_t r, bool last) {
-    relieve(options_.memory);
+    evict_pages(options_.memory);
     Settling& work = work_[r];
     const PlatePatch patch = work.fresh.empty() ? patch_of(r) : patch_near_fresh(r);
     work.fresh.clear();
     work.settled = true;
     if (patch.free.empty()) return;
     const std::vector<Eigen::Vector3d> rest =
-        rest_plate(mesh_, regions_.around(), patch, plate_options());
+        solve_thin_plate(mesh_, regions_.around(), patch, plate_options());
     if (rest.empty()) {
       work.unsolved = true;
       return restore(r);
     }
-    EvidenceCollector collector(views_, options_.truncation, options_.voxel_size);
+    TsdfIntegrator collector(views_, options_.truncation, options_.voxel_size);
     for (std::size_t k = 0; k < rest.size(); ++k) {
       const std::uint32_t v = patch.free[k].vertex;
       places_[v] = allowed(v, rest[k], collector);
@@ -163,8 +163,8 @@ class Fairing {
     return plate;
   }
 
-  bool in_empty_space(const Eigen::Vector3d& point, EvidenceCollector& collector) const {
-    const Evidence evidence = collector.collect(point);
+  bool in_empty_space(const Eigen::Vector3d& point, TsdfIntegrator& collector) const {
+    const TsdfSample evidence = collector.collect(point);
     return evidence.clearance > kIntrusion * options_.voxel_size ||
            evidence.in_front > kInFront * options_.voxel_size;
   }
@@ -172,7 +172,7 @@ class Fairing {
   // The farthest point on a vertex's way to `end` that is in no space seen empty. If its start is,
   // the nearest behind the surface that is not.
   Eigen::Vector3d allowed(std::uint32_t v, const Eigen::Vector3d& end,
-                          EvidenceCollector& collector) const {
+                          TsdfIntegrator& collector) const {
     if (!mesh_.filled[v] || !in_empty_space(end, collector)) return end;
     const Eigen::Vector3d& start = mesh_.vertices[v];
     if (!in_empty_space(start, collector)) return last_sound(start, end, collector);
@@ -184,7 +184,7 @@ class Fairing {
   // Of the points from `sound`, which is in no space seen empty, to `empty`, which is: the last
   // that is not.
   Eigen::Vector3d last_sound(Eigen::Vector3d sound, Eigen::Vector3d empty,
-                             EvidenceCollector& collector) const {
+                             TsdfIntegrator& collector) const {
     for (int step = 0; step < 6; ++step) {
       const Eigen::Vector3d middle = 0.5 * (sound + empty);
       (in_empty_space(middle, collector) ? empty : sound) = middle;
@@ -204,11 +204,11 @@ class Fairing {
   // along the normal only. Where that does not help they stay, with more and more of those around
   // them, while the rest comes to rest anew; in the end the region goes back. False: there was
   // none.
-  bool mend(int round) {
+  bool resolve_intersections(int round) {
     const std::vector<std::uint32_t> spoiled =
-        spoiled_faces(mesh_, places_, changed_, 2.0 * options_.voxel_size, options_.threads);
+        invalid_faces(mesh_, places_, changed_, 2.0 * options_.voxel_size, options_.threads);
     std::fill(changed_.begin(), changed_.end(), 0);
-    EvidenceCollector collector(views_, options_.truncation, options_.voxel_size);
+    TsdfIntegrator collector(views_, options_.truncation, options_.voxel_size);
     bool any = false;
     for (const std::uint32_t f : spoiled) {
       for (const std::uint32_t v : mesh_.faces[f]) {
@@ -242,7 +242,7 @@ class Fairing {
     });
   }
 
-  void keep_from_slipping(std::uint32_t v, EvidenceCollector& collector) {
+  void keep_from_slipping(std::uint32_t v, TsdfIntegrator& collector) {
     const Eigen::Vector3d normal = regions_.normals().at(v), start = mesh_.vertices[v];
     places_[v] = allowed(v, start + normal.dot(places_[v] - start) * normal, collector);
     changed_[v] = 1;
@@ -264,7 +264,7 @@ FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSam
   const auto filled = static_cast<std::size_t>(std::count_if(
       mesh.filled.begin(), mesh.filled.end(), [](std::uint8_t flag) { return flag != 0; }));
   if (filled == 0) return {};
-  relieve(options.memory, kVertex * mesh.vertices.size() + kMoving * filled);
+  evict_pages(options.memory, kVertex * mesh.vertices.size() + kMoving * filled);
   if (!check(options.memory)) return {};
   return Fairing(mesh, views, options).run();
 }

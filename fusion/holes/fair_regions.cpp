@@ -61,7 +61,7 @@ double stiffness_of(double cosine) {
   return s * s * s;
 }
 
-double pull_of(int ring, double voxel) { return std::pow(std::ldexp(voxel, 1 - ring), -4); }
+double attraction_of(int ring, double voxel) { return std::pow(std::ldexp(voxel, 1 - ring), -4); }
 
 }  // namespace
 
@@ -73,7 +73,7 @@ FairRegions::FairRegions(const TriangleMesh& mesh, const std::vector<ViewSampler
       normals_(mesh, rings_, kMargin + 1) {
   find();
   parallel_for(regions_.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
-    relieve(options.memory);
+    evict_pages(options.memory);
     for (std::size_t r = begin; r < end; ++r) prepare(regions_[r], views, options);
   });
 }
@@ -194,21 +194,21 @@ bool FairRegions::is_beside_measured(std::uint32_t vertex) const {
 
 void FairRegions::prepare(FairRegion& region, const std::vector<ViewSampler>& views,
                           const FairFillOptions& options) const {
-  EvidenceCollector collector(views, options.truncation, options.voxel_size);
+  TsdfIntegrator collector(views, options.truncation, options.voxel_size);
   const Eigen::Vector3d lid = facing_of_lid(region, options.voxel_size);
   for (PlateVertex& free : region.vertices) {
     const int ring = rings_[free.vertex];
     if (ring == 0) {
       // The wall goes on as far as the closed field has it before the lid begins.
       if (lid.isZero() || !is_beside_measured(free.vertex)) continue;
-      free.pull = pull_of(1, options.voxel_size);
+      free.attraction = attraction_of(1, options.voxel_size);
       free.stiffness = 0.0;
       continue;
     }
     // Beside what is filled the closed field draws the surface off what was measured.
     const Eigen::Vector3d normal = mesh_.normals[free.vertex].cast<double>();
     free.place -= collector.collect(free.place, normal).distance * normal;
-    free.pull = pull_of(ring, options.voxel_size);
+    free.attraction = attraction_of(ring, options.voxel_size);
     if (ring != 1) continue;
     double cosine = normals_.cosine(free.vertex, around_);
     if (!lid.isZero()) cosine = std::min(cosine, lid.dot(normals_.at(free.vertex)));

@@ -22,15 +22,15 @@ constexpr int kSmallSteps = 8;
 class PoissonTwice {
  public:
   bool prepare(const PlateEquations& equations, MemoryLimit* memory) {
-    const Eigen::Index free = equations.pull.rows();
+    const Eigen::Index free = equations.attraction.rows();
     const auto area = equations.area.head(free);
     const double least = 1.0 / std::sqrt(static_cast<double>(free));
     compliance_ = equations.weights.head(free).cwiseMax(least * area.cwiseInverse()).cwiseInverse();
     Sparse poisson = Sparse(equations.laplacian.topRows(free)).triangularView<Eigen::Lower>();
     poisson *= -1.0;
-    poisson.diagonal() += equations.pull.cwiseProduct(area).cwiseSqrt();
+    poisson.diagonal() += equations.attraction.cwiseProduct(area).cwiseSqrt();
     factor_.analyzePattern(poisson);
-    relieve(memory, factor_.bytes());
+    evict_pages(memory, factor_.bytes());
     if (!check(memory)) return false;
     factor_.factorize(poisson);
     return factor_.info() == Eigen::Success && (factor_.vectorD().array() > 0.0).all();
@@ -49,7 +49,7 @@ class PoissonTwice {
 Eigen::MatrixX3d product(const PlateEquations& equations, const Eigen::MatrixX3d& places) {
   const Eigen::MatrixX3d curvature =
       equations.weights.asDiagonal() * (equations.laplacian * places);
-  return equations.laplacian.transpose() * curvature + equations.pull.asDiagonal() * places;
+  return equations.laplacian.transpose() * curvature + equations.attraction.asDiagonal() * places;
 }
 
 // One number for each of the three coordinates, which are systems of their own.

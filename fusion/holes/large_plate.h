@@ -28,7 +28,7 @@ class SizedFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Ei
 struct PlateEquations {
   const Eigen::SparseMatrix<double>& laplacian;  ///< L; its free part is negative definite.
   const Eigen::VectorXd &weights, &area;         ///< Of all rows.
-  const Eigen::VectorXd& pull;                   ///< Q, of the free ones.
+  const Eigen::VectorXd& attraction;             ///< Q, of the free ones.
   Eigen::MatrixX3d right;
 };
 

@@ -64,11 +64,11 @@ class PlateSystem {
     known_.setZero(static_cast<Eigen::Index>(rows), 3);
     weights_.resize(static_cast<Eigen::Index>(rows));
     area_.resize(static_cast<Eigen::Index>(rows));
-    pull_.setZero(static_cast<Eigen::Index>(patch.free.size()));
+    attraction_.setZero(static_cast<Eigen::Index>(patch.free.size()));
     drawn_.setZero(static_cast<Eigen::Index>(patch.free.size()), 3);
     for (const PlateVertex& free : patch.free) {
-      pull_(row_) = free.pull * area_at(free.vertex);
-      drawn_.row(row_) = pull_(row_) * (free.place - origin_).transpose();
+      attraction_(row_) = free.attraction * area_at(free.vertex);
+      drawn_.row(row_) = attraction_(row_) * (free.place - origin_).transpose();
       add_row(free.vertex, free.stiffness);
     }
     for (const PlateVertex& support : patch.held) add_row(support.vertex, support.stiffness);
@@ -82,12 +82,12 @@ class PlateSystem {
   std::vector<Eigen::Vector3d> solve(MemoryLimit* memory) const {
     const Sparse weighted = weights_.asDiagonal() * laplacian_;
     Sparse system = (laplacian_.transpose() * weighted).triangularView<Eigen::Lower>();
-    system.diagonal() += pull_;
+    system.diagonal() += attraction_;
     const Eigen::MatrixX3d right = drawn_ - weighted.transpose() * known_;
     if (system.rows() > kLarge) release_freed_memory();
     SizedFactor factor;
     factor.analyzePattern(system);
-    relieve(memory, factor.bytes());
+    evict_pages(memory, factor.bytes());
     if (!check(memory)) return {};
     factor.factorize(system);
     if (factor.info() != Eigen::Success) return {};
@@ -97,9 +97,9 @@ class PlateSystem {
   // Places by conjugate gradients from the places `start` of the vertices.
   std::vector<Eigen::Vector3d> approach(const PlatePatch& patch,
                                         const PlateOptions& options) const {
-    PlateEquations equations{laplacian_, weights_, area_, pull_, {}};
+    PlateEquations equations{laplacian_, weights_, area_, attraction_, {}};
     equations.right = drawn_ - laplacian_.transpose() * (weights_.asDiagonal() * known_);
-    Eigen::MatrixX3d places(equations.pull.rows(), 3);
+    Eigen::MatrixX3d places(equations.attraction.rows(), 3);
     for (Eigen::Index i = 0; i < places.rows(); ++i) {
       const std::uint32_t v = patch.free[static_cast<std::size_t>(i)].vertex;
       places.row(i) =
@@ -165,7 +165,7 @@ class PlateSystem {
   std::vector<Entry> entries_;
   Sparse laplacian_;
   Eigen::MatrixX3d known_;
-  Eigen::VectorXd weights_, area_, pull_;
+  Eigen::VectorXd weights_, area_, attraction_;
   Eigen::MatrixX3d drawn_;
   int row_ = 0;
 };
@@ -186,10 +186,11 @@ FacesAround::FacesAround(const TriangleMesh& mesh, const std::vector<std::uint8_
   for_wanted([&](std::uint32_t v, std::uint32_t f) { faces_[next[v]++] = f; });
 }
 
-std::vector<Eigen::Vector3d> rest_plate(const TriangleMesh& mesh, const FacesAround& around,
-                                        const PlatePatch& patch, const PlateOptions& options) {
+std::vector<Eigen::Vector3d> solve_thin_plate(const TriangleMesh& mesh, const FacesAround& around,
+                                              const PlatePatch& patch,
+                                              const PlateOptions& options) {
   if (patch.free.empty()) return {};
-  relieve(options.memory, kSystem * patch.free.size());
+  evict_pages(options.memory, kSystem * patch.free.size());
   if (!check(options.memory)) return {};
   const PlateSystem system(mesh, around, patch);
   return patch.free.size() <= options.most_factorised ? system.solve(options.memory)

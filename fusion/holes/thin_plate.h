@@ -35,7 +35,7 @@ struct PlateVertex {
   double stiffness = 1.0;
   /// How strongly a free vertex is drawn to its place [1/length^4]: a plate follows waves longer
   /// than about 2 pi / pull^(1/4) and smooths shorter ones away. 0: not at all.
-  double pull = 0.0;
+  double attraction = 0.0;
 };
 
 /// A part of a mesh whose vertices take the places where a thin elastic plate would come to rest.
@@ -62,7 +62,8 @@ struct PlateOptions {
 /// with the cotangent Laplacian L and the areas A of the mesh as given (Botsch and Kobbelt 2004).
 /// It keeps planes plane and does not move vertices along them. Empty when the system is singular:
 /// free vertices that nothing holds; and when `options.memory` cannot be kept.
-std::vector<Eigen::Vector3d> rest_plate(const TriangleMesh& mesh, const FacesAround& around,
-                                        const PlatePatch& patch, const PlateOptions& options = {});
+std::vector<Eigen::Vector3d> solve_thin_plate(const TriangleMesh& mesh, const FacesAround& around,
+                                              const PlatePatch& patch,
+                                              const PlateOptions& options = {});
 
 }  // namespace relief::fusion

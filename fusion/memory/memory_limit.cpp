@@ -57,7 +57,7 @@ MemoryLimit::MemoryLimit(std::size_t limit, std::filesystem::path folder,
       folder_(folder.empty() ? default_folder() : std::move(folder)),
       resident_(resident ? std::move(resident) : resident_memory) {}
 
-void MemoryLimit::relieve(std::size_t needed) {
+void MemoryLimit::evict_pages(std::size_t needed) {
   if (resident_() + needed <= limit_) return;
   const std::lock_guard lock(mutex_);
   if (resident_() + needed <= limit_) return;  // another thread was first

@@ -32,7 +32,7 @@ class MemoryLimit {
 
   /// Makes room for `needed` [bytes] that are about to be allocated; the default serves the work on
   /// a brick.
-  void relieve(std::size_t needed = kBrickBytes);
+  void evict_pages(std::size_t needed = kBrickBytes);
 
   /// The first of what went wrong so far: kUnsolvable when the limit could not be kept, the message
   /// telling what is needed; kCannotWrite when no file could be made.
@@ -67,11 +67,11 @@ class MemoryLimit {
 std::size_t resident_memory();
 
 /// The same where there may be no limit.
-inline void relieve(MemoryLimit* limit) {
-  if (limit) limit->relieve();
+inline void evict_pages(MemoryLimit* limit) {
+  if (limit) limit->evict_pages();
 }
-inline void relieve(MemoryLimit* limit, std::size_t needed) {
-  if (limit) limit->relieve(needed);
+inline void evict_pages(MemoryLimit* limit, std::size_t needed) {
+  if (limit) limit->evict_pages(needed);
 }
 inline Result<void> check(const MemoryLimit* limit) {
   return limit ? limit->check() : Result<void>();

@@ -44,7 +44,7 @@ constexpr double kTurn = 0.5;
 constexpr double kLeastAngle = 15.0 * std::numbers::pi / 180.0;
 
 // An edge from a to b and the corners opposite to it of its faces, left and right of it.
-struct Turn {
+struct EdgeFlip {
   double gain = 0.0;
   std::uint32_t a = 0, b = 0, c = 0, d = 0;
   std::uint32_t left = 0, right = 0;
@@ -108,71 +108,71 @@ class CreaseEdges {
   std::size_t pass() {
     mesh_.normals = vertex_normals(mesh_);
     const FacesAround around(mesh_, all_);
-    std::vector<Turn> turns = candidates(around);
-    std::sort(turns.begin(), turns.end(), [](const Turn& s, const Turn& t) {
+    std::vector<EdgeFlip> flips = candidates(around);
+    std::sort(flips.begin(), flips.end(), [](const EdgeFlip& s, const EdgeFlip& t) {
       return std::tie(t.gain, s.left, s.a) < std::tie(s.gain, t.left, t.a);
     });
-    keep_apart(turns);
+    keep_apart(flips);
     std::fill(touched_.begin(), touched_.end(), 0);
-    for (const Turn& turn : turns) apply(turn);
+    for (const EdgeFlip& flip : flips) apply(flip);
     for (const std::uint32_t f : faces_at(mesh_, touched_))  // and to the neighbours
       for (const std::uint32_t v : mesh_.faces[f]) touched_[v] = 1;
-    return turns.size();
+    return flips.size();
   }
 
   // How far the surface leaves an edge: eight times the height of the arc over it that has the
   // normals of its ends.
-  double bulge(std::uint32_t i, std::uint32_t j) const {
+  double sagitta(std::uint32_t i, std::uint32_t j) const {
     return std::abs((mesh_.normals[i] - mesh_.normals[j])
                         .cast<double>()
                         .dot(mesh_.vertices[j] - mesh_.vertices[i]));
   }
 
-  std::vector<Turn> candidates(const FacesAround& around) const {
+  std::vector<EdgeFlip> candidates(const FacesAround& around) const {
     const std::vector<std::uint32_t> faces = faces_at(mesh_, touched_);
-    std::vector<std::vector<Turn>> found((faces.size() + kGrain - 1) / kGrain);
+    std::vector<std::vector<EdgeFlip>> found((faces.size() + kGrain - 1) / kGrain);
     parallel_for(faces.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         for (std::size_t k = 0; k < 3; ++k) consider(faces[i], k, around, found[begin / kGrain]);
     });
-    std::vector<Turn> turns;
-    for (const auto& range : found) turns.insert(turns.end(), range.begin(), range.end());
-    return turns;
+    std::vector<EdgeFlip> flips;
+    for (const auto& range : found) flips.insert(flips.end(), range.begin(), range.end());
+    return flips;
   }
 
   void consider(std::uint32_t f, std::size_t k, const FacesAround& around,
-                std::vector<Turn>& turns) const {
+                std::vector<EdgeFlip>& flips) const {
     const auto& face = mesh_.faces[f];
-    Turn turn{0.0, face[k], face[(k + 1) % 3], face[(k + 2) % 3], 0, f, 0};
-    const double length = (mesh_.vertices[turn.b] - mesh_.vertices[turn.a]).norm();
+    EdgeFlip flip{0.0, face[k], face[(k + 1) % 3], face[(k + 2) % 3], 0, f, 0};
+    const double length = (mesh_.vertices[flip.b] - mesh_.vertices[flip.a]).norm();
     const double least = std::max(kLeastGain * length, kNoise * options_.noise);
-    const double now = bulge(turn.a, turn.b);
-    if (!(now > least) || !find_right(around, turn)) return;
-    turn.gain = now - bulge(turn.c, turn.d);
-    if (turn.gain > least && !is_barred(turn) && allowed(turn) && !joined(around, turn.c, turn.d))
-      turns.push_back(turn);
+    const double now = sagitta(flip.a, flip.b);
+    if (!(now > least) || !find_right(around, flip)) return;
+    flip.gain = now - sagitta(flip.c, flip.d);
+    if (flip.gain > least && !is_barred(flip) && allowed(flip) && !joined(around, flip.c, flip.d))
+      flips.push_back(flip);
   }
 
   // Finds the face beyond the edge; of the two faces the first one speaks.
-  bool find_right(const FacesAround& around, Turn& turn) const {
+  bool find_right(const FacesAround& around, EdgeFlip& flip) const {
     bool found = false;
-    around.visit(turn.a, [&](std::uint32_t g) {
+    around.visit(flip.a, [&](std::uint32_t g) {
       const auto& face = mesh_.faces[g];
-      for (std::size_t k = 0; k < 3 && g > turn.left; ++k) {
-        if (face[k] != turn.b || face[(k + 1) % 3] != turn.a) continue;
-        turn.d = face[(k + 2) % 3];
-        turn.right = g;
+      for (std::size_t k = 0; k < 3 && g > flip.left; ++k) {
+        if (face[k] != flip.b || face[(k + 1) % 3] != flip.a) continue;
+        flip.d = face[(k + 2) % 3];
+        flip.right = g;
         found = true;
       }
     });
     return found;
   }
 
-  bool is_barred(const Turn& t) const {
+  bool is_barred(const EdgeFlip& t) const {
     return barred_[t.a] || barred_[t.b] || barred_[t.c] || barred_[t.d];
   }
 
-  bool allowed(const Turn& t) const {
+  bool allowed(const EdgeFlip& t) const {
     const Eigen::Vector3d mean = cross_of(mesh_, t.a, t.b, t.c) + cross_of(mesh_, t.b, t.a, t.d);
     for (const Eigen::Vector3d& n :
          {cross_of(mesh_, t.c, t.d, t.b), cross_of(mesh_, t.d, t.c, t.a)})
@@ -193,10 +193,10 @@ class CreaseEdges {
   }
 
   // Of the turns that share a face, or would make the same edge, the first one stays.
-  void keep_apart(std::vector<Turn>& turns) const {
+  void keep_apart(std::vector<EdgeFlip>& flips) const {
     std::vector<std::uint8_t> taken(mesh_.faces.size());
     std::unordered_set<std::uint64_t> made;
-    std::erase_if(turns, [&](const Turn& t) {
+    std::erase_if(flips, [&](const EdgeFlip& t) {
       if (taken[t.left] || taken[t.right]) return true;
       if (!made.insert(std::uint64_t{std::min(t.c, t.d)} << 32 | std::max(t.c, t.d)).second)
         return true;
@@ -205,7 +205,7 @@ class CreaseEdges {
     });
   }
 
-  void apply(const Turn& t) {
+  void apply(const EdgeFlip& t) {
     for (const std::uint32_t v : {t.a, t.b, t.c, t.d}) touched_[v] = 1;
     mesh_.faces[t.left] = {t.c, t.d, t.b};
     mesh_.faces[t.right] = {t.d, t.c, t.a};
@@ -221,7 +221,7 @@ class CreaseEdges {
 }  // namespace
 
 std::size_t align_edges_with_creases(TriangleMesh& mesh, const CreaseEdgeOptions& options) {
-  relieve(options.memory, kVertex * mesh.vertices.size());
+  evict_pages(options.memory, kVertex * mesh.vertices.size());
   const std::size_t turned = CreaseEdges(mesh, options).run();
   mesh.normals = vertex_normals(mesh);
   return turned;

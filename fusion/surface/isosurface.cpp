@@ -130,7 +130,7 @@ std::vector<VertexKey> triangle_corners(const SparseField& field, const BlockRan
   const std::size_t blocks = brick.end - brick.begin;
   std::vector<std::vector<VertexKey>> by_range((blocks + kGrain - 1) / kGrain);
   parallel_for(blocks, kGrain, threads, [&](std::size_t begin, std::size_t end) {
-    relieve(memory);
+    evict_pages(memory);
     BlockContour contour;
     for (std::size_t b = brick.begin + begin; b < brick.begin + end; ++b)
       if (field.active(b)) contour.extract(field, b, by_range[begin / kGrain]);
@@ -185,7 +185,7 @@ class BrickJoiner {
   template <typename T>
   void extend(std::vector<T>& values, std::size_t count) {
     const std::size_t size = values.size() + count;
-    if (size > values.capacity()) relieve(memory_, 2 * size * sizeof(T));
+    if (size > values.capacity()) evict_pages(memory_, 2 * size * sizeof(T));
     values.resize(size);
   }
 

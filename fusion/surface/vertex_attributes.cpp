@@ -15,7 +15,7 @@ namespace {
 // How many measurements the view noise counts for against a vertex's own scatter.
 constexpr double kPriorWeight = 3.0;
 
-float standard_error(const Evidence& evidence, double view_noise) {
+float standard_error(const TsdfSample& evidence, double view_noise) {
   const double own = evidence.effective_views - 1.0;
   const double variance =
       (kPriorWeight * view_noise * view_noise + evidence.effective_views * evidence.variance) /
@@ -33,10 +33,11 @@ void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& v
   mesh.filled.assign(count, 0);
   mesh.quality.assign(count, 0.0f);
   parallel_for(count, 1024, options.threads, [&](std::size_t begin, std::size_t end) {
-    relieve(options.memory);
-    EvidenceCollector collector(views, options.truncation, options.voxel_size);
+    evict_pages(options.memory);
+    TsdfIntegrator collector(views, options.truncation, options.voxel_size);
     for (std::size_t v = begin; v < end; ++v) {
-      const Evidence evidence = collector.collect(mesh.vertices[v], mesh.normals[v].cast<double>());
+      const TsdfSample evidence =
+          collector.collect(mesh.vertices[v], mesh.normals[v].cast<double>());
       mesh.filled[v] = !evidence.measured || std::abs(evidence.distance) > 0.5 * options.voxel_size;
       if (mesh.filled[v]) continue;
       mesh.views[v] = static_cast<std::uint16_t>(std::min(evidence.views, 65535));

@@ -31,8 +31,8 @@ Painting measured_colours(const TriangleMesh& mesh, const std::vector<ViewSample
   Painting painting{std::vector<Eigen::Vector3f>(count, Eigen::Vector3f::Zero()),
                     std::vector<std::uint8_t>(count, 0)};
   parallel_for(count, 1024, options.threads, [&](std::size_t begin, std::size_t end) {
-    relieve(options.memory);
-    EvidenceCollector collector(views, options.truncation, options.voxel_size);
+    evict_pages(options.memory);
+    TsdfIntegrator collector(views, options.truncation, options.voxel_size);
     for (std::size_t v = begin; v < end; ++v) {
       if (mesh.filled[v]) continue;
       collector.collect(mesh.vertices[v], mesh.normals[v].cast<double>());
@@ -134,11 +134,11 @@ void set_vertex_colours(TriangleMesh& mesh, const std::vector<ViewSampler>& view
                         const VertexAttributeOptions& options) {
   if (std::none_of(views.begin(), views.end(), [](const auto& view) { return view.has_colours(); }))
     return;
-  relieve(options.memory, kVertex * mesh.vertices.size());
+  evict_pages(options.memory, kVertex * mesh.vertices.size());
   Painting painting = measured_colours(mesh, views, options);
   const auto unknown =
       static_cast<std::size_t>(std::count(painting.known.begin(), painting.known.end(), 0));
-  relieve(options.memory, kUnknown * unknown);
+  evict_pages(options.memory, kUnknown * unknown);
   Spreading(mesh, painting).run();
   mesh.colours.reserve(mesh.vertices.size());
   for (const Eigen::Vector3f& colour : painting.colour) mesh.colours.push_back(rounded(colour));

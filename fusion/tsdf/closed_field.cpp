@@ -23,7 +23,7 @@ constexpr int kBandCells = 2;
 Eigen::AlignedBox3d bounds_of(const std::vector<ViewSampler>& views, MemoryLimit* memory) {
   Eigen::AlignedBox3d box;
   for (const ViewSampler& view : views) {
-    relieve(memory, view.bytes());
+    evict_pages(memory, view.bytes());
     view.for_surface_points([&](const Eigen::Vector3d& p) { box.extend(p); });
   }
   return box;
@@ -38,7 +38,7 @@ std::vector<NodeKey> blocks_near(const std::vector<ViewSampler>& views, const La
   };
   parallel_for(views.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      relieve(options.memory, 2 * views[i].bytes());
+      evict_pages(options.memory, 2 * views[i].bytes());
       Node last_low = Node::Constant(INT_MAX), last_high = last_low;
       views[i].for_surface_points([&](const Eigen::Vector3d& p) {
         const Node low = block_at(p - Eigen::Vector3d::Constant(reach));
@@ -94,7 +94,7 @@ std::vector<NodeKey> finer_blocks_near_zero(const SparseField& field,
                                             const ClosedFieldOptions& options) {
   std::vector<std::vector<NodeKey>> found(field.block_count());
   parallel_for(field.block_count(), 16, options.threads, [&](std::size_t begin, std::size_t end) {
-    relieve(options.memory);
+    evict_pages(options.memory);
     SparseField::Padded padded;
     for (std::size_t b = begin; b < end; ++b) {
       if (!field.active(b)) continue;
@@ -126,19 +126,19 @@ Eigen::AlignedBox3d box_of(const SparseField& field, std::size_t b) {
 }
 
 // Sets measured nodes to their distance and bounds the others from below by what is known empty.
-void impose_evidence(SparseField& field, const std::vector<ViewSampler>& views, double truncation,
+void integrate_views(SparseField& field, const std::vector<ViewSampler>& views, double truncation,
                      double limit, PagedArray<NodeConstraint>& constraints,
                      const ClosedFieldOptions& options) {
   parallel_for(field.block_count(), 4, options.threads, [&](std::size_t begin, std::size_t end) {
-    relieve(options.memory);
-    EvidenceCollector collector(views, truncation, field.lattice().spacing);
+    evict_pages(options.memory);
+    TsdfIntegrator collector(views, truncation, field.lattice().spacing);
     for (std::size_t b = begin; b < end; ++b) {
       if (!field.active(b)) continue;
       float* values = field.values(b);
       collector.focus(box_of(field, b));
       for (int i = 0; i < kBlockNodes; ++i) {
         NodeConstraint& constraint = constraints[b * kBlockNodes + static_cast<std::size_t>(i)];
-        const Evidence evidence = collector.collect_as_far_as(
+        const TsdfSample evidence = collector.collect_as_far_as(
             limit, field.lattice().position(field.first_node(b) + node_at_offset(i)));
         if (evidence.measured) {
           constraint = kFixedNode;
@@ -241,7 +241,7 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
     SparseField& field = *result.levels[l];
     field.prolong(limit, options.threads);
     PagedArray<NodeConstraint> constraints(field.block_count() * kBlockNodes, options.memory);
-    impose_evidence(field, views, truncation, limit, constraints, options);
+    integrate_views(field, views, truncation, limit, constraints, options);
     if (coarsest) fix_outside(field, domain.coarse_cells, limit, constraints);
     result.moving_blocks +=
         solve_obstacle_problem(field, constraints.span(), solver_options(coarsest, options))

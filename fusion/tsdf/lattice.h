@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "scan/base/cell_key.h"
+
 namespace relief::fusion {
 
 /// Integer coordinates of a lattice node.
@@ -29,8 +31,7 @@ using NodeKey = std::uint64_t;
 inline constexpr int kKeyOffset = 1 << 20;
 
 inline NodeKey key_of(const Node& node) {
-  const auto bits = [](int c) { return static_cast<NodeKey>(c + kKeyOffset); };
-  return (bits(node.z()) << 42) | (bits(node.y()) << 21) | bits(node.x());
+  return cell_key(node.x() + kKeyOffset, node.y() + kKeyOffset, node.z() + kKeyOffset);
 }
 
 inline Node node_of(NodeKey key) {

@@ -56,15 +56,15 @@ float relax_block(SparseField& field, std::span<const NodeConstraint> constraint
 }
 
 // The blocks that have free nodes to relax, and which of them still change.
-class RestlessBlocks {
+class ActiveBlocks {
  public:
-  RestlessBlocks(const SparseField& field, std::span<const NodeConstraint> constraints,
-                 const ObstacleSolverOptions& options)
+  ActiveBlocks(const SparseField& field, std::span<const NodeConstraint> constraints,
+               const ObstacleSolverOptions& options)
       : field_(field),
         tolerance_(static_cast<float>(options.tolerance * field.lattice().spacing)),
         change_(field.block_count(), 0.0f) {
     for (std::size_t b = 0; b < field.block_count(); ++b) {
-      if (b % kBlocksAtOnce == 0) relieve(options.memory);
+      if (b % kBlocksAtOnce == 0) evict_pages(options.memory);
       const auto of_block = constraints.subspan(b * kBlockNodes, kBlockNodes);
       if (field.active(b) && std::any_of(of_block.begin(), of_block.end(),
                                          [](const NodeConstraint& c) { return !c.fixed(); })) {
@@ -77,16 +77,16 @@ class RestlessBlocks {
   /// Those where a value, or one of a block beside, changed by more than the tolerance when last
   /// relaxed.
   std::vector<std::size_t> find() const {
-    std::vector<std::size_t> restless;
+    std::vector<std::size_t> active;
     for (const std::size_t b : solved_) {
       float change = change_[b];
       for (const auto& [dx, dy, dz] : kSides) {
         const std::int32_t beside = field_.neighbour(b, dx, dy, dz);
         if (beside >= 0) change = std::max(change, change_[static_cast<std::size_t>(beside)]);
       }
-      if (change > tolerance_) restless.push_back(b);
+      if (change > tolerance_) active.push_back(b);
     }
-    return restless;
+    return active;
   }
 
   void relaxed(std::size_t b, float change) { change_[b] = change; }
@@ -103,23 +103,23 @@ class RestlessBlocks {
 ObstacleSolution solve_obstacle_problem(SparseField& field,
                                         std::span<const NodeConstraint> constraints,
                                         const ObstacleSolverOptions& options) {
-  RestlessBlocks restless(field, constraints, options);
+  ActiveBlocks active(field, constraints, options);
   const auto relaxation = static_cast<float>(options.relaxation);
   for (int sweep = 0; sweep < options.max_sweeps; ++sweep) {
-    const std::vector<std::size_t> blocks = restless.find();
+    const std::vector<std::size_t> blocks = active.find();
     if (blocks.empty()) return {sweep, 0};
     std::vector<float> change(blocks.size(), 0.0f);
     for (const int colour : {0, 1}) {
       parallel_for(blocks.size(), kBlocksAtOnce, options.threads, [&](auto begin, auto end) {
-        relieve(options.memory);
+        evict_pages(options.memory);
         for (std::size_t k = begin; k < end; ++k)
           change[k] =
               std::max(change[k], relax_block(field, constraints, blocks[k], colour, relaxation));
       });
     }
-    for (std::size_t k = 0; k < blocks.size(); ++k) restless.relaxed(blocks[k], change[k]);
+    for (std::size_t k = 0; k < blocks.size(); ++k) active.relaxed(blocks[k], change[k]);
   }
-  return {options.max_sweeps, restless.find().size()};
+  return {options.max_sweeps, active.find().size()};
 }
 
 }  // namespace relief::fusion

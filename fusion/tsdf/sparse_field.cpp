@@ -149,7 +149,7 @@ void SparseField::prolong_block(std::size_t b, float limit) {
 void SparseField::prolong(float limit, int threads) {
   if (!coarser_) return;
   parallel_for(keys_.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-    relieve(memory_);
+    evict_pages(memory_);
     for (std::size_t b = begin; b < end; ++b) prolong_block(b, limit);
   });
 }
@@ -174,7 +174,7 @@ void SparseField::gather(std::size_t b, Padded& padded) const {
 std::vector<NodeKey> SparseField::crossed_border_blocks(int threads) const {
   std::vector<std::uint32_t> crossed(keys_.size(), 0);
   parallel_for(keys_.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-    relieve(memory_);
+    evict_pages(memory_);
     Padded padded;
     for (std::size_t b = begin; b < end; ++b) {
       if (!active(b)) continue;
@@ -203,7 +203,7 @@ void SparseField::activate(const std::vector<NodeKey>& blocks, float limit, int 
   link_neighbours();
   prolong(limit, threads);
   parallel_for(old_keys.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-    relieve(memory_);
+    evict_pages(memory_);
     for (std::size_t b = begin; b < end; ++b) {
       const auto now = static_cast<std::size_t>(find(node_of(old_keys[b])));
       std::copy_n(old_values.begin() + b * kBlockNodes, kBlockNodes, values(now));

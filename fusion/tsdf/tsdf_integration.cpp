@@ -9,7 +9,7 @@ namespace relief::fusion {
 
 namespace {
 
-// Evidence of emptiness must outweigh that of matter by this factor to overrule it.
+// TsdfSample of emptiness must outweigh that of matter by this factor to overrule it.
 constexpr double kOverrule = 2.0;
 
 // Cosine between the normals of two surfaces that are the sides of one plate. Not zero: the faces
@@ -53,45 +53,47 @@ bool measures(const Observation& seen, double truncation, double spacing) {
 }  // namespace
 
 // By everything that enters a sum.
-bool EvidenceCollector::Vote::operator<(const Vote& other) const {
+bool TsdfIntegrator::TsdfObservation::operator<(const TsdfObservation& other) const {
   return std::tie(distance, weight, normal.x(), normal.y(), normal.z()) <
          std::tie(other.distance, other.weight, other.normal.x(), other.normal.y(),
                   other.normal.z());
 }
 
 // Of the two sides of a thin plate only the nearer one tells the distance to the plate.
-void EvidenceCollector::drop_far_side() {
-  const auto nearest = std::min_element(
-      near_.begin(), near_.end(),
-      [](const Vote& a, const Vote& b) { return std::abs(a.distance) < std::abs(b.distance); });
+void TsdfIntegrator::drop_far_side() {
+  const auto nearest = std::min_element(near_.begin(), near_.end(),
+                                        [](const TsdfObservation& a, const TsdfObservation& b) {
+                                          return std::abs(a.distance) < std::abs(b.distance);
+                                        });
   if (nearest == near_.end()) return;
   const Eigen::Vector3d facing = nearest->normal;
-  std::erase_if(near_, [&](const Vote& vote) { return vote.normal.dot(facing) < kOpposite; });
+  std::erase_if(near_,
+                [&](const TsdfObservation& vote) { return vote.normal.dot(facing) < kOpposite; });
 }
 
-void EvidenceCollector::focus(const Eigen::AlignedBox3d& box) {
+void TsdfIntegrator::focus(const Eigen::AlignedBox3d& box) {
   concerned_.clear();
   for (const ViewSampler& view : views_)
     if (view.concerns(box, kGrazingReach * truncation_)) concerned_.push_back(&view);
 }
 
-Evidence EvidenceCollector::collect(const Eigen::Vector3d& point) {
+TsdfSample TsdfIntegrator::collect(const Eigen::Vector3d& point) {
   find_quads(point);
   return combine(nullptr);
 }
 
-Evidence EvidenceCollector::collect(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
+TsdfSample TsdfIntegrator::collect(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
   find_quads(point);
   return combine(&normal);
 }
 
-Evidence EvidenceCollector::collect_as_far_as(double enough, const Eigen::Vector3d& point) {
+TsdfSample TsdfIntegrator::collect_as_far_as(double enough, const Eigen::Vector3d& point) {
   find_quads(point);
   if (std::any_of(sightings_.begin(), sightings_.end(), [](const Sighting& sighting) {
         return sighting.side == ViewSampler::Side::kNear;
       }))
     return combine(nullptr);
-  Evidence evidence;
+  TsdfSample evidence;
   for (const Sighting& sighting : sightings_) {
     if (const auto seen = sighting.view->observe(sighting.quad, 0.0))
       evidence.clearance = std::max(evidence.clearance, seen->clearance);
@@ -101,7 +103,7 @@ Evidence EvidenceCollector::collect_as_far_as(double enough, const Eigen::Vector
 }
 
 // Far behind its surface a view knows nothing.
-void EvidenceCollector::find_quads(const Eigen::Vector3d& point) {
+void TsdfIntegrator::find_quads(const Eigen::Vector3d& point) {
   sightings_.clear();
   for (const ViewSampler* view : concerned_) {
     const auto quad = view->quad_on_ray_of(point);
@@ -111,10 +113,10 @@ void EvidenceCollector::find_quads(const Eigen::Vector3d& point) {
   }
 }
 
-std::optional<Eigen::Vector3d> EvidenceCollector::colour(const Eigen::Vector3d& point) const {
+std::optional<Eigen::Vector3d> TsdfIntegrator::colour(const Eigen::Vector3d& point) const {
   // Weight and colour. In an order of their own: views that agree in all else may differ here.
   std::vector<std::array<double, 4>> seen;
-  for (const Vote& vote : near_)
+  for (const TsdfObservation& vote : near_)
     if (const auto colour = vote.view->colour(point); colour && vote.weight > 0.0)
       seen.push_back({vote.weight, colour->x(), colour->y(), colour->z()});
   if (seen.empty()) return std::nullopt;
@@ -128,10 +130,10 @@ std::optional<Eigen::Vector3d> EvidenceCollector::colour(const Eigen::Vector3d& 
   return sum / weights;
 }
 
-Evidence EvidenceCollector::combine(const Eigen::Vector3d* normal) {
+TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
   near_.clear();
   empty_.clear();
-  Evidence evidence;
+  TsdfSample evidence;
   for (const auto& [view, quad, side] : sightings_) {
     const auto seen = view->observe(quad, kFootReach * spacing_);
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
@@ -144,24 +146,24 @@ Evidence EvidenceCollector::combine(const Eigen::Vector3d* normal) {
     if (seen->border >= kAmongRays) evidence.in_front = std::max(evidence.in_front, seen->distance);
   }
   if (evidence.clearance > kSeenThrough * spacing_)
-    std::erase_if(near_, [](const Vote& vote) { return vote.presumed; });
+    std::erase_if(near_, [](const TsdfObservation& vote) { return vote.presumed; });
   // Sums in the order of the values: the order of the views does not matter, not even by rounding.
   std::sort(near_.begin(), near_.end());
   std::sort(empty_.begin(), empty_.end());
   drop_far_side();
 
   double squares = 0.0, inside = 0.0, empty = 0.0;
-  for (const Vote& vote : near_) {
+  for (const TsdfObservation& vote : near_) {
     evidence.weight += vote.weight;
     squares += vote.weight * vote.weight;
     evidence.distance += vote.weight * vote.distance;
     if (vote.distance < 0.0) inside += vote.weight;
   }
-  for (const Vote& vote : empty_) empty += vote.weight;
+  for (const TsdfObservation& vote : empty_) empty += vote.weight;
   if (!(evidence.weight > 0.0)) return evidence;
   evidence.distance /= evidence.weight;
   evidence.measured = evidence.distance >= 0.0 || empty <= kOverrule * inside;
-  for (const Vote& vote : near_) {
+  for (const TsdfObservation& vote : near_) {
     const double deviation = vote.distance - evidence.distance;
     evidence.variance += vote.weight * deviation * deviation / evidence.weight;
   }

@@ -11,7 +11,7 @@
 namespace relief::fusion {
 
 /// What all views together say about a point.
-struct Evidence {
+struct TsdfSample {
   bool measured = false;   ///< Some view measured the surface within the truncation distance.
   double distance = 0.0;   ///< If measured: signed distance [unit], positive outside.
   double clearance = 0.0;  ///< The signed distance is at least this wherever it is positive.
@@ -25,10 +25,10 @@ struct Evidence {
 
 /// Combines the views' signed distances (Curless and Levoy 1996) as docs/fusion.md has it.
 /// Keeps scratch memory: one object per thread.
-class EvidenceCollector {
+class TsdfIntegrator {
  public:
   /// Views measure up to `truncation` from their surface, on a lattice of `spacing`.
-  EvidenceCollector(const std::vector<ViewSampler>& views, double truncation, double spacing)
+  TsdfIntegrator(const std::vector<ViewSampler>& views, double truncation, double spacing)
       : views_(views), truncation_(truncation), spacing_(spacing) {
     for (const ViewSampler& view : views_) concerned_.push_back(&view);
   }
@@ -36,14 +36,14 @@ class EvidenceCollector {
   /// Asks from now on only the views that have something to say of points in `box`.
   void focus(const Eigen::AlignedBox3d& box);
 
-  Evidence collect(const Eigen::Vector3d& point);
+  TsdfSample collect(const Eigen::Vector3d& point);
 
   /// The same in less time where no view has its surface near the point: then not `measured`, with
   /// a `clearance` that is right as far as `enough` [unit], and nothing else.
-  Evidence collect_as_far_as(double enough, const Eigen::Vector3d& point);
+  TsdfSample collect_as_far_as(double enough, const Eigen::Vector3d& point);
 
   /// The same from the views only that see the surface from the side `normal` points to.
-  Evidence collect(const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
+  TsdfSample collect(const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
 
   /// The mean colour, 0 to 255, of the views that measured the point collected last, by the weights
   /// of their distances; nothing when none of them has colours.
@@ -51,7 +51,7 @@ class EvidenceCollector {
 
  private:
   void find_quads(const Eigen::Vector3d& point);
-  Evidence combine(const Eigen::Vector3d* normal);
+  TsdfSample combine(const Eigen::Vector3d* normal);
 
   struct Sighting {
     const ViewSampler* view;
@@ -59,12 +59,12 @@ class EvidenceCollector {
     ViewSampler::Side side;
   };
 
-  struct Vote {
+  struct TsdfObservation {
     double distance, weight;
     Eigen::Vector3d normal;
     bool presumed;  // Behind the surface, deeper than the view knows of matter.
     const ViewSampler* view;
-    bool operator<(const Vote& other) const;
+    bool operator<(const TsdfObservation& other) const;
   };
 
   void drop_far_side();
@@ -73,7 +73,7 @@ class EvidenceCollector {
   double truncation_, spacing_;
   std::vector<const ViewSampler*> concerned_;
   std::vector<Sighting> sightings_;  // Of the point, by views that it is not behind the surface of.
-  std::vector<Vote> near_, empty_;
+  std::vector<TsdfObservation> near_, empty_;
 };
 
 }  // namespace relief::fusion

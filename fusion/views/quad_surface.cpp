@@ -8,6 +8,7 @@
 
 #include "relief/scan/discontinuities.h"
 #include "scan/base/median.h"
+#include "scan/base/silhouette_weight.h"
 #include "scan/grid/filled_view.h"
 #include "scan/grid/grid_normals.h"
 
@@ -120,14 +121,13 @@ void place_quads(const Grid<std::uint8_t>& quads, MemoryLimit* memory, QuadSurfa
 
 float sample_weight(const RangeView& view, int u, int v, const Eigen::Vector3f& normal, int border,
                     const QuadSurfaceOptions& options) {
-  constexpr double kLeastCosine = 0.05, kLeastRamp = 0.1;
+  constexpr double kLeastCosine = 0.05;
   const double cosine = std::max(
       kLeastCosine, -normal.cast<double>().dot(view.camera.ray(u, v).direction.normalized()));
   double trust = view.confidence_at(u, v);
   if (options.nominal_deviation > 0.0 && view.deviation_at(u, v) > 0.0f)
     trust = std::pow(options.nominal_deviation / (cosine * view.deviation_at(u, v)), 2);
-  const double ramp = (border + kLeastRamp) / (options.silhouette_ramp + kLeastRamp);
-  return static_cast<float>(trust * cosine * std::min(1.0, ramp));
+  return static_cast<float>(trust * cosine * silhouette_weight(border, options.silhouette_ramp));
 }
 
 }  // namespace
@@ -142,7 +142,7 @@ QuadSurface surface_of(const RangeView& measured, const QuadSurfaceOptions& opti
   surface.flying = filled.flying;
   surface.filled = filled.filled_count;
   surface.spacing = sample_spacing(points, edges);
-  surface.noise = registration::position_noise(grid, normals);
+  surface.noise = position_noise(grid, normals);
   place_quads(find_quads(view, edges, normals, options.smallest_patch), options.memory, surface);
 
   std::size_t corners = 0;

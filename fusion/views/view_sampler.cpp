@@ -133,7 +133,7 @@ std::optional<ViewSampler::Patch> ViewSampler::patch_on(const Quad& quad) const 
   std::array<double, 8> sum{};
   double offset = 0.0;
   for (int k = 0; k < 4; ++k) {
-    const auto values = hybrid::numbers_of(corner(surface_.pixels, quad, k));
+    const auto values = numbers_of(corner(surface_.pixels, quad, k));
     const double share = quad.share[static_cast<std::size_t>(k)];
     for (std::size_t i = 0; i < 8; ++i) sum[i] += share * values[i];
     offset += share * (values[0] * values[4] + values[1] * values[5] + values[2] * values[6]);

@@ -14,6 +14,8 @@
 #include "relief/scan/discontinuities.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
+#include "scan/base/silhouette_weight.h"
+#include "scan/base/usable_pose.h"
 #include "scan/views/view_projection.h"
 
 namespace relief::hybrid {
@@ -33,7 +35,7 @@ constexpr std::size_t kGrain = 2048;
 constexpr double kFar = 10.0;
 
 // What one view says about the normal at a vertex.
-struct Vote {
+struct NormalObservation {
   Eigen::Vector3d normal;
   double weight;
 };
@@ -54,8 +56,9 @@ class NormalSampler {
 
   double spacing() const { return spacing_; }
 
-  std::optional<Vote> at(const Eigen::Vector3d& vertex, const Eigen::Vector3d& mesh_normal,
-                         double max_distance) const {
+  std::optional<NormalObservation> at(const Eigen::Vector3d& vertex,
+                                      const Eigen::Vector3d& mesh_normal,
+                                      double max_distance) const {
     const Eigen::Vector3d point = view_from_world_ * vertex;
     const auto pixel = projection_.pixel_of(point);
     if (!pixel || !(pixel->x() >= 0.0 && pixel->y() >= 0.0 && pixel->x() < view_->width() - 1 &&
@@ -84,11 +87,12 @@ class NormalSampler {
     }
     normal.normalize();
     const double cosine = -normal.dot(view_->camera.ray(u, v).direction.normalized());
-    const Vote vote{view_->world_from_view.linear() * normal,
-                    confidence * cosine * std::min(1.0, (border + 0.1) / (ramp_ + 0.1))};
-    const bool sees = cosine > kLeastCosine && vote.normal.dot(mesh_normal) > kLeastAgreement &&
-                      std::abs(normal.dot(point - place)) < max_distance && vote.weight > 0.0;
-    return sees ? std::optional(vote) : std::nullopt;
+    const NormalObservation observation{view_->world_from_view.linear() * normal,
+                                        confidence * cosine * silhouette_weight(border, ramp_)};
+    const bool sees =
+        cosine > kLeastCosine && observation.normal.dot(mesh_normal) > kLeastAgreement &&
+        std::abs(normal.dot(point - place)) < max_distance && observation.weight > 0.0;
+    return sees ? std::optional(observation) : std::nullopt;
   }
 
  private:
@@ -100,15 +104,12 @@ class NormalSampler {
   double ramp_, spacing_;
 };
 
-bool usable(const RangeView& view, std::size_t count) {
-  return view.has_normals() && (count == 1 || view.pose != PoseKind::kAbsent);
-}
-
 Result<std::vector<NormalSampler>> prepare(const std::vector<RangeView>& views,
                                            const MeshNormalOptions& options) {
   std::vector<const RangeView*> used;
   for (const RangeView& view : views)
-    if (usable(view, views.size()) && view.sample_count() > 0) used.push_back(&view);
+    if (view.has_normals() && has_usable_pose(view, views.size()) && view.sample_count() > 0)
+      used.push_back(&view);
   using Prepared = std::optional<Result<NormalSampler>>;
   auto prepared =
       parallel_map<Prepared>(used.size(), options.threads, [&](std::size_t i) -> Prepared {
@@ -134,26 +135,27 @@ double median_spacing(const std::vector<NormalSampler>& samplers) {
 using Voters = std::uint64_t;
 constexpr Voters kAll = ~Voters{0};
 
-// The votes at a vertex of those among the views that may have one; returns which did. Sorted, so
-// that the order of the views does not change a bit of the sums.
+// The observations at a vertex of those among the views that may have one; returns which did.
+// Sorted, so that the order of the views does not change a bit of the sums.
 Voters collect(const std::vector<NormalSampler>& samplers, const Eigen::Vector3d& vertex,
                const Eigen::Vector3d& mesh_normal, double max_distance, Voters asked,
-               std::vector<Vote>& votes) {
-  votes.clear();
-  Voters voters = 0;
+               std::vector<NormalObservation>& observations) {
+  observations.clear();
+  Voters observationrs = 0;
   for (std::size_t i = 0; i < samplers.size(); ++i) {
     const Voters bit = Voters{1} << (i % 64);
     if (!(asked & bit)) continue;
-    const auto vote = samplers[i].at(vertex, mesh_normal, max_distance);
-    if (!vote) continue;
-    votes.push_back(*vote);
-    voters |= bit;
+    const auto observation = samplers[i].at(vertex, mesh_normal, max_distance);
+    if (!observation) continue;
+    observations.push_back(*observation);
+    observationrs |= bit;
   }
-  std::sort(votes.begin(), votes.end(), [](const Vote& a, const Vote& b) {
-    return std::tie(a.weight, a.normal.x(), a.normal.y(), a.normal.z()) >
-           std::tie(b.weight, b.normal.x(), b.normal.y(), b.normal.z());
-  });
-  return voters;
+  std::sort(observations.begin(), observations.end(),
+            [](const NormalObservation& a, const NormalObservation& b) {
+              return std::tie(a.weight, a.normal.x(), a.normal.y(), a.normal.z()) >
+                     std::tie(b.weight, b.normal.x(), b.normal.y(), b.normal.z());
+            });
+  return observationrs;
 }
 
 struct Blend {
@@ -163,49 +165,50 @@ struct Blend {
   int views = 0;           // that kept a say
 };
 
-// Of the votes at one place, a mean of normals after the other. Keeps scratch memory: one object
-// per thread.
+// Of the observations at one place, a mean of normals after the other. Keeps scratch memory: one
+// object per thread.
 class Blender {
  public:
   explicit Blender(double sigma) : sigma_(sigma) {}
 
   // Starts from the spatial median (Weiszfeld 1937), which up to half of the weight cannot carry
   // away, and ends with Tukey's biweight, to which views far off mean nothing.
-  Blend operator()(const std::vector<Vote>& votes) {
-    Blend blend = weighted_mean(votes, [](const Vote& vote) { return vote.weight; });
-    for (int round = 0; round < 6 && votes.size() >= 3; ++round) {
+  Blend operator()(const std::vector<NormalObservation>& observations) {
+    Blend blend = weighted_mean(
+        observations, [](const NormalObservation& observation) { return observation.weight; });
+    for (int round = 0; round < 6 && observations.size() >= 3; ++round) {
       const Eigen::Vector3d centre = blend.normal;
-      blend = weighted_mean(votes, [&](const Vote& vote) {
-        return vote.weight / std::max(0.1 * sigma_, (vote.normal - centre).norm());
+      blend = weighted_mean(observations, [&](const NormalObservation& observation) {
+        return observation.weight / std::max(0.1 * sigma_, (observation.normal - centre).norm());
       });
     }
     kept_.swap(weights_);
-    for (int round = 0; round < 3 && votes.size() >= 3; ++round) {
+    for (int round = 0; round < 3 && observations.size() >= 3; ++round) {
       const Eigen::Vector3d centre = blend.normal;
-      const Blend next = weighted_mean(votes, [&](const Vote& vote) {
+      const Blend next = weighted_mean(observations, [&](const NormalObservation& observation) {
         const double r2 =
-            (vote.normal - centre).squaredNorm() / (kTukey * kTukey * 2 * sigma_ * sigma_);
-        return r2 < 1.0 ? vote.weight * (1.0 - r2) * (1.0 - r2) : 0.0;
+            (observation.normal - centre).squaredNorm() / (kTukey * kTukey * 2 * sigma_ * sigma_);
+        return r2 < 1.0 ? observation.weight * (1.0 - r2) * (1.0 - r2) : 0.0;
       });
       if (next.views == 0) break;
       blend = next;
       kept_.swap(weights_);
     }
-    blend.variance = variance_about(blend.normal, votes);
+    blend.variance = variance_about(blend.normal, observations);
     return blend;
   }
 
  private:
   template <typename Weight>
-  Blend weighted_mean(const std::vector<Vote>& votes, const Weight& weight_of) {
+  Blend weighted_mean(const std::vector<NormalObservation>& observations, const Weight& weight_of) {
     Blend blend;
     double sum = 0.0, squares = 0.0;
     weights_.clear();
-    for (const Vote& vote : votes) {
-      const double weight = std::max(0.0, weight_of(vote));
+    for (const NormalObservation& observation : observations) {
+      const double weight = std::max(0.0, weight_of(observation));
       weights_.push_back(weight);
       if (weight <= 0.0) continue;
-      blend.normal += weight * vote.normal;
+      blend.normal += weight * observation.normal;
       sum += weight;
       squares += weight * weight;
       ++blend.views;
@@ -216,17 +219,18 @@ class Blender {
     return blend;
   }
 
-  double variance_about(const Eigen::Vector3d& normal, const std::vector<Vote>& votes) const {
+  double variance_about(const Eigen::Vector3d& normal,
+                        const std::vector<NormalObservation>& observations) const {
     double variance = 0.0, sum = 0.0;
-    for (std::size_t i = 0; i < votes.size(); ++i) {
-      variance += kept_[i] * 0.5 * (votes[i].normal - normal).squaredNorm();
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      variance += kept_[i] * 0.5 * (observations[i].normal - normal).squaredNorm();
       sum += kept_[i];
     }
     return sum > 0.0 ? variance / sum : 0.0;
   }
 
   double sigma_;
-  std::vector<double> weights_;  // Of the votes, in the last round.
+  std::vector<double> weights_;  // Of the observations, in the last round.
   std::vector<double> kept_;     // The same in the round that holds.
 };
 
@@ -239,13 +243,14 @@ double scatter(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mes
   const std::size_t count = (mesh.vertices.size() + stride - 1) / stride;
   std::vector<double> differences(count, -1.0);
   parallel_for(count, 256, threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Vote> votes;
+    std::vector<NormalObservation> observations;
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t i = k * stride;
       if (!mesh.filled.empty() && mesh.filled[i]) continue;
       collect(samplers, mesh.vertices[i], mesh_normals[i].cast<double>(), max_distance, kAll,
-              votes);
-      if (votes.size() >= 2) differences[k] = (votes[0].normal - votes[1].normal).squaredNorm();
+              observations);
+      if (observations.size() >= 2)
+        differences[k] = (observations[0].normal - observations[1].normal).squaredNorm();
     }
   });
   std::erase_if(differences, [](double d) { return d < 0.0; });
@@ -263,22 +268,23 @@ double standard_error(const Blend& blend, double sigma) {
 
 // Asked are the views that had a say at either end.
 void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
-                 const std::vector<NormalSampler>& samplers, const std::vector<Voters>& voters,
-                 double max_distance, int threads, MeshNormals& blended) {
+                 const std::vector<NormalSampler>& samplers,
+                 const std::vector<Voters>& observationrs, double max_distance, int threads,
+                 MeshNormals& blended) {
   const MeshGraph graph = mesh_graph(mesh, threads);
   blended.edges.assign(graph.neighbour.size(), Eigen::Vector3f::Zero());
   const auto has = [&](std::size_t i) { return blended.views[i] > 0; };
   parallel_for(graph.vertices(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Vote> votes;
-    Blender blend_votes(blended.sigma_view);
+    std::vector<NormalObservation> observations;
+    Blender blend_observations(blended.sigma_view);
     for (std::size_t i = begin; i < end; ++i) {
       for (std::size_t k = graph.begin[i]; k < graph.begin[i + 1]; ++k) {
         const std::uint32_t j = graph.neighbour[k];
         if (j < i || !has(i) || !has(j)) continue;
         collect(samplers, 0.5 * (mesh.vertices[i] + mesh.vertices[j]),
                 (mesh_normals[i] + mesh_normals[j]).cast<double>().normalized(), max_distance,
-                voters[i] | voters[j], votes);
-        const Blend blend = blend_votes(votes);
+                observationrs[i] | observationrs[j], observations);
+        const Blend blend = blend_observations(observations);
         if (blend.views == 0) continue;
         blended.edges[k] = blend.normal.cast<float>();
         const auto mirrored = std::lower_bound(
@@ -316,15 +322,15 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
   blended.sigma_view = options.sigma_view > 0.0
                            ? options.sigma_view
                            : scatter(mesh, mesh_normals, *samplers, max_distance, options.threads);
-  std::vector<Voters> voters(count, 0);
+  std::vector<Voters> observationrs(count, 0);
   parallel_for(count, kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Vote> votes;
-    Blender blend_votes(blended.sigma_view);
+    std::vector<NormalObservation> observations;
+    Blender blend_observations(blended.sigma_view);
     for (std::size_t i = begin; i < end; ++i) {
       if (!mesh.filled.empty() && mesh.filled[i]) continue;
-      voters[i] = collect(*samplers, mesh.vertices[i], mesh_normals[i].cast<double>(), max_distance,
-                          kAll, votes);
-      const Blend blend = blend_votes(votes);
+      observationrs[i] = collect(*samplers, mesh.vertices[i], mesh_normals[i].cast<double>(),
+                                 max_distance, kAll, observations);
+      const Blend blend = blend_observations(observations);
       if (blend.views == 0) continue;
       blended.normals[i] = blend.normal.cast<float>();
       blended.sigma[i] = static_cast<float>(standard_error(blend, blended.sigma_view));
@@ -332,7 +338,8 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
     }
   });
   if (options.edges)
-    blend_edges(mesh, mesh_normals, *samplers, voters, max_distance, options.threads, blended);
+    blend_edges(mesh, mesh_normals, *samplers, observationrs, max_distance, options.threads,
+                blended);
   blended.measured = static_cast<std::size_t>(
       std::count_if(blended.views.begin(), blended.views.end(), [](auto n) { return n > 0; }));
   if (!report_progress(progress, 1.0, "blend normals")) return interrupted;

@@ -171,7 +171,7 @@ MeshMatrix MeshSystem::normal_matrix() const {
   return matrix;
 }
 
-Eigen::Vector3d MeshSystem::pull(std::size_t i) const {
+Eigen::Vector3d MeshSystem::edge_residual(std::size_t i) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t k = graph_.begin[i]; k < graph_.begin[i + 1]; ++k) {
     const Edge e = edge(i, k);
@@ -183,14 +183,15 @@ Eigen::Vector3d MeshSystem::pull(std::size_t i) const {
 Eigen::VectorXd MeshSystem::normal_rhs() const {
   Eigen::VectorXd rhs(static_cast<Eigen::Index>(graph_.vertices()));
   for_vertices([&](std::size_t i) {
-    rhs[static_cast<Eigen::Index>(i)] = directions_[i].cast<double>().dot(pull(i));
+    rhs[static_cast<Eigen::Index>(i)] = directions_[i].cast<double>().dot(edge_residual(i));
   });
   return rhs;
 }
 
 Eigen::VectorXd MeshSystem::full_rhs() const {
   Eigen::VectorXd rhs(3 * static_cast<Eigen::Index>(graph_.vertices()));
-  for_vertices([&](std::size_t i) { rhs.segment<3>(3 * static_cast<Eigen::Index>(i)) = pull(i); });
+  for_vertices(
+      [&](std::size_t i) { rhs.segment<3>(3 * static_cast<Eigen::Index>(i)) = edge_residual(i); });
   return rhs;
 }
 

@@ -56,7 +56,7 @@ class MeshSystem {
   double angular_variance(std::size_t i, std::size_t k) const;
   double smoothness(std::size_t i, std::size_t k) const;
   double base_weight(std::size_t i, std::size_t k) const;
-  Eigen::Vector3d pull(std::size_t i) const;  // of the edges at a vertex
+  Eigen::Vector3d edge_residual(std::size_t i) const;  // of the edges at a vertex
   // Calls visit(vertex) for all, side by side.
   template <typename Visit>
   void for_vertices(const Visit& visit) const;

@@ -155,7 +155,7 @@ std::string_view to_string(PolishStatus status) {
       return "polished";
     case PolishStatus::kNoNormals:
       return "no normals";
-    case PolishStatus::kNoErrors:
+    case PolishStatus::kMissingUncertainty:
       return "no expected errors";
     case PolishStatus::kNotConverged:
       return "not converged";
@@ -177,7 +177,8 @@ Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, MeshNormals normals,
     return std::move(polished);
   };
   if (!normals_meet(mesh, normals)) return as_given(PolishStatus::kNoNormals);
-  if (mesh.quality.empty() && !options.sigma_position) return as_given(PolishStatus::kNoErrors);
+  if (mesh.quality.empty() && !options.sigma_position)
+    return as_given(PolishStatus::kMissingUncertainty);
 
   const auto displacements = least_squares(mesh, normals, options, progress, polished);
   if (!displacements) return displacements.error();

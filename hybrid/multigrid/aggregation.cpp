@@ -14,7 +14,7 @@ namespace relief::hybrid {
 namespace {
 
 using Bond = Aggregates::Bond;
-using fusion::Node = Aggregates::Node;
+using Node = Aggregates::Node;
 
 constexpr int kBlock = 3;  // places of a block along each direction
 constexpr int kPlaces = kBlock * kBlock;
@@ -77,8 +77,8 @@ class PixelGrouping {
   PixelGrouping(const EdgeStencil& stencil, Aggregates& aggregates)
       : grid_(stencil.grid()), view_(stencil.view()), out_(aggregates) {}
 
-  std::vector<fusion::Node> group_row(int row) {
-    std::vector<fusion::Node> nodes;
+  std::vector<Node> group_row(int row) {
+    std::vector<Node> nodes;
     for (int column = 0; column * kBlock < grid_.width; ++column) {
       find_members(column, row);
       find_bonds();
@@ -183,7 +183,7 @@ class PixelGrouping {
 };
 
 // Labels that count from zero in each row of blocks become labels of the whole.
-void count_on(const EdgeStencil& stencil, const std::vector<std::vector<fusion::Node>>& of_row,
+void count_on(const EdgeStencil& stencil, const std::vector<std::vector<Node>>& of_row,
               Aggregates& aggregates, int threads) {
   aggregates.rows = {0};
   for (const auto& nodes : of_row) {
@@ -201,16 +201,14 @@ void count_on(const EdgeStencil& stencil, const std::vector<std::vector<fusion::
                });
 }
 
-std::pair<int, int> block_of(const fusion::Node& node) {
-  return {node.row / kBlock, node.column / kBlock};
-}
+std::pair<int, int> block_of(const Node& node) { return {node.row / kBlock, node.column / kBlock}; }
 
 // The bonds that make groups.
 std::vector<Bond> strong_bonds_in_blocks(const Aggregates& below,
                                          const std::vector<float>& largest) {
   std::vector<Bond> inside;
   for (const Bond& bond : below.bonds)
-    if (fusion::block_of(below.nodes[bond.a]) == fusion::block_of(below.nodes[bond.b]) &&
+    if (block_of(below.nodes[bond.a]) == block_of(below.nodes[bond.b]) &&
         is_strong(bond.strength, largest[bond.a], largest[bond.b]))
       inside.push_back(bond);
   return inside;
@@ -244,14 +242,13 @@ void number_groups(const Aggregates& below, const std::vector<std::uint32_t>& ro
   for (std::uint32_t i = 0; i < root.size(); ++i)
     if (root[i] == i && largest[i] > 0.0f) roots.push_back(i);
   std::sort(roots.begin(), roots.end(), [&](std::uint32_t x, std::uint32_t y) {
-    return std::tuple(fusion::block_of(below.nodes[x]), x) <
-           std::tuple(fusion::block_of(below.nodes[y]), y);
+    return std::tuple(block_of(below.nodes[x]), x) < std::tuple(block_of(below.nodes[y]), y);
   });
   aggregates.label.assign(root.size(), kNoAggregate);
   aggregates.rows.assign((below.rows.size() - 1 + kBlock - 1) / kBlock + 1, 0);
   for (const std::uint32_t i : roots) {
     aggregates.label[i] = static_cast<std::uint32_t>(aggregates.nodes.size());
-    const auto [row, column] = fusion::block_of(below.nodes[i]);
+    const auto [row, column] = block_of(below.nodes[i]);
     aggregates.nodes.push_back({column, row});
     ++aggregates.rows[static_cast<std::size_t>(row) + 1];
   }
@@ -266,7 +263,7 @@ Aggregates aggregate_pixels(const EdgeStencil& stencil, int threads) {
   aggregates.label.assign(stencil.grid().size(), kNoAggregate);
   aggregates.from_root.resize(stencil.grid().size());
   const auto rows = static_cast<std::size_t>((stencil.grid().height + kBlock - 1) / kBlock);
-  std::vector<std::vector<fusion::Node>> nodes(rows);
+  std::vector<std::vector<Node>> nodes(rows);
   std::vector<std::vector<Bond>> bonds(rows);
   const auto each_row = [&](const auto& body) {
     parallel_for(rows, kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {

@@ -27,7 +27,7 @@ struct Transport {
 /// The nodes of a coarse level: groups of nodes of the level below that lie in one block of 3 x 3
 /// places and hang together. A group moves as a rigid piece.
 struct Aggregates {
-  struct fusion::Node {
+  struct Node {
     std::int32_t column = 0, row = 0;  ///< Of the block.
   };
   struct Bond {
@@ -38,7 +38,7 @@ struct Aggregates {
 
   std::vector<std::uint32_t> label;  ///< Per node below its group; kNoAggregate: none.
   std::vector<Transport> from_root;  ///< Per node below, from its group's displacement to its own.
-  std::vector<fusion::Node> nodes;   ///< Ordered by row, then column.
+  std::vector<Node> nodes;           ///< Ordered by row, then column.
   std::vector<std::uint32_t> rows;   ///< Nodes of block row k are [rows[k], rows[k + 1]).
   std::vector<Bond> bonds;           ///< Between the nodes, a < b, ordered, each pair once.
 };

@@ -69,7 +69,7 @@ class PixelLevel {
     });
   }
 
-  void gather(const Aggregates& groups, const Vector& fine, Nodes& coarse) const {
+  void restrict(const Aggregates& groups, const Vector& fine, Nodes& coarse) const {
     each_row_of_groups(
         groups,
         [&](std::uint32_t first, std::uint32_t last) {
@@ -81,7 +81,7 @@ class PixelLevel {
                                        fine.bv[i] + motion.along_v * x);
         });
   }
-  void spread(const Aggregates& groups, const Nodes& coarse, Vector& fine) const {
+  void prolong(const Aggregates& groups, const Nodes& coarse, Vector& fine) const {
     each_row_of_groups(
         groups, [](std::uint32_t, std::uint32_t) {},
         [&](std::size_t i, std::uint32_t k, const Transport& motion) {
@@ -170,7 +170,7 @@ class NodeLevel {
     });
   }
 
-  void gather(const Aggregates& groups, const Vector& fine, Nodes& coarse) const {
+  void restrict(const Aggregates& groups, const Vector& fine, Nodes& coarse) const {
     each_row_of_groups(groups, [&](std::size_t begin, std::size_t end) {
       std::fill(coarse.begin() + groups.rows[begin], coarse.begin() + groups.rows[end],
                 Eigen::Vector3d::Zero());
@@ -184,7 +184,7 @@ class NodeLevel {
       }
     });
   }
-  void spread(const Aggregates& groups, const Nodes& coarse, Vector& fine) const {
+  void prolong(const Aggregates& groups, const Nodes& coarse, Vector& fine) const {
     each_row_of_groups(groups, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = first_of_row(3 * begin); i < first_of_row(3 * end); ++i) {
         const std::uint32_t k = groups.label[i];
@@ -301,9 +301,9 @@ struct Multigrid::Hierarchy {
     level.scale(c.damping, rest, step);
     level.residual(rest, -1.0, step, rest);
     Coarse& below = coarse[next];
-    level.gather(below.level.nodes(), rest, below.rhs);
+    level.restrict(below.level.nodes(), rest, below.rhs);
     solve(next);
-    level.spread(below.level.nodes(), below.x, step);
+    level.prolong(below.level.nodes(), below.x, step);
     level.relax(1.0, x, 1.0, step, c.damping, nullptr);
     level.relax(0.0, step, 1.0, x, c.first, &r);
     level.relax(-c.keep, x, 1.0 + c.keep, step, c.second, &r);

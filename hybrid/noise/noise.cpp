@@ -41,7 +41,7 @@ constexpr double kSettled = 1e-5;
 
 // Standard deviation of the Gaussian core of `values`: the fixed point of the second moment of what
 // lies within two standard deviations.
-double robust_sigma(std::vector<double> values, int threads = 1) {
+double core_sigma(std::vector<double> values, int threads = 1) {
   constexpr double kCut = 2.0, kKeptMoment = 0.77374;  // E[z^2 | |z| < 2], z Gaussian
   if (values.empty()) return 0.0;
   for (double& value : values) value = std::abs(value);
@@ -155,7 +155,7 @@ double normal_noise(const RangeSteps& steps, int threads) {
   constexpr std::array<int, 3> kSides{1, 2, 4};
   std::array<double, kSides.size()> sigmas{};
   each(kSides, threads, [&](std::size_t n, int k) {
-    if (k <= longest_walk(steps)) sigmas[n] = registration::robust_sigma(loop_closures(steps, k));
+    if (k <= longest_walk(steps)) sigmas[n] = core_sigma(loop_closures(steps, k));
   });
   Eigen::Matrix2d normal_matrix = Eigen::Matrix2d::Zero();
   Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
@@ -251,7 +251,7 @@ WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
   for (const auto& d : differences)
     whitened.push_back(
         std::sqrt(std::max(0.0, d.value * d.value - d.nodes * normal_variance) / 6.0));
-  const double start = registration::robust_sigma(std::move(whitened), threads);
+  const double start = core_sigma(std::move(whitened), threads);
   WalkFit fit{start * start, normal_variance, 0.0};
   for (int round = 0; round < 20; ++round) {
     const Moments moments = parallel_sum(differences.size(), kValuesAtOnce, threads, Moments(),
@@ -322,7 +322,7 @@ struct ExcessVariance {
 // For values of which about one in `overlap` is independent.
 ExcessVariance variance_of(Excess&& excess, double overlap, int threads) {
   const double independent = static_cast<double>(excess.values.size()) / overlap;
-  const double total = registration::robust_sigma(std::move(excess.values), threads);
+  const double total = core_sigma(std::move(excess.values), threads);
   const double random = median(excess.noise);
   return {std::max(0.0, total * total - random * random),
           total * total * std::sqrt(2.0 / independent)};

@@ -29,8 +29,8 @@ struct StepCount {
 
 }  // namespace
 
-Grid<std::uint8_t> wild_samples(const RangeSteps& steps, const NoiseEstimate& noise,
-                                const Grid<float>& variance, int threads) {
+Grid<std::uint8_t> range_outliers(const RangeSteps& steps, const NoiseEstimate& noise,
+                                  const Grid<float>& variance, int threads) {
   const int width = steps.along_rows.discrepancy.width();
   const int height = steps.along_rows.discrepancy.height();
   const double range = 2.0 * noise.sigma_local * noise.sigma_local;

@@ -12,7 +12,7 @@ namespace relief::hybrid {
 /// all their steps to neighbours, or all but one of four, lead the same way and are each more than
 /// five standard deviations off what the normals explain. `variance`, if not empty, is that of the
 /// range of each pixel over that of `noise`.
-Grid<std::uint8_t> wild_samples(const RangeSteps& steps, const NoiseEstimate& noise,
-                                const Grid<float>& variance = {}, int threads = 1);
+Grid<std::uint8_t> range_outliers(const RangeSteps& steps, const NoiseEstimate& noise,
+                                  const Grid<float>& variance = {}, int threads = 1);
 
 }  // namespace relief::hybrid

@@ -19,11 +19,11 @@ constexpr std::size_t kSearchInFull = 300;  // Pairs.
 
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
-class Placing {
+class GlobalRegistration {
  public:
-  Placing(const std::vector<ViewSurface>& surfaces, const ViewGroups& start,
-          const std::vector<bool>& known, const PlaceViewsOptions& options,
-          const Progress& progress)
+  GlobalRegistration(const std::vector<ViewSurface>& surfaces, const ViewGroups& start,
+                     const std::vector<bool>& known, const GlobalRegistrationOptions& options,
+                     const Progress& progress)
       : surfaces_(surfaces), start_(start), known_(known), options_(options), progress_(progress) {
     grouping_.limits = options.limits;
     grouping_.ambiguity = options.ambiguity;
@@ -99,7 +99,7 @@ class Placing {
               double fraction) {
     PairSearchOptions options;
     options.association = options_.association;
-    PlausibleEvidence limits = options_.limits;
+    VerificationThresholds limits = options_.limits;
     limits.max_coherent_rms = std::max(limits.max_coherent_rms, grouping_.confirmed_coherent_rms);
     constexpr std::size_t kAtOnce = 8;
     for (std::size_t begin = 0; begin < pairs.size(); begin += kAtOnce) {
@@ -130,11 +130,11 @@ class Placing {
   // Whether a view fits itself at a second place: so do then others that show the same shape, and
   // nothing tells at which. Views of flat faces alone fit others that show other faces.
   bool repeats_itself(std::size_t i, const CoarseView& view, const CoarseScale& scale,
-                      const PlausibleEvidence& limits) {
+                      const VerificationThresholds& limits) {
     if (!repeats_[i]) {
-      PlausibleEvidence alone = limits;
+      VerificationThresholds alone = limits;
       alone.min_overlap = grouping_.lone_overlap;
-      repeats_[i] = is_plain(surfaces_[i]) ||
+      repeats_[i] = is_mostly_planar(surfaces_[i]) ||
                     fits_itself(view, scale, alone, {options_.association, 150, 20});
     }
     return *repeats_[i];
@@ -142,7 +142,7 @@ class Placing {
 
   // The same as far as it is known without a search.
   bool looks_repeated(std::size_t i) const {
-    return i < repeats_.size() && repeats_[i] ? *repeats_[i] : is_plain(surfaces_[i]);
+    return i < repeats_.size() && repeats_[i] ? *repeats_[i] : is_mostly_planar(surfaces_[i]);
   }
 
   bool go_on(double fraction, std::string_view step) const {
@@ -152,7 +152,7 @@ class Placing {
   const std::vector<ViewSurface>& surfaces_;
   const ViewGroups& start_;
   const std::vector<bool>& known_;
-  const PlaceViewsOptions& options_;
+  const GlobalRegistrationOptions& options_;
   const Progress& progress_;
   ViewGroupOptions grouping_;
   std::vector<PoseLink> links_;
@@ -162,11 +162,12 @@ class Placing {
 
 }  // namespace
 
-Result<ViewGroups> place_views(const std::vector<ViewSurface>& surfaces, const ViewGroups& start,
-                               const std::vector<bool>& known, const PlaceViewsOptions& options,
-                               const Progress& progress) {
+Result<ViewGroups> register_globally(const std::vector<ViewSurface>& surfaces,
+                                     const ViewGroups& start, const std::vector<bool>& known,
+                                     const GlobalRegistrationOptions& options,
+                                     const Progress& progress) {
   assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
-  return Placing(surfaces, start, known, options, progress).run();
+  return GlobalRegistration(surfaces, start, known, options, progress).run();
 }
 
 }  // namespace relief::registration

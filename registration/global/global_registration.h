@@ -11,9 +11,9 @@
 
 namespace relief::registration {
 
-struct PlaceViewsOptions {
+struct GlobalRegistrationOptions {
   Association association = Association::kAuto;
-  PlausibleEvidence limits;  ///< What links of views must show.
+  VerificationThresholds limits;  ///< What links of views must show.
   /// Two ways of joining views are told apart when the weaker has less than this part of the
   /// support of the stronger; in (0, 1].
   double ambiguity = 0.5;
@@ -27,9 +27,9 @@ struct PlaceViewsOptions {
 /// whose poses are settled, in groups that stay together; the others alone. `known` views do not
 /// move; they are in one group of `start`. Views without samples stay alone. The only error is
 /// kInterrupted.
-Result<ViewGroups> place_views(const std::vector<ViewSurface>& surfaces, const ViewGroups& start,
-                               const std::vector<bool>& known,
-                               const PlaceViewsOptions& options = {},
-                               const Progress& progress = {});
+Result<ViewGroups> register_globally(const std::vector<ViewSurface>& surfaces,
+                                     const ViewGroups& start, const std::vector<bool>& known,
+                                     const GlobalRegistrationOptions& options = {},
+                                     const Progress& progress = {});
 
 }  // namespace relief::registration

@@ -62,9 +62,9 @@ std::vector<const PoseLink*> best_of_each_pair(const std::vector<ViewSurface>& s
 
 // The limits that follow from what the better quarter of the pairs of views deviates by, `excess`
 // times; `general` ones are only tightened.
-PlausibleEvidence follow(const std::vector<ViewSurface>& surfaces,
-                         const std::vector<const PoseLink*>& links, double excess,
-                         PlausibleEvidence limits) {
+VerificationThresholds follow(const std::vector<ViewSurface>& surfaces,
+                              const std::vector<const PoseLink*>& links, double excess,
+                              VerificationThresholds limits) {
   Deviations found;
   for (const PoseLink* link : best_of_each_pair(surfaces, links)) found.add(*link, surfaces);
   const auto tighten = [&](double& limit, std::vector<double> values, double least) {
@@ -80,7 +80,7 @@ PlausibleEvidence follow(const std::vector<ViewSurface>& surfaces,
 
 std::vector<const PoseLink*> those_within(const std::vector<ViewSurface>& surfaces,
                                           const std::vector<PoseLink>& links,
-                                          const PlausibleEvidence& limits) {
+                                          const VerificationThresholds& limits) {
   std::vector<const PoseLink*> within;
   for (const PoseLink& link : links)
     if (plausible(link.evidence, surfaces[link.a], surfaces[link.b], limits))
@@ -91,22 +91,24 @@ std::vector<const PoseLink*> those_within(const std::vector<ViewSurface>& surfac
 // What links that close loops and are believed otherwise show of strays and of missing samples.
 // False where too few do.
 bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<PoseLink>& links,
-                   const std::vector<int>& loops, PlausibleEvidence& limits) {
-  PlausibleEvidence otherwise = limits;
-  otherwise.max_contradiction = std::min(1.0, kWidestContradiction * otherwise.max_contradiction);
-  std::vector<double> absence, contradiction;
+                   const std::vector<int>& loops, VerificationThresholds& limits) {
+  VerificationThresholds otherwise = limits;
+  otherwise.max_free_space_violation =
+      std::min(1.0, kWidestContradiction * otherwise.max_free_space_violation);
+  std::vector<double> missing_coverage, free_space_violation;
   for (std::size_t k = 0; k < links.size(); ++k) {
     const PoseLink& link = links[k];
     if (loops[k] == 0 || !plausible(link.evidence, surfaces[link.a], surfaces[link.b], otherwise))
       continue;
-    absence.push_back(link.evidence.absence);
-    contradiction.push_back(link.evidence.contradiction);
+    missing_coverage.push_back(link.evidence.missing_coverage);
+    free_space_violation.push_back(link.evidence.free_space_violation);
   }
-  if (absence.size() < kTellingLinks) return false;
-  limits.max_absence = std::max(limits.max_absence, quantile(std::move(absence), kAbsenceQuantile));
-  limits.max_contradiction =
-      std::clamp(kStraysExcess * quantile(std::move(contradiction), kStraysQuantile),
-                 limits.max_contradiction, otherwise.max_contradiction);
+  if (missing_coverage.size() < kTellingLinks) return false;
+  limits.max_missing_coverage = std::max(limits.max_missing_coverage,
+                                         quantile(std::move(missing_coverage), kAbsenceQuantile));
+  limits.max_free_space_violation =
+      std::clamp(kStraysExcess * quantile(std::move(free_space_violation), kStraysQuantile),
+                 limits.max_free_space_violation, otherwise.max_free_space_violation);
   return true;
 }
 
@@ -137,10 +139,11 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
 }
 
 bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
-                  const PlausibleEvidence& general) {
-  PlausibleEvidence limits = general;
+                  const VerificationThresholds& general) {
+  VerificationThresholds limits = general;
   limits.max_rms *= kWidestRms;
-  limits.max_contradiction = std::min(1.0, kWidestContradiction * general.max_contradiction);
+  limits.max_free_space_violation =
+      std::min(1.0, kWidestContradiction * general.max_free_space_violation);
   limits.max_normal_rms = std::min(
       general.max_normal_rms,
       kLeastNormalLimit + kNormalDeviations * std::hypot(a.normal_error(), b.normal_error()));
@@ -156,7 +159,7 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
   // Beyond the general limits where even the better pairs are, and loops close all the same.
   std::vector<const PoseLink*> all;
   for (const PoseLink& link : links) all.push_back(&link);
-  PlausibleEvidence open = options.limits;
+  VerificationThresholds open = options.limits;
   open.max_rms *= kWidestRms;
   open.max_coherent_rms = std::numeric_limits<double>::infinity();  // See may_be_right().
   LinkLimits wide{follow(surfaces, all, options.largest_excess, open),
@@ -164,11 +167,11 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
   wide.confirmed.max_coherent_rms =
       std::max(wide.confirmed.max_coherent_rms, options.confirmed_coherent_rms);
   if (follow_losses(surfaces, links, loops, wide.confirmed)) {
-    wide.lone.max_absence = wide.confirmed.max_absence;
-    wide.lone.max_contradiction = wide.confirmed.max_contradiction;
+    wide.lone.max_missing_coverage = wide.confirmed.max_missing_coverage;
+    wide.lone.max_free_space_violation = wide.confirmed.max_free_space_violation;
     return wide;
   }
-  PlausibleEvidence believed = options.limits;
+  VerificationThresholds believed = options.limits;
   believed.max_coherent_rms = std::max(believed.max_coherent_rms, options.confirmed_coherent_rms);
   const auto links_believed = those_within(surfaces, links, believed);
   LinkLimits limits{follow(surfaces, links_believed, options.largest_excess, options.limits), {}};

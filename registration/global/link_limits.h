@@ -14,14 +14,14 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
 
 /// What links must show, in terms of the errors that these views have.
 struct LinkLimits {
-  PlausibleEvidence lone;       ///< Links that no loop confirms.
-  PlausibleEvidence confirmed;  ///< Links that loops confirm, and pairs at poses of chains.
+  VerificationThresholds lone;       ///< Links that no loop confirms.
+  VerificationThresholds confirmed;  ///< Links that loops confirm, and pairs at poses of chains.
 };
 
 /// Whether a pose may be right although it deviates by more than `general` allows: smooth errors of
 /// a calibration move surfaces apart, but hardly turn their normals nor stand in space seen empty.
 bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
-                  const PlausibleEvidence& general);
+                  const VerificationThresholds& general);
 
 /// Fits the limits to the links of a project. Errors of a sensor are in all of its pairs: links
 /// that close loops with each other show how large they are, and the limits follow. A link that

@@ -90,9 +90,10 @@ std::vector<RoughPose> promising(const ViewSurface& a, const ViewSurface& b,
 }
 
 // The poses that matches lead to, refined and judged, the best overlap first.
-std::vector<PoseHypothesis> pursue(const CoarseView& a, const CoarseView& b,
-                                   const std::vector<FeatureMatch>& matches,
-                                   const CoarseScale& scale, const PairSearchOptions& options) {
+std::vector<PoseHypothesis> verify_hypotheses(const CoarseView& a, const CoarseView& b,
+                                              const std::vector<FeatureMatch>& matches,
+                                              const CoarseScale& scale,
+                                              const PairSearchOptions& options) {
   const auto motions = consistent_motions(a, b, matches, scale.cell, options.seeds);
   const double reach = kReach * scale.cell;
   std::vector<PoseHypothesis> hypotheses;
@@ -119,8 +120,7 @@ CoarseView prepare_coarse_view(const ViewSurface& surface, const CoarseScale& sc
   view.surface = &surface;
   if (surface.samples().empty()) return view;
   view.points = resample(surface, scale.cell);
-  view.features =
-      describe_locally(view.points, kSmallFeature * scale.cell, kLargeFeature * scale.cell);
+  view.features = compute_fpfh(view.points, kSmallFeature * scale.cell, kLargeFeature * scale.cell);
   return view;
 }
 
@@ -153,19 +153,19 @@ bool same_pose(const ViewSurface& view, const RigidMotion& x, const RigidMotion&
 std::vector<PoseHypothesis> search_pair(const CoarseView& a, const CoarseView& b,
                                         const CoarseScale& scale,
                                         const PairSearchOptions& options) {
-  return pursue(a, b, match_features(a.features, b.features), scale, options);
+  return verify_hypotheses(a, b, match_features(a.features, b.features), scale, options);
 }
 
-bool fits_itself(const CoarseView& view, const CoarseScale& scale, const PlausibleEvidence& limits,
-                 const PairSearchOptions& options) {
+bool fits_itself(const CoarseView& view, const CoarseScale& scale,
+                 const VerificationThresholds& limits, const PairSearchOptions& options) {
   FeatureMatchOptions elsewhere;
   elsewhere.own_points = &view.points.points;
   elsewhere.least_shift = kLeastDistance * scale.cell;
   const auto matches = match_features(view.features, view.features, elsewhere);
-  const auto hypotheses = pursue(view, view, matches, scale, options);
+  const auto hypotheses = verify_hypotheses(view, view, matches, scale, options);
   return std::any_of(hypotheses.begin(), hypotheses.end(), [&](const PoseHypothesis& hypothesis) {
     return plausible(hypothesis.evidence, *view.surface, *view.surface, limits) &&
-           !too_much_absent(hypothesis.evidence, limits) &&
+           !misses_coverage(hypothesis.evidence, limits) &&
            !misfits_locally(hypothesis.evidence, *view.surface, *view.surface, limits) &&
            !same_pose(*view.surface, hypothesis.b_from_a, RigidMotion::Identity(),
                       kReach * scale.cell);

@@ -41,8 +41,8 @@ std::vector<PoseHypothesis> search_pair(const CoarseView& a, const CoarseView& b
 
 /// Whether some motion other than standing still maps a view onto itself as well as `limits` ask,
 /// as of symmetric and plain shapes.
-bool fits_itself(const CoarseView& view, const CoarseScale& scale, const PlausibleEvidence& limits,
-                 const PairSearchOptions& options = {});
+bool fits_itself(const CoarseView& view, const CoarseScale& scale,
+                 const VerificationThresholds& limits, const PairSearchOptions& options = {});
 
 /// A starting pose refined by a quick ICP and judged.
 PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,

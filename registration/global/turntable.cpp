@@ -61,7 +61,7 @@ void keep_promising(const ViewSurface& view, const ViewSurface& reference,
 
 std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
                                       const std::vector<std::size_t>& group,
-                                      const PlausibleEvidence& limits, Association association,
+                                      const VerificationThresholds& limits, Association association,
                                       int threads) {
   std::vector<std::pair<std::size_t, std::size_t>> neighbours;
   const std::size_t count = surfaces.size();

@@ -26,18 +26,18 @@ bool same_place(const ViewSurface& view, const RigidMotion& x, const RigidMotion
 }
 
 // Whether the two views could as well lie otherwise.
-bool undetermined(const PoseLink& link) { return link.evidence.slides || link.ambiguous; }
+bool undetermined(const PoseLink& link) { return link.evidence.degenerate || link.ambiguous; }
 
 // Best supported first, without those that are not believed: these confirm no others either.
 void sort_by_support(const std::vector<ViewSurface>& surfaces, const LinkLimits& limits,
                      const ViewGroupOptions& options, std::vector<PoseLink>& links) {
-  const auto fits = [&](const PoseLink& link, const PlausibleEvidence& to) {
+  const auto fits = [&](const PoseLink& link, const VerificationThresholds& to) {
     return plausible(link.evidence, surfaces[link.a], surfaces[link.b], to);
   };
   std::erase_if(links, [&](const PoseLink& link) { return !fits(link, limits.confirmed); });
   const auto loops = count_loops(surfaces, links);
   const auto firm = [&](const PoseLink& link) {
-    return fits(link, limits.lone) && !too_much_absent(link.evidence, limits.lone);
+    return fits(link, limits.lone) && !misses_coverage(link.evidence, limits.lone);
   };
   const auto stands_alone = [&](const PoseLink& link) {
     return firm(link) && link.evidence.overlap >= options.lone_overlap &&
@@ -59,7 +59,7 @@ void sort_by_support(const std::vector<ViewSurface>& surfaces, const LinkLimits&
 }
 
 // One way of joining two groups.
-struct Way {
+struct MergeHypothesis {
   PoseLink link;
   RigidMotion first_from_second = RigidMotion::Identity();  // Frames of the groups.
   double support = 0.0;  // Sum of overlaps; 0 when any pair of views speaks against it.
@@ -119,9 +119,9 @@ class Joining {
   }
 
   bool join(std::size_t first, std::size_t second) {
-    const auto ways = possible_ways(first, second);
-    if (ways.empty() || ambiguous(ways)) return false;
-    const Way& best = ways.front();
+    const auto hypotheses = merge_hypotheses(first, second);
+    if (hypotheses.empty() || ambiguous(hypotheses)) return false;
+    const MergeHypothesis& best = hypotheses.front();
     if (undetermined(best.link)) return false;
     // The frame of known views stays, else that of the larger group from the start, else the one of
     // the first view.
@@ -147,40 +147,46 @@ class Joining {
 
   // The different ways in which links join the two groups that no pair of views contradicts, the
   // best supported first.
-  std::vector<Way> possible_ways(std::size_t first, std::size_t second) const {
-    std::vector<Way> ways;
+  std::vector<MergeHypothesis> merge_hypotheses(std::size_t first, std::size_t second) const {
+    std::vector<MergeHypothesis> hypotheses;
     for (const auto& link : links_) {
       const bool forward = group(link.a) == first && group(link.b) == second;
       const bool backward = group(link.a) == second && group(link.b) == first;
       if (!forward && !backward) continue;
-      Way way{link, groups_.group_from_view[link.a] * link.b_from_a.inverse() *
-                        groups_.group_from_view[link.b].inverse()};
-      if (backward) way.first_from_second = way.first_from_second.inverse();
+      MergeHypothesis hypothesis{link, groups_.group_from_view[link.a] * link.b_from_a.inverse() *
+                                           groups_.group_from_view[link.b].inverse()};
+      if (backward) hypothesis.first_from_second = hypothesis.first_from_second.inverse();
       const ViewSurface& moved = surfaces_[forward ? link.b : link.a];
       const RigidMotion& pose = groups_.group_from_view[forward ? link.b : link.a];
-      const bool known = std::any_of(ways.begin(), ways.end(), [&](const Way& other) {
-        return same_place(moved, way.first_from_second * pose, other.first_from_second * pose);
-      });
-      if (!known) ways.push_back(way);
+      const bool known =
+          std::any_of(hypotheses.begin(), hypotheses.end(), [&](const MergeHypothesis& other) {
+            return same_place(moved, hypothesis.first_from_second * pose,
+                              other.first_from_second * pose);
+          });
+      if (!known) hypotheses.push_back(hypothesis);
     }
-    for (Way& way : ways) way.support = support(first, second, way);
-    std::erase_if(ways, [](const Way& way) { return way.support <= 0.0; });
-    std::stable_sort(ways.begin(), ways.end(),
-                     [](const Way& x, const Way& y) { return x.support > y.support; });
-    return ways;
+    for (MergeHypothesis& hypothesis : hypotheses)
+      hypothesis.support = support(first, second, hypothesis);
+    std::erase_if(hypotheses,
+                  [](const MergeHypothesis& hypothesis) { return hypothesis.support <= 0.0; });
+    std::stable_sort(
+        hypotheses.begin(), hypotheses.end(),
+        [](const MergeHypothesis& x, const MergeHypothesis& y) { return x.support > y.support; });
+    return hypotheses;
   }
 
-  bool ambiguous(const std::vector<Way>& ways) const {
-    return ways.size() > 1 && ways[1].support >= options_.ambiguity * ways[0].support;
+  bool ambiguous(const std::vector<MergeHypothesis>& hypotheses) const {
+    return hypotheses.size() > 1 &&
+           hypotheses[1].support >= options_.ambiguity * hypotheses[0].support;
   }
 
-  double support(std::size_t first, std::size_t second, const Way& way) const {
+  double support(std::size_t first, std::size_t second, const MergeHypothesis& hypothesis) const {
     const auto of_first = members(first), of_second = members(second);
     std::vector<double> parts(of_first.size() * of_second.size(), 0.0);
     parallel_for(parts.size(), 4, options_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const std::size_t i = of_first[k / of_second.size()], j = of_second[k % of_second.size()];
-        parts[k] = support_of_pair(i, j, way);
+        parts[k] = support_of_pair(i, j, hypothesis);
       }
     });
     return std::max(0.0, std::accumulate(parts.begin(), parts.end(), 0.0));
@@ -188,30 +194,30 @@ class Joining {
 
   // Pairs of which too much is absent speak a little against a way.
   double support_of(const PoseEvidence& evidence) const {
-    if (!too_much_absent(evidence, limits_)) return evidence.overlap;
+    if (!misses_coverage(evidence, limits_)) return evidence.overlap;
     return -evidence.missing;
   }
 
   // What view j of the second group says for a way, seen from view i of the first: their overlap,
   // 0 where they hardly meet, or minus infinity when they deny it. Poses that follow from chains of
   // links are a little off: the pair may settle before it is judged, but not go elsewhere.
-  double support_of_pair(std::size_t i, std::size_t j, const Way& way) const {
-    PlausibleEvidence limits = limits_;
+  double support_of_pair(std::size_t i, std::size_t j, const MergeHypothesis& hypothesis) const {
+    VerificationThresholds limits = limits_;
     limits.min_overlap = kCountingOverlap;
     const ViewSurface &target = surfaces_[i], &source = surfaces_[j];
-    const RigidMotion i_from_j =
-        groups_.group_from_view[i].inverse() * way.first_from_second * groups_.group_from_view[j];
+    const RigidMotion i_from_j = groups_.group_from_view[i].inverse() *
+                                 hypothesis.first_from_second * groups_.group_from_view[j];
     PoseEvidence evidence = judge_pose(source, target, i_from_j, options_.judge);
     if (plausible(evidence, source, target, limits)) return support_of(evidence);
     const bool denies =
-        contradicts(evidence, limits) || evidence.overlap >= options_.limits.min_overlap;
+        violates_free_space(evidence, limits) || evidence.overlap >= options_.limits.min_overlap;
     if (!denies) return std::min(0.0, support_of(evidence));
     const double reach = kSamePlaceRadii * std::min(source.radius(), target.radius());
-    const auto settled =
+    const auto checked =
         refine_hypothesis(source, target, i_from_j, reach, options_.judge.association);
-    if (same_place(source, settled.b_from_a, i_from_j) &&
-        plausible(settled.evidence, source, target, limits))
-      return support_of(settled.evidence);
+    if (same_place(source, checked.b_from_a, i_from_j) &&
+        plausible(checked.evidence, source, target, limits))
+      return support_of(checked.evidence);
     return -std::numeric_limits<double>::infinity();
   }
 
@@ -220,12 +226,12 @@ class Joining {
     for (const auto& link : links_) {
       const auto key = groups_of(link);
       if (key.first == key.second || !told.insert(key).second) continue;
-      const auto ways = possible_ways(key.first, key.second);
-      if (ways.empty()) continue;
-      const PoseLink& best = ways.front().link;
-      if (ambiguous(ways))
+      const auto hypotheses = merge_hypotheses(key.first, key.second);
+      if (hypotheses.empty()) continue;
+      const PoseLink& best = hypotheses.front().link;
+      if (ambiguous(hypotheses))
         groups_.ambiguous.push_back(
-            {best.a, best.b, best.evidence.overlap, ways[1].link.evidence.overlap});
+            {best.a, best.b, best.evidence.overlap, hypotheses[1].link.evidence.overlap});
       else if (undetermined(best))
         groups_.ambiguous.push_back({best.a, best.b, best.evidence.overlap, best.evidence.overlap});
     }
@@ -233,7 +239,7 @@ class Joining {
 
   const std::vector<ViewSurface>& surfaces_;
   const std::vector<PoseLink>& links_;
-  const PlausibleEvidence limits_;
+  const VerificationThresholds limits_;
   const ViewGroupOptions& options_;
   const std::vector<bool>& known_;
   std::vector<std::size_t> start_sizes_;  // Of the groups of the start, at their first views.

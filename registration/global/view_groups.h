@@ -21,7 +21,7 @@ struct PoseLink {
 };
 
 struct ViewGroupOptions {
-  PlausibleEvidence limits;
+  VerificationThresholds limits;
   /// Links that share less count only when loops of three confirm them; in (0, 1].
   double lone_overlap = 0.3;
   /// How much larger the RMS of distances and of normals may be than those of the better links of

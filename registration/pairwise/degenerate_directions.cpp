@@ -33,8 +33,8 @@ std::string describe(const RigidTangent& motion, const Eigen::Vector3d& centre, 
 
 }  // namespace
 
-Stability analyse_stability(const std::vector<OrientedPoint>& points) {
-  Stability result;
+ConstraintSpectrum analyse_constraints(const std::vector<OrientedPoint>& points) {
+  ConstraintSpectrum result;
   if (points.size() < 6) return result;
   const double count = static_cast<double>(points.size());
   const Eigen::Vector3d first = points.front().point;
@@ -54,32 +54,32 @@ Stability analyse_stability(const std::vector<OrientedPoint>& points) {
     covariance.selfadjointView<Eigen::Lower>().rankUpdate(j);
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(covariance / count);
-  result.stiffness = eigen.eigenvalues().cwiseMax(0.0);
+  result.eigenvalues = eigen.eigenvalues().cwiseMax(0.0);
   result.directions = eigen.eigenvectors();
   return result;
 }
 
-std::vector<DegenerateDirection> degenerate_directions(const Stability& stability,
+std::vector<DegenerateDirection> degenerate_directions(const ConstraintSpectrum& spectrum,
                                                        double threshold) {
-  const auto count = (stability.stiffness.array() < threshold).count();
+  const auto count = (spectrum.eigenvalues.array() < threshold).count();
   if (count == 0) return {};
   // Within the slippable space any basis is as good; the singular vectors of its rotational part
   // separate the pure translations (singular value 0) from the rest.
-  const Eigen::MatrixXd space = stability.directions.leftCols(count);
+  const Eigen::MatrixXd space = spectrum.directions.leftCols(count);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(space.topRows(3), Eigen::ComputeFullV);
   const Eigen::MatrixXd basis = space * svd.matrixV().rowwise().reverse();
   std::vector<DegenerateDirection> result;
   for (Eigen::Index k = 0; k < count; ++k) {
     DegenerateDirection direction;
-    direction.centre = stability.centre;
-    direction.motion << basis.col(k).head<3>(), stability.radius * basis.col(k).tail<3>();
-    direction.description = describe(direction.motion, stability.centre, stability.radius);
+    direction.centre = spectrum.centre;
+    direction.motion << basis.col(k).head<3>(), spectrum.radius * basis.col(k).tail<3>();
+    direction.description = describe(direction.motion, spectrum.centre, spectrum.radius);
     result.push_back(std::move(direction));
   }
   return result;
 }
 
-double stiffness_threshold(double normal_noise) {
+double eigenvalue_threshold(double normal_noise) {
   return std::max(1e-4, 4.0 * normal_noise * normal_noise);
 }
 

@@ -17,24 +17,24 @@ struct OrientedPoint {
 
 /// How firmly a set of surface points holds a rigid motion (Gelfand et al. 2003), equation (R5).
 /// Tangents are (rotation [rad], translation / radius) about `centre`.
-struct Stability {
+struct ConstraintSpectrum {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double radius = 1.0;  ///< Mean distance of the points from the centre [unit].
   /// Mean squared displacement along the normals, in radii, per unit motion; ascending.
-  Vector6d stiffness = Vector6d::Zero();
+  Vector6d eigenvalues = Vector6d::Zero();
   Matrix6d directions = Matrix6d::Identity();  ///< Columns belong to `stiffness`.
 };
 
 /// All zero stiffness for fewer than six points.
-Stability analyse_stability(const std::vector<OrientedPoint>& points);
+ConstraintSpectrum analyse_constraints(const std::vector<OrientedPoint>& points);
 
 /// The directions whose stiffness is below `threshold`, turned among each other so that pure
 /// translations come first.
-std::vector<DegenerateDirection> degenerate_directions(const Stability& stability,
+std::vector<DegenerateDirection> degenerate_directions(const ConstraintSpectrum& spectrum,
                                                        double threshold);
 
 /// The stiffness that noise of the normals [rad] alone pretends: what is below twice that noise
 /// holds nothing. At least (0.6 deg)^2.
-double stiffness_threshold(double normal_noise);
+double eigenvalue_threshold(double normal_noise);
 
 }  // namespace relief::registration

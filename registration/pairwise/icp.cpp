@@ -112,7 +112,7 @@ int signal_levels_for(const ViewSurface& source, const ViewSurface& target,
   const auto first = levels_for(source, target, options, 0).front();
   const auto matches =
       match_both_ways(source, target, target_from_source, search_at(first, options), -1);
-  return slides_nearly(analyse_stability(matches.pairs), threshold) ? levels : 0;
+  return is_nearly_degenerate(analyse_constraints(matches.pairs), threshold) ? levels : 0;
 }
 
 // How far `step` (in the target's frame) moves a point of the source at most.
@@ -130,7 +130,7 @@ class PairAlignment {
       : source_(source),
         target_(target),
         options_(options),
-        threshold_(stiffness_threshold(std::max(source.normal_noise(), target.normal_noise()))),
+        threshold_(eigenvalue_threshold(std::max(source.normal_noise(), target.normal_noise()))),
         signal_levels_(signal_levels_for(source, target, target_from_source, options, threshold_)) {
     result_.target_from_source = target_from_source;
   }
@@ -164,7 +164,7 @@ class PairAlignment {
       }
       const PlaneStep step =
           solve_plane_step(matches.pairs, matches.normals, options_.objective, threshold_);
-      stability_ = step.stability;
+      stability_ = step.spectrum;
       const double motion = largest_motion(step.motion, source_, result_.target_from_source);
       result_.target_from_source = step.motion * result_.target_from_source;
       ++result_.iterations;
@@ -177,7 +177,7 @@ class PairAlignment {
 
   // The last steps of the joint refinement, of two views the second of which is held.
   void finish(const SearchLevel& level) {
-    DenseRefinementOptions dense;
+    PoseGraphRefinementOptions dense;
     dense.search = search_at(level, options_);
     dense.search.count = std::min(dense.search.count, kDeviationSamples);
     dense.last_samples = static_cast<std::size_t>(options_.final_samples);
@@ -195,7 +195,7 @@ class PairAlignment {
       }
     }
     const auto refined =
-        refine_densely({&source_, &target_}, {{0, 1}}, {false, true}, dense, poses);
+        refine_pose_graph({&source_, &target_}, {{0, 1}}, {false, true}, dense, poses);
     result_.iterations += refined.iterations;
     result_.target_from_source = poses[0];
     result_.covariance = refined.covariance.topLeftCorner<6, 6>();
@@ -206,7 +206,7 @@ class PairAlignment {
   const IcpOptions& options_;
   double threshold_;
   int signal_levels_;
-  Stability stability_;
+  ConstraintSpectrum stability_;
   IcpResult result_;
 };
 

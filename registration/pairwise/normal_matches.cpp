@@ -75,22 +75,23 @@ double shared_variance(const std::vector<NormalMatch>& items, const Corresponden
   return squares > 0.0 ? std::max(1.0, shared / squares) : 1.0;
 }
 
-// The derivatives of one residual that either view gives, in the basis of a Stability and its unit.
+// The derivatives of one residual that either view gives, in the basis of a ConstraintSpectrum and
+// its unit.
 struct RowPair {
   Vector6d by_source, by_target;
 };
 
-std::vector<RowPair> row_pairs(const Stability& stability, const NormalMatches& matches,
+std::vector<RowPair> row_pairs(const ConstraintSpectrum& spectrum, const NormalMatches& matches,
                                double length_per_angle) {
   Vector6d scale = Vector6d::Constant(length_per_angle);  // By (turn, shift / radius), in radii.
-  scale.head<3>() /= stability.radius;
-  const Matrix6d to_basis = stability.directions.transpose() * scale.asDiagonal();
+  scale.head<3>() /= spectrum.radius;
+  const Matrix6d to_basis = spectrum.directions.transpose() * scale.asDiagonal();
   std::vector<RowPair> rows;
   rows.reserve(2 * matches.items.size());
   for (const auto& match : matches.items)
     for (int k = 0; k < 2; ++k)
-      rows.push_back({to_basis * match.derivative(k, match.source_gradient, stability.centre),
-                      to_basis * match.derivative(k, match.target_gradient, stability.centre)});
+      rows.push_back({to_basis * match.derivative(k, match.source_gradient, spectrum.centre),
+                      to_basis * match.derivative(k, match.target_gradient, spectrum.centre)});
   return rows;
 }
 
@@ -119,17 +120,17 @@ double significant_agreement(const std::vector<RowPair>& rows, double redundancy
   return significant ? products : 0.0;
 }
 
-Stability sorted(const Stability& stability) {
+ConstraintSpectrum sorted(const ConstraintSpectrum& spectrum) {
   std::array<Eigen::Index, 6> order;
   std::iota(order.begin(), order.end(), Eigen::Index{0});
   std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return stability.stiffness[a] < stability.stiffness[b];
+    return spectrum.eigenvalues[a] < spectrum.eigenvalues[b];
   });
-  Stability result = stability;
+  ConstraintSpectrum result = spectrum;
   for (Eigen::Index i = 0; i < 6; ++i) {
     const Eigen::Index from = order[static_cast<std::size_t>(i)];
-    result.stiffness[i] = stability.stiffness[from];
-    result.directions.col(i) = stability.directions.col(from);
+    result.eigenvalues[i] = spectrum.eigenvalues[from];
+    result.directions.col(i) = spectrum.directions.col(from);
   }
   return result;
 }
@@ -184,28 +185,29 @@ NormalMatches match_normals(const ViewSurface& source, const ViewSurface& target
   return matches;
 }
 
-Stability with_normal_maps(const Stability& geometric, const NormalMatches& matches,
-                           double length_per_angle, double threshold) {
-  const auto free = static_cast<Eigen::Index>((geometric.stiffness.array() < threshold).count());
+ConstraintSpectrum with_normal_maps(const ConstraintSpectrum& geometric,
+                                    const NormalMatches& matches, double length_per_angle,
+                                    double threshold) {
+  const auto free = static_cast<Eigen::Index>((geometric.eigenvalues.array() < threshold).count());
   if (free == 0 || matches.items.empty()) return geometric;
   const auto rows = row_pairs(geometric, matches, length_per_angle);
   const Eigen::MatrixXd turned = principal_agreement(rows, free);
-  Stability result = geometric;
+  ConstraintSpectrum result = geometric;
   result.directions.leftCols(free) = geometric.directions.leftCols(free) * turned;
   for (Eigen::Index i = 0; i < free; ++i) {
     const Eigen::VectorXd direction = turned.col(i);
-    result.stiffness[i] = direction.cwiseAbs2().dot(geometric.stiffness.head(free));
+    result.eigenvalues[i] = direction.cwiseAbs2().dot(geometric.eigenvalues.head(free));
     const double agreement = significant_agreement(rows, matches.redundancy, direction);
     // What agrees beyond chance holds, however little of it there is.
     if (agreement > 0.0)
-      result.stiffness[i] +=
+      result.eigenvalues[i] +=
           std::max(threshold, agreement / static_cast<double>(matches.items.size()));
   }
   return sorted(result);
 }
 
-bool slides_nearly(const Stability& geometric, double threshold) {
-  return geometric.stiffness[0] < kNearlySliding * threshold;
+bool is_nearly_degenerate(const ConstraintSpectrum& geometric, double threshold) {
+  return geometric.eigenvalues[0] < kNearlySliding * threshold;
 }
 
 void ignore_motion(const RigidTangent& motion, const Eigen::Vector3d& centre,

@@ -57,12 +57,13 @@ NormalMatches match_normals(const ViewSurface& source, const ViewSurface& target
 /// both views' gradients say alike, since noise agrees on nothing. One unit of stiffness is
 /// `length_per_angle` [unit/rad] of residual, the ratio of both deviations, in radii of the
 /// surface. Directions in which the agreement is not significant stay as they are.
-Stability with_normal_maps(const Stability& geometric, const NormalMatches& matches,
-                           double length_per_angle, double threshold);
+ConstraintSpectrum with_normal_maps(const ConstraintSpectrum& geometric,
+                                    const NormalMatches& matches, double length_per_angle,
+                                    double threshold);
 
 /// Whether a surface slides so nearly that its normal maps should be aligned too: some motion is
 /// held no better than by slopes of four times those that `threshold` stands for.
-bool slides_nearly(const Stability& geometric, double threshold);
+bool is_nearly_degenerate(const ConstraintSpectrum& geometric, double threshold);
 
 /// Makes the matches indifferent to a motion (w, v) about `centre` that they do not determine: the
 /// gradients along it become those of a surface without relief.

@@ -14,7 +14,7 @@ namespace {
 
 // Tangents scaled so that rotations and translations weigh alike: translation in radii.
 NormalEquations linearise(const std::vector<PlanePair>& pairs, IcpObjective objective,
-                          const Stability& about) {
+                          const ConstraintSpectrum& about) {
   NormalEquations system;
   for (const auto& pair : pairs) {
     const Eigen::Vector3d p = (pair.moving - about.centre) / about.radius;
@@ -42,7 +42,7 @@ enum class Gradients {
 };
 
 // The terms (R7), in radii of the surface like those of planes.
-NormalEquations linearise(const NormalTerms& normals, const Stability& about,
+NormalEquations linearise(const NormalTerms& normals, const ConstraintSpectrum& about,
                           const Vector6d& per_parameter, Gradients gradients) {
   NormalEquations system;
   const double unit = normals.length_per_angle / about.radius;
@@ -71,10 +71,10 @@ NormalEquations linearise(const NormalTerms& normals, const Stability& about,
 // The minimiser within the space that the surface determines, by the first of the two matrices if
 // it is positive definite there.
 Vector6d solve_within(const Matrix6d& matrix, const Matrix6d& safe, const Vector6d& gradient,
-                      const Stability& stability, double threshold) {
-  const auto free = static_cast<Eigen::Index>((stability.stiffness.array() >= threshold).count());
+                      const ConstraintSpectrum& spectrum, double threshold) {
+  const auto free = static_cast<Eigen::Index>((spectrum.eigenvalues.array() >= threshold).count());
   if (free == 0) return Vector6d::Zero();
-  const auto basis = stability.directions.rightCols(free);
+  const auto basis = spectrum.directions.rightCols(free);
   const Eigen::VectorXd reduced = basis.transpose() * gradient;
   const Eigen::LLT<Eigen::MatrixXd> llt(basis.transpose() * matrix * basis);
   if (llt.info() == Eigen::Success) return -(basis * llt.solve(reduced));
@@ -102,27 +102,27 @@ RigidMotion motion_of(const Vector6d& x, IcpObjective objective, double radius) 
 
 }  // namespace
 
-Stability analyse_stability(const std::vector<PlanePair>& pairs) {
+ConstraintSpectrum analyse_constraints(const std::vector<PlanePair>& pairs) {
   std::vector<OrientedPoint> points;
   points.reserve(pairs.size());
   for (const auto& pair : pairs) points.push_back({pair.fixed, pair.normal});
-  return analyse_stability(points);
+  return analyse_constraints(points);
 }
 
 PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, const NormalTerms& normals,
                            IcpObjective objective, double threshold) {
   PlaneStep step;
-  step.stability = with_normal_maps(analyse_stability(pairs), normals.matches,
-                                    normals.length_per_angle, threshold);
+  step.spectrum = with_normal_maps(analyse_constraints(pairs), normals.matches,
+                                   normals.length_per_angle, threshold);
   // The symmetric objective's first parameter is half the rotation.
   Vector6d per_parameter = Vector6d::Ones();
   if (objective == IcpObjective::kSymmetric) per_parameter.head<3>() *= 2.0;
-  const auto planes = linearise(pairs, objective, step.stability);
-  const auto mean = linearise(normals, step.stability, per_parameter, Gradients::kMean);
-  const auto common = linearise(normals, step.stability, per_parameter, Gradients::kCommon);
+  const auto planes = linearise(pairs, objective, step.spectrum);
+  const auto mean = linearise(normals, step.spectrum, per_parameter, Gradients::kMean);
+  const auto common = linearise(normals, step.spectrum, per_parameter, Gradients::kCommon);
   const Vector6d x = solve_within(planes.matrix + common.matrix, planes.matrix + mean.matrix,
-                                  planes.gradient + mean.gradient, step.stability, threshold);
-  step.motion = about(step.stability.centre, motion_of(x, objective, step.stability.radius));
+                                  planes.gradient + mean.gradient, step.spectrum, threshold);
+  step.motion = about(step.spectrum.centre, motion_of(x, objective, step.spectrum.radius));
   return step;
 }
 

@@ -29,12 +29,12 @@ struct NormalTerms {
 };
 
 /// How firmly the geometry of `pairs` holds a motion.
-Stability analyse_stability(const std::vector<PlanePair>& pairs);
+ConstraintSpectrum analyse_constraints(const std::vector<PlanePair>& pairs);
 
 /// One linearised least-squares step of pairwise alignment.
 struct PlaneStep {
   RigidMotion motion = RigidMotion::Identity();  ///< To apply to the moving points.
-  Stability stability;
+  ConstraintSpectrum spectrum;
 };
 
 /// The motion that minimises the weighted squared distances of `pairs`, (R1) or (R2), and the

@@ -96,8 +96,8 @@ std::vector<bool> sliding_views(const std::vector<ViewSurface>& surfaces,
   std::vector<bool> sliding(surfaces.size());
   for (std::size_t i = 0; i < surfaces.size(); ++i)
     sliding[i] = surfaces[i].signal_levels() > 0 && !points[i].empty() &&
-                 slides_nearly(analyse_stability(points[i]),
-                               stiffness_threshold(surfaces[i].normal_noise()));
+                 is_nearly_degenerate(analyse_constraints(points[i]),
+                                      eigenvalue_threshold(surfaces[i].normal_noise()));
   return sliding;
 }
 
@@ -153,7 +153,7 @@ void describe_fit(const PairMatcher& match, const std::vector<ViewSurface>& surf
     squares += fit.rms * fit.rms * static_cast<double>(fit.correspondences);
     count += fit.correspondences;
   }
-  grade_pairs(surfaces, result.pairs);
+  set_pair_statuses(surfaces, result.pairs);
   if (count > 0) result.rms = std::sqrt(squares / static_cast<double>(count));
 }
 
@@ -172,7 +172,7 @@ bool all_finite(const std::vector<RigidMotion>& poses) {
 void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair>& pairs,
             const SearchLevel& level, const std::vector<bool>& sliding,
             const JointRefinementOptions& options, JointRefinement& result) {
-  DenseRefinementOptions dense;
+  PoseGraphRefinementOptions dense;
   dense.search = search_at(level, pairs.size(), kFewestAlone, options);
   dense.last_samples = last_samples(options, pairs.size());
   dense.step_samples = std::min(dense.step_samples, dense.last_samples);
@@ -186,7 +186,7 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
     });
   }
   auto poses = result.world_from_view;
-  const auto refined = refine_densely(pointers_to(surfaces), pairs, result.held, dense, poses);
+  const auto refined = refine_pose_graph(pointers_to(surfaces), pairs, result.held, dense, poses);
   if (!all_finite(poses) || !refined.covariance.allFinite()) {
     result.termination = RefinementTermination::kSolverFailed;
     return;

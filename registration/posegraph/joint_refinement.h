@@ -29,7 +29,7 @@ struct JointRefinement {
   /// Views that did not move: the fixed ones and, in groups without any, the first.
   std::vector<bool> held;
   /// Covariance of all poses (6V x 6V), tangents (rotation [rad], translation [unit]) about each
-  /// view's centre in world axes; zero for held views. See PoseNetwork::covariance().
+  /// view's centre in world axes; zero for held views. See PoseGraphSystem::covariance().
   Eigen::MatrixXd pose_covariance;
   std::vector<RigidTangent> pose_std;  ///< The roots of its diagonal.
 };

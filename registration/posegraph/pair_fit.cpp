@@ -15,16 +15,16 @@ constexpr double kThinSamples = 200.0;
 constexpr double kThinOverlap = 0.1;
 
 // In the order of what matters most about a pair.
-PairGrade grade_of(const PairFit& fit, double shared_samples, double largest_rms) {
-  if (fit.rms > largest_rms) return PairGrade::kMisfit;
-  if (fit.overlap < kThinOverlap || shared_samples < kThinSamples) return PairGrade::kThin;
-  return fit.degenerate_directions.empty() ? PairGrade::kFirm : PairGrade::kSlides;
+PairStatus grade_of(const PairFit& fit, double shared_samples, double largest_rms) {
+  if (fit.rms > largest_rms) return PairStatus::kMisfit;
+  if (fit.overlap < kThinOverlap || shared_samples < kThinSamples) return PairStatus::kThin;
+  return fit.degenerate_directions.empty() ? PairStatus::kDetermined : PairStatus::kDegenerate;
 }
 
 }  // namespace
 
-double slip_threshold(const ViewSurface& a, const ViewSurface& b) {
-  return stiffness_threshold(std::max(a.normal_noise(), b.normal_noise()));
+double degeneracy_threshold(const ViewSurface& a, const ViewSurface& b) {
+  return eigenvalue_threshold(std::max(a.normal_noise(), b.normal_noise()));
 }
 
 PairFit fit_of(const std::vector<ViewSurface>& surfaces,
@@ -49,18 +49,18 @@ PairFit fit_of(const std::vector<ViewSurface>& surfaces,
   }
   fit.correspondences = points.size();
   if (!points.empty()) fit.rms = std::sqrt(squares / static_cast<double>(points.size()));
-  const double threshold = slip_threshold(surfaces[fit.a], surfaces[fit.b]);
-  Stability stability = analyse_stability(points);
+  const double threshold = degeneracy_threshold(surfaces[fit.a], surfaces[fit.b]);
+  ConstraintSpectrum spectrum = analyse_constraints(points);
   if (!normals.items.empty())
-    stability = with_normal_maps(
-        stability, normals,
+    spectrum = with_normal_maps(
+        spectrum, normals,
         std::max(forward.found.sigma, backward.found.sigma) / normals.effective_sigma, threshold);
   fit.normal_maps = !normals.items.empty();
-  fit.degenerate_directions = degenerate_directions(stability, threshold);
+  fit.degenerate_directions = degenerate_directions(spectrum, threshold);
   return fit;
 }
 
-void grade_pairs(const std::vector<ViewSurface>& surfaces, std::vector<PairFit>& pairs) {
+void set_pair_statuses(const std::vector<ViewSurface>& surfaces, std::vector<PairFit>& pairs) {
   const auto limits = largest_fitting_rms(surfaces, pairs);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     PairFit& fit = pairs[i];
@@ -85,15 +85,15 @@ std::vector<double> largest_fitting_rms(const std::vector<ViewSurface>& surfaces
   return limits;
 }
 
-std::string_view to_string(PairGrade grade) {
+std::string_view to_string(PairStatus grade) {
   switch (grade) {
-    case PairGrade::kFirm:
+    case PairStatus::kDetermined:
       return "firm";
-    case PairGrade::kSlides:
+    case PairStatus::kDegenerate:
       return "slides";
-    case PairGrade::kThin:
+    case PairStatus::kThin:
       return "thin";
-    case PairGrade::kMisfit:
+    case PairStatus::kMisfit:
       return "misfit";
   }
   return "unknown";

@@ -18,7 +18,7 @@ PairFit fit_of(const std::vector<ViewSurface>& surfaces,
                const DirectedMatches& backward);
 
 /// Grades pairs beside all others of the same views.
-void grade_pairs(const std::vector<ViewSurface>& surfaces, std::vector<PairFit>& pairs);
+void set_pair_statuses(const std::vector<ViewSurface>& surfaces, std::vector<PairFit>& pairs);
 
 /// For each pair the RMS of distances [unit] that views which fit stay below: what their noise and
 /// spacing explain, or twice the median of all pairs if that is more.
@@ -26,6 +26,6 @@ std::vector<double> largest_fitting_rms(const std::vector<ViewSurface>& surfaces
                                         const std::vector<PairFit>& pairs);
 
 /// The stiffness below which noise alone would explain what holds the pair (R5).
-double slip_threshold(const ViewSurface& a, const ViewSurface& b);
+double degeneracy_threshold(const ViewSurface& a, const ViewSurface& b);
 
 }  // namespace relief::registration

@@ -8,11 +8,11 @@ namespace relief::registration {
 
 namespace {
 
-Stability stability_of(const Correspondences& found) {
+ConstraintSpectrum stability_of(const Correspondences& found) {
   std::vector<OrientedPoint> points;
   points.reserve(found.items.size());
   for (const auto& c : found.items) points.push_back({c.target.point, c.target.normal});
-  return analyse_stability(points);
+  return analyse_constraints(points);
 }
 
 // The normal maps at the correspondences of a directed pair, without an opinion on motions that
@@ -22,11 +22,11 @@ NormalMatches normals_of(const std::vector<ViewSurface>& surfaces, const Directe
   const ViewSurface &source = surfaces[directed.source], &target = surfaces[directed.target];
   auto normals = match_normals(source, target, target_from_source, directed.found, signal_level);
   if (normals.items.empty()) return normals;
-  const double threshold = slip_threshold(source, target);
-  const Stability stability =
+  const double threshold = degeneracy_threshold(source, target);
+  const ConstraintSpectrum spectrum =
       with_normal_maps(stability_of(directed.found), normals,
                        directed.found.sigma / normals.effective_sigma, threshold);
-  for (const auto& free : degenerate_directions(stability, threshold))
+  for (const auto& free : degenerate_directions(spectrum, threshold))
     ignore_motion(free.motion, free.centre, normals);
   return normals;
 }

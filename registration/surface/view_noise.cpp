@@ -58,7 +58,7 @@ double slope_noise(double noise, double spacing, int radius) {
   return spacing > 0.0 ? noise / (spacing * std::sqrt(moment)) : 0.0;
 }
 
-double unevenness(const RangeView& view, const RangeNoise& ranges) {
+double noise_ratio(const RangeView& view, const RangeNoise& ranges) {
   if (ranges.map.empty() || !ranges.known()) return 1.0;
   double squares = 0.0, count = 0.0;
   for (int v = 0; v < view.height(); ++v)

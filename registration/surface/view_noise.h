@@ -17,7 +17,7 @@ double position_noise(const RangeView& view, const ConnectedGrid& grid, int thre
 double slope_noise(double noise, double spacing, int radius);
 
 /// The root mean square of the noise over the view, relative to that of a typical sample; >= 1.
-double unevenness(const RangeView& view, const RangeNoise& noise);
+double noise_ratio(const RangeView& view, const RangeNoise& noise);
 
 /// How much of a step along the ray a surface moves along its normal: the median over samples.
 double typical_incidence(const RangeView& view, const Grid<Eigen::Vector3f>& normals);

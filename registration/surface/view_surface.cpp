@@ -11,6 +11,7 @@
 #include "registration/surface/sample_weights.h"
 #include "registration/surface/unbiased_normals.h"
 #include "registration/surface/view_noise.h"
+#include "relief/scan/counter_random.h"
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/range_noise.h"
 #include "scan/grid/grid_normals.h"
@@ -36,19 +37,12 @@ constexpr double kFewBesideGaps = 0.04;
 constexpr double kLostToGaps = 0.5;
 constexpr int kBlankReach = 2;  // [pixels]
 
-// A bijection of 64-bit integers whose outputs look random (the finaliser of Steele, Lea and Flood
-// 2014).
-std::uint64_t scattered(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
-
 // Sorts indices by the upper half of what they scatter to, without a random generator.
 void scatter(std::vector<std::uint32_t>& indices) {
   std::vector<std::uint64_t> keys;
   keys.reserve(indices.size());
-  for (const std::uint32_t i : indices) keys.push_back((scattered(i) & ~0xffffffffull) | i);
+  for (const std::uint32_t i : indices)
+    keys.push_back((CounterRandom::scrambled(i) & ~0xffffffffull) | i);
   std::sort(keys.begin(), keys.end());
   std::transform(keys.begin(), keys.end(), indices.begin(),
                  [](std::uint64_t key) { return static_cast<std::uint32_t>(key); });
@@ -144,7 +138,7 @@ void ViewSurface::smooth_normals(const ConnectedGrid& grid, const RangeNoise& ra
   }
   const int radius = radius_for();
   normal_noise_ = slope_noise(noise_, spacing_, radius);
-  noise_ = std::max(noise_ * unevenness(view, ranges), rounding_);
+  noise_ = std::max(noise_ * noise_ratio(view, ranges), rounding_);
   normal_error_ =
       std::hypot(slope_noise(noise_, spacing_, radius), terrace_slope(rounding_, spacing_, radius));
   const int outermost = std::min(options.boundary_margin, options.final_margin);

@@ -30,27 +30,27 @@ void join_groups(const std::vector<bool>& together, std::vector<std::size_t>& gr
     if (joined[g]) g = first;
 }
 
-SettledPoses settle(const std::vector<ViewRole>& roles, const std::vector<bool>& refuted,
+CheckedPoses settle(const std::vector<ViewRole>& roles, const std::vector<bool>& refuted,
                     const JointRefinement& refined, const PoseVerification& verified, bool trust) {
-  SettledPoses settled;
-  settled.world_from_view.resize(roles.size());
-  settled.group = verified.group;
-  settled.refuted = refuted;
+  CheckedPoses checked;
+  checked.world_from_view.resize(roles.size());
+  checked.group = verified.group;
+  checked.refuted = refuted;
   std::vector<bool> together(roles.size());
   for (std::size_t i = 0; i < roles.size(); ++i) {
-    settled.known.push_back(roles[i] == ViewRole::kFixed);
-    together[i] = settled.known[i] || (trust && roles[i] == ViewRole::kFree);
-    if (roles[i] != ViewRole::kExcluded) settled.world_from_view[i] = refined.world_from_view[i];
+    checked.known.push_back(roles[i] == ViewRole::kFixed);
+    together[i] = checked.known[i] || (trust && roles[i] == ViewRole::kFree);
+    if (roles[i] != ViewRole::kExcluded) checked.world_from_view[i] = refined.world_from_view[i];
   }
-  join_groups(together, settled.group);
-  return settled;
+  join_groups(together, checked.group);
+  return checked;
 }
 
 }  // namespace
 
 PoseVerificationOptions verification_options(const StartingPoseOptions& options) {
   PoseVerificationOptions verification;
-  verification.limits.max_contradiction = options.max_contradiction;
+  verification.limits.max_free_space_violation = options.max_free_space_violation;
   verification.association = options.association;
   verification.threads = options.threads;
   return verification;
@@ -78,8 +78,8 @@ Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& sur
       roles[i] = ViewRole::kExcluded;
     }
     if (changed) continue;
-    SettledPoses settled = settle(roles, refuted, *refined, verified, trust);
-    return RefinedGivenPoses{std::move(settled), std::move(*refined), std::move(verified)};
+    CheckedPoses checked = settle(roles, refuted, *refined, verified, trust);
+    return RefinedGivenPoses{std::move(checked), std::move(*refined), std::move(verified)};
   }
 }
 

@@ -15,7 +15,7 @@ namespace relief::registration {
 /// The poses that views came with, refined together before they are judged: poses a few spacings
 /// off, as other programs and turntables give them, contradict each other until they are refined.
 struct RefinedGivenPoses {
-  SettledPoses settled;
+  CheckedPoses checked;
   JointRefinement refined;    ///< Of the given poses that were not refuted.
   PoseVerification verified;  ///< Of the same, at the refined poses.
 };

@@ -100,8 +100,8 @@ void note_sight_lines(const SightLines& lines, double overlap, PoseEvidence& evi
     largest = std::max(largest, part);
     largest_ratio = std::max(largest_ratio, part / (part + overlap));
   };
-  note(lines.in_front, evidence.in_front, evidence.contradiction);
-  note(lines.missing, evidence.missing, evidence.absence);
+  note(lines.in_front, evidence.in_front, evidence.free_space_violation);
+  note(lines.missing, evidence.missing, evidence.missing_coverage);
 }
 
 double coarser_spacing(const ViewSurface& a, const ViewSurface& b) {
@@ -163,16 +163,17 @@ double root_mean_square(const std::vector<double>& values) {
 
 }  // namespace
 
-bool contradicts(const PoseEvidence& evidence, const PlausibleEvidence& limits) {
-  return evidence.contradiction > limits.max_contradiction && evidence.in_front > kStrays;
+bool violates_free_space(const PoseEvidence& evidence, const VerificationThresholds& limits) {
+  return evidence.free_space_violation > limits.max_free_space_violation &&
+         evidence.in_front > kStrays;
 }
 
-bool too_much_absent(const PoseEvidence& evidence, const PlausibleEvidence& limits) {
-  return evidence.absence > limits.max_absence && evidence.missing > kLost;
+bool misses_coverage(const PoseEvidence& evidence, const VerificationThresholds& limits) {
+  return evidence.missing_coverage > limits.max_missing_coverage && evidence.missing > kLost;
 }
 
 bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
-                     const PlausibleEvidence& limits) {
+                     const VerificationThresholds& limits) {
   return beyond_rounding(evidence.local_rms, a, b) > limits.max_coherent_rms;
 }
 
@@ -186,11 +187,11 @@ double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const Vi
 }
 
 bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
-               const PlausibleEvidence& limits) {
+               const VerificationThresholds& limits) {
   return evidence.overlap >= limits.min_overlap && relative_rms(evidence, a, b) <= limits.max_rms &&
          evidence.normal_rms <= limits.max_normal_rms &&
          relative_coherent_rms(evidence, a, b) <= limits.max_coherent_rms &&
-         !contradicts(evidence, limits);
+         !violates_free_space(evidence, limits);
 }
 
 double rough_agreement(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
@@ -200,8 +201,8 @@ double rough_agreement(const ViewSurface& a, const ViewSurface& b, const RigidMo
                 directed_agreement(b, a, b_from_a.inverse(), reach, probes));
 }
 
-PoseEvidence judge_sight_lines(const ViewSurface& a, const ViewSurface& b,
-                               const RigidMotion& b_from_a, const JudgeOptions& options) {
+PoseEvidence judge_free_space(const ViewSurface& a, const ViewSurface& b,
+                              const RigidMotion& b_from_a, const JudgeOptions& options) {
   PoseEvidence evidence;
   if (!a.samples().empty() && !b.samples().empty())
     look_both_ways(a, b, b_from_a, static_cast<int>(kProbes), options, evidence);
@@ -233,8 +234,8 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
   const Eigen::Matrix3Xd points = points_of(shared);
   evidence.coherent_rms = coherent_rms(points, distances, band(a, b, kNoiseReach, kCoherenceReach));
   evidence.local_rms = coherent_rms(points, distances, band(a, b, 0.0, 1.0));
-  const double threshold = stiffness_threshold(std::max(a.normal_noise(), b.normal_noise()));
-  evidence.slides = analyse_stability(shared).stiffness[0] < threshold;
+  const double threshold = eigenvalue_threshold(std::max(a.normal_noise(), b.normal_noise()));
+  evidence.degenerate = analyse_constraints(shared).eigenvalues[0] < threshold;
   return evidence;
 }
 

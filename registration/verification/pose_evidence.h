@@ -21,14 +21,14 @@ struct PoseEvidence {
   /// projection.
   double in_front = 0.0;
   /// The same as a fraction of the samples that overlap or lie in front.
-  double contradiction = 0.0;
+  double free_space_violation = 0.0;
   /// Fraction of a view's samples that face the other sensor, which measured nothing there nor
   /// nearby; the larger of both directions. 0 where neither sensor has a projection.
   double missing = 0.0;
   /// The same as a fraction of the samples that overlap or are missing.
-  double absence = 0.0;
+  double missing_coverage = 0.0;
   /// Whether the shared surface lets the views slide along each other (equation R5).
-  bool slides = false;
+  bool degenerate = false;
 };
 
 struct JudgeOptions {
@@ -38,7 +38,7 @@ struct JudgeOptions {
 };
 
 /// What a pose must show to be believed.
-struct PlausibleEvidence {
+struct VerificationThresholds {
   double min_overlap = 0.15;  ///< In (0, 1].
   /// Largest RMS in units of largest_plausible_rms(): its noise is white, that of real scanners is
   /// not.
@@ -49,19 +49,19 @@ struct PlausibleEvidence {
   double max_coherent_rms = 0.2;
   /// Largest contradiction, in [0, 1]. At true poses there is none, at wrong ones rarely less than
   /// a twentieth.
-  double max_contradiction = 0.02;
+  double max_free_space_violation = 0.02;
   /// Largest absence of a pair that is believed alone, in [0, 1]. At true poses sensors lose some
   /// of what they face, in shadows and dark places; at wrong ones, above all of plain surfaces,
   /// they should mostly have seen much more.
-  double max_absence = 0.12;
+  double max_missing_coverage = 0.12;
 };
 
 /// Whether some samples of one view stand where the other saw through: by more than stray samples.
-bool contradicts(const PoseEvidence& evidence, const PlausibleEvidence& limits = {});
+bool violates_free_space(const PoseEvidence& evidence, const VerificationThresholds& limits = {});
 
 /// Whether a sensor should have seen more of the other view than shadows and losses explain. This
 /// alone does not refute a pose, but it takes more than one such pair to believe it.
-bool too_much_absent(const PoseEvidence& evidence, const PlausibleEvidence& limits = {});
+bool misses_coverage(const PoseEvidence& evidence, const VerificationThresholds& limits = {});
 
 /// The RMS of the evidence in units of what noise and sampling of the two views explain.
 double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b);
@@ -74,11 +74,11 @@ double relative_coherent_rms(const PoseEvidence& evidence, const ViewSurface& a,
 /// Whether close neighbours agree on a misfit. In views that are coarse against what they show that
 /// is where wrong poses show most; it may be noise alike over a few pixels too.
 bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
-                     const PlausibleEvidence& limits = {});
+                     const VerificationThresholds& limits = {});
 
 /// Whether the evidence is for the pose of the two views. Sliding and absence are not looked at.
 bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
-               const PlausibleEvidence& limits = {});
+               const VerificationThresholds& limits = {});
 
 /// Judges a pose that is thought to be right to a few sample spacings.
 PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
@@ -86,8 +86,8 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
 
 /// The overlap and what the lines of sight tell alone, with fewer samples: all else of the evidence
 /// stays zero. A tenth of the time.
-PoseEvidence judge_sight_lines(const ViewSurface& a, const ViewSurface& b,
-                               const RigidMotion& b_from_a, const JudgeOptions& options = {});
+PoseEvidence judge_free_space(const ViewSurface& a, const ViewSurface& b,
+                              const RigidMotion& b_from_a, const JudgeOptions& options = {});
 
 /// A pose that is at best right to `reach` [unit] in a number that can be had many thousand times a
 /// second: the fraction of `probes` samples of each view that lie within `reach` of the other's

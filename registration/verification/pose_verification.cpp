@@ -32,7 +32,7 @@ struct Judged {
   std::size_t a = 0, b = 0;
   PoseEvidence evidence;
   bool fit_known = false;  // Whether all of the evidence was looked at, or sight lines alone.
-  bool confirms = false, contradicts = false;
+  bool confirms = false, violates_free_space = false;
 };
 
 bool may_meet(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a) {
@@ -62,8 +62,8 @@ void judge(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMoti
   const auto relative = [&](const Judged& pair) { return poses[pair.b].inverse() * poses[pair.a]; };
   parallel_for(pairs.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      pairs[k].evidence = judge_sight_lines(surfaces[pairs[k].a], surfaces[pairs[k].b],
-                                            relative(pairs[k]), judging);
+      pairs[k].evidence =
+          judge_free_space(surfaces[pairs[k].a], surfaces[pairs[k].b], relative(pairs[k]), judging);
   });
   std::vector<ViewPair> overlapping;
   std::vector<std::size_t> place(pairs.size());
@@ -87,14 +87,15 @@ void judge(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMoti
 }
 
 // The limits, widened to what the pairs of these views have in common.
-PlausibleEvidence limits_of_views(const std::vector<ViewSurface>& surfaces,
-                                  const std::vector<Judged>& pairs, PlausibleEvidence limits) {
-  std::vector<double> rms, normal_rms, coherent_rms, contradiction, noise;
+VerificationThresholds limits_of_views(const std::vector<ViewSurface>& surfaces,
+                                       const std::vector<Judged>& pairs,
+                                       VerificationThresholds limits) {
+  std::vector<double> rms, normal_rms, coherent_rms, free_space_violation, noise;
   for (const Judged& pair : pairs) {
     if (!pair.fit_known) continue;
     const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
-    contradiction.push_back(pair.evidence.contradiction);
-    if (pair.evidence.contradiction > kStrays) continue;
+    free_space_violation.push_back(pair.evidence.free_space_violation);
+    if (pair.evidence.free_space_violation > kStrays) continue;
     rms.push_back(relative_rms(pair.evidence, a, b));
     normal_rms.push_back(pair.evidence.normal_rms);
     coherent_rms.push_back(relative_coherent_rms(pair.evidence, a, b));
@@ -109,18 +110,19 @@ PlausibleEvidence limits_of_views(const std::vector<ViewSurface>& surfaces,
   widen(limits.max_coherent_rms, std::move(coherent_rms),
         std::max(kWidest * limits.max_coherent_rms,
                  kWarpDeviations * quantile(std::move(noise), 0.5)));
-  widen(limits.max_contradiction, std::move(contradiction), kWidest * limits.max_contradiction);
+  widen(limits.max_free_space_violation, std::move(free_space_violation),
+        kWidest * limits.max_free_space_violation);
   limits.min_overlap = kCountingOverlap;
   return limits;
 }
 
-void decide(const std::vector<ViewSurface>& surfaces, const PlausibleEvidence& general,
+void decide(const std::vector<ViewSurface>& surfaces, const VerificationThresholds& general,
             std::vector<Judged>& pairs) {
-  const PlausibleEvidence limits = limits_of_views(surfaces, pairs, general);
-  const double strays = std::max(kStrays, limits.max_contradiction);
+  const VerificationThresholds limits = limits_of_views(surfaces, pairs, general);
+  const double strays = std::max(kStrays, limits.max_free_space_violation);
   for (Judged& pair : pairs) {
-    pair.contradicts =
-        pair.evidence.contradiction > strays && pair.evidence.in_front > kFewestStrays;
+    pair.violates_free_space =
+        pair.evidence.free_space_violation > strays && pair.evidence.in_front > kFewestStrays;
     pair.confirms =
         pair.fit_known && plausible(pair.evidence, surfaces[pair.a], surfaces[pair.b], limits);
   }
@@ -137,7 +139,7 @@ std::vector<ViewVerification> tally(std::size_t views, const std::vector<Judged>
       if (refuted[other]) continue;
       if (pair.evidence.overlap >= kCountingOverlap) result[view].overlaps = true;
       if (pair.confirms) result[view].support += pair.evidence.overlap;
-      if (pair.contradicts) result[view].violation += pair.evidence.in_front;
+      if (pair.violates_free_space) result[view].violation += pair.evidence.in_front;
     }
   }
   return result;

@@ -12,7 +12,7 @@ namespace relief::registration {
 
 struct PoseVerificationOptions {
   /// What a pair must show at least; the errors that the views themselves show widen it.
-  PlausibleEvidence limits;
+  VerificationThresholds limits;
   Association association = Association::kAuto;
   int threads = 0;  ///< 0: one per core. Never changes the result.
 };

@@ -13,21 +13,21 @@ namespace {
 
 using Members = std::vector<std::size_t>;
 
-PlaceViewsOptions place_options(const StartingPoseOptions& options) {
-  PlaceViewsOptions place;
+GlobalRegistrationOptions place_options(const StartingPoseOptions& options) {
+  GlobalRegistrationOptions place;
   place.association = options.association;
   place.limits.min_overlap = options.min_overlap;
-  place.limits.max_contradiction = options.max_contradiction;
+  place.limits.max_free_space_violation = options.max_free_space_violation;
   place.threads = options.threads;
   return place;
 }
 
 // The groups that settled poses make. Their frame is the world; single views have their own.
-ViewGroups groups_of(const SettledPoses& settled) {
-  ViewGroups groups = ViewGroups::singles(settled.group.size());
-  groups.group = settled.group;
-  for (std::size_t i = 0; i < settled.group.size(); ++i)
-    if (settled.world_from_view[i]) groups.group_from_view[i] = *settled.world_from_view[i];
+ViewGroups groups_of(const CheckedPoses& checked) {
+  ViewGroups groups = ViewGroups::singles(checked.group.size());
+  groups.group = checked.group;
+  for (std::size_t i = 0; i < checked.group.size(); ++i)
+    if (checked.world_from_view[i]) groups.group_from_view[i] = *checked.world_from_view[i];
   return groups;
 }
 
@@ -46,21 +46,21 @@ struct Rank {
   auto operator<=>(const Rank&) const = default;
 };
 
-Rank rank_of(const Members& members, const SettledPoses& settled) {
+Rank rank_of(const Members& members, const CheckedPoses& checked) {
   return {
-      std::any_of(members.begin(), members.end(), [&](std::size_t i) { return settled.known[i]; }),
+      std::any_of(members.begin(), members.end(), [&](std::size_t i) { return checked.known[i]; }),
       members.size()};
 }
 
 // Given poses of the main group's views that hold among each other, after all else was found.
-bool frame_is_trusted(const Members& main, const SettledPoses& settled) {
+bool frame_is_trusted(const Members& main, const CheckedPoses& checked) {
   std::map<std::size_t, std::size_t> together;
   std::size_t given = 0, most = 0;
   for (const std::size_t i : main) {
-    if (settled.known[i]) return true;
-    if (!settled.world_from_view[i] && !settled.refuted[i]) continue;
+    if (checked.known[i]) return true;
+    if (!checked.world_from_view[i] && !checked.refuted[i]) continue;
     ++given;
-    if (settled.world_from_view[i]) most = std::max(most, ++together[settled.group[i]]);
+    if (checked.world_from_view[i]) most = std::max(most, ++together[checked.group[i]]);
   }
   return given <= 1 || (most >= 2 && 2 * most >= given);
 }
@@ -82,8 +82,9 @@ Extent extent_along_x(const Members& members, const std::vector<ViewSurface>& su
 }
 
 // Groups are refined each in itself: they must not meet by chance.
-void set_beside(const Members& members, const std::vector<ViewSurface>& surfaces,
-                std::vector<Extent>& taken, std::vector<std::optional<RigidMotion>>& poses) {
+void place_component_beside(const Members& members, const std::vector<ViewSurface>& surfaces,
+                            std::vector<Extent>& taken,
+                            std::vector<std::optional<RigidMotion>>& poses) {
   Extent own = extent_along_x(members, surfaces, poses);
   const double gap = own.high - own.low;
   const bool meets = std::any_of(taken.begin(), taken.end(), [&](const Extent& other) {
@@ -103,9 +104,9 @@ void set_beside(const Members& members, const std::vector<ViewSurface>& surfaces
 // Puts groups into the result: into the world where they hold settled poses, else beside.
 class Assembly {
  public:
-  Assembly(const std::vector<ViewSurface>& surfaces, const SettledPoses& settled,
+  Assembly(const std::vector<ViewSurface>& surfaces, const CheckedPoses& checked,
            const ViewGroups& placed, StartingPoses& result)
-      : surfaces_(surfaces), settled_(settled), placed_(placed), result_(result) {}
+      : surfaces_(surfaces), checked_(checked), placed_(placed), result_(result) {}
 
   void run() {
     const auto groups = ordered_groups();
@@ -114,14 +115,14 @@ class Assembly {
     const bool given = as_settled(main);
     if (main.size() == 1 && !given && surfaces_.size() > 1) return;
     put(main, frame_of(main), true);
-    const bool trusted = in_world(main) && frame_is_trusted(main, settled_);
+    const bool trusted = in_world(main) && frame_is_trusted(main, checked_);
     for (std::size_t g = 1; g < groups.size(); ++g) {
       // Poses that the user gave in one frame stay in it, confirmed or not.
       if (trusted && as_settled(groups[g])) {
         put(groups[g], RigidMotion::Identity(), true);
       } else if (groups[g].size() > 1) {
         put(groups[g], frame_of(groups[g]), false);
-        set_beside(groups[g], surfaces_, taken_, result_.world_from_view);
+        place_component_beside(groups[g], surfaces_, taken_, result_.world_from_view);
       }
     }
   }
@@ -132,11 +133,11 @@ class Assembly {
     auto groups = members_of(placed_);
     for (Members& members : groups)
       std::erase_if(members, [&](std::size_t i) {
-        return surfaces_[i].samples().empty() && !settled_.known[i];
+        return surfaces_[i].samples().empty() && !checked_.known[i];
       });
     std::erase_if(groups, [](const Members& members) { return members.empty(); });
     std::stable_sort(groups.begin(), groups.end(), [&](const Members& x, const Members& y) {
-      return rank_of(x, settled_) > rank_of(y, settled_);
+      return rank_of(x, checked_) > rank_of(y, checked_);
     });
     return groups;
   }
@@ -144,13 +145,13 @@ class Assembly {
   // Whether the views of a group came together by settled poses alone.
   bool as_settled(const Members& members) const {
     return std::all_of(members.begin(), members.end(), [&](std::size_t i) {
-      return settled_.world_from_view[i] && settled_.group[i] == settled_.group[members.front()];
+      return checked_.world_from_view[i] && checked_.group[i] == checked_.group[members.front()];
     });
   }
 
   bool stayed(std::size_t i) const {
-    return settled_.world_from_view[i] &&
-           placed_.group_from_view[i].matrix() == settled_.world_from_view[i]->matrix();
+    return checked_.world_from_view[i] &&
+           placed_.group_from_view[i].matrix() == checked_.world_from_view[i]->matrix();
   }
 
   // Whether the frame of a group is the world: some of its views stayed in it.
@@ -162,8 +163,8 @@ class Assembly {
   RigidMotion frame_of(const Members& members) const {
     if (in_world(members)) return RigidMotion::Identity();
     for (const std::size_t i : members)
-      if (settled_.world_from_view[i])
-        return *settled_.world_from_view[i] * placed_.group_from_view[i].inverse();
+      if (checked_.world_from_view[i])
+        return *checked_.world_from_view[i] * placed_.group_from_view[i].inverse();
     return RigidMotion::Identity();
   }
 
@@ -179,7 +180,7 @@ class Assembly {
   }
 
   const std::vector<ViewSurface>& surfaces_;
-  const SettledPoses& settled_;
+  const CheckedPoses& checked_;
   const ViewGroups& placed_;
   StartingPoses& result_;
   std::vector<Extent> taken_;
@@ -199,7 +200,7 @@ void note_found_links(const ViewGroups& placed, const std::vector<RangeView>& vi
                            percent(link.evidence.overlap));
 }
 
-std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const SettledPoses& settled,
+std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const CheckedPoses& checked,
                             const std::vector<RangeView>& views,
                             const StartingPoseOptions& options) {
   for (const AmbiguousPair& pair : placed.ambiguous) {
@@ -211,9 +212,9 @@ std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const Se
            "), its shape is symmetric or too plain; give a guess in world_from_view";
   }
   std::string why;
-  if (settled.refuted[view])
+  if (checked.refuted[view])
     why = "at its given pose it stands where other views saw through, and fits none of them; ";
-  else if (settled.world_from_view[view])
+  else if (checked.world_from_view[view])
     why = "other given poses are wrong, and nothing confirms its own; ";
   if (!options.search) return why + "give a better guess in world_from_view or remove it";
   return why + "no pose was found at which it shares " + percent(options.min_overlap) +
@@ -221,12 +222,12 @@ std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const Se
 }
 
 // Whether all views with samples are in one group as they are.
-bool all_together(const SettledPoses& settled, const std::vector<ViewSurface>& surfaces) {
+bool all_together(const CheckedPoses& checked, const std::vector<ViewSurface>& surfaces) {
   std::optional<std::size_t> group;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     if (surfaces[i].samples().empty()) continue;
-    if (!settled.world_from_view[i] || (group && *group != settled.group[i])) return false;
-    group = settled.group[i];
+    if (!checked.world_from_view[i] || (group && *group != checked.group[i])) return false;
+    group = checked.group[i];
   }
   return true;
 }
@@ -235,12 +236,13 @@ bool all_together(const SettledPoses& settled, const std::vector<ViewSurface>& s
 
 Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfaces,
                                           const std::vector<RangeView>& views,
-                                          const SettledPoses& settled,
+                                          const CheckedPoses& checked,
                                           const StartingPoseOptions& options,
                                           const Progress& progress) {
-  ViewGroups placed = groups_of(settled);
-  if (options.search && !all_together(settled, surfaces)) {
-    auto found = place_views(surfaces, placed, settled.known, place_options(options), progress);
+  ViewGroups placed = groups_of(checked);
+  if (options.search && !all_together(checked, surfaces)) {
+    auto found =
+        register_globally(surfaces, placed, checked.known, place_options(options), progress);
     if (!found) return found.error();
     placed = std::move(*found);
   }
@@ -249,11 +251,11 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
   result.in_main_frame.assign(views.size(), false);
   result.found_by_shape.assign(views.size(), false);
   result.reasons.resize(views.size());
-  Assembly(surfaces, settled, placed, result).run();
+  Assembly(surfaces, checked, placed, result).run();
   note_found_links(placed, views, result);
   for (std::size_t i = 0; i < views.size(); ++i)
     if (!result.world_from_view[i])
-      result.reasons[i] = reason_unplaced(i, placed, settled, views, options);
+      result.reasons[i] = reason_unplaced(i, placed, checked, views, options);
   return result;
 }
 

@@ -16,7 +16,7 @@
 namespace relief::registration {
 
 /// What is known of the poses before any is looked for by shape.
-struct SettledPoses {
+struct CheckedPoses {
   /// Given poses, refined; nothing for views without one and for views whose pose was refuted.
   std::vector<std::optional<RigidMotion>> world_from_view;
   /// For each view the smallest index of a view that confirms its pose, directly or through others.
@@ -37,14 +37,14 @@ struct StartingPoses {
 };
 
 /// The poses to start from: the settled ones, and for views outside their main group what
-/// place_views() finds by shape. Given poses that nothing confirms stay as they are, in the frame
-/// of the others, unless most given poses turn out to be wrong. Views without a pose that fits
-/// nowhere, or in more ways than one, get none. Without any given pose the first view of the
+/// register_globally() finds by shape. Given poses that nothing confirms stay as they are, in the
+/// frame of the others, unless most given poses turn out to be wrong. Views without a pose that
+/// fits nowhere, or in more ways than one, get none. Without any given pose the first view of the
 /// largest group is the world. A second group that fits together but not with the first is set
 /// beside it. The only error is kInterrupted.
 Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfaces,
                                           const std::vector<RangeView>& views,
-                                          const SettledPoses& settled,
+                                          const CheckedPoses& checked,
                                           const StartingPoseOptions& options = {},
                                           const Progress& progress = {});
 

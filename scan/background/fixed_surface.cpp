@@ -25,7 +25,7 @@ void depths_at(const DepthStack& stack, int u, int v, std::vector<float>& depths
 
 // The farthest depth on which a quarter of the views agree that see anything here, which must be
 // half of all. A tenth of them may be wild and farther.
-float standing_depth(const std::vector<float>& depths, float tolerance, std::size_t views) {
+float fixed_depth(const std::vector<float>& depths, float tolerance, std::size_t views) {
   if (2 * depths.size() < views) return kNoDepth;
   const std::size_t needed = std::max(kFewestViews, (depths.size() + 3) / 4);
   for (std::size_t first = 0; first <= depths.size() / 10; ++first) {
@@ -47,7 +47,7 @@ RangeView as_view(const DepthStack& stack, const Grid<float>& depth) {
   return view;
 }
 
-void number_pieces(const GridEdges& edges, StandingSurface& surface) {
+void number_pieces(const GridEdges& edges, FixedSurface& surface) {
   const Grid<float>& depth = surface.depth;
   DisjointSets sets(depth.size());
   const auto at = [&](int u, int v) { return static_cast<std::uint32_t>(depth.index(u, v)); };
@@ -72,22 +72,22 @@ void number_pieces(const GridEdges& edges, StandingSurface& surface) {
 
 }  // namespace
 
-StandingSurface find_standing_surface(const DepthStack& stack, int threads) {
-  StandingSurface surface;
+FixedSurface find_fixed_surface(const DepthStack& stack, int threads) {
+  FixedSurface surface;
   surface.depth = Grid<float>(stack.camera.width(), stack.camera.height(), kNoDepth);
   parallel_rows(surface.depth.height(), threads, [&](int v) {
     std::vector<float> depths;
     for (int u = 0; u < surface.depth.width(); ++u) {
       depths_at(stack, u, v, depths);
-      surface.depth(u, v) = standing_depth(depths, stack.tolerance(u, v), stack.size());
+      surface.depth(u, v) = fixed_depth(depths, stack.tolerance(u, v), stack.size());
     }
   });
   number_pieces(connect_samples(as_view(stack, surface.depth)), surface);
   return surface;
 }
 
-std::vector<Grid<SampleKind>> classify_samples(const DepthStack& stack,
-                                               const StandingSurface& surface, int threads) {
+std::vector<Grid<SampleKind>> classify_samples(const DepthStack& stack, const FixedSurface& surface,
+                                               int threads) {
   const int width = stack.camera.width(), height = stack.camera.height();
   std::vector<Grid<SampleKind>> kinds(stack.size(),
                                       Grid<SampleKind>(width, height, SampleKind::kNone));

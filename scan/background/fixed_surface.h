@@ -4,22 +4,22 @@
 #include <cstdint>
 #include <vector>
 
-#include "scan/background/depth_stack.h"
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/grid.h"
+#include "scan/background/depth_stack.h"
 
 namespace relief {
 
 /// The surface that stands still in the camera's frame: at each pixel the farthest depth that
 /// several views measured alike. No view sees through what stands still, so nothing is behind it.
-struct StandingSurface {
+struct FixedSurface {
   Grid<float> depth;  ///< [unit]; NaN where no depth recurs.
   /// Pixels that hang together share a number from 0 on; -1: none, or too few.
   Grid<std::int32_t> piece;
   std::size_t pieces = 0;
 };
 
-StandingSurface find_standing_surface(const DepthStack& stack, int threads = 0);
+FixedSurface find_fixed_surface(const DepthStack& stack, int threads = 0);
 
 /// What the depth of a sample says of it.
 enum class SampleKind : std::uint8_t {
@@ -30,7 +30,7 @@ enum class SampleKind : std::uint8_t {
 };
 
 /// The kinds of the samples of each view of the stack.
-std::vector<Grid<SampleKind>> classify_samples(const DepthStack& stack,
-                                               const StandingSurface& surface, int threads = 0);
+std::vector<Grid<SampleKind>> classify_samples(const DepthStack& stack, const FixedSurface& surface,
+                                               int threads = 0);
 
 }  // namespace relief

@@ -185,11 +185,11 @@ double PieceEvidence::attached_share() const {
   return beside > 0 ? static_cast<double>(attached) / static_cast<double>(beside) : 0.0;
 }
 
-StandingEvidence gather_evidence(const std::vector<RangeView>& views, const DepthStack& stack,
-                                 const StandingSurface& surface,
-                                 const std::vector<Grid<SampleKind>>& kinds,
-                                 const std::vector<GridEdges>& edges, int threads) {
-  StandingEvidence evidence;
+FixedSurfaceEvidence gather_evidence(const std::vector<RangeView>& views, const DepthStack& stack,
+                                     const FixedSurface& surface,
+                                     const std::vector<Grid<SampleKind>>& kinds,
+                                     const std::vector<GridEdges>& edges, int threads) {
+  FixedSurfaceEvidence evidence;
   evidence.pieces.resize(surface.pieces);
   const int width = stack.camera.width(), height = stack.camera.height();
   std::vector<Extent> extents(surface.pieces, Extent(width, height));
@@ -206,7 +206,7 @@ StandingEvidence gather_evidence(const std::vector<RangeView>& views, const Dept
           moving_extent.add(u, v);
         }
         if (kinds[i](u, v) != SampleKind::kStanding) continue;
-        ++evidence.standing;
+        ++evidence.fixed;
         const auto number = static_cast<std::size_t>(surface.piece(u, v));
         PieceEvidence& piece = evidence.pieces[number];
         ++piece.samples;

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "scan/background/depth_stack.h"
 #include "relief/scan/range_view.h"
+#include "scan/background/depth_stack.h"
 #include "scan/background/fixed_surface.h"
 
 namespace relief {
@@ -28,17 +28,17 @@ struct PieceEvidence {
   double attached_share() const;
 };
 
-struct StandingEvidence {
+struct FixedSurfaceEvidence {
   std::vector<PieceEvidence> pieces;
-  std::size_t standing = 0, moving = 0;  ///< Samples in all views.
-  bool has_poses = false;                ///< All views have one.
-  CarriedSamples moving_poses;           ///< Of what moves: whether the poses describe its motion.
+  std::size_t fixed = 0, moving = 0;  ///< Samples in all views.
+  bool has_poses = false;             ///< All views have one.
+  CarriedSamples moving_poses;        ///< Of what moves: whether the poses describe its motion.
 };
 
 /// `edges` are those of each view of the stack.
-StandingEvidence gather_evidence(const std::vector<RangeView>& views, const DepthStack& stack,
-                                 const StandingSurface& surface,
-                                 const std::vector<Grid<SampleKind>>& kinds,
-                                 const std::vector<GridEdges>& edges, int threads = 0);
+FixedSurfaceEvidence gather_evidence(const std::vector<RangeView>& views, const DepthStack& stack,
+                                     const FixedSurface& surface,
+                                     const std::vector<Grid<SampleKind>>& kinds,
+                                     const std::vector<GridEdges>& edges, int threads = 0);
 
 }  // namespace relief

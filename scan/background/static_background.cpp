@@ -4,12 +4,12 @@
 #include <array>
 #include <utility>
 
+#include "relief/scan/discontinuities.h"
 #include "scan/background/background_mask.h"
 #include "scan/background/depth_stack.h"
-#include "relief/scan/discontinuities.h"
-#include "scan/base/parallel.h"
-#include "scan/background/fixed_surface_evidence.h"
 #include "scan/background/fixed_surface.h"
+#include "scan/background/fixed_surface_evidence.h"
+#include "scan/base/parallel.h"
 
 namespace relief {
 
@@ -26,7 +26,7 @@ constexpr double kCovered = 0.99;                                       // of th
 
 enum class Verdict { kObject, kBackground, kUndecided };
 
-Verdict judge(const PieceEvidence& piece, const StandingEvidence& all) {
+Verdict judge(const PieceEvidence& piece, const FixedSurfaceEvidence& all) {
   if (piece.views < kFewestViews) return Verdict::kObject;
   const bool poses_describe =
       all.has_poses && all.moving_poses.enough() && all.moving_poses.refuted_share() <= kConfirmed;
@@ -46,7 +46,7 @@ std::size_t count(const Grid<std::uint8_t>& mask) {
 
 // What is found with one tolerance.
 struct Attempt {
-  StandingSurface surface;
+  FixedSurface surface;
   std::vector<Grid<SampleKind>> kinds;
   std::vector<Verdict> verdicts;
   std::size_t background = 0, undecided = 0;  // Samples on such pieces.
@@ -55,12 +55,12 @@ struct Attempt {
 Attempt attempt(const std::vector<RangeView>& views, const DepthStack& stack,
                 const std::vector<GridEdges>& edges, int threads) {
   Attempt result;
-  result.surface = find_standing_surface(stack, threads);
+  result.surface = find_fixed_surface(stack, threads);
   if (result.surface.pieces == 0) return result;
   result.kinds = classify_samples(stack, result.surface, threads);
-  const StandingEvidence evidence =
+  const FixedSurfaceEvidence evidence =
       gather_evidence(views, stack, result.surface, result.kinds, edges, threads);
-  const double least = kLeastPart * static_cast<double>(evidence.standing + evidence.moving);
+  const double least = kLeastPart * static_cast<double>(evidence.fixed + evidence.moving);
   const bool moves = static_cast<double>(evidence.moving) >= least;
   for (const PieceEvidence& piece : evidence.pieces) {
     result.verdicts.push_back(moves ? judge(piece, evidence) : Verdict::kObject);

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "relief/scan/self_intersections.h"
+#include "scan/base/cell_key.h"
 
 namespace relief {
 
@@ -34,20 +35,17 @@ class Cells {
   }
 
  private:
-  // Until `visit` returns true. 21 bits for each axis; that far cells may share a number.
+  // Until `visit` returns true.
   template <typename Visit>
   bool visit(const Eigen::AlignedBox3d& box, const Visit& visit) const {
     const auto cell = [&](const Eigen::Vector3d& p) {
       return ((p - origin_) / size_).array().floor().cast<std::int64_t>().eval();
     };
     const auto low = cell(box.min()), high = cell(box.max());
-    constexpr std::int64_t kMask = (std::int64_t{1} << 21) - 1;
     for (std::int64_t z = low.z(); z <= high.z(); ++z)
       for (std::int64_t y = low.y(); y <= high.y(); ++y)
         for (std::int64_t x = low.x(); x <= high.x(); ++x)
-          if (visit(
-                  static_cast<std::uint64_t>((x & kMask) | (y & kMask) << 21 | (z & kMask) << 42)))
-            return true;
+          if (visit(cell_key(x, y, z))) return true;
     return false;
   }
 
@@ -139,7 +137,7 @@ std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh,
   return faces;
 }
 
-std::vector<std::uint32_t> spoiled_faces(const TriangleMesh& mesh,
+std::vector<std::uint32_t> invalid_faces(const TriangleMesh& mesh,
                                          const std::vector<Eigen::Vector3d>& places,
                                          const std::vector<std::uint8_t>& moved, double reach,
                                          int threads) {

@@ -51,7 +51,7 @@ TEST(Program, AnswersHelpAndVersion) {
 // Simulated scans through `run`: closed, aligned, refined, and each stage nearer to the truth.
 TEST(Program, RunsTheWholeWay) {
   const TemporaryFolder scans, out;
-  simulation::simulate(scans, "8", "384");
+  simulate(scans, "8", "384");
   const ProgramRun run = run_relief({"run", scans / "scan.json", "-o", out.path().string()});
   ASSERT_EQ(run.exit_status, 0) << run.standard_error;
 
@@ -90,7 +90,7 @@ double pose_error(const json& section, const TemporaryFolder& scans) {
 // Both errors have chance in them, so the second may be the larger one, but not by much.
 TEST(Program, DoesNotLoseAccuracyByAligningAgain) {
   const TemporaryFolder scans, out;
-  simulation::simulate(scans, "8", "192");
+  simulate(scans, "8", "192");
   const ProgramRun run = run_relief(
       {"run", scans / "scan.json", "--no-polish", "--voxel", "4", "-o", out.path().string()});
   ASSERT_EQ(run.exit_status, 0) << run.standard_error;
@@ -140,7 +140,7 @@ TEST(Program, SimulatesTheSensorsItIsTold) {
 
 TEST(Program, SingleStepsGiveWhatRunGives) {
   const TemporaryFolder scans, out;
-  simulation::simulate(scans, "6", "96");
+  simulate(scans, "6", "96");
   ASSERT_EQ(run_relief({"align", scans / "scan.json", "-o", out / "aligned.json"}).exit_status, 0);
   ASSERT_EQ(run_relief({"refine", out / "aligned.json", "-o", out / "refined"}).exit_status, 0);
   for (const char* model : {"model.ply", "model.obj", "model.stl", "model.vtp", "model.glb"}) {
@@ -156,8 +156,8 @@ TEST(Program, SingleStepsGiveWhatRunGives) {
 
 TEST(Program, GivesTheSameBytesOnAnyNumberOfThreads) {
   const TemporaryFolder one_scans, two_scans, one, two;
-  simulation::simulate(one_scans, "5", "96", "1");
-  simulation::simulate(two_scans, "5", "96", "2");
+  simulate(one_scans, "5", "96", "1");
+  simulate(two_scans, "5", "96", "2");
   ASSERT_EQ(files_below(one_scans.path()), files_below(two_scans.path()));
   for (const std::string& file : files_below(one_scans.path())) {
     if (file != "report.json") {
@@ -180,7 +180,7 @@ TEST(Program, GivesTheSameBytesOnAnyNumberOfThreads) {
 
 TEST(Program, MergesWithinAMemoryLimitToTheSameBytes) {
   const TemporaryFolder scans, free, limited;
-  simulation::simulate(scans, "5", "96");
+  simulate(scans, "5", "96");
   ASSERT_EQ(run_relief({"merge", scans / "scan.json", "-o", free / "model.ply"}).exit_status, 0);
   const ProgramRun run =
       run_relief({"merge", scans / "scan.json", "-o", limited / "model.ply", "--memory", "2000"});

@@ -27,7 +27,7 @@ SignedDistance box_distance(const Eigen::Vector3d& half_sizes) {
 }
 
 Surface traced(SignedDistance distance) {
-  return [=](const Ray& ray) -> std::optional<simulation::SurfaceHit> {
+  return [=](const Ray& ray) -> std::optional<SurfaceHit> {
     const double speed = ray.direction.norm();
     double t = 0.0;
     for (int step = 0; step < 500; ++step) {
@@ -41,7 +41,7 @@ Surface traced(SignedDistance distance) {
         const Eigen::Vector3d h = 1e-5 * Eigen::Vector3d::Unit(k);
         normal[k] = distance(p + h) - distance(p - h);
       }
-      return simulation::SurfaceHit{t, normal.normalized()};
+      return SurfaceHit{t, normal.normalized()};
     }
     return std::nullopt;
   };
@@ -94,8 +94,8 @@ void spoil_rectangle(RangeView& view, SceneRandom& random) {
 }
 
 void spoil(RangeView& view, SceneRandom& random) {
-  simulation::add_range_noise(view, 0.3 * random.below(6), random.seed());
-  simulation::add_normal_noise(view, 0.03 * random.below(6), random.seed());
+  add_range_noise(view, 0.3 * random.below(6), random.seed());
+  add_normal_noise(view, 0.03 * random.below(6), random.seed());
   RigidTangent error;
   const double turn = 0.02 * random.below(3), shift = random.below(3);
   for (int k = 0; k < 6; ++k) error[k] = random.symmetric(k < 3 ? turn : shift);

@@ -95,7 +95,7 @@ TEST(Accuracy, BeatsThePublishedMethodAtItsBest) {
   testing::add_range_noise(view, 0.3, 1);
   testing::add_normal_noise(view, 1.5 * kDegree, 2);
   testing::add_normal_bias(view, 4.0 / std::sqrt(2.0) * kDegree);  // along each tangent
-  evaluation::ViewErrors best{1e9, 1e9, 1e9};
+  ViewErrors best{1e9, 1e9, 1e9};
   RefineOptions published;
   published.stencil = Stencil::kPaperCentral;
   published.bias = BiasModel::kTwoStep;
@@ -105,12 +105,12 @@ TEST(Accuracy, BeatsThePublishedMethodAtItsBest) {
        {std::pair{0.01, 4.5}, {0.01, 6.0}, {0.01, 8.0}, {0.003, 6.0}, {0.03, 6.0}}) {
     published.lambda = lambda;
     published.smoothing_scale = scale;
-    const evaluation::ViewErrors errors = errors_of(refined(view, published), truth);
+    const ViewErrors errors = errors_of(refined(view, published), truth);
     best.depth_rms = std::min(best.depth_rms, errors.depth_rms);
     best.surface_normals = std::min(best.surface_normals, errors.surface_normals);
     best.normals = std::min(best.normals, errors.normals);
   }
-  const evaluation::ViewErrors ours = errors_of(refined(view), truth);
+  const ViewErrors ours = errors_of(refined(view), truth);
   EXPECT_LT(ours.depth_rms, 0.6 * best.depth_rms);
   EXPECT_LT(ours.surface_normals, 0.6 * best.surface_normals);
   EXPECT_LT(ours.normals, best.normals);
@@ -127,8 +127,7 @@ TEST(Accuracy, IsNeverWorseThanTheBetterOfTheTwoMeasurements) {
         testing::add_range_noise(view, range_noise, 1);
         testing::add_normal_noise(view, normal_noise_deg * kDegree, 2);
         testing::add_normal_bias(view, bias_deg * kDegree);
-        const evaluation::ViewErrors raw = errors_of(view, truth),
-                                     after = errors_of(refined(view), truth);
+        const ViewErrors raw = errors_of(view, truth), after = errors_of(refined(view), truth);
         const auto trace = ::testing::Message()
                            << range_noise << " " << normal_noise_deg << " " << bias_deg;
         EXPECT_LT(after.depth_rms, raw.depth_rms) << trace;

@@ -66,7 +66,7 @@ Grid<double> smoothed_noise(int width, int height, double sigma, int size, std::
 }  // namespace
 
 Surface bumpy_surface() {
-  return [](const Ray& ray) -> std::optional<simulation::SurfaceHit> {
+  return [](const Ray& ray) -> std::optional<SurfaceHit> {
     const auto start = sphere(kCentre, kRadius)(ray);
     if (!start) return std::nullopt;
     double t = start->t;
@@ -74,7 +74,7 @@ Surface bumpy_surface() {
     for (int step = 0; step < 50; ++step)
       t -= value(ray.at(t), &gradient) / gradient.dot(ray.direction);
     value(ray.at(t), &gradient);
-    return simulation::SurfaceHit{t, gradient.normalized()};
+    return SurfaceHit{t, gradient.normalized()};
   };
 }
 
@@ -127,8 +127,8 @@ void add_normal_outliers(RangeView& view, double fraction, std::uint32_t seed) {
   }
 }
 
-evaluation::ViewErrors errors_of(const RangeView& view, const RangeView& truth) {
-  evaluation::ViewErrors errors;
+ViewErrors errors_of(const RangeView& view, const RangeView& truth) {
+  ViewErrors errors;
   const Grid<Eigen::Vector3f> surface = finite_difference_normals(view, connect_samples(truth));
   std::size_t samples = 0, surface_count = 0, normal_count = 0;
   for (int v = 0; v < view.height(); ++v) {

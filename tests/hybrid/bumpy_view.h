@@ -28,7 +28,7 @@ void add_smoothed_normal_noise(RangeView& view, double sigma_rad, int size, std:
 /// Replaces a `fraction` of the normals by random ones that face the sensor.
 void add_normal_outliers(RangeView& view, double fraction, std::uint32_t seed);
 
-struct evaluation::ViewErrors {
+struct ViewErrors {
   double depth_rms = 0.0;  ///< Along the rays [unit].
   double surface_normals =
       0.0;               ///< Mean angle of the finite-difference normals to the true ones [rad].
@@ -36,6 +36,6 @@ struct evaluation::ViewErrors {
 };
 
 /// Of `view` against the noise-free `truth` on the same grid.
-evaluation::ViewErrors errors_of(const RangeView& view, const RangeView& truth);
+ViewErrors errors_of(const RangeView& view, const RangeView& truth);
 
 }  // namespace relief::testing

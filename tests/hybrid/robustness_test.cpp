@@ -92,7 +92,7 @@ TEST(Robustness, IslandsTooSmallToShowTheNoiseStayAsMeasuredUnlessItIsGiven) {
   const RangeView whole = testing::render(bumpy_surface(), bumpy_camera(192, 192));
   const RangeView view = islands(whole, 2);
   const RefinedView unknown = refined(view);
-  EXPECT_EQ(unknown.status, RefineStatus::kNoNoise);
+  EXPECT_EQ(unknown.status, RefineStatus::kNoiseUnknown);
   EXPECT_TRUE(equal_ranges(view, unknown.view));
   RefineOptions options;
   options.sigma_position = 0.3;
@@ -215,8 +215,7 @@ TEST(Robustness, RealisticSensorsComeOutBetterInEveryRespect) {
             !edges.connected(u, v, 0, -1) ||
             std::abs(view.range(u, v) - exact.range(u, v)) > 3.0 * simulation->spacing)
           inner.range(u, v) = kNoSample;
-    const evaluation::ViewErrors raw = errors_of(view, inner),
-                                 after = errors_of(refined(view).view, inner);
+    const ViewErrors raw = errors_of(view, inner), after = errors_of(refined(view).view, inner);
     EXPECT_LT(after.depth_rms, 0.75 * raw.depth_rms);
     EXPECT_LT(after.surface_normals, 0.5 * raw.surface_normals);
     EXPECT_LT(after.normals, raw.normals);

@@ -1,33 +1,23 @@
-// Simulates a few scans, aligns, refines and merges them through the installed headers only.
+// Simulates a few scans and reconstructs the model through the installed headers only.
 #include <cstdio>
-#include <utility>
-#include <vector>
 
-#include "relief/fusion/merge_views.h"
-#include "relief/hybrid/refine_view.h"
-#include "relief/registration/align_views.h"
-#include "relief/registration/align_views.h"
-#include "relief/simulation/simulate.h"
+#include <relief/reconstruction/reconstruct.h>
+#include <relief/simulation/simulate.h>
 
 int main() {
-  relief::SimulationOptions options;
+  relief::simulation::SimulationOptions options;
   options.views = 6;
   options.width = options.height = 96;
   options.mesh_divisions = 0;
-  const auto simulation = relief::simulate(options);
+  const auto simulation = relief::simulation::simulate(options);
   if (!simulation) return 1;
 
-  std::vector<relief::RangeView> views = simulation->scans.views;
-  const auto alignment = relief::align_views(views);
-  if (!alignment) return 1;
-  relief::apply_alignment(*alignment, views);
-  for (relief::RangeView& view : views) {
-    auto refined = relief::refine_view(view);
-    if (!refined) return 1;
-    view = std::move(refined->view);
+  const auto result = relief::reconstruction::reconstruct(simulation->scans.views);
+  if (!result) {
+    std::fprintf(stderr, "consumer: %s\n", result.error().message.c_str());
+    return 1;
   }
-  const auto model = relief::merge_views(views);
-  if (!model || !model->check.watertight()) return 1;
-  std::printf("consumer: a watertight model of %zu faces\n", model->check.faces);
+  if (!result->model.check.watertight()) return 1;
+  std::printf("consumer: a watertight model of %zu faces\n", result->model.check.faces);
   return 0;
 }

@@ -59,6 +59,30 @@ TEST(AlignViews, ClosesARingOfNoisyViews) {
     EXPECT_NEAR(view.world_from_view.linear().determinant(), 1.0, 1e-12);
 }
 
+TEST(AlignViews, AssociatesNearestPointsWhenAskedTo) {
+  AlignOptions options;
+  options.refinement.association = options.starting_poses.association = Association::kNearest;
+  const auto aligned = align_views(disturbed_ring(), options);
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_TRUE(aligned->complete());
+  EXPECT_LT(largest_error(*aligned), 0.1);
+}
+
+TEST(AlignViews, RefusesToProjectIntoACameraThatCannot) {
+  std::vector<RangeView> views = disturbed_ring();
+  Grid<Ray> rays(views[2].width(), views[2].height(), Ray{});
+  for (int v = 0; v < rays.height(); ++v)
+    for (int u = 0; u < rays.width(); ++u) rays(u, v) = views[2].camera.ray(u, v);
+  views[2].camera = Camera::ray_table(rays, std::nullopt);
+  views[2].name = "table";
+  AlignOptions options;
+  options.refinement.association = Association::kProjective;
+  const auto aligned = align_views(views, options);
+  ASSERT_FALSE(aligned.ok());
+  EXPECT_EQ(aligned.error().kind, ErrorKind::kBadInput);
+  EXPECT_THAT(aligned.error().message, HasSubstr("view table"));
+}
+
 TEST(AlignViews, DoesNotDependOnTheThreadCount) {
   const auto views = disturbed_ring();
   AlignOptions options;
@@ -111,7 +135,7 @@ TEST(AlignViews, ClosesARingOf24ViewsStartedFromSequentialIcp) {
                                      std::vector<ViewRole>(views.size(), ViewRole::kFree));
   EXPECT_LT(worst(closed->world_from_view), 0.1);
   EXPECT_LT(worst(closed->world_from_view), 0.8 * worst(poses_of(views)));
-  for (const auto& pair : closed->pairs) EXPECT_NE(pair.grade, PairGrade::kMisfit);
+  for (const auto& pair : closed->pairs) EXPECT_NE(pair.grade, PairStatus::kMisfit);
 }
 
 TEST(AlignViews, KeepsKnownPosesToTheBit) {

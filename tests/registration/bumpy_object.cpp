@@ -39,7 +39,7 @@ Eigen::Vector3d random_direction(std::mt19937& generator) {
 }  // namespace
 
 Surface bumpy_object(double radius, const Eigen::Vector3d& centre) {
-  return [=](const Ray& ray) -> std::optional<simulation::SurfaceHit> {
+  return [=](const Ray& ray) -> std::optional<SurfaceHit> {
     const Ray local{(ray.origin - centre) / radius, ray.direction.normalized()};
     const double middle = -local.origin.dot(local.direction);
     const double offset = local.at(middle).squaredNorm();
@@ -55,8 +55,7 @@ Surface bumpy_object(double radius, const Eigen::Vector3d& centre) {
       if (std::abs(slope) < 1e-3) return std::nullopt;
       t -= implicit_value(local.at(t)) / slope;
     }
-    return simulation::SurfaceHit{t * radius / ray.direction.norm(),
-                                  gradient(local.at(t)).normalized()};
+    return SurfaceHit{t * radius / ray.direction.norm(), gradient(local.at(t)).normalized()};
   };
 }
 
@@ -74,8 +73,8 @@ std::vector<RangeView> ring_of_views(const RingOptions& options) {
     views.push_back(
         render(bumpy_object(options.radius, options.centre), camera, look_at(eye, options.centre)));
     views.back().name = "view" + std::to_string(i);
-    simulation::add_range_noise(views.back(), options.noise * distance / focal,
-                                options.seed + static_cast<std::uint32_t>(i));
+    add_range_noise(views.back(), options.noise * distance / focal,
+                    options.seed + static_cast<std::uint32_t>(i));
   }
   return views;
 }
@@ -84,7 +83,7 @@ std::vector<RangeView> perturbed(std::vector<RangeView> views, const Eigen::Vect
                                  double angle, double shift, std::uint32_t seed) {
   std::mt19937 generator(seed);
   for (std::size_t i = 1; i < views.size(); ++i) {
-    const Eigen::AngleAxisd turn(angle, simulation::random_direction(generator));
+    const Eigen::AngleAxisd turn(angle, random_direction(generator));
     const Eigen::Vector3d move = shift * random_direction(generator);
     views[i].world_from_view = Eigen::Translation3d(centre + move) * turn *
                                Eigen::Translation3d(-centre) * views[i].world_from_view;

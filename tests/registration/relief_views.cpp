@@ -39,8 +39,7 @@ std::vector<Wave> random_waves(const EngravingOptions& options) {
 }  // namespace
 
 Surface engraved(const Surface& surface, const EngravingOptions& options) {
-  return [surface,
-          waves = random_waves(options)](const Ray& ray) -> std::optional<simulation::SurfaceHit> {
+  return [surface, waves = random_waves(options)](const Ray& ray) -> std::optional<SurfaceHit> {
     auto hit = surface(ray);
     if (!hit) return hit;
     const Eigen::Vector3d point = ray.at(hit->t);
@@ -55,14 +54,14 @@ Surface engraved(const Surface& surface, const EngravingOptions& options) {
 }
 
 Surface cylinder(double radius) {
-  return [radius](const Ray& ray) -> std::optional<simulation::SurfaceHit> {
+  return [radius](const Ray& ray) -> std::optional<SurfaceHit> {
     Eigen::Vector3d o = ray.origin, d = ray.direction;
     o.y() = d.y() = 0.0;
     const double a = d.squaredNorm(), b = d.dot(o);
     const double discriminant = b * b - a * (o.squaredNorm() - radius * radius);
     if (discriminant < 0.0) return std::nullopt;
     const double t = (-b - std::sqrt(discriminant)) / a;
-    return simulation::SurfaceHit{t, (o + t * d) / radius};
+    return SurfaceHit{t, (o + t * d) / radius};
   };
 }
 
@@ -88,8 +87,8 @@ void add_flaws(RangeView& view, const SensorFlaws& flaws, std::uint32_t seed) {
                 .cast<float>();
     }
   }
-  simulation::add_range_noise(view, flaws.range_noise * sample_spacing(view), seed);
-  simulation::add_normal_noise(view, flaws.normal_noise_deg * kRadians, seed + 500);
+  add_range_noise(view, flaws.range_noise * sample_spacing(view), seed);
+  add_normal_noise(view, flaws.normal_noise_deg * kRadians, seed + 500);
 }
 
 double mean_displacement(const RangeView& view, const RigidMotion& a, const RigidMotion& b) {

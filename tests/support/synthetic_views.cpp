@@ -8,21 +8,21 @@
 namespace relief::testing {
 
 Surface plane(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
-  return [=](const Ray& ray) -> std::optional<simulation::SurfaceHit> {
+  return [=](const Ray& ray) -> std::optional<SurfaceHit> {
     const double slope = ray.direction.dot(normal);
     if (slope == 0.0) return std::nullopt;
-    return simulation::SurfaceHit{(point - ray.origin).dot(normal) / slope, normal.normalized()};
+    return SurfaceHit{(point - ray.origin).dot(normal) / slope, normal.normalized()};
   };
 }
 
 Surface sphere(const Eigen::Vector3d& centre, double radius) {
-  return [=](const Ray& ray) -> std::optional<simulation::SurfaceHit> {
+  return [=](const Ray& ray) -> std::optional<SurfaceHit> {
     const Eigen::Vector3d from_centre = ray.origin - centre;
     const double a = ray.direction.squaredNorm(), b = ray.direction.dot(from_centre);
     const double discriminant = b * b - a * (from_centre.squaredNorm() - radius * radius);
     if (discriminant < 0.0) return std::nullopt;
     const double t = (-b - std::sqrt(discriminant)) / a;
-    return simulation::SurfaceHit{t, (ray.at(t) - centre) / radius};
+    return SurfaceHit{t, (ray.at(t) - centre) / radius};
   };
 }
 

@@ -11,13 +11,13 @@
 namespace relief::testing {
 
 /// A point of a surface and its unit outward normal.
-struct simulation::SurfaceHit {
+struct SurfaceHit {
   double t = 0.0;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 
 /// Where a ray of the world frame first meets a surface, if it does.
-using Surface = std::function<std::optional<simulation::SurfaceHit>(const Ray& ray_in_world)>;
+using Surface = std::function<std::optional<SurfaceHit>(const Ray& ray_in_world)>;
 
 Surface plane(const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
 Surface sphere(const Eigen::Vector3d& centre, double radius);

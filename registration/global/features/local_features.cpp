@@ -86,8 +86,7 @@ Eigen::Matrix<float, kNumbers, Eigen::Dynamic> histograms_at(const ResampledView
 
 }  // namespace
 
-LocalFeatures describe_locally(const ResampledView& view, double small_radius,
-                               double large_radius) {
+LocalFeatures compute_fpfh(const ResampledView& view, double small_radius, double large_radius) {
   LocalFeatures features(2 * kNumbers, view.size());
   features.topRows<kNumbers>() = histograms_at(view, small_radius);
   features.bottomRows<kNumbers>() = histograms_at(view, large_radius);

@@ -12,6 +12,6 @@ using LocalFeatures = Eigen::MatrixXf;
 
 /// Fast point feature histograms (Rusu et al. 2009) of the points of `view` at two radii [unit],
 /// each of length 1. Bins are finer about zero, where smooth objects have most of their angles.
-LocalFeatures describe_locally(const ResampledView& view, double small_radius, double large_radius);
+LocalFeatures compute_fpfh(const ResampledView& view, double small_radius, double large_radius);
 
 }  // namespace relief::registration

@@ -13,7 +13,7 @@ namespace relief::registration {
 namespace {
 
 constexpr int kFaces = 4;  // Prisms show as many at once.
-constexpr double kPlainFraction = 0.85;
+constexpr double kPlanarFraction = 0.85;
 
 constexpr std::size_t kProbes = 800, kSeeds = 40;
 // How far from a plane its samples are: noise, and what sampling and calibration add.
@@ -84,6 +84,8 @@ double planar_fraction(const ViewSurface& view, int planes) {
   return 1.0 - static_cast<double>(points.size()) / static_cast<double>(all);
 }
 
-bool is_plain(const ViewSurface& view) { return planar_fraction(view, kFaces) >= kPlainFraction; }
+bool is_mostly_planar(const ViewSurface& view) {
+  return planar_fraction(view, kFaces) >= kPlanarFraction;
+}
 
 }  // namespace relief::registration

@@ -10,6 +10,6 @@ double planar_fraction(const ViewSurface& view, int planes);
 
 /// Whether a view shows hardly more than flat faces: corners and edges of boxes and prisms, which
 /// look alike wherever faces meet at equal angles.
-bool is_plain(const ViewSurface& view);
+bool is_mostly_planar(const ViewSurface& view);
 
 }  // namespace relief::registration

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "registration/pairwise/robust.h"
+#include "scan/base/cell_key.h"
 
 namespace relief::registration {
 
@@ -27,14 +28,10 @@ double robust_radius(const ViewSurface& surface) {
   return quantile(std::move(distances), 0.9);
 }
 
-std::uint64_t cell_key(const Eigen::Vector3d& offset, double cell) {
+std::uint64_t cell_of(const Eigen::Vector3d& offset, double cell) {
   constexpr std::int64_t kHalf = 1 << 20;
-  std::uint64_t key = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double index = std::clamp(std::floor(offset[k] / cell), -1e6, 1e6);
-    key = (key << 21) | static_cast<std::uint64_t>(static_cast<std::int64_t>(index) + kHalf);
-  }
-  return key;
+  const auto index = (offset / cell).array().floor().max(-1e6).min(1e6).cast<std::int64_t>().eval();
+  return cell_key(index.z() + kHalf, index.y() + kHalf, index.x() + kHalf);
 }
 
 }  // namespace
@@ -61,7 +58,7 @@ ResampledView resample(const ViewSurface& surface, double cell) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t index = surface.samples()[i];
-    keyed[i] = {cell_key(surface.sample(index).point - surface.centre(), cell), index};
+    keyed[i] = {cell_of(surface.sample(index).point - surface.centre(), cell), index};
   }
   std::sort(keyed.begin(), keyed.end());
 

@@ -12,24 +12,24 @@ namespace relief::registration {
 
 /// What the residuals on each patch of the surface pull each view by, all pairs together: one entry
 /// for a patch and a view that sees it, however many pairs meet there.
-class PatchPulls {
+class ClusterScores {
  public:
   /// Edge of larger patches over that of the patches they are made of.
   static constexpr double kLarger = 4.0;
 
-  explicit PatchPulls(std::size_t views) : of_view_(views) {}
+  explicit ClusterScores(std::size_t views) : of_view_(views) {}
 
   /// Adds the patches of a pair: to the source as they are, to the target with the other sign.
   void add(const PairInformation& pair);
 
   /// The same for patches of several times the edge.
-  PatchPulls on_larger_patches() const;
+  ClusterScores on_larger_clusters() const;
 
   /// Of one view on one patch.
   struct Entry {
     std::uint64_t patch;
     std::size_t view;
-    RigidTangent pull;
+    RigidTangent score;
   };
   /// All, by patch and then by view.
   std::vector<Entry> sorted() const;

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 
 #include "registration/pairwise/robust.h"
+#include "scan/base/cell_key.h"
 
 namespace relief::registration {
 
@@ -14,14 +15,10 @@ namespace {
 
 constexpr std::size_t kBatch = 4096;
 
-// The cube of a lattice that holds `p`: 21 bits a coordinate.
+// The cube of a lattice that holds `p`.
 std::uint64_t patch_of(const Eigen::Vector3d& p, double edge) {
-  std::uint64_t key = 0;
-  for (int k = 0; k < 3; ++k) {
-    const auto cell = static_cast<std::int64_t>(std::floor(p[k] / edge));
-    key = (key << 21) | (static_cast<std::uint64_t>(cell) & 0x1fffffU);
-  }
-  return key;
+  const auto cell = (p / edge).array().floor().cast<std::int64_t>().eval();
+  return cell_key(cell.z(), cell.y(), cell.x());
 }
 
 class Accumulator {
@@ -35,11 +32,11 @@ class Accumulator {
     j << point.cross(normal), normal;
     const double r = scale * distance;
     const double w = cauchy_weight(r, kCauchyScale);
-    const RigidTangent pull = (w * scale * r) * j;
+    const RigidTangent score = (w * scale * r) * j;
     sum_.information.noalias() += (w * scale * scale) * j * j.transpose();
-    sum_.pull += pull;
+    sum_.score += score;
     ++sum_.count;
-    if (patch_ > 0.0) add_to_patch(patch_of(point, patch_), pull);
+    if (patch_ > 0.0) add_to_patch(patch_of(point, patch_), score);
   }
 
   void finish() {
@@ -48,10 +45,10 @@ class Accumulator {
   }
 
  private:
-  void add_to_patch(std::uint64_t key, const RigidTangent& pull) {
+  void add_to_patch(std::uint64_t key, const RigidTangent& score) {
     const auto [place, is_new] = place_of_.try_emplace(key, sum_.patches.size());
     if (is_new) sum_.patches.push_back({key, RigidTangent::Zero()});
-    sum_.patches[place->second].pull += pull;
+    sum_.patches[place->second].score += score;
   }
 
   PairInformation& sum_;
@@ -123,7 +120,7 @@ void add_normals(const NormalMatches& normals, const RigidMotion& world_from_tar
   centred_from_target.translation() -= centre;
   const double precision = 1.0 / (normals.effective_sigma * normals.effective_sigma);
   Matrix6d information = Matrix6d::Zero();
-  RigidTangent pull = RigidTangent::Zero();
+  RigidTangent score = RigidTangent::Zero();
   for (const NormalMatch& in_target : normals.items) {
     const NormalMatch match = in_target.moved(centred_from_target);
     for (int k = 0; k < 2; ++k) {
@@ -135,12 +132,12 @@ void add_normals(const NormalMatches& normals, const RigidMotion& world_from_tar
       // Products of both views' gradients: the noise of either alone would count as relief.
       const RigidTangent s = j(match.source_gradient), t = j(match.target_gradient);
       information += 0.5 * weight * (s * t.transpose() + t * s.transpose());
-      pull += weight * match.residual[k] * j(match.gradient());
+      score += weight * match.residual[k] * j(match.gradient());
     }
   }
   sum.information += information;
   sum.independent += information;
-  sum.pull += pull + information * since;
+  sum.score += score + information * since;
 }
 
 void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen::Vector3d& centre,
@@ -165,8 +162,8 @@ void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen
       ignored * (ignored.transpose() * weighted).ldlt().solve(weighted.transpose());
   sum.information = rest.transpose() * sum.information * rest;
   sum.independent = rest.transpose() * sum.independent * rest;
-  sum.pull = rest.transpose() * sum.pull;
-  for (PatchPull& patch : sum.patches) patch.pull = rest.transpose() * patch.pull;
+  sum.score = rest.transpose() * sum.score;
+  for (PatchPull& patch : sum.patches) patch.score = rest.transpose() * patch.score;
 }
 
 }  // namespace relief::registration

@@ -18,7 +18,7 @@ namespace relief::registration {
 /// What the residuals on one patch of the surface pull: sum of w r j.
 struct PatchPull {
   std::uint64_t patch = 0;
-  RigidTangent pull = RigidTangent::Zero();
+  RigidTangent score = RigidTangent::Zero();
 };
 
 /// All residuals of one directed pair of views, compressed to what a Gauss-Newton step needs. A
@@ -28,9 +28,9 @@ struct PatchPull {
 /// so that one 6x6 matrix serves both views (R11).
 struct PairInformation {
   std::size_t source = 0, target = 0;
-  Matrix6d information = Matrix6d::Zero();   ///< sum of w j j^T, w the robust weight.
-  RigidTangent pull = RigidTangent::Zero();  ///< sum of w r j.
-  std::size_t count = 0;                     ///< Residuals.
+  Matrix6d information = Matrix6d::Zero();    ///< sum of w j j^T, w the robust weight.
+  RigidTangent score = RigidTangent::Zero();  ///< sum of w r j.
+  std::size_t count = 0;                      ///< Residuals.
   /// The part of the information whose residuals count as independent: that of normal maps, whose
   /// deviation tells what neighbours share.
   Matrix6d independent = Matrix6d::Zero();

@@ -48,7 +48,7 @@ RigidMotion moved(const RigidMotion& world_from_view, const RigidTangent& tangen
 class MovingPairs {
  public:
   MovingPairs(const std::vector<const ViewSurface*>& surfaces, const std::vector<ViewPair>& pairs,
-              const DenseRefinementOptions& options, std::vector<RigidMotion> world_from_view)
+              const PoseGraphRefinementOptions& options, std::vector<RigidMotion> world_from_view)
       : surfaces_(surfaces),
         pairs_(pairs),
         options_(options),
@@ -79,9 +79,9 @@ class MovingPairs {
 
   /// The same; what patches of edge `patch` [unit] pull is added up and not kept pair by pair.
   std::vector<PairInformation> compress(std::size_t samples, double patch,
-                                        PatchPulls& pulls) const {
+                                        ClusterScores& scores) const {
     return compress_all(samples, patch, [&](PairInformation& pair) {
-      pulls.add(pair);
+      scores.add(pair);
       pair.patches = {};
     });
   }
@@ -141,7 +141,7 @@ class MovingPairs {
 
   const std::vector<const ViewSurface*>& surfaces_;
   const std::vector<ViewPair>& pairs_;
-  const DenseRefinementOptions& options_;
+  const PoseGraphRefinementOptions& options_;
   PairInformationOptions compression_;
   std::vector<double> sigmas_;  // Of directed pairs [unit].
   std::vector<RigidMotion> start_, poses_;
@@ -149,35 +149,37 @@ class MovingPairs {
 };
 
 // What a step of one standard deviation changes, relative to what Gauss-Newton expects.
-double response_at(const MovingPairs& views, const std::vector<const ViewSurface*>& surfaces,
-                   const std::vector<bool>& held, std::size_t samples) {
+double step_gain_at(const MovingPairs& views, const std::vector<const ViewSurface*>& surfaces,
+                    const std::vector<bool>& held, std::size_t samples) {
   const auto here = views.compress(samples);
-  const PoseNetwork network(surfaces, here, held, views.centre());
-  const auto probe = network.probe();
+  const PoseGraphSystem system(surfaces, here, held, views.centre());
+  const auto random_perturbation = system.random_perturbation();
   MovingPairs beside = views;
-  beside.move(probe);
-  return network.response(beside.compress(samples), probe);
+  beside.move(random_perturbation);
+  return system.step_gain(beside.compress(samples), random_perturbation);
 }
 
 // Where renewed correspondences give way, Gauss-Newton falls short.
-std::vector<RigidTangent> newton_step(const PoseNetwork& network, double response) {
-  auto step = network.step();
-  for (auto& tangent : step) tangent /= response;
+std::vector<RigidTangent> newton_step(const PoseGraphSystem& system, double step_gain) {
+  auto step = system.step();
+  for (auto& tangent : step) tangent /= step_gain;
   return step;
 }
 
 // Steps until the poses rest. The response to one is the scale of the next (Barzilai and Borwein
 // 1988).
 void approach(const std::vector<const ViewSurface*>& surfaces, const std::vector<bool>& held,
-              const DenseRefinementOptions& options, MovingPairs& views, DenseRefinement& result) {
+              const PoseGraphRefinementOptions& options, MovingPairs& views,
+              PoseGraphRefinement& result) {
   std::vector<PairInformation> before;
   std::vector<RigidTangent> step;
   do {
     auto pairs = views.compress(options.step_samples);
-    const double response =
-        before.empty() ? 1.0
-                       : PoseNetwork(surfaces, before, held, views.centre()).response(pairs, step);
-    step = newton_step(PoseNetwork(surfaces, pairs, held, views.centre()), response);
+    const double step_gain =
+        before.empty()
+            ? 1.0
+            : PoseGraphSystem(surfaces, before, held, views.centre()).step_gain(pairs, step);
+    step = newton_step(PoseGraphSystem(surfaces, pairs, held, views.centre()), step_gain);
     before = std::move(pairs);
     result.last_motion = views.move(step);
     ++result.iterations;
@@ -186,21 +188,22 @@ void approach(const std::vector<const ViewSurface*>& surfaces, const std::vector
 
 }  // namespace
 
-DenseRefinement refine_densely(const std::vector<const ViewSurface*>& surfaces,
-                               const std::vector<ViewPair>& pairs, const std::vector<bool>& held,
-                               const DenseRefinementOptions& options,
-                               std::vector<RigidMotion>& world_from_view) {
-  DenseRefinement result;
+PoseGraphRefinement refine_pose_graph(const std::vector<const ViewSurface*>& surfaces,
+                                      const std::vector<ViewPair>& pairs,
+                                      const std::vector<bool>& held,
+                                      const PoseGraphRefinementOptions& options,
+                                      std::vector<RigidMotion>& world_from_view) {
+  PoseGraphRefinement result;
   MovingPairs views(surfaces, pairs, options, world_from_view);
   approach(surfaces, held, options, views, result);
   views.measure_deviations();
-  const double response = response_at(views, surfaces, held, options.step_samples);
-  PatchPulls pulls(surfaces.size());
+  const double step_gain = step_gain_at(views, surfaces, held, options.step_samples);
+  ClusterScores scores(surfaces.size());
   const auto all =
-      views.compress(options.last_samples, options.patch * median_spacing(surfaces), pulls);
-  const PoseNetwork network(surfaces, all, held, views.centre());
-  result.covariance = network.covariance(views.poses(), pulls, response);
-  views.move(newton_step(network, response));
+      views.compress(options.last_samples, options.patch * median_spacing(surfaces), scores);
+  const PoseGraphSystem system(surfaces, all, held, views.centre());
+  result.covariance = system.covariance(views.poses(), scores, step_gain);
+  views.move(newton_step(system, step_gain));
   ++result.iterations;
   world_from_view = views.poses();
   return result;

@@ -13,7 +13,7 @@
 
 namespace relief::registration {
 
-struct DenseRefinementOptions {
+struct PoseGraphRefinementOptions {
   /// Of the search; `count` correspondences measure the deviation of each directed pair.
   CorrespondenceOptions search;
   /// Samples of the source, per direction of a pair, at most: of the steps, and of the last one,
@@ -32,22 +32,23 @@ struct DenseRefinementOptions {
   int threads = 0;  ///< 0: one per core. Never changes the result.
 };
 
-struct DenseRefinement {
+struct PoseGraphRefinement {
   int iterations = 0;
   double last_motion = 0.0;    ///< Largest motion of a sample before the last step [unit].
-  Eigen::MatrixXd covariance;  ///< Of all poses, 6V x 6V: see PoseNetwork::covariance().
+  Eigen::MatrixXd covariance;  ///< Of all poses, 6V x 6V: see PoseGraphSystem::covariance().
 };
 
 /// The last steps of the joint refinement, from nearly right poses: Gauss-Newton on the residuals
 /// (R3) of thousands of samples a pair and at last of all, each pair compressed to its 6x6
 /// information while its correspondences are found (R11), so that nothing is kept per residual.
 /// `held` views do not move.
-DenseRefinement refine_densely(const std::vector<const ViewSurface*>& surfaces,
-                               const std::vector<ViewPair>& pairs, const std::vector<bool>& held,
-                               const DenseRefinementOptions& options,
-                               std::vector<RigidMotion>& world_from_view);
+PoseGraphRefinement refine_pose_graph(const std::vector<const ViewSurface*>& surfaces,
+                                      const std::vector<ViewPair>& pairs,
+                                      const std::vector<bool>& held,
+                                      const PoseGraphRefinementOptions& options,
+                                      std::vector<RigidMotion>& world_from_view);
 
-/// The views as refine_densely() takes them.
+/// The views as refine_pose_graph() takes them.
 std::vector<const ViewSurface*> pointers_to(const std::vector<ViewSurface>& surfaces);
 
 /// The largest distance [unit] that a sample moves between two sets of poses, from above.

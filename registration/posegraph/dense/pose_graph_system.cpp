@@ -46,9 +46,9 @@ void add_edge(const Matrix6d& block, const PairInformation& pair, Eigen::MatrixX
 
 }  // namespace
 
-PoseNetwork::PoseNetwork(const std::vector<const ViewSurface*>& surfaces,
-                         const std::vector<PairInformation>& pairs, const std::vector<bool>& held,
-                         const Eigen::Vector3d& centre)
+PoseGraphSystem::PoseGraphSystem(const std::vector<const ViewSurface*>& surfaces,
+                                 const std::vector<PairInformation>& pairs,
+                                 const std::vector<bool>& held, const Eigen::Vector3d& centre)
     : surfaces_(surfaces), pairs_(pairs), centre_(centre) {
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     prior_.push_back(prior_precision(*surfaces[i]));
@@ -56,7 +56,7 @@ PoseNetwork::PoseNetwork(const std::vector<const ViewSurface*>& surfaces,
   }
 }
 
-Eigen::MatrixXd PoseNetwork::information(double factor) const {
+Eigen::MatrixXd PoseGraphSystem::information(double factor) const {
   const Eigen::Index size = row_of(surfaces_.size());
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
@@ -66,65 +66,66 @@ Eigen::MatrixXd PoseNetwork::information(double factor) const {
   return sum;
 }
 
-Eigen::MatrixXd PoseNetwork::scatter(const PatchPulls& pulls) const {
+Eigen::MatrixXd PoseGraphSystem::scatter(const ClusterScores& scores) const {
   const Eigen::Index size = row_of(surfaces_.size());
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
     sum.diagonal().segment<6>(row_of(i)) = prior_[i];
-  const auto entries = pulls.sorted();
+  const auto entries = scores.sorted();
   std::size_t patches = 0;
   for (auto begin = entries.begin(); begin != entries.end(); ++patches) {
     const auto end = std::find_if(begin, entries.end(),
                                   [&](const auto& entry) { return entry.patch != begin->patch; });
     for (auto a = begin; a != end; ++a)
       for (auto b = begin; b != end; ++b)
-        sum.block<6, 6>(row_of(a->view), row_of(b->view)) += a->pull * b->pull.transpose();
+        sum.block<6, 6>(row_of(a->view), row_of(b->view)) += a->score * b->score.transpose();
     begin = end;
   }
   // The poses were fitted to these pulls, which took as many degrees of freedom from them.
   const auto count = static_cast<double>(patches), fitted = static_cast<double>(free_.size());
-  sum *= growth(pulls) * std::min(2.0, count / std::max(1.0, count - fitted));
+  sum *= variance_inflation(scores) * std::min(2.0, count / std::max(1.0, count - fitted));
   for (const auto& pair : pairs_) add_edge(pair.independent, pair, sum);
   return sum;
 }
 
 // The sum of the squared pulls, each relative to what its view's information makes it scatter by.
-double PoseNetwork::spread(const PatchPulls& pulls) const {
+double PoseGraphSystem::spread(const ClusterScores& scores) const {
   const Eigen::MatrixXd all = information(1.0);
   std::vector<Matrix6d> variance;  // Of a pose, were all other views held.
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
     variance.push_back(solve_scaled(all.block<6, 6>(row_of(i), row_of(i)), Matrix6d::Identity()));
   double sum = 0.0;
-  for (const auto& entry : pulls.sorted()) sum += entry.pull.dot(variance[entry.view] * entry.pull);
+  for (const auto& entry : scores.sorted())
+    sum += entry.score.dot(variance[entry.view] * entry.score);
   return sum;
 }
 
-double PoseNetwork::growth(const PatchPulls& pulls) const {
-  const double apart = spread(pulls);
-  return apart > 0.0 ? std::max(1.0, spread(pulls.on_larger_patches()) / apart) : 1.0;
+double PoseGraphSystem::variance_inflation(const ClusterScores& scores) const {
+  const double apart = spread(scores);
+  return apart > 0.0 ? std::max(1.0, spread(scores.on_larger_clusters()) / apart) : 1.0;
 }
 
-Eigen::VectorXd PoseNetwork::pull_of(const std::vector<PairInformation>& pairs) const {
-  Eigen::VectorXd pull = Eigen::VectorXd::Zero(row_of(surfaces_.size()));
+Eigen::VectorXd PoseGraphSystem::score_of(const std::vector<PairInformation>& pairs) const {
+  Eigen::VectorXd score = Eigen::VectorXd::Zero(row_of(surfaces_.size()));
   for (const auto& pair : pairs) {
-    pull.segment<6>(row_of(pair.source)) += pair.pull;
-    pull.segment<6>(row_of(pair.target)) -= pair.pull;
+    score.segment<6>(row_of(pair.source)) += pair.score;
+    score.segment<6>(row_of(pair.target)) -= pair.score;
   }
-  return pull;
+  return score;
 }
 
-std::vector<RigidTangent> PoseNetwork::step() const {
+std::vector<RigidTangent> PoseGraphSystem::step() const {
   std::vector<RigidTangent> steps(surfaces_.size(), RigidTangent::Zero());
   if (free_.empty()) return steps;
   const Eigen::VectorXd moved =
-      solve_scaled(information(1.0)(free_, free_), -pull_of(pairs_)(free_));
+      solve_scaled(information(1.0)(free_, free_), -score_of(pairs_)(free_));
   for (std::size_t k = 0; k < free_.size(); ++k)
     steps[static_cast<std::size_t>(free_[k] / 6)][free_[k] % 6] =
         moved[static_cast<Eigen::Index>(k)];
   return steps;
 }
 
-std::vector<RigidTangent> PoseNetwork::probe() const {
+std::vector<RigidTangent> PoseGraphSystem::random_perturbation() const {
   std::vector<RigidTangent> tangents(surfaces_.size(), RigidTangent::Zero());
   const Eigen::VectorXd information_of = information(1.0).diagonal();
   std::uint64_t bits = 0x9e3779b97f4a7c15U;  // A linear congruence scatters them (Knuth 1997).
@@ -139,9 +140,9 @@ std::vector<RigidTangent> PoseNetwork::probe() const {
   return tangents;
 }
 
-double PoseNetwork::response(const std::vector<PairInformation>& moved,
-                             const std::vector<RigidTangent>& tangents) const {
-  const Eigen::VectorXd change = pull_of(moved) - pull_of(pairs_);
+double PoseGraphSystem::step_gain(const std::vector<PairInformation>& moved,
+                                  const std::vector<RigidTangent>& tangents) const {
+  const Eigen::VectorXd change = score_of(moved) - score_of(pairs_);
   double found = 0.0, expected = 0.0;
   for (const auto& pair : pairs_) {
     const RigidTangent relative = tangents[pair.source] - tangents[pair.target];
@@ -154,14 +155,14 @@ double PoseNetwork::response(const std::vector<PairInformation>& moved,
   return expected > 0.0 ? std::clamp(found / expected, kLeast, kMost) : kMost;
 }
 
-Eigen::MatrixXd PoseNetwork::covariance(const std::vector<RigidMotion>& world_from_view,
-                                        const PatchPulls& pulls, double response) const {
+Eigen::MatrixXd PoseGraphSystem::covariance(const std::vector<RigidMotion>& world_from_view,
+                                            const ClusterScores& scores, double step_gain) const {
   const Eigen::Index size = row_of(surfaces_.size());
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
   if (free_.empty()) return result;
   // (R12): A^-1 B A^-1.
-  const Eigen::MatrixXd a = information(response)(free_, free_);
-  const Eigen::MatrixXd half = solve_scaled(a, scatter(pulls)(free_, free_));
+  const Eigen::MatrixXd a = information(step_gain)(free_, free_);
+  const Eigen::MatrixXd half = solve_scaled(a, scatter(scores)(free_, free_));
   const Eigen::MatrixXd covariance = solve_scaled(a, half.transpose());
   result(free_, free_) = 0.5 * (covariance + covariance.transpose());
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {

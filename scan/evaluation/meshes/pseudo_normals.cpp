@@ -26,7 +26,7 @@ Eigen::Vector3d PseudoNormals::at(std::uint32_t face, const Eigen::Vector3d& wei
     if (weights[k] == 1.0) return at_vertex(corners[k]);
   for (int k = 0; k < 3; ++k)
     if (weights[k] == 0.0) return at_edge(corners[(k + 1) % 3], corners[(k + 2) % 3]);
-  return simulation::unit_normal(face);
+  return unit_normal(face);
 }
 
 Eigen::Vector3d PseudoNormals::at_vertex(std::uint32_t vertex) const {
@@ -47,7 +47,7 @@ Eigen::Vector3d PseudoNormals::at_edge(std::uint32_t a, std::uint32_t b) const {
   for (std::uint32_t i = begin_[a]; i < begin_[a + 1]; ++i) {
     const TriangleMesh::Face& corners = mesh_->faces[faces_[i]];
     if (std::find(corners.begin(), corners.end(), b) != corners.end())
-      sum += simulation::unit_normal(faces_[i]);
+      sum += unit_normal(faces_[i]);
   }
   return sum;
 }

@@ -19,20 +19,20 @@ namespace relief {
 namespace {
 
 // Keeps what a VTK object reports, instead of its printing it on standard error.
-class Complaints : public vtkCommand {
+class VtkErrorObserver : public vtkCommand {
  public:
-  static Complaints* New() { return new Complaints; }
+  static VtkErrorObserver* New() { return new VtkErrorObserver; }
   void Execute(vtkObject*, unsigned long event, void* data) override {
     if (event == vtkCommand::ErrorEvent && data) text = static_cast<const char*>(data);
   }
   std::string text;
 };
 
-vtkSmartPointer<Complaints> observe(vtkObject* object) {
-  auto complaints = vtkSmartPointer<Complaints>::New();
-  object->AddObserver(vtkCommand::ErrorEvent, complaints);
-  object->AddObserver(vtkCommand::WarningEvent, complaints);
-  return complaints;
+vtkSmartPointer<VtkErrorObserver> observe(vtkObject* object) {
+  auto vtk_errors = vtkSmartPointer<VtkErrorObserver>::New();
+  object->AddObserver(vtkCommand::ErrorEvent, vtk_errors);
+  object->AddObserver(vtkCommand::WarningEvent, vtk_errors);
+  return vtk_errors;
 }
 
 // The last line of VTK's several: the first ones name its source file.
@@ -90,13 +90,13 @@ vtkSmartPointer<vtkPolyData> poly_data_of(const TriangleMesh& mesh) {
 
 Result<std::string> encode_vtp_mesh(const TriangleMesh& mesh) {
   vtkNew<vtkXMLPolyDataWriter> writer;
-  const auto complaints = observe(writer);
+  const auto vtk_errors = observe(writer);
   writer->SetInputData(poly_data_of(mesh));
   writer->WriteToOutputStringOn();
   writer->SetDataModeToAppended();
   writer->EncodeAppendedDataOff();
-  if (writer->Write() != 1 || !complaints->text.empty())
-    return Error{ErrorKind::kCannotWrite, "VTK: " + reason(complaints->text)};
+  if (writer->Write() != 1 || !vtk_errors->text.empty())
+    return Error{ErrorKind::kCannotWrite, "VTK: " + reason(vtk_errors->text)};
   return writer->GetOutputString();
 }
 

@@ -6,11 +6,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "relief/io/project_io.h"
 #include "scan/io/files/atomic_file.h"
-#include "scan/io/images/image_io.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/grids/ply_grid_writer.h"
-#include "relief/io/project_io.h"
+#include "scan/io/images/image_io.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {
@@ -232,14 +232,6 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-const RangeView* find_view(const ScanProject& project, const std::string& name) {
-  for (const auto& view : project.views)
-    if (view.name == name) return &view;
-  return nullptr;
-}
-
-// A scan.json whose file names are relative to `file` instead of `source`, with only the views of
-// `project` and their poses.
 Result<json> updated_document(const ScanProject& project, const fs::path& source,
                               const fs::path& file) {
   auto text = read_file(source);
@@ -291,16 +283,17 @@ std::optional<fs::path> scan_json_of(const fs::path& source) {
 
 }  // namespace
 
-Result<void> write_project(const ScanProject& project, const fs::path& folder,
-                           const Progress& progress, const WriteProjectOptions& options) {
+Result<void> write_project(const std::vector<RangeView>& views, const std::string& unit,
+                           const fs::path& folder, const Progress& progress,
+                           const WriteProjectOptions& options) {
   std::error_code code;
   fs::create_directories(folder, code);
   if (code) return cannot_write(folder, "cannot create the folder: " + code.message());
-  json document = project_json(project.unit);
+  json document = project_json(unit);
   std::set<std::string> stems;
-  for (std::size_t i = 0; i < project.views.size(); ++i) {
-    const RangeView& view = project.views[i];
-    const double fraction = static_cast<double>(i) / static_cast<double>(project.views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const RangeView& view = views[i];
+    const double fraction = static_cast<double>(i) / static_cast<double>(views.size());
     if (!report_progress(progress, fraction, "writing views"))
       return Error{ErrorKind::kInterrupted, folder.string() + ": writing was interrupted"};
     json entry = {{"name", view.name}};
@@ -315,6 +308,11 @@ Result<void> write_project(const ScanProject& project, const fs::path& folder,
   }
   // Last: the folder is a project only when all it names is there.
   return write_file(folder / "scan.json", document.dump(1) + "\n");
+}
+
+Result<void> write_project(const ScanProject& project, const fs::path& folder,
+                           const Progress& progress, const WriteProjectOptions& options) {
+  return write_project(project.views, project.unit, folder, progress, options);
 }
 
 Result<void> write_project_poses(const ScanProject& project, const fs::path& source,

@@ -21,7 +21,7 @@ void for_each_sample(const RangeView& view, int threads, const Body& body) {
 /// The same for pixels that also have a normal.
 template <typename Body>
 void for_each_normal(const RangeView& view, int threads, const Body& body) {
-  hybrid::for_each_sample(view, threads, [&](int u, int v) {
+  for_each_sample(view, threads, [&](int u, int v) {
     if (view.has_normal(u, v)) body(u, v);
   });
 }

@@ -64,7 +64,7 @@ void add_glare(RangeView& view, const Glare& glare, const SensorScene& scene) {
   const Grid<double> noise = pixel_noise(view.width(), view.height(), kCorrelation,
                                          scene.of_view(kGlareNoise), scene.threads);
   const double width = radians(glare.width_deg), size = glare.range_error * scene.spacing;
-  hybrid::for_each_sample(view, scene.threads, [&](int u, int v) {
+  for_each_sample(view, scene.threads, [&](int u, int v) {
     if (scene.sees_background(u, v)) return;
     const Eigen::Vector3d direction = view.camera.ray(u, v).direction;
     const Highlight found =

@@ -21,7 +21,7 @@ Grid<double> view_warp_field(const RangeView& view, const SensorScene& scene) {
   const CalibrationWarp warp(scene.of_view(kViewWarp));
   Grid<double> field(view.width(), view.height(), 0.0);
   double squares = 0.0, count = 0.0;
-  hybrid::for_each_sample(view, 1, [&](int u, int v) {
+  for_each_sample(view, 1, [&](int u, int v) {
     field(u, v) = warp.at(image_coordinate(u, view.width()), image_coordinate(v, view.height()));
     squares += field(u, v) * field(u, v);
     count += 1.0;
@@ -33,14 +33,14 @@ Grid<double> view_warp_field(const RangeView& view, const SensorScene& scene) {
 
 void add_view_warp(RangeView& view, double size, const SensorScene& scene) {
   const Grid<double> field = view_warp_field(view, scene);
-  hybrid::for_each_sample(view, scene.threads,
-                          [&](int u, int v) { view.range(u, v) += size * field(u, v); });
+  for_each_sample(view, scene.threads,
+                  [&](int u, int v) { view.range(u, v) += size * field(u, v); });
 }
 
 void throw_off(RangeView& view, const ScanDefects& defects, const SensorScene& scene) {
   const CounterRandom random = random_of(scene, kOutliers);
   const double size = defects.outlier_distance * scene.spacing;
-  hybrid::for_each_sample(view, scene.threads, [&](int u, int v) {
+  for_each_sample(view, scene.threads, [&](int u, int v) {
     const std::size_t pixel = view.range.index(u, v);
     if (random.uniform(4 * pixel) >= defects.outlier_fraction) return;
     const double range = view.range[pixel] + size * random.normal(2 * pixel + 1) /
@@ -50,14 +50,14 @@ void throw_off(RangeView& view, const ScanDefects& defects, const SensorScene& s
 }
 
 void quantise(RangeView& view, double step, int threads) {
-  hybrid::for_each_sample(view, threads, [&](int u, int v) {
+  for_each_sample(view, threads, [&](int u, int v) {
     view.range(u, v) = step * std::round(view.range(u, v) / step);
   });
 }
 
 void lose_at_random(RangeView& view, double fraction, const SensorScene& scene) {
   const CounterRandom random = random_of(scene, kMissingSamples);
-  hybrid::for_each_sample(view, scene.threads, [&](int u, int v) {
+  for_each_sample(view, scene.threads, [&](int u, int v) {
     if (random.uniform(view.range.index(u, v)) < fraction) lose_sample(view, u, v);
   });
 }
@@ -122,8 +122,7 @@ void miscalibrate(RangeView& view, const ScanDefects& defects) {
     view.camera = Camera::pinhole(view.width(), view.height(), stated);
   }
   if (defects.scale_factor != 1.0)
-    hybrid::for_each_sample(view, 1,
-                            [&](int u, int v) { view.range(u, v) *= defects.scale_factor; });
+    for_each_sample(view, 1, [&](int u, int v) { view.range(u, v) *= defects.scale_factor; });
 }
 
 }  // namespace relief::simulation

@@ -144,7 +144,7 @@ void scan_by_shading(RangeView& view, const PhotometricStereo& camera, const Sen
       normal_distortion(camera, scene.of_sensor(kNormalDistortion)).inverse().transpose();
   std::vector<Eigen::Vector3d> believed = light_directions(camera);
   for (Eigen::Vector3d& light : believed) light = unbelieved * light;
-  hybrid::for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
+  for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
     const auto normal = solve_normal(believed, readings.at(u, v), camera.shadow_threshold);
     view.normals(u, v) = normal ? facing_sensor(*normal, view.camera.ray(u, v).direction)
                                 : Eigen::Vector3f::Constant(static_cast<float>(kNoSample));

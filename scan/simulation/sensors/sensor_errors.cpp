@@ -41,7 +41,7 @@ Eigen::Vector3f facing_sensor(Eigen::Vector3d normal, const Eigen::Vector3d& ray
 void add_range_noise(RangeView& view, double sigma, const RandomStream& stream, int threads,
                      double right_half) {
   const CounterRandom random(stream.seed, stream.stream);
-  hybrid::for_each_sample(view, threads, [&](int u, int v) {
+  for_each_sample(view, threads, [&](int u, int v) {
     const double size = 2 * u >= view.width() ? right_half * sigma : sigma;
     view.range(u, v) +=
         size * random.normal(view.range.index(u, v)) / view.camera.ray(u, v).direction.norm();

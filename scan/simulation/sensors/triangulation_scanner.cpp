@@ -119,7 +119,7 @@ void scan_by_triangulation(RangeView& view, const TriangulationScanner& scanner,
                                          scene.of_view(kDisparityNoise), scene.threads);
   const CalibrationWarp warp(scene.of_sensor(kCalibrationWarp));
   const double scale = disparity_scale(scanner, scene);
-  hybrid::for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
+  for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
     const auto signal = illumination.signal(u, v);
     if (!signal) return lose_sample(view, u, v);
     // Equations (S5) and (S6).

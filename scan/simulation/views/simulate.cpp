@@ -170,7 +170,7 @@ Result<Simulation> simulate(const SimulationObject& object, const SimulationOpti
   const double focal = framing_focal(options, simulation.distance / simulation.diameter);
   simulation.spacing = simulation.distance / focal;
   simulation.range_sigma =
-      hybrid::range_deviation(options.range_sensor, simulation.distance, simulation.spacing);
+      range_deviation(options.range_sensor, simulation.distance, simulation.spacing);
   simulation.scans.unit = simulation.truth.unit = object.unit;
 
   const Camera camera =

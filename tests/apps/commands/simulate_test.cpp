@@ -29,29 +29,29 @@ json truth_of(const TemporaryFolder& folder) {
 
 TEST(Simulate, RecordsEveryDefect) {
   const TemporaryFolder scans;
-  const ProgramRun run = simulation::simulate(scans, {"--background",
-                                                      "--background-tilt",
-                                                      "30",
-                                                      "--noise-half",
-                                                      "5",
-                                                      "--view-warp",
-                                                      "0.5",
-                                                      "--glare",
-                                                      "--glare-lamps",
-                                                      "3",
-                                                      "--outliers",
-                                                      "0.02",
-                                                      "--quantisation",
-                                                      "2",
-                                                      "--missing",
-                                                      "0.15",
-                                                      "--wrong-normals",
-                                                      "flip-y",
-                                                      "--undeclared-normals",
-                                                      "--focal-factor",
-                                                      "1.005",
-                                                      "--scale-factor",
-                                                      "0.99"});
+  const ProgramRun run = simulate(scans, {"--background",
+                                          "--background-tilt",
+                                          "30",
+                                          "--noise-half",
+                                          "5",
+                                          "--view-warp",
+                                          "0.5",
+                                          "--glare",
+                                          "--glare-lamps",
+                                          "3",
+                                          "--outliers",
+                                          "0.02",
+                                          "--quantisation",
+                                          "2",
+                                          "--missing",
+                                          "0.15",
+                                          "--wrong-normals",
+                                          "flip-y",
+                                          "--undeclared-normals",
+                                          "--focal-factor",
+                                          "1.005",
+                                          "--scale-factor",
+                                          "0.99"});
   ASSERT_EQ(run.exit_status, 0) << run.standard_error;
   const json defects = truth_of(scans)["defects"];
   EXPECT_EQ(defects["background"]["tilt_deg"], 30.0);
@@ -73,10 +73,10 @@ TEST(Simulate, RecordsEveryDefect) {
 
 TEST(Simulate, DefectsOfNoSizeLeaveTheBytesAsTheyAre) {
   const TemporaryFolder plain, zero;
-  ASSERT_EQ(simulation::simulate(plain, {}).exit_status, 0);
-  ASSERT_EQ(simulation::simulate(zero, {"--noise-half", "1", "--view-warp", "0", "--outliers", "0",
-                                        "--quantisation", "0", "--missing", "0", "--wrong-normals",
-                                        "none", "--focal-factor", "1", "--scale-factor", "1"})
+  ASSERT_EQ(simulate(plain, {}).exit_status, 0);
+  ASSERT_EQ(simulate(zero, {"--noise-half", "1", "--view-warp", "0", "--outliers", "0",
+                            "--quantisation", "0", "--missing", "0", "--wrong-normals", "none",
+                            "--focal-factor", "1", "--scale-factor", "1"})
                 .exit_status,
             0);
   EXPECT_FALSE(truth_of(plain).contains("defects"));
@@ -86,10 +86,9 @@ TEST(Simulate, DefectsOfNoSizeLeaveTheBytesAsTheyAre) {
 
 TEST(Simulate, KnowsDepthCameras) {
   const TemporaryFolder rgbd, flight;
-  ASSERT_EQ(simulation::simulate(rgbd, {"--range-sensor", "rgbd"}).exit_status, 0);
+  ASSERT_EQ(simulate(rgbd, {"--range-sensor", "rgbd"}).exit_status, 0);
   EXPECT_EQ(truth_of(rgbd)["range_sensor"]["disparity_step"], 0.125);
-  ASSERT_EQ(
-      simulation::simulate(flight, {"--range-sensor", "tof", "--multipath", "1.5"}).exit_status, 0);
+  ASSERT_EQ(simulate(flight, {"--range-sensor", "tof", "--multipath", "1.5"}).exit_status, 0);
   EXPECT_EQ(truth_of(flight)["range_sensor"]["model"], "time of flight");
   EXPECT_EQ(truth_of(flight)["range_sensor"]["multipath"], 1.5);
 }
@@ -97,7 +96,7 @@ TEST(Simulate, KnowsDepthCameras) {
 TEST(Simulate, RefusesParametersOfWhatIsNotThere) {
   const TemporaryFolder scans;
   const auto refused = [&](std::vector<std::string> options, const char* needs) {
-    const ProgramRun run = simulation::simulate(scans, std::move(options));
+    const ProgramRun run = simulate(scans, std::move(options));
     EXPECT_EQ(run.exit_status, 2);
     EXPECT_THAT(run.standard_error, HasSubstr(needs));
   };

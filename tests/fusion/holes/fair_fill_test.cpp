@@ -91,7 +91,7 @@ TEST(FairFill, NoFilledVertexComesFartherIntoSpaceSeenEmpty) {
   for (std::uint32_t seed = 0; seed < 6; ++seed) {
     const Merged scene = merged(scenes.scene(seed));
     const auto places = fair_filled_regions(scene.mesh, scene.samplers, options_of()).places;
-    EvidenceCollector collector(scene.samplers, kTruncation, kVoxel);
+    TsdfIntegrator collector(scene.samplers, kTruncation, kVoxel);
     for (std::size_t v = 0; v < places.size(); ++v) {
       if (!scene.mesh.filled[v] || places[v] == scene.mesh.vertices[v]) continue;
       ++moved;

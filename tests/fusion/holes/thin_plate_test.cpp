@@ -40,11 +40,11 @@ int from_rim(std::uint32_t v) {
 }
 
 // The vertices at least `held` + 1 steps from the rim free, those at `held` steps as a support.
-PlatePatch patch_of(const TriangleMesh& mesh, int held, double stiffness, double pull) {
+PlatePatch patch_of(const TriangleMesh& mesh, int held, double eigenvalues, double pull) {
   PlatePatch patch;
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
     if (from_rim(v) > held) patch.free.push_back({v, mesh.vertices[v], 1.0, pull});
-    if (from_rim(v) == held) patch.held.push_back({v, mesh.vertices[v], stiffness, 0.0});
+    if (from_rim(v) == held) patch.held.push_back({v, mesh.vertices[v], eigenvalues, 0.0});
   }
   return patch;
 }
@@ -62,7 +62,7 @@ double bump(double x, double y) {
 TEST(ThinPlate, APlaneComesToRestAsItIs) {
   const TriangleMesh mesh = sheet([](double x, double y) { return 0.5 * x - 0.2 * y + 3.0; });
   const PlatePatch patch = patch_of(mesh, 3, 1.0, 0.0);
-  const auto places = rest_plate(mesh, all_faces(mesh), patch);
+  const auto places = solve_thin_plate(mesh, all_faces(mesh), patch);
   ASSERT_EQ(places.size(), patch.free.size());
   for (std::size_t k = 0; k < places.size(); ++k)
     EXPECT_LT((places[k] - mesh.vertices[patch.free[k].vertex]).norm(), 1e-8);
@@ -70,9 +70,9 @@ TEST(ThinPlate, APlaneComesToRestAsItIs) {
 
 TEST(ThinPlate, ADentInAPlaneGoesFlat) {
   const TriangleMesh mesh = sheet(bump);
-  for (const double stiffness : {0.0, 1.0}) {
-    const PlatePatch patch = patch_of(mesh, 2, stiffness, 0.0);
-    const auto places = rest_plate(mesh, all_faces(mesh), patch);
+  for (const double eigenvalues : {0.0, 1.0}) {
+    const PlatePatch patch = patch_of(mesh, 2, eigenvalues, 0.0);
+    const auto places = solve_thin_plate(mesh, all_faces(mesh), patch);
     ASSERT_EQ(places.size(), patch.free.size());
     for (const Eigen::Vector3d& place : places) EXPECT_NEAR(place.z(), 0.0, 1e-7);
   }
@@ -85,9 +85,9 @@ TEST(ThinPlate, TheSlopeAtTheRimGoesOn) {
     return 0.01 * (std::pow(x - 10.0, 2) + std::pow(y - 10.0, 2));
   };
   const TriangleMesh mesh = sheet([&](double x, double y) { return bowl(x, y) + bump(x, y); });
-  const auto middle = [&](double stiffness) {
-    const PlatePatch patch = patch_of(mesh, 3, stiffness, 0.0);
-    const auto places = rest_plate(mesh, all_faces(mesh), patch);
+  const auto middle = [&](double eigenvalues) {
+    const PlatePatch patch = patch_of(mesh, 3, eigenvalues, 0.0);
+    const auto places = solve_thin_plate(mesh, all_faces(mesh), patch);
     for (std::size_t k = 0; k < places.size(); ++k)
       if (patch.free[k].vertex == kSide * kSide / 2) return places[k].z();
     return -1.0;
@@ -100,7 +100,7 @@ TEST(ThinPlate, APullHoldsVerticesWhereTheyAre) {
   const TriangleMesh mesh = sheet(bump);
   const auto height = [&](double pull) {
     double most = 0.0;
-    for (const auto& place : rest_plate(mesh, all_faces(mesh), patch_of(mesh, 2, 1.0, pull)))
+    for (const auto& place : solve_thin_plate(mesh, all_faces(mesh), patch_of(mesh, 2, 1.0, pull)))
       most = std::max(most, place.z());
     return most;
   };
@@ -116,17 +116,17 @@ TEST(ThinPlate, StepByStepItComesToTheSameRest) {
   PlateOptions steps;
   steps.most_factorised = 0;
   steps.tolerance = 1e-6;
-  for (const double stiffness : {0.0, 0.3, 1.0}) {
+  for (const double eigenvalues : {0.0, 0.3, 1.0}) {
     for (const double pull : {0.0, 1e-4, 1.0}) {
-      PlatePatch patch = patch_of(mesh, 3, stiffness, pull);
+      PlatePatch patch = patch_of(mesh, 3, eigenvalues, pull);
       // Hinges among vertices that nothing draws would be loose.
       for (std::size_t k = 0; k < patch.free.size() && pull > 0.0; k += 7)
-        patch.free[k].stiffness = stiffness;
-      const auto places = rest_plate(mesh, all_faces(mesh), patch);
-      const auto approached = rest_plate(mesh, all_faces(mesh), patch, steps);
+        patch.free[k].eigenvalues = eigenvalues;
+      const auto places = solve_thin_plate(mesh, all_faces(mesh), patch);
+      const auto approached = solve_thin_plate(mesh, all_faces(mesh), patch, steps);
       ASSERT_EQ(approached.size(), places.size());
       for (std::size_t k = 0; k < places.size(); ++k)
-        EXPECT_LT((approached[k] - places[k]).norm(), 1e-5) << stiffness << ", " << pull;
+        EXPECT_LT((approached[k] - places[k]).norm(), 1e-5) << eigenvalues << ", " << pull;
     }
   }
 }
@@ -134,7 +134,7 @@ TEST(ThinPlate, StepByStepItComesToTheSameRest) {
 TEST(ThinPlate, APatchWithoutFreeVerticesHasNoPlaces) {
   const TriangleMesh mesh = sheet(bump);
   PlatePatch patch;
-  EXPECT_TRUE(rest_plate(mesh, all_faces(mesh), patch).empty()) << "nothing to place";
+  EXPECT_TRUE(solve_thin_plate(mesh, all_faces(mesh), patch).empty()) << "nothing to place";
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST_F(MemoryLimitTest, ArraysKeepTheirValuesWhenTheirPagesAreHandedBack) {
     array[i] = 2654435761u * i;
   }
   EXPECT_EQ(limit.releases(), 0u);
-  limit.relieve();
+  limit.evict_pages();
   EXPECT_EQ(limit.releases(), 1u);
   const PagedArray<std::uint32_t> moved = std::move(array);
   for (std::uint32_t i = 0; i < moved.size(); ++i) ASSERT_EQ(moved[i], 2654435761u * i);
@@ -61,7 +61,7 @@ TEST_F(MemoryLimitTest, PagesHandedBackAreNoLongerResident) {
   PagedArray<std::uint8_t> array(64 * kMebibyte, &limit);
   std::fill(array.begin(), array.end(), std::uint8_t{7});
   const std::size_t before = resident_memory();
-  limit.relieve();
+  limit.evict_pages();
   EXPECT_LT(resident_memory() + 48 * kMebibyte, before);
   EXPECT_EQ(array[array.size() / 2], 7);
   const auto kept = limit.check();

@@ -24,18 +24,18 @@ std::vector<ViewSampler> samplers_of(const std::vector<RangeView>& views) {
   return samplers;
 }
 
-TEST(Evidence, IsTheSameAsFarAsEnough) {
+TEST(TsdfSample, IsTheSameAsFarAsEnough) {
   const auto samplers =
       samplers_of(testing::views_around(testing::sphere({0, 0, 0}, 20.0), 8, 60, 24.0));
-  EvidenceCollector collector(samplers, kTruncation, kSpacing);
+  TsdfIntegrator collector(samplers, kTruncation, kSpacing);
   std::mt19937 random(3);
   const auto number = [&] { return -30.0 + 60.0 * static_cast<double>(random()) / 4294967295.0; };
   int measured = 0, empty = 0, unknown = 0;
   for (int i = 0; i < 5000; ++i) {
     const Eigen::Vector3d point(number(), number(), number());
     constexpr double kEnough = 3.0;
-    const Evidence all = collector.collect(point);
-    const Evidence enough = collector.collect_as_far_as(kEnough, point);
+    const TsdfSample all = collector.collect(point);
+    const TsdfSample enough = collector.collect_as_far_as(kEnough, point);
     ASSERT_EQ(enough.measured, all.measured);
     ASSERT_EQ(std::min(enough.clearance, kEnough), std::min(all.clearance, kEnough));
     if (all.measured) {

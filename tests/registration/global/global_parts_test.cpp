@@ -100,7 +100,7 @@ TEST(LocalFeatures, DoNotChangeWhenTheViewMoves) {
   const auto here = resample(surfaces()[0], cell);
   const auto there = moved(here, some_motion());
   const LocalFeatures difference =
-      describe_locally(here, 3 * cell, 6 * cell) - describe_locally(there, 3 * cell, 6 * cell);
+      compute_fpfh(here, 3 * cell, 6 * cell) - compute_fpfh(there, 3 * cell, 6 * cell);
   // Rounding moves an angle from one bin to the next now and then.
   EXPECT_LT(difference.cwiseAbs().mean(), 1e-3);
 }
@@ -112,13 +112,13 @@ TEST(LocalFeatures, TellAViewFromItsMirrorImage) {
   mirrored.points.row(0) *= -1.0;
   mirrored.normals.row(0) *= -1.0;
   const LocalFeatures difference =
-      describe_locally(view, 3 * cell, 6 * cell) - describe_locally(mirrored, 3 * cell, 6 * cell);
+      compute_fpfh(view, 3 * cell, 6 * cell) - compute_fpfh(mirrored, 3 * cell, 6 * cell);
   EXPECT_GT(difference.cwiseAbs().mean(), 4e-3);
 }
 
 TEST(FeatureMatches, OfAViewWithItselfAreTheIdentity) {
   const double cell = coarse_scale(surfaces()).cell;
-  const auto features = describe_locally(resample(surfaces()[0], cell), 3 * cell, 6 * cell);
+  const auto features = compute_fpfh(resample(surfaces()[0], cell), 3 * cell, 6 * cell);
   for (const auto& match : match_features(features, features, {.candidates = 1}))
     EXPECT_LT((features.col(match.a) - features.col(match.b)).norm(), 1e-6f);
   EXPECT_TRUE(match_features(features, LocalFeatures()).empty());
@@ -152,15 +152,15 @@ TEST(PoseEvidence, IsForTheTruePoseAndAgainstOthers) {
   const auto &a = surfaces()[0], &b = surfaces()[1];
   const auto truth = judge_pose(a, b, true_motion(0, 1));
   EXPECT_TRUE(plausible(truth, a, b));
-  EXPECT_EQ(truth.contradiction, 0.0);
-  EXPECT_FALSE(truth.slides);
+  EXPECT_EQ(truth.free_space_violation, 0.0);
+  EXPECT_FALSE(truth.degenerate);
   EXPECT_LT(truth.coherent_rms, 0.1 * a.spacing());
   // Moved towards the sensor, the samples of a would have hidden those of b.
   const RigidMotion nearer =
       Eigen::Translation3d(20.0 * b.spacing() * b.mean_normal()) * true_motion(0, 1);
   const auto hiding = judge_pose(a, b, nearer);
-  EXPECT_GT(hiding.contradiction, 0.3);
-  EXPECT_TRUE(contradicts(hiding));
+  EXPECT_GT(hiding.free_space_violation, 0.3);
+  EXPECT_TRUE(violates_free_space(hiding));
   const RigidMotion turned = true_motion(0, 1) * Eigen::Translation3d(a.centre()) *
                              Eigen::AngleAxisd(0.4, a.mean_normal()) *
                              Eigen::Translation3d(-a.centre());
@@ -175,11 +175,11 @@ TEST(PoseEvidence, OfViewsOfASphereSlides) {
   const ViewSurface a(first), b(second);
   const auto evidence = judge_pose(a, b, second.world_from_view.inverse() * first.world_from_view);
   EXPECT_GT(evidence.overlap, 0.3);
-  EXPECT_TRUE(evidence.slides);
+  EXPECT_TRUE(evidence.degenerate);
 }
 
 TEST(PoseEvidence, MissesWhatTheOtherSensorShouldHaveSeen) {
-  EXPECT_FALSE(too_much_absent(judge_pose(surfaces()[0], surfaces()[1], true_motion(0, 1))));
+  EXPECT_FALSE(misses_coverage(judge_pose(surfaces()[0], surfaces()[1], true_motion(0, 1))));
   // A view that measured only the middle of its image: nothing there fits badly, but the rest of
   // the other view faces it and was not seen.
   RangeView middle = ring()[0];
@@ -190,7 +190,7 @@ TEST(PoseEvidence, MissesWhatTheOtherSensorShouldHaveSeen) {
   const auto evidence = judge_pose(surfaces()[0], part, RigidMotion::Identity());
   EXPECT_TRUE(plausible(evidence, surfaces()[0], part));
   EXPECT_GT(evidence.missing, 0.15);
-  EXPECT_TRUE(too_much_absent(evidence));
+  EXPECT_TRUE(misses_coverage(evidence));
 }
 
 TEST(CoherentRms, KeepsWhatIsAlikeBeyondTheNoise) {

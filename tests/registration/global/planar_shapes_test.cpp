@@ -39,13 +39,12 @@ Eigen::Vector3d gradient(DistanceFunction distance, const Eigen::Vector3d& p) {
 
 // The surface where `distance`, which nowhere exceeds the true distance, is zero.
 Surface surface_of(DistanceFunction distance) {
-  return [distance](const Ray& ray) -> std::optional<simulation::SurfaceHit> {
+  return [distance](const Ray& ray) -> std::optional<SurfaceHit> {
     const Ray unit{ray.origin, ray.direction.normalized()};
     double t = 0.0;
     for (int i = 0; i < 200 && t < 500.0; ++i) {
       const double step = distance(unit.at(t));
-      if (step < 1e-6)
-        return simulation::SurfaceHit{t / ray.direction.norm(), gradient(distance, unit.at(t))};
+      if (step < 1e-6) return SurfaceHit{t / ray.direction.norm(), gradient(distance, unit.at(t))};
       t += step;
     }
     return std::nullopt;
@@ -78,14 +77,13 @@ void expect_none_aligned_and_all_told_why(const std::vector<RangeView>& views) {
 }
 
 TEST(PlainShapes, ABowlIsNotForced) {
-  expect_none_aligned_and_all_told_why(
-      views_without_poses(fusion::surface_of(bowl), 3, 0.7, 120.0));
+  expect_none_aligned_and_all_told_why(views_without_poses(surface_of(bowl), 3, 0.7, 120.0));
 }
 
 TEST(PlainShapes, UnrelatedObjectsAreNotForced) {
   auto views = views_without_poses(testing::bumpy_object(40.0), 1, 0.7, 50.0);
   for (const DistanceFunction other : {bowl, box}) {
-    views.push_back(views_without_poses(fusion::surface_of(other), 1, 0.7, 90.0)[0]);
+    views.push_back(views_without_poses(surface_of(other), 1, 0.7, 90.0)[0]);
     views.back().name = "other" + std::to_string(views.size());
   }
   expect_none_aligned_and_all_told_why(views);
@@ -93,37 +91,34 @@ TEST(PlainShapes, UnrelatedObjectsAreNotForced) {
 
 // Opposite sides of a box look alike and share nothing.
 TEST(PlainShapes, OppositeSidesOfABoxAreNotForced) {
-  expect_none_aligned_and_all_told_why(
-      views_without_poses(fusion::surface_of(box), 2, 3.14159, 20.0));
+  expect_none_aligned_and_all_told_why(views_without_poses(surface_of(box), 2, 3.14159, 20.0));
 }
 
 // All corners of a cube are alike: each view fits the others at several places, and itself.
 TEST(PlainShapes, NeighbouringSidesOfACubeAreNotForced) {
-  expect_none_aligned_and_all_told_why(
-      views_without_poses(fusion::surface_of(cube), 6, 0.7854, 140.0));
+  expect_none_aligned_and_all_told_why(views_without_poses(surface_of(cube), 6, 0.7854, 140.0));
 }
 
 // They show different sides, which overlap by 88 % when they are taken for the same.
 TEST(PlainShapes, SidesOfACubeAQuarterTurnApartAreNotForced) {
-  const auto views = views_without_poses(fusion::surface_of(cube), 6, 0.4, 60.0);
+  const auto views = views_without_poses(surface_of(cube), 6, 0.4, 60.0);
   expect_none_aligned_and_all_told_why({views[1], views[5]});
 }
 
 // Views that show other sides of much the same lengths.
 TEST(PlainShapes, NeighbouringSidesOfABoxAreNotForced) {
-  expect_none_aligned_and_all_told_why(views_without_poses(fusion::surface_of(box), 3, 1.2, 140.0));
+  expect_none_aligned_and_all_told_why(views_without_poses(surface_of(box), 3, 1.2, 140.0));
 }
 
 TEST(PlainView, KnowsFlatFaces) {
   const auto view_of = [](const Surface& surface) {
     return views_without_poses(surface, 1, 0.0, 140.0)[0];
   };
-  const RangeView corner = view_of(fusion::surface_of(box)),
-                  inside = view_of(fusion::surface_of(bowl)),
+  const RangeView corner = view_of(surface_of(box)), inside = view_of(surface_of(bowl)),
                   bumpy = view_of(testing::bumpy_object(40.0));
-  EXPECT_TRUE(is_plain(ViewSurface(corner)));
-  EXPECT_FALSE(is_plain(ViewSurface(inside)));
-  EXPECT_FALSE(is_plain(ViewSurface(bumpy)));
+  EXPECT_TRUE(is_mostly_planar(ViewSurface(corner)));
+  EXPECT_FALSE(is_mostly_planar(ViewSurface(inside)));
+  EXPECT_FALSE(is_mostly_planar(ViewSurface(bumpy)));
   EXPECT_LT(planar_fraction(ViewSurface(corner), 1), 0.8);
   EXPECT_GT(planar_fraction(ViewSurface(corner), 2), 0.95);  // The eye is level with one side.
 }
@@ -132,7 +127,7 @@ TEST(PlainView, HasNoFacesWithoutSamples) {
   const RangeView view = testing::render([](const Ray&) { return std::nullopt; },
                                          Camera::pinhole(20, 20, {200, 200, 9.5, 9.5}));
   EXPECT_EQ(planar_fraction(ViewSurface(view), 4), 0.0);
-  EXPECT_FALSE(is_plain(ViewSurface(view)));
+  EXPECT_FALSE(is_mostly_planar(ViewSurface(view)));
 }
 
 }  // namespace

@@ -45,11 +45,8 @@ struct ViewSource {
   std::function<Result<std::shared_ptr<const RangeView>>(std::size_t i)> load;
 };
 
-struct MergeResult {
-  /// With quality (expected error; for filled vertices the distance to the nearest measured one),
-  /// number of views, filled flag and normal of each vertex, and its colour if views have colours.
-  TriangleMesh mesh;
-  MeshCheck check;                    ///< Of `mesh`.
+/// What merging did.
+struct MergeSummary {
   double filled_area_fraction = 0.0;  ///< Of the area before holes are opened.
   double voxel_size = 0.0;            ///< As used [unit].
   double truncation = 0.0;            ///< As used [unit].
@@ -62,6 +59,13 @@ struct MergeResult {
   std::size_t components_removed = 0;
   std::size_t faces_removed = 0;   ///< In the removed components.
   std::vector<std::string> notes;  ///< What the user should know, one line each.
+};
+
+struct MergeResult : MergeSummary {
+  /// With quality (expected error; for filled vertices the distance to the nearest measured one),
+  /// number of views, filled flag and normal of each vertex, and its colour if views have colours.
+  TriangleMesh mesh;
+  MeshCheck check;  ///< Of `mesh`.
 };
 
 /// Merges views, taken at their `world_from_view`, to one surface that is closed, edge- and

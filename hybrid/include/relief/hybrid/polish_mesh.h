@@ -38,16 +38,15 @@ struct PolishOptions {
 
 enum class PolishStatus {
   kPolished,
-  kNoNormals,     ///< No two neighbouring vertices have a normal: the mesh is as given.
-  kNoErrors,      ///< Neither a mesh with `quality` nor `sigma_position`: the mesh is as given.
-  kNotConverged,  ///< The solver gave up: the mesh is its last iterate, better than as given.
+  kNoNormals,           ///< No two neighbouring vertices have a normal: the mesh is as given.
+  kMissingUncertainty,  ///< Neither a mesh with `quality` nor `sigma_position`: the mesh is as
+                        ///< given.
+  kNotConverged,        ///< The solver gave up: the mesh is its last iterate, better than as given.
 };
 std::string_view to_string(PolishStatus status);
 
-struct PolishedMesh {
-  /// Vertices moved and normals renewed; all else as given: `quality` stays the expected error
-  /// before polishing, which polishing lowers.
-  TriangleMesh mesh;
+/// What polishing did to a mesh.
+struct PolishSummary {
   PolishStatus status = PolishStatus::kPolished;
   std::size_t with_normal = 0;  ///< Vertices that have a blended normal.
   double sigma_view = 0.0;      ///< Scatter of one view's normals [rad]; 0 if unknown.
@@ -58,6 +57,12 @@ struct PolishedMesh {
   int rounds = 0;               ///< Linear systems solved.
   int iterations = 0;           ///< Steps of conjugate gradients, all rounds together.
   double seconds = 0.0;
+};
+
+struct PolishedMesh : PolishSummary {
+  /// Vertices moved and normals renewed; all else as given: `quality` stays the expected error
+  /// before polishing, which polishing lowers.
+  TriangleMesh mesh;
 };
 
 /// Refines a merged mesh with the normals that `views` measured (Nehab et al. 2005, section 4.3;

@@ -15,7 +15,7 @@ enum class RefineStatus {
   kRefined,
   kNoNormals,     ///< No two neighbouring samples have normals: the view is as measured.
   kNoConfidence,  ///< No sample has positive confidence: the view is as measured.
-  kNoNoise,       ///< Too few samples to estimate the noise, none given: the view is as measured.
+  kNoiseUnknown,  ///< Too few samples to estimate the noise, none given: the view is as measured.
   /// Ranges and normals contradict each other over many samples by more than their errors, as where
   /// the normals are wrong: the view is as measured.
   kContradiction,
@@ -24,8 +24,8 @@ enum class RefineStatus {
 };
 std::string_view to_string(RefineStatus status);
 
-struct RefinedView {
-  RangeView view;  ///< Range refined; normals corrected; deviations set; all else as given.
+/// What refining did to one view.
+struct RefineSummary {
   RefineStatus status = RefineStatus::kRefined;
   double sigma_position = 0.0;       ///< Used [unit].
   double sigma_normal = 0.0;         ///< Used [rad].
@@ -37,10 +37,14 @@ struct RefinedView {
   std::size_t flying = 0;            ///< Samples that hang in the air: taken away.
   std::size_t filled = 0;            ///< Samples of `view` in small gaps: not measured.
   std::size_t replaced_normals = 0;  ///< Wild normals replaced by those around them.
-  std::size_t turned_normals = 0;    ///< Normals of patches that the ranges contradict.
+  std::size_t outlier_normals = 0;   ///< Normals of patches that the ranges contradict.
   int rounds = 0;                    ///< Linear systems solved.
   int iterations = 0;                ///< Steps of the linear solver, all rounds together.
   double seconds = 0.0;
+};
+
+struct RefinedView : RefineSummary {
+  RangeView view;  ///< Range refined; normals corrected; deviations set; all else as given.
 };
 
 /// Refines the range of a view with its measured normals (Nehab et al. 2005; equations (3) to

@@ -51,7 +51,7 @@ struct StartingPoseOptions {
   double min_overlap = 0.15;
   /// At most this fraction of the samples that can be compared may lie in front of what the other
   /// view saw; in [0, 1].
-  double max_contradiction = 0.02;
+  double max_free_space_violation = 0.02;
   int threads = 0;  ///< 0: one per core. Never changes the result.
 };
 

@@ -12,11 +12,11 @@
 namespace relief::registration {
 
 /// What a pair of views is worth by itself.
-enum class PairGrade {
-  kFirm,    ///< It fits and determines all six motions.
-  kSlides,  ///< It fits, but leaves motions free: other pairs have to hold them.
-  kThin,    ///< It fits, but on less than a tenth of the views or 200 samples.
-  kMisfit,  ///< It deviates by more than noise and sampling explain: see largest_fitting_rms().
+enum class PairStatus {
+  kDetermined,  ///< It fits and determines all six motions.
+  kDegenerate,  ///< It fits, but leaves motions free: other pairs have to hold them.
+  kThin,        ///< It fits, but on less than a tenth of the views or 200 samples.
+  kMisfit,      ///< It deviates by more than noise and sampling explain: see largest_fitting_rms().
 };
 
 /// A motion that slides the surface along itself: nothing in its shape tells how far.
@@ -35,13 +35,13 @@ struct PairFit {
   double overlap = 0.0;  ///< Fraction of samples seen by the other view, mean of both directions.
   double rms = 0.0;      ///< Of the point-to-plane distances [unit].
   std::size_t correspondences = 0;  ///< Both directions together.
-  PairGrade grade = PairGrade::kFirm;
+  PairStatus grade = PairStatus::kDetermined;
   bool normal_maps = false;  ///< Whether normal maps were aligned, (R9).
   /// Motions (world frame) that this pair alone would not determine.
   std::vector<DegenerateDirection> degenerate_directions;
 };
 
 /// `firm`, `slides`, `thin` or `misfit`.
-std::string_view to_string(PairGrade grade);
+std::string_view to_string(PairStatus grade);
 
 }  // namespace relief::registration

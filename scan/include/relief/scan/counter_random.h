@@ -12,9 +12,9 @@ namespace relief {
 class CounterRandom {
  public:
   CounterRandom(std::uint64_t seed, std::uint64_t stream)
-      : key_(mix(mix(seed + kGolden) ^ (stream * 0xd1342543de82ef95ull))) {}
+      : key_(scrambled(scrambled(seed + kGolden) ^ (stream * 0xd1342543de82ef95ull))) {}
 
-  std::uint64_t bits(std::uint64_t index) const { return mix(key_ + (index + 1) * kGolden); }
+  std::uint64_t bits(std::uint64_t index) const { return scrambled(key_ + (index + 1) * kGolden); }
 
   /// Uniform in the open interval (0, 1).
   double uniform(std::uint64_t index) const {
@@ -27,14 +27,15 @@ class CounterRandom {
     return radius * std::cos(2.0 * std::numbers::pi * uniform(2 * index + 1));
   }
 
- private:
-  static constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ull;
-
-  static std::uint64_t mix(std::uint64_t z) {
+  /// A bijection of 64-bit integers whose outputs look random: the finaliser of SplitMix64.
+  static std::uint64_t scrambled(std::uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
     return z ^ (z >> 31);
   }
+
+ private:
+  static constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ull;
 
   std::uint64_t key_;
 };

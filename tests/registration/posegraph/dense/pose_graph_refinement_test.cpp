@@ -32,8 +32,8 @@ struct Ring {
   std::vector<ViewSurface> surfaces;
 };
 
-DenseRefinementOptions options_for(const Ring& ring) {
-  DenseRefinementOptions options;
+PoseGraphRefinementOptions options_for(const Ring& ring) {
+  PoseGraphRefinementOptions options;
   options.search.max_distance = 5.0 * ring.spacing();
   options.tolerance = 1e-3 * ring.spacing();
   return options;
@@ -88,7 +88,7 @@ TEST(PairInformation, IsTheSumOverItsResiduals) {
   append_correspondences(ring.surfaces[0], ring.surfaces[1], target_from_source,
                          in_grid_order(ring.surfaces[0], 3000), whole, all);
   Matrix6d information = Matrix6d::Zero();
-  RigidTangent pull = RigidTangent::Zero();
+  RigidTangent score = RigidTangent::Zero();
   for (const auto& c : all) {
     if (std::abs(c.distance) > 4.0 * sigma) continue;
     const Eigen::Vector3d p = poses[1] * c.target.point - options.centre;
@@ -97,14 +97,14 @@ TEST(PairInformation, IsTheSumOverItsResiduals) {
     j << p.cross(n), n;
     const double r = c.distance / sigma;
     information += cauchy_weight(r, kCauchyScale) / (sigma * sigma) * j * j.transpose();
-    pull += cauchy_weight(r, kCauchyScale) * r / sigma * j;
+    score += cauchy_weight(r, kCauchyScale) * r / sigma * j;
   }
   EXPECT_LT((compressed.information - information).norm(), 1e-10 * information.norm());
-  EXPECT_LT((compressed.pull - pull).norm(), 1e-10 * pull.norm());
+  EXPECT_LT((compressed.score - score).norm(), 1e-10 * score.norm());
   RigidTangent of_patches = RigidTangent::Zero();
-  for (const auto& patch : compressed.patches) of_patches += patch.pull;
+  for (const auto& patch : compressed.patches) of_patches += patch.score;
   EXPECT_GT(compressed.patches.size(), 20u);
-  EXPECT_LT((of_patches - pull).norm(), 1e-9 * pull.norm());
+  EXPECT_LT((of_patches - score).norm(), 1e-9 * score.norm());
 }
 
 TEST(PairInformation, IsIndifferentToMotionsThatAreIgnored) {
@@ -126,18 +126,18 @@ TEST(PairInformation, IsIndifferentToMotionsThatAreIgnored) {
   // A turn about another point moves the centre, too.
   RigidTangent turn_about_centre = turn.motion;
   turn_about_centre.tail<3>() += turn.motion.head<3>().cross(options.centre - turn.centre);
-  const double size = all.information.norm(), pull = all.pull.norm();
+  const double size = all.information.norm(), score = all.score.norm();
   for (const RigidTangent& motion : {slide.motion, turn_about_centre}) {
     EXPECT_LT((rest.information * motion).norm(), 1e-9 * size * motion.norm());
-    EXPECT_LT(std::abs(rest.pull.dot(motion)), 1e-9 * pull * motion.norm());
+    EXPECT_LT(std::abs(rest.score.dot(motion)), 1e-9 * score * motion.norm());
     for (const PatchPull& patch : rest.patches)
-      EXPECT_LT(std::abs(patch.pull.dot(motion)), 1e-9 * pull * motion.norm());
+      EXPECT_LT(std::abs(patch.score.dot(motion)), 1e-9 * score * motion.norm());
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(rest.information);
   EXPECT_GT(eigen.eigenvalues()[2], 1e-6 * eigen.eigenvalues()[5]);  // The other four are held.
 }
 
-TEST(PatchPulls, AddUpOverThePairsOfAView) {
+TEST(ClusterScores, AddUpOverThePairsOfAView) {
   PairInformation first, second;
   first.source = 0;
   first.target = 1;
@@ -145,10 +145,10 @@ TEST(PatchPulls, AddUpOverThePairsOfAView) {
   second.source = 1;
   second.target = 2;
   second.patches = {{7, RigidTangent::Constant(4.0)}};
-  PatchPulls pulls(3);
-  pulls.add(first);
-  pulls.add(second);
-  const auto entries = pulls.sorted();
+  ClusterScores scores(3);
+  scores.add(first);
+  scores.add(second);
+  const auto entries = scores.sorted();
   ASSERT_EQ(entries.size(), 5u);
   const std::uint64_t patches[] = {7, 7, 7, 9, 9};
   const std::size_t views[] = {0, 1, 2, 0, 1};
@@ -156,23 +156,23 @@ TEST(PatchPulls, AddUpOverThePairsOfAView) {
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_EQ(entries[i].patch, patches[i]);
     EXPECT_EQ(entries[i].view, views[i]);
-    EXPECT_TRUE(entries[i].pull == RigidTangent::Constant(expected[i]));
+    EXPECT_TRUE(entries[i].score == RigidTangent::Constant(expected[i]));
   }
 }
 
 // The patch in column `x` of the row through the origin: see patch_of() in pair_information.cpp.
 std::uint64_t patch_at(std::int64_t x) { return (static_cast<std::uint64_t>(x) & 0x1fffffU) << 42; }
 
-TEST(PatchPulls, AddUpOnLargerPatches) {
+TEST(ClusterScores, AddUpOnLargerPatches) {
   PairInformation pair;
   pair.target = 1;
   for (const std::int64_t x : {0, 3, 4, -1, -4, -5})
     pair.patches.push_back({patch_at(x), RigidTangent::Constant(1.0 + static_cast<double>(x))});
-  PatchPulls pulls(2);
-  pulls.add(pair);
+  ClusterScores scores(2);
+  scores.add(pair);
   std::vector<double> of_source;
-  for (const auto& entry : pulls.on_larger_patches().sorted())
-    if (entry.view == 0) of_source.push_back(entry.pull[0]);
+  for (const auto& entry : scores.on_larger_clusters().sorted())
+    if (entry.view == 0) of_source.push_back(entry.score[0]);
   EXPECT_EQ(of_source, (std::vector<double>{5.0, 5.0, -4.0, -3.0}));  // 0 to 3, 4, -8 to -5, rest.
 }
 
@@ -194,19 +194,19 @@ void add_smooth_noise(RangeView& view, double sigma, int reach, std::uint32_t se
   }
 }
 
-TEST(PoseNetwork, SeesErrorsThatReachFartherThanAPatch) {
+TEST(PoseGraphSystem, SeesErrorsThatReachFartherThanAPatch) {
   const Ring exact(4, 0.0), white(4);
   auto smooth = exact.truth;
   for (std::size_t i = 0; i < smooth.size(); ++i)
     add_smooth_noise(smooth[i], 0.1 * exact.spacing(), 7, static_cast<std::uint32_t>(i + 1));
-  const auto growth = [&](const std::vector<RangeView>& views) {
+  const auto variance_inflation = [&](const std::vector<RangeView>& views) {
     std::vector<ViewSurface> surfaces;
     for (const auto& view : views) surfaces.emplace_back(view);
     PairInformationOptions options;
     options.search.max_distance = 5.0 * exact.spacing();
     options.patch = 8.0 * exact.spacing();
     std::vector<PairInformation> all;
-    PatchPulls pulls(views.size());
+    ClusterScores scores(views.size());
     for (const auto& pair : pairs_of(exact)) {
       const auto samples = in_grid_order(surfaces[pair.a], 0);
       all.push_back(pair_information(surfaces[pair.a], surfaces[pair.b],
@@ -214,27 +214,27 @@ TEST(PoseNetwork, SeesErrorsThatReachFartherThanAPatch) {
                                      samples, options));
       all.back().source = pair.a;
       all.back().target = pair.b;
-      pulls.add(all.back());
+      scores.add(all.back());
     }
-    return PoseNetwork(pointers_to(surfaces), all, first_held(views.size()),
-                       Eigen::Vector3d::Zero())
-        .growth(pulls);
+    return PoseGraphSystem(pointers_to(surfaces), all, first_held(views.size()),
+                           Eigen::Vector3d::Zero())
+        .variance_inflation(scores);
   };
-  EXPECT_LT(growth(white.truth), 1.3);
-  EXPECT_GT(growth(smooth), 2.0);
+  EXPECT_LT(variance_inflation(white.truth), 1.3);
+  EXPECT_GT(variance_inflation(smooth), 2.0);
 }
 
-TEST(DenseRefinement, FindsExactPosesOfExactViews) {
+TEST(PoseGraphRefinement, FindsExactPosesOfExactViews) {
   const Ring ring(1, 0.0);
   auto poses =
       poses_of(perturbed(ring.truth, Eigen::Vector3d::Zero(), 0.005, 0.3 * ring.spacing()));
-  refine_densely(pointers_to(ring.surfaces), pairs_of(ring), first_held(poses.size()),
-                 options_for(ring), poses);
+  refine_pose_graph(pointers_to(ring.surfaces), pairs_of(ring), first_held(poses.size()),
+                    options_for(ring), poses);
   for (const double error : mean_displacements(ring.truth, poses, poses_of(ring.truth)))
     EXPECT_LT(error, 0.005 * ring.spacing());
 }
 
-TEST(DenseRefinement, DoesNotDependOnTheThreadCountNorTheHeldView) {
+TEST(PoseGraphRefinement, DoesNotDependOnTheThreadCountNorTheHeldView) {
   const Ring ring(2);
   const auto start =
       poses_of(perturbed(ring.truth, Eigen::Vector3d::Zero(), 0.005, 0.3 * ring.spacing()));
@@ -246,7 +246,7 @@ TEST(DenseRefinement, DoesNotDependOnTheThreadCountNorTheHeldView) {
     std::vector<bool> is_held(poses.size(), false);
     is_held[held] = true;
     options.threads = threads;
-    refine_densely(pointers_to(ring.surfaces), pairs_of(ring), is_held, options, poses);
+    refine_pose_graph(pointers_to(ring.surfaces), pairs_of(ring), is_held, options, poses);
     return poses;
   };
   const auto one = refine(0, 1), two = refine(0, 2), other = refine(4, 2);
@@ -255,11 +255,11 @@ TEST(DenseRefinement, DoesNotDependOnTheThreadCountNorTheHeldView) {
     EXPECT_LT(difference, 1e-3 * ring.spacing());
 }
 
-TEST(DenseRefinement, LeavesHeldViewsWithoutVariance) {
+TEST(PoseGraphRefinement, LeavesHeldViewsWithoutVariance) {
   const Ring ring(3);
   auto poses = poses_of(ring.truth);
-  const auto refined = refine_densely(pointers_to(ring.surfaces), pairs_of(ring),
-                                      first_held(poses.size()), options_for(ring), poses);
+  const auto refined = refine_pose_graph(pointers_to(ring.surfaces), pairs_of(ring),
+                                         first_held(poses.size()), options_for(ring), poses);
   EXPECT_TRUE(poses[0].matrix() == ring.truth[0].world_from_view.matrix());
   EXPECT_TRUE(refined.covariance.topRows<6>().isZero());
   EXPECT_TRUE(refined.covariance.leftCols<6>().isZero());
@@ -291,7 +291,7 @@ double whitened_error(std::uint32_t seed) {
 }
 
 // A sample of what relief_pose_accuracy measures over a hundred runs.
-TEST(DenseRefinement, ReportsTheCovarianceThatErrorsHave) {
+TEST(PoseGraphRefinement, ReportsTheCovarianceThatErrorsHave) {
   constexpr int kRuns = 4;
   double sum = 0.0;
   for (std::uint32_t seed = 1; seed <= kRuns; ++seed) sum += whitened_error(10 * seed);

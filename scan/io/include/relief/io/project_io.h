@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "relief/scan/progress.h"
 #include "relief/scan/result.h"
@@ -40,6 +42,11 @@ struct WriteProjectOptions {
 /// precision.
 Result<void> write_project(const ScanProject& project, const std::filesystem::path& folder,
                            const Progress& progress = {}, const WriteProjectOptions& options = {});
+
+/// The same for views without a project around them; `unit` is that of their ranges.
+Result<void> write_project(const std::vector<RangeView>& views, const std::string& unit,
+                           const std::filesystem::path& folder, const Progress& progress = {},
+                           const WriteProjectOptions& options = {});
 
 /// Writes only FILE (a scan.json), for a project whose views' data files exist already: a copy of
 /// the project file `source` with the poses of `project` in place of its own, and file names made

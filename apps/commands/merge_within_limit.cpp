@@ -1,0 +1,138 @@
+#include "apps/commands/merge_within_limit.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/reports/console.h"
+#include "relief/io/project_io.h"
+#include "relief/scan/static_background.h"
+#include "scan/base/parallel.h"
+#include "scan/io/project/view_loader.h"
+
+namespace relief {
+
+namespace {
+
+using SharedView = std::shared_ptr<const RangeView>;
+
+// The views of a project, read one at a time.
+class ProjectViews {
+ public:
+  ProjectViews(std::vector<ViewSpec> specs, std::vector<ChosenConvention> conventions,
+               const StaticBackground& background)
+      : specs_(std::move(specs)), conventions_(std::move(conventions)), background_(background) {}
+
+  fusion::ViewSource source() {
+    return {specs_.size(), [this](std::size_t i) { return load(i); }};
+  }
+  /// Of the largest view so far.
+  std::size_t pixels() const { return pixels_; }
+
+ private:
+  Result<SharedView> load(std::size_t i) {
+    auto loaded = load_view(specs_[i]);
+    if (!loaded) return loaded.error();
+    set_normals(*loaded, conventions_[i]);
+    remove_background(background_.masks[i], loaded->view);
+    if (i >= read_) {  // notes once
+      for (const std::string& note : loaded->notes) Console::info(note);
+      read_ = i + 1;
+    }
+    pixels_ = std::max(pixels_, loaded->view.range.size());
+    return SharedView(std::make_shared<const RangeView>(std::move(loaded->view)));
+  }
+
+  std::vector<ViewSpec> specs_;
+  std::vector<ChosenConvention> conventions_;
+  const StaticBackground& background_;
+  std::size_t read_ = 0, pixels_ = 0;
+};
+
+// What polishing holds: views [bytes a pixel], and the mesh, its graph and the system [bytes a
+// vertex]; see docs/fusion.md.
+constexpr std::size_t kViewPixel = 30, kPolishedVertex = 550;
+
+Result<void> check_room_to_polish(const fusion::MergeResult& merged, std::size_t pixels,
+                                  std::size_t limit) {
+  const std::size_t needed = kViewPixel * pixels + kPolishedVertex * merged.mesh.vertices.size();
+  if (needed <= limit) return {};
+  return Error{ErrorKind::kUnsolvable,
+               fmt::format("polishing needs about {} MiB, more than the memory limit of {} MiB: "
+                           "raise the limit or merge with --no-polish",
+                           needed >> 20, limit >> 20)};
+}
+
+// What the search for a background holds: ranges, depths, edges [bytes a pixel].
+constexpr std::size_t kSearchedPixel = 24;
+
+// The background of views that are read one at a time and of which only the ranges are kept.
+// Nothing where these alone would exceed half of the limit.
+Result<StaticBackground> find_background(const ProjectInput& input,
+                                         const std::vector<ViewSpec>& specs,
+                                         const reconstruction::ModelOptions& options) {
+  StaticBackground none;
+  none.masks.resize(specs.size());
+  if (!input.look_for_background || input.keep_background) return none;
+  std::vector<RangeView> views;
+  std::size_t pixels = 0;
+  for (const ViewSpec& spec : specs) {
+    auto loaded = load_view(spec);
+    if (!loaded) return loaded.error();
+    RangeView view;
+    view.camera = loaded->view.camera;
+    view.range = std::move(loaded->view.range);
+    view.world_from_view = loaded->view.world_from_view;
+    view.pose = loaded->view.pose;
+    pixels += view.range.size();
+    views.push_back(std::move(view));
+    if (2 * kSearchedPixel * pixels > options.merge.memory) {
+      Console::warning(
+          "background not looked for: the ranges of all views exceed half of the "
+          "memory limit; raise it, or give the views masks");
+      return none;
+    }
+  }
+  StaticBackground found = find_static_background(views, options.threads);
+  for (const std::string& line : describe(found, true)) Console::info(line);
+  return found;
+}
+
+}  // namespace
+
+Result<reconstruction::Model> merge_within_limit(const ProjectInput& input,
+                                                 const reconstruction::ModelOptions& options,
+                                                 std::string& unit) {
+  auto spec = read_project_spec(input.path, input.options.fc_file);
+  if (!spec) return spec.error();
+  unit = spec->unit;
+  for (const std::string& note : spec->notes) Console::info(note);
+  const std::size_t count = spec->views.size();
+  auto conventions = find_conventions(spec->views);
+  if (!conventions) return conventions.error();
+  for (const std::string& note : conventions->notes) Console::info(note);
+  auto background = find_background(input, spec->views, options);
+  if (!background) return background.error();
+  release_freed_memory();
+  ProjectViews views(std::move(spec->views), std::move(conventions->views), *background);
+  ScanProject project;
+  const auto load = [&](const fusion::MergeResult& mesh) -> Result<const std::vector<RangeView>*> {
+    const auto room = check_room_to_polish(mesh, count * views.pixels(), options.merge.memory);
+    if (!room) return room.error();
+    ReadProjectOptions read = input.options;
+    read.threads = options.threads;
+    auto all = read_project(input.path, read, console_progress("read"));
+    if (!all) return all.error();
+    project = std::move(*all);
+    remove_background(*background, project.views);
+    return &project.views;
+  };
+  return reconstruction::build_model_from_source(views.source(), load, options,
+                                                 console_stage_progress());
+}
+
+}  // namespace relief

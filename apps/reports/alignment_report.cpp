@@ -1,0 +1,160 @@
+#include "apps/reports/alignment_report.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/reports/console.h"
+
+namespace relief {
+
+namespace {
+
+std::vector<std::string> pair_table(const registration::Alignment& alignment,
+                                    const std::string& unit) {
+  std::size_t width = 4;
+  for (const registration::PairFit& pair : alignment.pairs)
+    width = std::max(width,
+                     alignment.views[pair.a].name.size() + 3 + alignment.views[pair.b].name.size());
+  std::vector<std::string> lines;
+  lines.push_back(
+      fmt::format("{:<{}}  overlap  {:>10}  samples  grade", "pair", width, "rms [" + unit + "]"));
+  for (const registration::PairFit& pair : alignment.pairs) {
+    const std::string names = alignment.views[pair.a].name + " - " + alignment.views[pair.b].name;
+    lines.push_back(fmt::format("{:<{}}  {:>5.0f} %  {:>10.3g}  {:>7}  {}{}", names, width,
+                                100.0 * pair.overlap, pair.rms, pair.correspondences,
+                                to_string(pair.grade), pair.normal_maps ? ", normal maps" : ""));
+    for (const registration::DegenerateDirection& direction : pair.degenerate_directions)
+      lines.push_back("    alone leaves free: " + direction.description);
+  }
+  return lines;
+}
+
+std::string count_grades(const registration::Alignment& alignment) {
+  std::string text = fmt::format("{} pairs", alignment.pairs.size());
+  const char* separator = ": ";
+  for (const registration::PairStatus grade :
+       {registration::PairStatus::kDetermined, registration::PairStatus::kDegenerate,
+        registration::PairStatus::kThin, registration::PairStatus::kMisfit}) {
+    const auto count =
+        std::count_if(alignment.pairs.begin(), alignment.pairs.end(),
+                      [&](const registration::PairFit& pair) { return pair.grade == grade; });
+    if (count == 0) continue;
+    text += fmt::format("{}{} {}", separator, count, to_string(grade));
+    separator = ", ";
+  }
+  return text;
+}
+
+Json view_report(const registration::ViewReport& view) {
+  Json report = {{"name", view.name},
+                 {"world_from_view", to_json(view.world_from_view)},
+                 {"aligned", view.aligned},
+                 {"status", to_string(view.status)},
+                 {"pose_std", std::vector<double>(view.pose_std.begin(), view.pose_std.end())}};
+  Json& covariance = report["pose_covariance"] = Json::array();
+  for (const auto& row : view.pose_covariance.rowwise())
+    covariance.push_back(std::vector<double>(row.begin(), row.end()));
+  if (!view.reason.empty()) report["reason"] = view.reason;
+  return report;
+}
+
+Json pair_report(const registration::PairFit& pair, const registration::Alignment& alignment) {
+  Json directions = Json::array();
+  for (const registration::DegenerateDirection& direction : pair.degenerate_directions)
+    directions.push_back(direction.description);
+  return {{"a", alignment.views[pair.a].name},
+          {"b", alignment.views[pair.b].name},
+          {"overlap", pair.overlap},
+          {"rms", pair.rms},
+          {"correspondences", pair.correspondences},
+          {"grade", to_string(pair.grade)},
+          {"normal_maps", pair.normal_maps},
+          {"degenerate_directions", std::move(directions)}};
+}
+
+std::string verdict_on(const reconstruction::AlignmentGain& gain) {
+  switch (gain.verdict) {
+    case reconstruction::GainVerdict::kGain:
+      return "";
+    case reconstruction::GainVerdict::kViewsLost:
+      return fmt::format(": {} of the views no longer fit, the first poses are kept",
+                         gain.left_out);
+    case reconstruction::GainVerdict::kNoGain:
+    case reconstruction::GainVerdict::kSolverFailed:
+      return ": no gain expected, the first poses are kept";
+  }
+  return "";
+}
+
+}  // namespace
+
+Json to_json(const registration::Alignment& alignment) {
+  Json report = {{"termination", to_string(alignment.termination)},
+                 {"iterations", alignment.iterations},
+                 {"rms", alignment.rms},
+                 {"views", Json::array()},
+                 {"pairs", Json::array()}};
+  for (const registration::ViewReport& view : alignment.views)
+    report["views"].push_back(view_report(view));
+  for (const registration::PairFit& pair : alignment.pairs)
+    report["pairs"].push_back(pair_report(pair, alignment));
+  return report;
+}
+
+Json to_json(const reconstruction::AlignmentGain& gain) {
+  return {{"rms", {{"first", gain.first_rms}, {"again", gain.second_rms}}},
+          {"pose_std", {{"first", gain.first_pose_std}, {"again", gain.second_pose_std}}},
+          {"moved", gain.mean_motion},
+          {"left_out", gain.left_out},
+          {"kept", gain.kept()}};
+}
+
+void log_alignment(const registration::Alignment& alignment, const std::string& unit,
+                   double seconds) {
+  constexpr std::size_t kShortTable = 60;
+  for (const std::string& note : alignment.notes) Console::info(note);
+  const auto log = alignment.pairs.size() <= kShortTable ? Console::info : Console::detail;
+  if (!alignment.pairs.empty())
+    for (const std::string& line : pair_table(alignment, unit)) log(line);
+  Console::info(count_grades(alignment));
+  if (alignment.termination == registration::RefinementTermination::kSolverFailed)
+    Console::warning(
+        "the poses are not refined to the end, as their equations are not finite: look for "
+        "infinite or huge confidences and coordinates");
+  const auto aligned = std::count_if(alignment.views.begin(), alignment.views.end(),
+                                     [](const auto& view) { return view.aligned; });
+  Console::info(fmt::format("aligned {} of {} views by {} pairs: {:.3g} {} RMS, {}, {:.1f} s",
+                            aligned, alignment.views.size(), alignment.pairs.size(), alignment.rms,
+                            unit, to_string(alignment.termination), seconds));
+}
+
+void warn_of_unverified(const registration::Alignment& alignment) {
+  for (const registration::ViewReport& view : alignment.views) {
+    if (view.status == registration::PoseStatus::kVerified) continue;
+    Console::warning(
+        "view " + view.name +
+        (view.aligned ? " is kept at a pose that is not verified: " : " is not aligned: ") +
+        view.reason);
+  }
+}
+
+void log_gain(const reconstruction::AlignmentGain& gain, const std::string& unit) {
+  const auto row = [](const char* name, double rms, double pose_std) {
+    return fmt::format("  {:<22}{:>12.3g}{:>12.3g}", name, rms, pose_std);
+  };
+  Console::info(fmt::format("  {:<22}{:>12}{:>12}  [{}]", "alignment of", "rms", "pose std", unit));
+  Console::info(row("views as measured", gain.first_rms, gain.first_pose_std));
+  Console::info(row("refined views", gain.second_rms, gain.second_pose_std));
+  Console::info(
+      fmt::format("  moved by {:.3g} {} on average{}", gain.mean_motion, unit, verdict_on(gain)));
+}
+
+bool is_complete(const registration::Alignment& alignment) {
+  return alignment.complete() &&
+         alignment.termination != registration::RefinementTermination::kSolverFailed;
+}
+
+}  // namespace relief

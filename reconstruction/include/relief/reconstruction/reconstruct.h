@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "relief/hybrid/refine_views.h"
+#include "relief/reconstruction/alignment_gain.h"
+#include "relief/reconstruction/build_model.h"
+#include "relief/registration/align_views.h"
+#include "relief/scan/range_view.h"
+#include "relief/scan/result.h"
+#include "relief/scan/static_background.h"
+
+namespace relief::reconstruction {
+
+struct ReconstructionOptions {
+  /// Leave out what stands still in the camera's frame while the object turns.
+  bool remove_background = true;
+  registration::AlignOptions align;
+  hybrid::RefineOptions refine;
+  std::size_t refine_memory = 0;  ///< See hybrid::refine_views [bytes].
+  ModelOptions model;
+  int threads = 0;  ///< 0: one per core; takes the place of those above. Never changes the result.
+  std::uint64_t seed = 1;  ///< Of everything random; takes the place of those above.
+};
+
+/// The second alignment, of refined views.
+struct SecondAlignment {
+  registration::Alignment alignment;
+  AlignmentGain gain;
+};
+
+struct Reconstruction {
+  /// The views of the model: refined, at their final poses, without those that were not aligned.
+  std::vector<RangeView> views;
+  Model model;
+
+  StaticBackground background;              ///< What was left out; `masks` by the views given.
+  registration::Alignment first_alignment;  ///< Of the views given.
+  std::vector<hybrid::RefineSummary> refinements;   ///< Of `views`.
+  std::optional<SecondAlignment> second_alignment;  ///< Nothing when no view could be refined.
+
+  /// Whether all views given are aligned, all poses refined to the end, and no solve failed. When
+  /// not, the model is that of the views that remain.
+  bool complete() const;
+};
+
+/// Called as reconstruct() proceeds, from the thread that called it; each may be empty. An error
+/// that one of them returns ends the reconstruction.
+struct ReconstructionCallbacks {
+  StageProgress progress;
+  std::function<Result<void>(const registration::Alignment& first)> aligned;
+  std::function<Result<void>(const std::vector<hybrid::RefineSummary>& refinements,
+                             const std::vector<RangeView>& views)>
+      refined;
+  std::function<Result<void>(const SecondAlignment& second)> aligned_again;
+  /// The views with their final ranges, normals and poses, before they are merged.
+  std::function<Result<void>(const std::vector<RangeView>& views)> views_finished;
+};
+
+/// The whole way from range views to one closed model: removes the static background, aligns the
+/// views, refines each of them with its normals, aligns them again, and builds the model. The poses
+/// of the second alignment are taken only when they are expected to be no worse. Views that cannot
+/// be aligned are left out; views that cannot be refined take part as measured. Positions are in
+/// the unit of the views, the model in their world frame.
+///
+/// Errors: those of registration::align_views, hybrid::refine_views and build_model; kUnsolvable
+/// when no view can be aligned; kInterrupted when `callbacks.progress` asks to stop.
+Result<Reconstruction> reconstruct(std::vector<RangeView> views,
+                                   const ReconstructionOptions& options = {},
+                                   const ReconstructionCallbacks& callbacks = {});
+
+}  // namespace relief::reconstruction

@@ -1,0 +1,144 @@
+#include "relief/reconstruction/reconstruct.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace relief::reconstruction {
+
+namespace {
+
+bool is_solved(const registration::Alignment& alignment) {
+  return alignment.termination != registration::RefinementTermination::kSolverFailed;
+}
+
+bool is_failure(const hybrid::RefineSummary& refinement) {
+  return refinement.status == hybrid::RefineStatus::kNotConverged ||
+         refinement.status == hybrid::RefineStatus::kSolverFailed;
+}
+
+class Reconstructor {
+ public:
+  Reconstructor(std::vector<RangeView> views, const ReconstructionOptions& options,
+                const ReconstructionCallbacks& callbacks)
+      : options_(options), callbacks_(callbacks) {
+    result_.views = std::move(views);
+  }
+
+  Result<Reconstruction> run() {
+    if (options_.remove_background) {
+      result_.background = find_static_background(result_.views, options_.threads);
+      ::relief::remove_background(result_.background, result_.views);
+    }
+    for (const auto stage : {&Reconstructor::align, &Reconstructor::refine,
+                             &Reconstructor::align_again, &Reconstructor::merge}) {
+      const Result<void> done = (this->*stage)();
+      if (!done) return done.error();
+    }
+    return std::move(result_);
+  }
+
+ private:
+  Result<void> align() {
+    auto alignment =
+        registration::align_views(result_.views, align_options(), progress_of(Stage::kAlign));
+    if (!alignment) return alignment.error();
+    registration::apply_alignment(*alignment, result_.views);
+    if (auto told = tell(callbacks_.aligned, *alignment); !told) return told;
+    result_.first_alignment = std::move(*alignment);
+    drop_unaligned();
+    if (result_.views.empty())
+      return Error{ErrorKind::kUnsolvable, "no view could be aligned: nothing to merge"};
+    return {};
+  }
+
+  // Views that fit nowhere would only spoil the model.
+  void drop_unaligned() {
+    std::vector<RangeView> kept;
+    for (std::size_t i = 0; i < result_.views.size(); ++i)
+      if (result_.first_alignment.views[i].aligned) kept.push_back(std::move(result_.views[i]));
+    result_.views = std::move(kept);
+  }
+
+  Result<void> refine() {
+    hybrid::RefineOptions options = options_.refine;
+    options.threads = options_.threads;
+    options.seed = options_.seed;
+    auto refined = hybrid::refine_views(result_.views, options, progress_of(Stage::kRefine),
+                                        options_.refine_memory);
+    if (!refined) return refined.error();
+    for (std::size_t i = 0; i < refined->size(); ++i) {
+      hybrid::RefinedView& view = (*refined)[i];
+      result_.refinements.push_back(view);
+      result_.views[i] = std::move(view.view);
+    }
+    return tell(callbacks_.refined, result_.refinements, result_.views);
+  }
+
+  bool any_refined() const {
+    return std::any_of(result_.refinements.begin(), result_.refinements.end(), [](const auto& one) {
+      return one.status == hybrid::RefineStatus::kRefined;
+    });
+  }
+
+  Result<void> align_again() {
+    if (any_refined() && result_.views.size() > 1) {
+      registration::AlignOptions options = align_options();
+      options.surface.normals = registration::NormalSource::kMeasured;
+      auto alignment =
+          registration::align_views(result_.views, options, progress_of(Stage::kAlignAgain));
+      if (!alignment) return alignment.error();
+      const AlignmentGain gain =
+          compare_alignments(result_.first_alignment, *alignment, result_.views);
+      if (gain.kept()) registration::apply_alignment(*alignment, result_.views);
+      result_.second_alignment = {std::move(*alignment), gain};
+      if (auto told = tell(callbacks_.aligned_again, *result_.second_alignment); !told) return told;
+    }
+    return tell(callbacks_.views_finished, result_.views);
+  }
+
+  Result<void> merge() {
+    ModelOptions options = options_.model;
+    options.threads = options_.threads;
+    auto model = build_model(result_.views, options, callbacks_.progress);
+    if (!model) return model.error();
+    result_.model = std::move(*model);
+    return {};
+  }
+
+  registration::AlignOptions align_options() const {
+    registration::AlignOptions options = options_.align;
+    options.threads = options_.threads;
+    return options;
+  }
+
+  Progress progress_of(Stage stage) const {
+    if (!callbacks_.progress) return {};
+    return [this, stage](double fraction, std::string_view step) {
+      return callbacks_.progress(stage, fraction, step);
+    };
+  }
+
+  template <typename Callback, typename... Arguments>
+  static Result<void> tell(const Callback& callback, const Arguments&... arguments) {
+    return callback ? callback(arguments...) : Result<void>{};
+  }
+
+  const ReconstructionOptions& options_;
+  const ReconstructionCallbacks& callbacks_;
+  Reconstruction result_;
+};
+
+}  // namespace
+
+bool Reconstruction::complete() const {
+  return first_alignment.complete() && is_solved(first_alignment) &&
+         std::none_of(refinements.begin(), refinements.end(), is_failure);
+}
+
+Result<Reconstruction> reconstruct(std::vector<RangeView> views,
+                                   const ReconstructionOptions& options,
+                                   const ReconstructionCallbacks& callbacks) {
+  return Reconstructor(std::move(views), options, callbacks).run();
+}
+
+}  // namespace relief::reconstruction

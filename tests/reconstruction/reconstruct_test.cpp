@@ -1,0 +1,98 @@
+#include "relief/reconstruction/reconstruct.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "relief/simulation/simulate.h"
+
+namespace relief::reconstruction {
+namespace {
+
+using ::testing::ElementsAre;
+
+const std::vector<RangeView>& scans() {
+  static const std::vector<RangeView> views = [] {
+    simulation::SimulationOptions options;
+    options.views = 8;
+    options.width = options.height = 96;
+    options.mesh_divisions = 0;
+    return simulation::simulate(options).value().scans.views;
+  }();
+  return views;
+}
+
+const Reconstruction& reconstruction() {
+  static const Reconstruction result = reconstruct(scans()).value();
+  return result;
+}
+
+TEST(Reconstruct, GivesOneClosedModelOfAllViews) {
+  EXPECT_TRUE(reconstruction().complete());
+  EXPECT_EQ(reconstruction().views.size(), scans().size());
+  EXPECT_TRUE(reconstruction().model.check.watertight());
+  EXPECT_EQ(reconstruction().model.check.components, 1u);
+  EXPECT_EQ(reconstruction().model.check.faces, reconstruction().model.mesh.faces.size());
+}
+
+TEST(Reconstruct, ReportsEveryStage) {
+  EXPECT_EQ(reconstruction().first_alignment.views.size(), scans().size());
+  EXPECT_EQ(reconstruction().refinements.size(), scans().size());
+  ASSERT_TRUE(reconstruction().second_alignment);
+  EXPECT_GT(reconstruction().second_alignment->gain.first_pose_std, 0.0);
+  ASSERT_TRUE(reconstruction().model.polished);
+  EXPECT_EQ(reconstruction().model.polished->status, hybrid::PolishStatus::kPolished);
+}
+
+TEST(Reconstruct, IsTheSameOnAnyNumberOfThreads) {
+  ReconstructionOptions options;
+  options.threads = 1;
+  const Reconstruction again = reconstruct(scans(), options).value();
+  EXPECT_EQ(again.model.mesh.vertices, reconstruction().model.mesh.vertices);
+  EXPECT_EQ(again.model.mesh.faces, reconstruction().model.mesh.faces);
+}
+
+TEST(Reconstruct, TellsOfTheStagesInOrder) {
+  std::vector<std::string> told;
+  ReconstructionCallbacks callbacks;
+  callbacks.aligned = [&](const registration::Alignment&) {
+    told.push_back("aligned");
+    return Result<void>{};
+  };
+  callbacks.refined = [&](const std::vector<hybrid::RefineSummary>& refinements,
+                          const std::vector<RangeView>& views) {
+    EXPECT_EQ(refinements.size(), views.size());
+    told.push_back("refined");
+    return Result<void>{};
+  };
+  callbacks.aligned_again = [&](const SecondAlignment&) {
+    told.push_back("aligned again");
+    return Result<void>{};
+  };
+  callbacks.views_finished = [&](const std::vector<RangeView>&) {
+    told.push_back("views finished");
+    return Result<void>{Error{ErrorKind::kCannotWrite, "no room"}};
+  };
+  const auto result = reconstruct(scans(), {}, callbacks);
+  EXPECT_THAT(told, ElementsAre("aligned", "refined", "aligned again", "views finished"));
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().message, "no room");
+}
+
+TEST(Reconstruct, StopsInEveryStage) {
+  for (const Stage last : {Stage::kAlign, Stage::kRefine, Stage::kMerge}) {
+    ReconstructionCallbacks callbacks;
+    callbacks.progress = [last](Stage stage, double, std::string_view) { return stage < last; };
+    const auto result = reconstruct(scans(), {}, callbacks);
+    ASSERT_FALSE(result) << to_string(last);
+    EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted) << to_string(last);
+  }
+}
+
+TEST(Reconstruct, NeedsViews) {
+  const auto result = reconstruct({});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().kind, ErrorKind::kBadInput);
+}
+
+}  // namespace
+}  // namespace relief::reconstruction
