@@ -16,8 +16,8 @@ namespace relief {
 
 /// What is done about the low-frequency error of measured normals.
 enum class BiasModel {
-  kLatent,   ///< Equation (7a): solved for together with the range.
-  kTwoStep,  ///< Equation (2): corrected before the solve (Nehab et al. 2005).
+  kLatent,   ///< Equation (H5): solved for together with the range.
+  kTwoStep,  ///< Equation (H1): corrected before the solve (Nehab et al. 2005).
   kNone,     ///< Nothing: the normals are taken as they are.
 };
 
@@ -88,8 +88,8 @@ struct RefinedView {
   double seconds = 0.0;
 };
 
-/// Refines the range of a view with its measured normals (Nehab et al. 2005; equations (3) to
-/// (7a)). Samples without normals, or whose neighbours have none, keep their range; flying samples
+/// Refines the range of a view with its measured normals (Nehab et al. 2005; equations (H2) to
+/// (H5)). Samples without normals, or whose neighbours have none, keep their range; flying samples
 /// are taken away and small gaps filled (scan/filled_view.h). The rounding of the ranges and noise
 /// that changes over the view are allowed for (scan/range_noise.h). Errors:
 /// kBadInput for an option out of range, kInterrupted when `progress` asks to stop.

@@ -16,11 +16,11 @@ namespace relief {
 
 /// How a normal constrains the ranges next to it.
 enum class Stencil {
-  kCompactEdge,   ///< Equation (6): one constraint per grid edge, with the normals of both ends.
-  kPaperCentral,  ///< Equation (4): central differences at each sample (Nehab et al. 2005).
+  kCompactEdge,   ///< Equation (H4): one constraint per grid edge, with the normals of both ends.
+  kPaperCentral,  ///< Equation (H3): central differences at each sample (Nehab et al. 2005).
 };
 
-/// Linear constraints of the measured normals on two samples each, equations (4) to (6), at most
+/// Linear constraints of the measured normals on two samples each, equations (H3) and (H4), at most
 /// one per pixel and axis. Samples move along their rays by x = |d| (t - t^m) [unit]; with b the
 /// slope error of the normals along the constraint's axis [rad], a constraint asks of
 ///   step + head_slope x_head - tail_slope x_tail - half_length (b_at0 + b_at1)
