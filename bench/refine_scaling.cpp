@@ -1,4 +1,4 @@
-// Time and memory of refining one view by its size: the linear system of equation (7a) by multigrid
+// Time and memory of refining one view by its size: the linear system of equation (H5) by multigrid
 // and by the direct solver, and the whole of refine_view with and without standard deviations; then
 // the same of a view of the built-in object with a million samples. Processor time of all threads;
 // Linux only.

@@ -1,6 +1,6 @@
-// Conjugate gradient steps that the multigrid solver takes for equation (7a), by mask and by the
+// Conjugate gradient steps that the multigrid solver takes for equation (H5), by mask and by the
 // two lengths [samples] that govern the system: sigma_p / (l sigma_n), up to which normals are
-// trusted, and sigma_n / sigma_b, below which the bias is smooth. The table of docs/hybrid.md.
+// trusted, and sigma_n / sigma_b, below which the bias is smooth. The table of docs/results.md.
 //   cmake --preset bench && cmake --build --preset bench && build/bench/bench/relief_solver_steps
 #include <cmath>
 #include <cstdio>

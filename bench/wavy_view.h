@@ -12,7 +12,7 @@ inline constexpr double kWavyRangeNoise = 0.3, kWavyNormalNoise = 0.026;
 /// half, with noise and a smooth bias of the normals.
 RangeView wavy_view(int side);
 
-/// The weights of (7a) in such a view: its range noise, and standard deviations of a normal's slope
+/// The weights of (H5) in such a view: its range noise, and standard deviations of a normal's slope
 /// and of the bias from sample to sample [rad].
 hybrid::ViewWeights wavy_weights(const hybrid::ViewProblem& problem, double sigma_normal,
                                  double sigma_bias_step);

@@ -105,7 +105,7 @@ void count_samples(const std::vector<ViewSampler>& views, MergeResult& result) {
 }
 
 // Refined views, those that know their deviations, hold detail that a lattice as coarse as the
-// samples blurs; in views as measured there is only noise below the spacing (docs/fusion.md).
+// samples blurs; in views as measured there is only noise below the spacing (docs/results.md).
 constexpr double kRefinedVoxel = 0.8;  // [sample spacings]
 
 void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& options, bool refined,

@@ -14,7 +14,7 @@ namespace relief::hybrid {
 namespace {
 
 // Peak memory of refine_view per pixel of the grid [bytes], beyond its input: measured on full
-// grids, see docs/hybrid.md.
+// grids, see docs/results.md.
 std::size_t bytes_per_pixel(Solver solver) { return solver == Solver::kMultigrid ? 400 : 3000; }
 
 }  // namespace

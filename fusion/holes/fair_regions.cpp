@@ -166,7 +166,7 @@ Eigen::Vector3d FairRegions::facing_of_lid(const FairRegion& region, double voxe
   for (int k = 0; k < kApproach && !ring.empty(); ++k) ring = ring_beyond(ring);
   if (ring.empty()) return Eigen::Vector3d::Zero();
   const double half_width = std::sqrt(area / (6.0 * std::numbers::pi));
-  // Equation (8).
+  // Equation (F8).
   const double carried = (mean_turn(ring) - turn) * half_width / (kApproach * voxel);
   return turn > std::acos(kSharp) && carried < kCarried * turn ? facing : Eigen::Vector3d::Zero();
 }

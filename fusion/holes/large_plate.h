@@ -19,7 +19,7 @@ class SizedFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Ei
   }
 };
 
-/// The system of a thin plate (7), with one row for each free vertex and then for each held one:
+/// The system of a thin plate (F7), with one row for each free vertex and then for each held one:
 ///
 ///   (L^T W L + Q) x = right
 ///

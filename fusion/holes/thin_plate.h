@@ -57,7 +57,7 @@ struct PlateOptions {
 /// Places of the free vertices that minimise the sum of squared mean curvature normals, each over
 /// its area, and of squared moves
 ///
-///   sum_v stiffness_v |(L x)_v|^2 / A_v + sum_v pull_v A_v |x_v - x_v^0|^2                    (7)
+///   sum_v stiffness_v |(L x)_v|^2 / A_v + sum_v pull_v A_v |x_v - x_v^0|^2                    (F7)
 ///
 /// with the cotangent Laplacian L and the areas A of the mesh as given (Botsch and Kobbelt 2004).
 /// It keeps planes plane and does not move vertices along them. Empty when the system is singular:

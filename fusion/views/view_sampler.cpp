@@ -73,7 +73,7 @@ struct ViewSampler::Patch {
   double tangent_offset = 0.0;  // Mean of normal . point over the corners.
   double weight = 0.0, border = 0.0;
 
-  // Equation (1). On a curved surface the chord between samples errs to one side and their tangent
+  // Equation (F1). On a curved surface the chord between samples errs to one side and their tangent
   // planes err by the same amount to the other.
   double distance(const Eigen::Vector3d& point) const {
     return normal.dot(point) - 0.5 * (normal.dot(place) + tangent_offset);

@@ -14,13 +14,13 @@ namespace relief::hybrid {
 struct MeshSystemOptions {
   double sigma_position = 0.0;  ///< Of every vertex [unit]; 0: `quality` of the mesh.
   double sigma_normal = 0.0;    ///< Of every blended normal [rad]; 0: that of the blend.
-  /// Error of positions along the surface over that along the normal: sqrt(a / b) of (7), > 0.
+  /// Error of positions along the surface over that along the normal: sqrt(a / b) of (H13), > 0.
   double tangential = 1.0;
   int threads = 0;
 };
 
-/// The least-squares problem of equations (7) and (8) on a mesh. Displacements are 3-vectors, one
-/// after the other in one vector, or lengths along the normals.
+/// The least-squares problem of equations (H13) and (H14) on a mesh. Displacements are 3-vectors,
+/// one after the other in one vector, or lengths along the normals.
 class MeshSystem {
  public:
   /// Keeps references to all arguments.
@@ -70,7 +70,7 @@ class MeshSystem {
   std::vector<Eigen::Vector3f> normals_;     // blended, or those of the mesh where there are none
   const std::vector<Eigen::Vector3f>* middles_ = nullptr;  // of edges, if there are any
   std::vector<float> sigma_;  // of the blended normals [rad]; 0: none there
-  std::vector<double> position_weight_, tangential_weight_;  // a and b of (7)
+  std::vector<double> position_weight_, tangential_weight_;  // a and b of (H13)
   std::vector<float> weight_;                                // of edges, in the order of graph_
 };
 

@@ -10,7 +10,7 @@ namespace relief::hybrid {
 /// all others. (u,v) of `along rows` is the edge to (u+1,v), of `along columns` to (u,v+1).
 struct RangeSteps {
   struct Direction {
-    Grid<float> expected;     ///< The step that the normals imply, equation (6) solved for it.
+    Grid<float> expected;     ///< The step that the normals imply, equation (H4) solved for it.
     Grid<float> discrepancy;  ///< The measured step less the expected one.
     Grid<float> sensitivity;  ///< Change of the expected step per radian of slope error [unit/rad].
     int factor = 1;           ///< Samples along the side of the blocks that the steps lead between.

@@ -24,9 +24,9 @@ struct Constraint {
   float step, tail_slope, head_slope, length;
 };
 
-// The trapezoidal rule (6) errs by a twelfth of the length times the second difference of the
+// The trapezoidal rule (H4) errs by a twelfth of the length times the second difference of the
 // slope, which a circle does not have and relief near the sampling has plenty of. There higher
-// differences are as large: in all, about three times as much (measured, see docs/hybrid.md).
+// differences are as large: in all, about three times as much (measured, see docs/results.md).
 constexpr double kOfSecondDifference = 3.0 / 12.0;
 
 // A kink anywhere between the two samples has a third difference of twice its angle, and the mean

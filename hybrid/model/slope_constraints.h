@@ -15,7 +15,7 @@
 
 namespace relief::hybrid {
 
-/// Linear constraints of the measured normals on two samples each, equations (4) to (6), at most
+/// Linear constraints of the measured normals on two samples each, equations (H3) and (H4), at most
 /// one per pixel and axis. Samples move along their rays by x = |d| (t - t^m) [unit]; with b the
 /// slope error of the normals along the constraint's axis [rad], a constraint asks of
 ///   step + head_slope x_head - tail_slope x_tail - half_length (b_at0 + b_at1)

@@ -80,7 +80,7 @@ void for_each_bias_pair(const ViewProblem& problem, int threads, const Visit& vi
   });
 }
 
-/// The weights of the terms of equation (7a), each the inverse of a variance. Planes are padded.
+/// The weights of the terms of equation (H5), each the inverse of a variance. Planes are padded.
 struct ViewWeights {
   std::vector<float> position;              ///< Per movable sample [1/unit^2]; else zero.
   std::array<std::vector<float>, 2> slope;  ///< Per slope constraint [1/unit^2]; else zero.

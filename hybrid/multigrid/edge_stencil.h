@@ -20,7 +20,7 @@ struct Planes {
   PlanesView<const T> view() const { return {x.data(), bu.data(), bv.data()}; }
 };
 
-/// The matrix A of the normal equations of (7a) with the compact stencil (6), by its coefficients:
+/// The matrix A of the normal equations of (H5) with the compact stencil (H4), by its coefficients:
 /// never stored as a matrix. Without a bias, its unknowns stay zero.
 class EdgeStencil {
  public:

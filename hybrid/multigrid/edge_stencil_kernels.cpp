@@ -45,7 +45,7 @@ class LaneSums {
   double lanes_[kLanes] = {};
 };
 
-// Products of A for pixels [begin, begin + count), equation (7a) differentiated: every edge pulls
+// Products of A for pixels [begin, begin + count), equation (H5) differentiated: every edge pulls
 // at its two ends with its weighted residual.
 template <typename T>
 RELIEF_INLINE void multiply(const StencilView& s, PlanesView<const float> in, std::ptrdiff_t begin,

@@ -129,7 +129,7 @@ int thinning(const RangeSteps& steps) {
       static_cast<int>(std::sqrt(static_cast<double>(steps.along_rows.expected.size()) / kEnough)));
 }
 
-// Equation (10): round a loop of k x k cells the expected steps close up but for the noise of the
+// Equation (H7): round a loop of k x k cells the expected steps close up but for the noise of the
 // normals. Closures are divided by their sensitivity: values of standard deviation sigma_normal.
 std::vector<double> loop_closures(const RangeSteps& steps, int k) {
   std::vector<double> closures;
@@ -175,7 +175,7 @@ double normal_noise(const RangeSteps& steps, int threads) {
 }
 
 // The discrepancy over k edges less that over the k edges before, and the terms of its expected
-// square, equation (11): 6 sigma_position^2 + nodes sigma_normal^2 + area^2 bias_gradient^2.
+// square, equation (H8): 6 sigma_position^2 + nodes sigma_normal^2 + area^2 bias_gradient^2.
 struct SecondDifference {
   double value, nodes, area;
 };
@@ -223,7 +223,7 @@ struct Moments {
   }
 };
 
-// Those of (11) for differences [begin, end) weighted by the model `fit`; squares beyond nine times
+// Those of (H8) for differences [begin, end) weighted by the model `fit`; squares beyond nine times
 // their model are outliers.
 Moments moments_of(const std::vector<SecondDifference>& differences, const WalkFit& fit,
                    std::size_t begin, std::size_t end) {
@@ -243,7 +243,7 @@ Moments moments_of(const std::vector<SecondDifference>& differences, const WalkF
   return moments;
 }
 
-// Moment fit of (11) with known normal noise.
+// Moment fit of (H8) with known normal noise.
 WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
                                double normal_variance, int threads) {
   std::vector<double> whitened;  // as if all were position noise
@@ -271,7 +271,7 @@ WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
   return fit;
 }
 
-// The fit of (11) to steps between blocks.
+// The fit of (H8) to steps between blocks.
 struct BlockFit {
   std::size_t differences = 0;
   WalkFit fit;
@@ -328,7 +328,7 @@ ExcessVariance variance_of(Excess&& excess, double overlap, int threads) {
           total * total * std::sqrt(2.0 / independent)};
 }
 
-// Equation (12): over k edges the discrepancy has variance 2 sigma_position^2 + nodes
+// Equation (H9): over k edges the discrepancy has variance 2 sigma_position^2 + nodes
 // sigma_normal^2 + (sum of sensitivities)^2 bias^2.
 double smooth_bias(const RangeSteps& steps, const WalkFit& noise, int threads) {
   constexpr int kLength = 16;
@@ -346,7 +346,7 @@ double smooth_bias(const RangeSteps& steps, const WalkFit& noise, int threads) {
 }
 
 // The change of the bias from pixel to pixel, from what second differences over long walks have in
-// excess of the noise, equation (11). Lengths that show it best count most.
+// excess of the noise, equation (H8). Lengths that show it best count most.
 double bias_gradient(const RangeSteps& steps, const WalkFit& noise, int threads) {
   constexpr std::array<int, 4> kLengths{8, 16, 32, 64};
   std::array<ExcessVariance, kLengths.size()> by_length;

@@ -9,7 +9,7 @@
 
 namespace relief::hybrid {
 
-/// The errors of a view in the form that the weights of equation (7a) need.
+/// The errors of a view in the form that the weights of equation (H5) need.
 struct NoiseModel {
   double sigma_position = 0.0;   ///< Of a range along its ray [unit].
   double sigma_normal = 0.0;     ///< Of a normal's slope [rad].

@@ -32,7 +32,7 @@ class PixelErrors {
   std::uint64_t bits_;
 };
 
-// What the right sides of (13) and (14) are made from.
+// What the right sides of (H10) and (H11) are made from.
 struct Context {
   const ViewProblem& problem;
   const ViewWeights& weights;
@@ -44,7 +44,7 @@ struct Context {
   Eigen::VectorXd zero() const { return Eigen::VectorXd::Zero((with_bias ? 3 : 1) * count()); }
 };
 
-// The right side of (13) for one set of errors.
+// The right side of (H10) for one set of errors.
 Eigen::VectorXd perturbation(const Context& context, const MeasurementNoise& noise,
                              const CounterRandom& random) {
   const ViewProblem& problem = context.problem;
@@ -75,7 +75,7 @@ Eigen::VectorXd perturbation(const Context& context, const MeasurementNoise& noi
   return rhs;
 }
 
-// The right side of (14): what the prior of the bias takes from the bias in `y`.
+// The right side of (H11): what the prior of the bias takes from the bias in `y`.
 Eigen::VectorXd shrinkage(const Context& context, const Eigen::VectorXd& y) {
   const Eigen::Index count = context.count();
   Eigen::VectorXd rhs = context.zero();

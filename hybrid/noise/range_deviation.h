@@ -9,7 +9,7 @@
 
 namespace relief::hybrid {
 
-/// The errors of the measurements, whatever weights the terms of (7a) got.
+/// The errors of the measurements, whatever weights the terms of (H5) got.
 struct MeasurementNoise {
   double sigma_position = 0.0;  ///< Of a range of confidence 1, along the ray [unit].
   double sigma_normal = 0.0;    ///< Of a normal's slope along one tangent [rad].
@@ -29,7 +29,7 @@ struct DeviationOptions {
 };
 
 /// Standard deviation of the refined range of every movable sample along its ray [unit], equations
-/// (13) and (14). `y` is the solution, with the bias that was found, if any; `solver` must hold
+/// (H10) and (H11). `y` is the solution, with the bias that was found, if any; `solver` must hold
 /// `weights`. Empty when a solve does not converge.
 Eigen::VectorXf range_deviation(const ViewProblem& problem, const ViewWeights& weights,
                                 const MeasurementNoise& noise, const Eigen::VectorXd& y,

@@ -132,7 +132,7 @@ TwoStepResult two_step_correction(const RangeView& view, const GridEdges& edges,
     const Pixel p = pixel_of(problem, k);
     const Eigen::Vector3d from = measured.row(k), to = surface.row(k);
     if (!view.has_normal(p.u, p.v) || !(from.norm() > 0.0) || !(to.norm() > 0.0)) continue;
-    // R takes S(N) to N; the corrected normal is R S(Npos), equation (2).
+    // R takes S(N) to N; the corrected normal is R S(Npos), equation (H1).
     const auto rotation =
         Eigen::Quaterniond::FromTwoVectors(from, view.normals(p.u, p.v).cast<double>());
     result.normals(p.u, p.v) = (rotation * to.normalized()).cast<float>();

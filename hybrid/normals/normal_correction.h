@@ -14,11 +14,11 @@ Grid<Eigen::Vector3f> subtract_bias(const RangeView& view, const ViewProblem& pr
                                     const Eigen::VectorXd& bias, int threads = 1);
 
 struct TwoStepResult {
-  Grid<Eigen::Vector3f> normals;  ///< Equation (2).
+  Grid<Eigen::Vector3f> normals;  ///< Equation (H1).
   bool solved = false;            ///< False: the smoothing failed, normals are as measured.
 };
 
-/// Equation (2) (Nehab et al. 2005, section 4.1): low frequencies of the measured surface's
+/// Equation (H1) (Nehab et al. 2005, section 4.1): low frequencies of the measured surface's
 /// normals, high frequencies of the measured normals. `scale` is the length of the smoothing kernel
 /// (I + scale^2 L)^-1 in samples; it never reaches across edges that are not connected.
 TwoStepResult two_step_correction(const RangeView& view, const GridEdges& edges,

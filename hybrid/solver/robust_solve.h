@@ -18,7 +18,7 @@ struct RobustSolve {
   bool interrupted = false;
 };
 
-/// Minimises equation (7a) by least squares whose slope constraints are reweighted, with Cauchy's
+/// Minimises equation (H5) by least squares whose slope constraints are reweighted, with Cauchy's
 /// loss, until the samples settle or after `options.robust_rounds`.
 RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
                            const RefineOptions& options, const Progress& progress);

@@ -14,7 +14,7 @@ struct LinearSolve {
   int iterations = 0;  ///< Conjugate gradient steps; 1 for a factorisation.
 };
 
-/// Solves A y = b, the normal equations of (7a): y = [x; b_u; b_v] of the movable samples, or y = x
+/// Solves A y = b, the normal equations of (H5): y = [x; b_u; b_v] of the movable samples, or y = x
 /// without a bias. Once weights are set, any number of right sides can be solved for.
 class ViewSolver {
  public:

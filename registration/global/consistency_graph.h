@@ -19,7 +19,7 @@ struct ConsistencyOptions {
   double angle_tolerance = 0.2;
 };
 
-/// Which matches can be true at once (C1): a graph whose edges join matches that one rigid motion
+/// Which matches can be true at once (R13): a graph whose edges join matches that one rigid motion
 /// may explain (distance and angles between the two points and normals are alike in both views).
 class ConsistencyGraph {
  public:

@@ -15,7 +15,7 @@ struct RobustMotion {
   std::vector<std::size_t> inliers;  ///< Columns that it explains, ascending.
 };
 
-/// Minimises the truncated squares (C2), min(|target - motion source|^2, tolerance^2) by graduated
+/// Minimises the truncated squares (R14), min(|target - motion source|^2, tolerance^2) by graduated
 /// non-convexity (Yang et al. 2020): no starting motion, up to three quarters of the columns may be
 /// wrong. `tolerance` > 0 [unit]. Fewer than three inliers mean that no motion was found.
 RobustMotion fit_robustly(const Eigen::Matrix3Xd& source, const Eigen::Matrix3Xd& target,

@@ -31,7 +31,7 @@ enum class PoseSolution {
 
 /// One minimisation of (R3) and (R9) over all poses with fixed correspondences: Levenberg-Marquardt
 /// with the Cauchy loss and a sparse Cholesky factorisation; the terms of a directed pair make
-/// seven residuals, whatever their number (R3a). Poses with `fixed` are not touched.
+/// seven residuals, whatever their number (R6). Poses with `fixed` are not touched.
 [[nodiscard]] PoseSolution solve_poses(const std::vector<ViewSurface>& surfaces,
                                        const std::vector<DirectedMatches>& matches,
                                        const std::vector<bool>& fixed,

@@ -27,7 +27,7 @@ struct PairTerms {
   std::vector<NormalResidual> normals;
 
   /// All of them at a relative pose, exactly: they depend on six parameters only, whatever their
-  /// number (R3a).
+  /// number (R6).
   CompressedTerms compress(const RigidMotion& target_from_source) const;
 };
 

@@ -12,7 +12,7 @@ struct DistanceBand {
   double farthest = 0.0;  ///< Farther ones share nothing. > nearest.
 };
 
-/// The root mean square of what residuals at neighbouring points have in common (C3): the root of
+/// The root mean square of what residuals at neighbouring points have in common (R10): the root of
 /// the mean product of the residuals of all pairs of points whose distance lies in `band`. Noise
 /// that is independent beyond the nearest distance averages out; a systematic misfit stays. 0 when
 /// the products are negative on average or there are none.

@@ -45,8 +45,8 @@ testing::Surface smooth_surface() {
   };
 }
 
-// Equation (15): the least RMS error that any linear estimator reaches at unit spacing with the
-// model of stencil (6), white noise and nothing known of the surface.
+// Equation (H15): the least RMS error that any linear estimator reaches at unit spacing with the
+// model of stencil (H4), white noise and nothing known of the surface.
 double least_rms(double sigma_position, double sigma_normal) {
   constexpr int kFrequencies = 256;
   const auto information = [&](int k) {

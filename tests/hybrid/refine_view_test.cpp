@@ -64,7 +64,7 @@ TEST(RefineView, APlaneWithItsNormalsStaysAsItIs) {
 }
 
 TEST(RefineView, ASphereWithItsNormalsStaysAsItIs) {
-  // Equation (6) is exact on circles: every grid line of an orthographic view of a sphere is one.
+  // Equation (H4) is exact on circles: every grid line of an orthographic view of a sphere is one.
   const RangeView view = testing::render(testing::sphere({31, 23, 100}, 20), kOrthographic);
   RefineOptions options = with_known_noise(1.0, 0.001);
   options.bias = BiasModel::kNone;

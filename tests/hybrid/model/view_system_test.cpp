@@ -38,7 +38,7 @@ ViewWeights random_weights(const ViewProblem& problem, std::uint32_t seed) {
   return {plane(seed), {plane(seed + 1), plane(seed + 2)}, 0.7f + static_cast<float>(seed), 0.2f};
 }
 
-// The objective (7a) written down from the definition of its residuals.
+// The objective (H5) written down from the definition of its residuals.
 double objective(const ViewProblem& problem, const ViewWeights& weights, const Eigen::VectorXd& y,
                  bool with_bias) {
   const auto n = static_cast<Eigen::Index>(problem.size());

@@ -50,7 +50,7 @@ ViewWeights weights_of(const ViewProblem& problem) {
   return weights;
 }
 
-// Equation (13) written down with dense matrices: one column for each independent error.
+// Equation (H10) written down with dense matrices: one column for each independent error.
 Eigen::VectorXd dense_deviation(const ViewProblem& problem, const ViewWeights& weights,
                                 const Eigen::VectorXd& y) {
   const auto n = static_cast<Eigen::Index>(problem.size());

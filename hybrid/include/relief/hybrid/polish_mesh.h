@@ -16,7 +16,7 @@ namespace relief::hybrid {
 /// How the vertices of a mesh may move.
 enum class MeshForm {
   kAlongNormals,  ///< Along the vertex normals of the mesh: one unknown a vertex.
-  kFull,          ///< In space: equation (7) in full.
+  kFull,          ///< In space: equation (H13) in full.
 };
 
 struct PolishOptions {
@@ -66,7 +66,7 @@ struct PolishedMesh : PolishSummary {
 };
 
 /// Refines a merged mesh with the normals that `views` measured (Nehab et al. 2005, section 4.3;
-/// equations (7) and (8)): the faces stay, the vertices move as far as no face flips or
+/// equations (H13) and (H14)): the faces stay, the vertices move as far as no face flips or
 /// degenerates. Vertices that no normal tells about move smoothly with those around them. Errors:
 /// kBadInput for an option out of range or a mesh whose attributes do not fit it; kUnsolvable for a
 /// view whose pixels cannot be found; kInterrupted.

@@ -9,8 +9,8 @@ namespace relief::hybrid {
 
 /// How a normal constrains the ranges next to it.
 enum class Stencil {
-  kCompactEdge,   ///< Equation (6): one constraint per grid edge, with the normals of both ends.
-  kPaperCentral,  ///< Equation (4): central differences at each sample (Nehab et al. 2005).
+  kCompactEdge,   ///< Equation (H4): one constraint per grid edge, with the normals of both ends.
+  kPaperCentral,  ///< Equation (H3): central differences at each sample (Nehab et al. 2005).
 };
 
 /// How the normal equations of a view are solved.
@@ -23,8 +23,8 @@ enum class Solver {
 
 /// What is done about the low-frequency error of measured normals.
 enum class BiasModel {
-  kLatent,   ///< Equation (7a): solved for together with the range.
-  kTwoStep,  ///< Equation (2): corrected before the solve (Nehab et al. 2005).
+  kLatent,   ///< Equation (H5): solved for together with the range.
+  kTwoStep,  ///< Equation (H1): corrected before the solve (Nehab et al. 2005).
   kNone,     ///< Nothing: the normals are taken as they are.
 };
 

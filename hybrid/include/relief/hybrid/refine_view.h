@@ -47,8 +47,8 @@ struct RefinedView : RefineSummary {
   RangeView view;  ///< Range refined; normals corrected; deviations set; all else as given.
 };
 
-/// Refines the range of a view with its measured normals (Nehab et al. 2005; equations (3) to
-/// (7a)). Samples without normals, or whose neighbours have none, keep their range; flying samples
+/// Refines the range of a view with its measured normals (Nehab et al. 2005; equations (H2) to
+/// (H5)). Samples without normals, or whose neighbours have none, keep their range; flying samples
 /// are taken away and small gaps filled (scan/grid/filled_view.h). The rounding of the ranges and
 /// noise that changes over the view are allowed for (scan/include/relief/scan/range_noise.h).
 /// Errors: kBadInput for an option out of range, kInterrupted when `progress` asks to stop.

@@ -17,8 +17,8 @@ struct PinholeIntrinsics {
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;
 };
 
-/// The rays of a sensor, equation (1): sample (u, v) is P(t) = o(u,v) + t d(u,v) in the view frame.
-/// Cheap to copy: a ray table is shared.
+/// The rays of a sensor, equation (V1): sample (u, v) is P(t) = o(u,v) + t d(u,v) in the view
+/// frame. Cheap to copy: a ray table is shared.
 class Camera {
  public:
   enum class Model { kPinhole, kPinholeGl, kOrthographic, kRayTable };

@@ -29,7 +29,7 @@ inline constexpr double kNoSample = std::numeric_limits<double>::quiet_NaN();
 struct RangeView {
   std::string name;
   Camera camera;
-  Grid<double> range;             ///< t of equation (1) [unit]; NaN where there is no sample.
+  Grid<double> range;             ///< t of equation (V1) [unit]; NaN where there is no sample.
   Grid<Eigen::Vector3f> normals;  ///< Measured unit normals, view frame, N . d < 0; NaN where none.
   Grid<float> confidence;         ///< >= 0, 1 nominal; empty: 1 everywhere.
   /// Standard deviation of each sample's position along its ray [unit], confidence included; NaN

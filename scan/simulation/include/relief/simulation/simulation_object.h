@@ -13,7 +13,7 @@ namespace relief::simulation {
 
 /// Where a ray first meets an object.
 struct SurfaceHit {
-  double range = 0.0;                                ///< t of equation (1).
+  double range = 0.0;                                ///< t of equation (V1).
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Unit, outward.
 };
 
