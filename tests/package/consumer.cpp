@@ -1,23 +1,17 @@
-// Simulates a few scans and reconstructs the model through the installed headers only.
 #include <cstdio>
 
+#include <relief/io/mesh_io.h>
+#include <relief/io/project_io.h>
 #include <relief/reconstruction/reconstruct.h>
-#include <relief/simulation/simulate.h>
 
-int main() {
-  relief::simulation::SimulationOptions options;
-  options.views = 6;
-  options.width = options.height = 96;
-  options.mesh_divisions = 0;
-  const auto simulation = relief::simulation::simulate(options);
-  if (!simulation) return 1;
-
-  const auto result = relief::reconstruction::reconstruct(simulation->scans.views);
-  if (!result) {
-    std::fprintf(stderr, "consumer: %s\n", result.error().message.c_str());
-    return 1;
-  }
-  if (!result->model.check.watertight()) return 1;
-  std::printf("consumer: a watertight model of %zu faces\n", result->model.check.faces);
-  return 0;
+int main(int, char** argv) {
+  const auto fail = [](const relief::Error& error) { return std::puts(error.message.c_str()), 1; };
+  const auto project = relief::read_project(argv[1]);
+  if (!project) return fail(project.error());
+  const auto result = relief::reconstruction::reconstruct(project->views);
+  if (!result) return fail(result.error());
+  const auto written = relief::write_mesh(result->model.mesh, argv[2]);
+  if (!written) return fail(written.error());
+  const relief::MeshCheck& check = result->model.check;
+  std::printf("%zu faces, watertight: %d\n", check.faces, check.watertight());
 }
