@@ -21,16 +21,16 @@ constexpr double kIntrusion = 0.25, kInFront = 0.5;  // [voxels]
 // The closed field's surface is that far at most in the way of such rays.
 constexpr double kFarthestRetreat = 1.5;  // [voxels]
 
-// Rounds of finding what a plate must not do, and of holding it there.
+// Rounds of finding invalid faces and holding their vertices.
 constexpr int kRounds = 3;
 
-// Stiffness at vertices that are held because their faces were spoiled: the membrane there tells
-// no slope worth going on with.
+// Stiffness at vertices that are held because their faces were invalid: the slope of the membrane
+// there is no slope to continue.
 constexpr double kHeld = 0.0;
 
-// What a vertex that is held for its spoiled faces changes, and what stays: this many edges away a
-// plate that gives way by a voxel or two lies as before.
-constexpr int kMendedRings = 12;
+// How far holding a vertex changes the plate [edges]: the plate moves by a voxel or two there, and
+// not at all beyond.
+constexpr int kChangedRings = 12;
 
 // Of places that are solved for step by step: a tenth of what the lattice's zeros are good to.
 constexpr double kTolerance = 1e-4;  // [voxels]
@@ -96,7 +96,8 @@ class Fairing {
       patch.held.push_back(pin->second);
   }
 
-  // The same near the vertices held of late. What is around goes on as it lies, with its slope.
+  // The patch near the vertices that were held last. The surface around the patch keeps its place
+  // and its slope.
   PlatePatch patch_near_fresh(std::size_t r) const {
     const std::unordered_map<std::uint32_t, int> rings = rings_around(work_[r].fresh);
     PlatePatch patch;
@@ -104,11 +105,11 @@ class Fairing {
     for (const PlateVertex& vertex : regions_.all()[r].vertices) {
       const auto ring = rings.find(vertex.vertex);
       if (ring == rings.end()) continue;
-      if (ring->second <= kMendedRings)
+      if (ring->second <= kChangedRings)
         add(r, vertex, patch);
       else  // the slope of the first of these rings depends on the second
         patch.held.push_back({vertex.vertex, places_[vertex.vertex],
-                              ring->second == kMendedRings + 1 ? vertex.stiffness : 0.0});
+                              ring->second == kChangedRings + 1 ? vertex.stiffness : 0.0});
     }
     return patch;
   }
@@ -117,7 +118,7 @@ class Fairing {
   std::unordered_map<std::uint32_t, int> rings_around(std::vector<std::uint32_t> ring) const {
     std::unordered_map<std::uint32_t, int> rings;
     for (const std::uint32_t v : ring) rings.emplace(v, 0);
-    for (int distance = 1; distance <= kMendedRings + 2; ++distance) {
+    for (int distance = 1; distance <= kChangedRings + 2; ++distance) {
       std::vector<std::uint32_t> next;
       for (const std::uint32_t v : ring)
         regions_.around().visit(v, [&](std::uint32_t face) {

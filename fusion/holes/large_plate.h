@@ -24,7 +24,7 @@ class SizedFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Ei
 ///   (L^T W L + Q) x = right
 ///
 /// L takes free vertices to the curvature at all of these, W is diagonal (stiffness over area), Q
-/// too (pull times area).
+/// too (attraction times area).
 struct PlateEquations {
   const Eigen::SparseMatrix<double>& laplacian;  ///< L; its free part is negative definite.
   const Eigen::VectorXd &weights, &area;         ///< Of all rows.

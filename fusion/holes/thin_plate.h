@@ -34,7 +34,7 @@ struct PlateVertex {
   /// How stiffly the surface goes on across it: 0, it is a hinge; 1, it keeps its slope.
   double stiffness = 1.0;
   /// How strongly a free vertex is drawn to its place [1/length^4]: a plate follows waves longer
-  /// than about 2 pi / pull^(1/4) and smooths shorter ones away. 0: not at all.
+  /// than about 2 pi / attraction^(1/4) and smooths shorter ones away. 0: not at all.
   double attraction = 0.0;
 };
 
@@ -57,7 +57,7 @@ struct PlateOptions {
 /// Places of the free vertices that minimise the sum of squared mean curvature normals, each over
 /// its area, and of squared moves
 ///
-///   sum_v stiffness_v |(L x)_v|^2 / A_v + sum_v pull_v A_v |x_v - x_v^0|^2                    (F7)
+///   sum_v stiffness_v |(L x)_v|^2 / A_v + sum_v attraction_v A_v |x_v - x_v^0|^2 (F7)
 ///
 /// with the cotangent Laplacian L and the areas A of the mesh as given (Botsch and Kobbelt 2004).
 /// It keeps planes plane and does not move vertices along them. Empty when the system is singular:

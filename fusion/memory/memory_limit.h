@@ -66,7 +66,7 @@ class MemoryLimit {
 /// Resident memory of this process [bytes].
 std::size_t resident_memory();
 
-/// The same where there may be no limit.
+/// Evicts the pages of `limit` as MemoryLimit::evict_pages() does; nothing when there is no limit.
 inline void evict_pages(MemoryLimit* limit) {
   if (limit) limit->evict_pages();
 }

@@ -71,7 +71,7 @@ class CreaseEdges {
       : mesh_(mesh),
         options_(options),
         all_(mesh.vertices.size(), 1),
-        barred_(mesh.vertices.size(), 0) {}
+        fixed_(mesh.vertices.size(), 0) {}
 
   // Turns edges, at first freely; where the result intersects itself, over again without the
   // vertices there. Returns how many edges were turned.
@@ -86,7 +86,7 @@ class CreaseEdges {
       bad = intersecting(searched, bad);
       if (bad.empty()) return turned;
       for (const std::uint32_t f : bad)
-        for (const std::uint32_t v : mesh_.faces[f]) barred_[v] = 1;
+        for (const std::uint32_t v : mesh_.faces[f]) fixed_[v] = 1;
       searched = std::move(mesh_.faces);
       mesh_.faces = as_given;
     }
@@ -149,7 +149,8 @@ class CreaseEdges {
     const double now = sagitta(flip.a, flip.b);
     if (!(now > least) || !find_right(around, flip)) return;
     flip.gain = now - sagitta(flip.c, flip.d);
-    if (flip.gain > least && !is_barred(flip) && allowed(flip) && !joined(around, flip.c, flip.d))
+    if (flip.gain > least && !may_not_flip(flip) && allowed(flip) &&
+        !joined(around, flip.c, flip.d))
       flips.push_back(flip);
   }
 
@@ -168,8 +169,8 @@ class CreaseEdges {
     return found;
   }
 
-  bool is_barred(const EdgeFlip& t) const {
-    return barred_[t.a] || barred_[t.b] || barred_[t.c] || barred_[t.d];
+  bool may_not_flip(const EdgeFlip& t) const {
+    return fixed_[t.a] || fixed_[t.b] || fixed_[t.c] || fixed_[t.d];
   }
 
   bool allowed(const EdgeFlip& t) const {
@@ -214,7 +215,7 @@ class CreaseEdges {
   TriangleMesh& mesh_;
   const CreaseEdgeOptions& options_;
   std::vector<std::uint8_t> all_;      // Set for every vertex.
-  std::vector<std::uint8_t> barred_;   // Vertices whose edges and whose faces' edges stay.
+  std::vector<std::uint8_t> fixed_;    // Vertices whose edges and whose faces' edges stay.
   std::vector<std::uint8_t> touched_;  // Vertices with edges to look at in the next pass.
 };
 

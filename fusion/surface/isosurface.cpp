@@ -224,8 +224,8 @@ class BrickJoiner {
   TriangleMesh mesh_;
   std::vector<VertexKey> open_;     // Vertices of the last brick that the next one numbers.
   std::vector<VertexKey> corners_;  // Of the last brick's triangles.
-  std::vector<VertexKey> keys_;     // The last brick's vertices; the first one's number is
-  std::size_t first_ = 0;           // this.
+  std::vector<VertexKey> keys_;     // The last brick's vertices.
+  std::size_t first_ = 0;           // The number of the first vertex of `keys_`.
 };
 
 }  // namespace

@@ -37,8 +37,8 @@ constexpr double kFootReach = 1.5;  // [lattice spacings]
 // except next to the surface: or there would be no sign change there.
 constexpr double kLeastDepth = 1.0;  // [lattice spacings]
 
-// Nor there, where another view has seen this much empty space around the point: at a corner that
-// few views see the sign changes before.
+// Next to the surface, too, the sample says nothing where another view has seen this much empty
+// space around the point: at a corner that few views see, the sign has changed before.
 constexpr double kSeenThrough = 0.25;  // [lattice spacings]
 
 // Between the outermost rays that meet a surface and those beside them.

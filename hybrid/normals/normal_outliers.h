@@ -15,11 +15,12 @@ struct CoherentErrors {
   std::size_t samples = 0;  ///< With an error along either axis.
 };
 
-/// Patches of normals that err alike, by a highlight or a shadow, convince each other; only the
-/// ranges contradict them. A sample belongs to such a patch if the mean slope of a window of
-/// measured ranges against its normals differs from that of the windows round about by more than
-/// six standard deviations under `noise` and more than the bias changes over that distance. The
-/// error is that difference. `spacing` is a typical length of the constraints [unit].
+/// Finds patches of outlier normals: a highlight or a shadow turns all normals of a patch alike, so
+/// that they agree with each other and only the ranges contradict them. A sample belongs to such a
+/// patch if the slope of the ranges against the normals, averaged over a window, differs from that
+/// of the surrounding windows by more than six standard deviations under `noise`, and by more than
+/// the bias changes over that distance. That difference is the error of the normals. `spacing` is a
+/// typical length of the constraints [unit].
 CoherentErrors coherent_errors(const ViewProblem& problem, const NoiseEstimate& noise,
                                double spacing, int threads = 1);
 

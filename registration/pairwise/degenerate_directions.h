@@ -15,26 +15,27 @@ struct OrientedPoint {
   Eigen::Vector3d point, normal;
 };
 
-/// How firmly a set of surface points holds a rigid motion (Gelfand et al. 2003), equation (R5).
-/// Tangents are (rotation [rad], translation / radius) about `centre`.
+/// The eigenvalues of the constraint matrix of point-to-plane alignment: how firmly a set of
+/// surface points determines a rigid motion (Gelfand et al. 2003), equation (R5). Tangents are
+/// (rotation [rad], translation / radius) about `centre`.
 struct ConstraintSpectrum {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double radius = 1.0;  ///< Mean distance of the points from the centre [unit].
-  /// Mean squared displacement along the normals, in radii, per unit motion; ascending.
+  /// Mean squared displacement along the normals, in radii, per unit motion; ascending order.
   Vector6d eigenvalues = Vector6d::Zero();
-  Matrix6d directions = Matrix6d::Identity();  ///< Columns belong to `stiffness`.
+  Matrix6d directions = Matrix6d::Identity();  ///< Columns belong to `eigenvalues`.
 };
 
-/// All zero stiffness for fewer than six points.
+/// All eigenvalues are zero for fewer than six points.
 ConstraintSpectrum analyse_constraints(const std::vector<OrientedPoint>& points);
 
-/// The directions whose stiffness is below `threshold`, turned among each other so that pure
-/// translations come first.
+/// The directions whose eigenvalue is below `threshold`. Within their span the basis is chosen so
+/// that pure translations come first.
 std::vector<DegenerateDirection> degenerate_directions(const ConstraintSpectrum& spectrum,
                                                        double threshold);
 
-/// The stiffness that noise of the normals [rad] alone pretends: what is below twice that noise
-/// holds nothing. At least (0.6 deg)^2.
+/// The eigenvalue that noise of the normals [rad] alone produces, with a factor of two in the
+/// angle: a direction below it is degenerate. At least (0.6 deg)^2.
 double eigenvalue_threshold(double normal_noise);
 
 }  // namespace relief::registration

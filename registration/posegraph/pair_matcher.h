@@ -32,8 +32,8 @@ class PairMatcher {
     return sliding_[pairs_[i / 2].a] || sliding_[pairs_[i / 2].b];
   }
 
-  /// Of directed pair i, see source_of(). Normal maps have no opinion on motions
-  /// that neither they nor geometry determine.
+  /// The matches of directed pair i, see source_of(). Motions that neither the normal maps nor the
+  /// geometry determine get no weight from the normal maps.
   DirectedMatches operator()(std::size_t i) const;
 
  private:

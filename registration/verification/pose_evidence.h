@@ -13,7 +13,8 @@ struct PoseEvidence {
   /// The part of it that neighbouring samples share [unit]: noise is not in it, not even noise that
   /// is alike over a few pixels; the systematic misfit of a wrong pose is.
   double coherent_rms = 0.0;
-  /// The same of close neighbours as well, which share noise where the sensor smooths its images.
+  /// The coherent part with close neighbours included, which share noise where the sensor smooths
+  /// its images [unit].
   double local_rms = 0.0;
   double normal_rms = 0.0;  ///< Of the differences between corresponding unit normals.
   /// Fraction of a view's samples that would have hidden from the other sensor what it measured
@@ -27,7 +28,7 @@ struct PoseEvidence {
   double missing = 0.0;
   /// The same as a fraction of the samples that overlap or are missing.
   double missing_coverage = 0.0;
-  /// Whether the shared surface lets the views slide along each other (equation R5).
+  /// Whether the shared surface leaves a rigid motion undetermined (equation R5).
   bool degenerate = false;
 };
 
@@ -76,7 +77,8 @@ double relative_coherent_rms(const PoseEvidence& evidence, const ViewSurface& a,
 bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
                      const VerificationThresholds& limits = {});
 
-/// Whether the evidence is for the pose of the two views. Sliding and absence are not looked at.
+/// Whether the evidence supports the relative pose of the two views. Degenerate directions and
+/// missing coverage play no part.
 bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
                const VerificationThresholds& limits = {});
 
@@ -84,8 +86,8 @@ bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSur
 PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
                         const JudgeOptions& options = {});
 
-/// The overlap and what the lines of sight tell alone, with fewer samples: all else of the evidence
-/// stays zero. A tenth of the time.
+/// The overlap, the free-space violation and the missing coverage alone, from fewer samples: all
+/// else of the evidence stays zero. Takes a tenth of the time of judge_pose().
 PoseEvidence judge_free_space(const ViewSurface& a, const ViewSurface& b,
                               const RigidMotion& b_from_a, const JudgeOptions& options = {});
 

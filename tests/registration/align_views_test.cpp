@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/pairwise/icp.h"
+#include "registration/posegraph/joint_refinement.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief::registration {

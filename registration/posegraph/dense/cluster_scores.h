@@ -10,28 +10,30 @@
 
 namespace relief::registration {
 
-/// What the residuals on each patch of the surface pull each view by, all pairs together: one entry
-/// for a patch and a view that sees it, however many pairs meet there.
+/// Scores, the gradients of the log likelihood by the poses, summed by cluster: a cluster is a
+/// patch of the surface, a cube of a lattice in the world frame. Residuals within a cluster may
+/// depend on each other, whichever pairs of views they belong to; a cluster-robust covariance
+/// (Liang and Zeger 1986) needs one score per cluster and view.
 class ClusterScores {
  public:
-  /// Edge of larger patches over that of the patches they are made of.
+  /// Edge of the clusters of on_larger_clusters() over that of the given ones.
   static constexpr double kLarger = 4.0;
 
   explicit ClusterScores(std::size_t views) : of_view_(views) {}
 
-  /// Adds the patches of a pair: to the source as they are, to the target with the other sign.
+  /// Adds the scores of a pair: to its source as they are, to its target with the opposite sign.
   void add(const PairInformation& pair);
 
-  /// The same for patches of several times the edge.
+  /// The scores of clusters whose edge is kLarger times as long.
   ClusterScores on_larger_clusters() const;
 
-  /// Of one view on one patch.
+  /// The score of one view on one cluster.
   struct Entry {
     std::uint64_t patch;
     std::size_t view;
     RigidTangent score;
   };
-  /// All, by patch and then by view.
+  /// All entries, by patch and then by view.
   std::vector<Entry> sorted() const;
 
  private:

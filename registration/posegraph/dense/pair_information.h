@@ -49,13 +49,13 @@ struct PairInformationOptions {
 /// `count` samples of a view's whole surface (0: all), neighbours close to each other in memory.
 std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t count);
 
-/// Robust deviation of a directed pair's residuals at poses [unit], by `search`; its part is that
-/// of the samples that tell it. 0: the views share nothing.
+/// Robust standard deviation of a directed pair's residuals at given poses [unit]. Correspondences
+/// are those of `search`. 0: the views share nothing.
 double pair_deviation(const ViewSurface& source, const ViewSurface& target,
                       const RigidMotion& target_from_source, const CorrespondenceOptions& search);
 
-/// Of the given samples of the source (grid indices) on the whole target. Leaves it to the caller
-/// to say which views these are.
+/// The information of the given samples of the source (grid indices) on the whole target. The
+/// caller sets the indices of the two views.
 PairInformation pair_information(const ViewSurface& source, const ViewSurface& target,
                                  const RigidMotion& world_from_source,
                                  const RigidMotion& world_from_target,

@@ -159,14 +159,15 @@ double step_gain_at(const MovingPairs& views, const std::vector<const ViewSurfac
   return system.step_gain(beside.compress(samples), random_perturbation);
 }
 
-// Where renewed correspondences give way, Gauss-Newton falls short.
+// Renewed correspondences follow the motion, so the score changes by less than the information
+// matrix predicts, and a plain Gauss-Newton step falls short.
 std::vector<RigidTangent> newton_step(const PoseGraphSystem& system, double step_gain) {
   auto step = system.step();
   for (auto& tangent : step) tangent /= step_gain;
   return step;
 }
 
-// Steps until the poses rest. The response to one is the scale of the next (Barzilai and Borwein
+// Steps until the poses stand still. The gain of one step scales the next one (Barzilai and Borwein
 // 1988).
 void approach(const std::vector<const ViewSurface*>& surfaces, const std::vector<bool>& held,
               const PoseGraphRefinementOptions& options, MovingPairs& views,

@@ -24,26 +24,27 @@ class PoseGraphSystem {
   /// The Gauss-Newton step of every view, a tangent about the centre; zero for held views.
   std::vector<RigidTangent> step() const;
 
-  /// What the pull of all pairs changes by along `tangents`, relative to what the information says:
-  /// 1 for least squares with fixed correspondences, less with robust weights and renewed ones.
+  /// How much of a Gauss-Newton step the score follows: the change of the score along `tangents`
+  /// over the change that the information matrix predicts. The step gain is 1 for least squares
+  /// with fixed correspondences. Robust weights and renewed correspondences make it smaller.
   /// `moved`: the pairs at poses moved by `tangents`.
   double step_gain(const std::vector<PairInformation>& moved,
                    const std::vector<RigidTangent>& tangents) const;
 
-  /// Steps of one standard deviation, were all other views held, in signs that do not repeat.
+  /// A pseudo-random perturbation to measure the step gain with: each component is plus or minus
+  /// one standard deviation of the pose with all other views held.
   std::vector<RigidTangent> random_perturbation() const;
 
   /// The covariance of all poses (6V x 6V), as tangents (rotation [rad], translation [unit]) about
   /// each view's own centre in world axes; zero rows and columns for held views (R12). Residuals
-  /// of one patch of the surface may depend on each other in any way, so a sample that takes part
-  /// in many pairs counts once; those of different patches count as independent but for growth().
+  /// of one cluster may depend on each other in any way, so a sample that takes part in many pairs
+  /// counts once. Those of different clusters count as independent, up to variance_inflation().
   /// `pulls`: of the same pairs.
   Eigen::MatrixXd covariance(const std::vector<RigidMotion>& world_from_view,
                              const ClusterScores& scores, double step_gain) const;
 
-  /// By how much the pulls of patches four times as wide vary more than those of independent
-  /// patches would; >= 1. About 1.1 for white noise; errors that reach farther, as those of refined
-  /// views, give more.
+  /// The variance of the scores of clusters four times as wide over that of independent clusters;
+  /// >= 1. About 1.1 for white noise. Errors of longer range, as those of refined views, give more.
   double variance_inflation(const ClusterScores& scores) const;
 
  private:

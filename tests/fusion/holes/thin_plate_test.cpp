@@ -40,11 +40,11 @@ int from_rim(std::uint32_t v) {
 }
 
 // The vertices at least `held` + 1 steps from the rim free, those at `held` steps as a support.
-PlatePatch patch_of(const TriangleMesh& mesh, int held, double eigenvalues, double pull) {
+PlatePatch patch_of(const TriangleMesh& mesh, int held, double stiffness, double attraction) {
   PlatePatch patch;
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (from_rim(v) > held) patch.free.push_back({v, mesh.vertices[v], 1.0, pull});
-    if (from_rim(v) == held) patch.held.push_back({v, mesh.vertices[v], eigenvalues, 0.0});
+    if (from_rim(v) > held) patch.free.push_back({v, mesh.vertices[v], 1.0, attraction});
+    if (from_rim(v) == held) patch.held.push_back({v, mesh.vertices[v], stiffness, 0.0});
   }
   return patch;
 }
@@ -70,8 +70,8 @@ TEST(ThinPlate, APlaneComesToRestAsItIs) {
 
 TEST(ThinPlate, ADentInAPlaneGoesFlat) {
   const TriangleMesh mesh = sheet(bump);
-  for (const double eigenvalues : {0.0, 1.0}) {
-    const PlatePatch patch = patch_of(mesh, 2, eigenvalues, 0.0);
+  for (const double stiffness : {0.0, 1.0}) {
+    const PlatePatch patch = patch_of(mesh, 2, stiffness, 0.0);
     const auto places = solve_thin_plate(mesh, all_faces(mesh), patch);
     ASSERT_EQ(places.size(), patch.free.size());
     for (const Eigen::Vector3d& place : places) EXPECT_NEAR(place.z(), 0.0, 1e-7);
@@ -85,8 +85,8 @@ TEST(ThinPlate, TheSlopeAtTheRimGoesOn) {
     return 0.01 * (std::pow(x - 10.0, 2) + std::pow(y - 10.0, 2));
   };
   const TriangleMesh mesh = sheet([&](double x, double y) { return bowl(x, y) + bump(x, y); });
-  const auto middle = [&](double eigenvalues) {
-    const PlatePatch patch = patch_of(mesh, 3, eigenvalues, 0.0);
+  const auto middle = [&](double stiffness) {
+    const PlatePatch patch = patch_of(mesh, 3, stiffness, 0.0);
     const auto places = solve_thin_plate(mesh, all_faces(mesh), patch);
     for (std::size_t k = 0; k < places.size(); ++k)
       if (patch.free[k].vertex == kSide * kSide / 2) return places[k].z();
@@ -98,9 +98,10 @@ TEST(ThinPlate, TheSlopeAtTheRimGoesOn) {
 
 TEST(ThinPlate, APullHoldsVerticesWhereTheyAre) {
   const TriangleMesh mesh = sheet(bump);
-  const auto height = [&](double pull) {
+  const auto height = [&](double attraction) {
     double most = 0.0;
-    for (const auto& place : solve_thin_plate(mesh, all_faces(mesh), patch_of(mesh, 2, 1.0, pull)))
+    for (const auto& place :
+         solve_thin_plate(mesh, all_faces(mesh), patch_of(mesh, 2, 1.0, attraction)))
       most = std::max(most, place.z());
     return most;
   };
@@ -116,17 +117,17 @@ TEST(ThinPlate, StepByStepItComesToTheSameRest) {
   PlateOptions steps;
   steps.most_factorised = 0;
   steps.tolerance = 1e-6;
-  for (const double eigenvalues : {0.0, 0.3, 1.0}) {
-    for (const double pull : {0.0, 1e-4, 1.0}) {
-      PlatePatch patch = patch_of(mesh, 3, eigenvalues, pull);
+  for (const double stiffness : {0.0, 0.3, 1.0}) {
+    for (const double attraction : {0.0, 1e-4, 1.0}) {
+      PlatePatch patch = patch_of(mesh, 3, stiffness, attraction);
       // Hinges among vertices that nothing draws would be loose.
-      for (std::size_t k = 0; k < patch.free.size() && pull > 0.0; k += 7)
-        patch.free[k].eigenvalues = eigenvalues;
+      for (std::size_t k = 0; k < patch.free.size() && attraction > 0.0; k += 7)
+        patch.free[k].stiffness = stiffness;
       const auto places = solve_thin_plate(mesh, all_faces(mesh), patch);
       const auto approached = solve_thin_plate(mesh, all_faces(mesh), patch, steps);
       ASSERT_EQ(approached.size(), places.size());
       for (std::size_t k = 0; k < places.size(); ++k)
-        EXPECT_LT((approached[k] - places[k]).norm(), 1e-5) << eigenvalues << ", " << pull;
+        EXPECT_LT((approached[k] - places[k]).norm(), 1e-5) << stiffness << ", " << attraction;
     }
   }
 }

@@ -12,13 +12,13 @@ struct SensorBench {
   explicit SensorBench(const Surface& surface, const Camera& sensor = default_camera(),
                        const simulation::Reflectance& reflectance = {},
                        const RigidMotion& world_from_view = RigidMotion::Identity())
-      : paint(reflectance, kDiameter, simulation::sensor_stream(1, kDarkPatches),
-              simulation::sensor_stream(1, kGlossyPatches)) {
+      : paint(reflectance, kDiameter, simulation::sensor_stream(1, simulation::kDarkPatches),
+              simulation::sensor_stream(1, simulation::kGlossyPatches)) {
     object.radius = 0.5 * kDiameter;
-    object.cast = [surface](const Ray& ray) -> std::optional<relief::SurfaceHit> {
+    object.cast = [surface](const Ray& ray) -> std::optional<simulation::SurfaceHit> {
       const auto hit = surface(ray);
       if (!hit) return std::nullopt;
-      return relief::SurfaceHit{hit->t, hit->normal};
+      return simulation::SurfaceHit{hit->t, hit->normal};
     };
     truth = simulation::exact_view(object, sensor, world_from_view, 89.9);
   }
