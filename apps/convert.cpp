@@ -84,7 +84,7 @@ void add_convert(CLI::App& app, Action& action) {
   auto command = std::make_shared<ConvertCommand>();
   auto* sub = app.add_subcommand("convert", "Convert between project and mesh formats");
   sub->add_option("input", command->input.path,
-                  "A mesh (.ply .obj .stl), or anything that is read as a project")
+                  "A mesh (.ply .vtp .obj .stl), or anything that is read as a project")
       ->required();
   sub->add_option("--fc", command->input.options.fc_file,
                   "Intrinsics of grids without a camera: a file with fx fy cx cy");

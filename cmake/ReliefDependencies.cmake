@@ -1,7 +1,6 @@
 # VTK comes before PCL: PCL's own search for VTK switches PNG off.
 find_package(VTK 9.1 REQUIRED COMPONENTS
-  CommonCore CommonDataModel CommonExecutionModel FiltersCore FiltersGeneral IOCore IOGeometry
-  IOPLY IOXML)
+  CommonCore CommonDataModel CommonExecutionModel FiltersCore IOXML IOXMLParser)
 set(RELIEF_VTK_LIBRARIES ${VTK_LIBRARIES})
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)

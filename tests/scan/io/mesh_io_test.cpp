@@ -106,6 +106,57 @@ TEST(MeshIo, VtpHoldsTheAttributes) {
     EXPECT_THAT(text, HasSubstr(name));
 }
 
+TEST(MeshIo, VtpKeepsEverything) {
+  const TemporaryFolder folder;
+  for (const double distance : {0.0, 1e6}) {
+    const TriangleMesh mesh = with_attributes(tetrahedron(Eigen::Vector3d::Constant(distance)));
+    ASSERT_TRUE(write_mesh(mesh, folder / "a.vtp").ok());
+    const auto read = read_mesh(folder / "a.vtp");
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_LT(largest_distance(mesh, *read), 2e-7);
+    EXPECT_EQ(read->faces, mesh.faces);
+    EXPECT_EQ(read->normals, mesh.normals);
+    EXPECT_EQ(read->quality, mesh.quality);
+    EXPECT_EQ(read->views, mesh.views);
+    EXPECT_EQ(read->filled, mesh.filled);
+    EXPECT_EQ(read->colours, mesh.colours);
+  }
+}
+
+std::string ascii_vtp(const std::string& points, const std::string& cells) {
+  return "<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\"><PolyData>"
+         "<Piece " +
+         points +
+         "><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" "
+         "format=\"ascii\">0 0 0 1 0 0 1 1 0 0 1 0</DataArray></Points><Polys><DataArray "
+         "type=\"Int32\" Name=\"connectivity\" format=\"ascii\">" +
+         cells +
+         "</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">4"
+         "</DataArray></Polys></Piece></PolyData></VTKFile>";
+}
+
+TEST(MeshIo, VtpPolygonsBecomeFans) {
+  const TemporaryFolder folder;
+  const auto read = read_mesh(
+      folder.write("a.vtp", ascii_vtp("NumberOfPoints=\"4\" NumberOfPolys=\"1\"", "0 1 2 3")));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->faces, (std::vector<TriangleMesh::Face>{{0, 1, 2}, {0, 2, 3}}));
+}
+
+TEST(MeshIo, NamesWhatIsWrongWithAVtp) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& content) {
+    const auto read = read_mesh(folder.write("a.vtp", content));
+    return read.ok() ? std::string("no error") : read.error().message;
+  };
+  const std::string sizes = "NumberOfPoints=\"4\" NumberOfPolys=\"1\"";
+  EXPECT_THAT(error(ascii_vtp(sizes, "0 1 2 4")), HasSubstr("a.vtp: cell 0: vertex index 4 of 4"));
+  EXPECT_THAT(error(ascii_vtp("NumberOfPoints=\"4000000000\"", "0 1 2 3")),
+              HasSubstr("more than the file can hold"));
+  EXPECT_THAT(error("<VTKFile type=\"ImageData\"></VTKFile>"), HasSubstr("'ImageData'"));
+  EXPECT_THAT(error("solid a"), HasSubstr("XML"));
+}
+
 TEST(MeshIo, PolygonsBecomeFans) {
   const TemporaryFolder folder;
   const auto read = read_mesh(folder.write(
