@@ -10,6 +10,7 @@ namespace relief {
 namespace {
 
 constexpr double kUnitQuaternion = 1e-3;
+constexpr double kRounding = 3e-7;  // of the length of a unit vector of 32-bit floats
 
 std::string size_text(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
@@ -43,10 +44,13 @@ Result<void> check(const GridFile& grid, const std::optional<Camera>& camera) {
 Eigen::Vector3f usable_normal(const Eigen::Vector3f& normal, const Ray& ray) {
   const Eigen::Vector3d vector = normal.cast<double>();
   const double length = vector.norm();
+  if (std::abs(length - 1.0) < kRounding && vector.dot(ray.direction) < 0.0) return normal;
   if (length >= 0.5 && length <= 1.5 && vector.dot(ray.direction) < 0.0)
     return (vector / length).cast<float>();
   return Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
 }
+
+}  // namespace
 
 void set_usable_normals(const Grid<Eigen::Vector3f>& given, RangeView& view) {
   if (given.empty()) return;
@@ -57,8 +61,6 @@ void set_usable_normals(const Grid<Eigen::Vector3f>& given, RangeView& view) {
       if (view.has_sample(u, v))
         view.normals(u, v) = usable_normal(given(u, v), view.camera.ray(u, v));
 }
-
-}  // namespace
 
 Result<RangeView> view_from_grid(const GridFile& grid, const std::optional<Camera>& camera) {
   if (auto sound = check(grid, camera); !sound) return sound.error();

@@ -19,6 +19,9 @@ namespace relief {
 /// or a grid beside the points has another size; kUnsolvable when no point is finite.
 Result<RangeView> view_from_grid(const GridFile& grid, const std::optional<Camera>& camera = {});
 
+/// Gives `view` the normals of a grid of its size as above, in its frame; none for an empty grid.
+void set_usable_normals(const Grid<Eigen::Vector3f>& given, RangeView& view);
+
 /// The pose that a viewpoint stands for, as PCD files and PCL's clouds have it: where the sensor is
 /// in the world, and the rotation of its axes. Nothing for the identity, which stands for unknown.
 /// kBadInput when it is not finite or the quaternion's length differs from 1 by more than 1e-3.
