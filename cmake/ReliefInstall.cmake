@@ -1,5 +1,5 @@
 # Installs the libraries, their headers and a CMake package: find_package(relief) gives relief::scan,
-# relief::registration, relief::hybrid and relief::fusion.
+# relief::registration, relief::hybrid and relief::fusion; its components pcl and vtk give relief::pcl and relief::vtk.
 include(CMakePackageConfigHelpers)
 
 set(relief_libraries relief_scan relief_registration relief_hybrid relief_fusion)
@@ -11,6 +11,17 @@ foreach(folder scan registration hybrid fusion)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relief
           FILES_MATCHING PATTERN "*.h" PATTERN "*_private.h" EXCLUDE)
+endforeach()
+foreach(component pcl vtk)
+  if(TARGET relief_${component})
+    install(TARGETS relief_${component} EXPORT relief_${component}_targets
+            ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
+    install(EXPORT relief_${component}_targets NAMESPACE relief:: FILE relief-${component}-targets.cmake
+            DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/relief COMPONENT ${component})
+    install(DIRECTORY ${PROJECT_SOURCE_DIR}/interop/include/relief/interop
+            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relief COMPONENT ${component}
+            FILES_MATCHING PATTERN "${component}_*.h")
+  endif()
 endforeach()
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/reliefConfig.cmake.in
   ${PROJECT_BINARY_DIR}/reliefConfig.cmake

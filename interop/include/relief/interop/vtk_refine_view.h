@@ -9,9 +9,10 @@
 ///
 /// Input: one view, as vtkImageData or vtkPolyData (relief/interop/vtk_conversion.h). Output: the
 /// refined view as a surface in the world frame, with deviations. A view that cannot be refined
-/// comes out as measured; GetStatus() then says why, and a warning is reported. Data that are no
-/// view, and options out of range, are errors and give an empty output. While AbortExecute is set
-/// the filter stops at the next report of its progress, with an empty output.
+/// comes out as measured, one whose solver gave up as far as it came; GetStatus() then says why,
+/// and a warning is reported. Data that are no view, and options out of range, are errors and give
+/// an empty output. While AbortExecute is set the filter stops at the next report of its progress,
+/// with an empty output.
 class vtkReliefRefineView : public vtkPolyDataAlgorithm {
  public:
   /// What is done about the smooth error of normals, as relief::BiasModel.
