@@ -1,30 +1,32 @@
-// The one file of this folder that meets VTK's files. (Its readers of OBJ and STL are not used:
-// they crash on damaged files.)
+// VTP is written by VTK. (Its readers of OBJ, STL and VTP are not used: they crash on damaged
+// files.)
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <exception>
 #include <mutex>
-#include <sstream>
+#include <utility>
 
+#include <vtkCellArray.h>
 #include <vtkCommand.h>
+#include <vtkDoubleArray.h>
 #include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 #include <vtkXMLDataElement.h>
-#include <vtkXMLDataParser.h>
-#include <vtkXMLPolyDataReader.h>
 #include <vtkXMLPolyDataWriter.h>
 
 #include "scan/io/atomic_file.h"
 #include "scan/io/io_error.h"
 #include "scan/io/mesh_codecs.h"
 #include "scan/io/poly_data_private.h"
+#include "scan/io/vtp_file.h"
 
 namespace relief {
 
 namespace {
-
-// zlib gives at most so many bytes for one.
-constexpr double kMaxCompression = 1032.0;
 
 // Keeps what a VTK object reports, instead of its printing it on standard error.
 class Complaints : public vtkCommand {
@@ -71,64 +73,154 @@ std::string reason(const std::string& complaint) {
   return colon == std::string::npos ? text : text.substr(colon + 3);
 }
 
-// How many numbers an element of the file's tree promises, at most.
-double promised_numbers(vtkXMLDataElement& element) {
-  double largest = 0.0, components = 1.0;
-  for (int i = 0; i < element.GetNumberOfAttributes(); ++i) {
-    const std::string name = element.GetAttributeName(i);
-    const double value = std::strtod(element.GetAttributeValue(i), nullptr);
-    if (name == "NumberOfComponents")
-      components = std::max(components, value);
-    else if (name.starts_with("NumberOf"))
-      largest = std::max(largest, value);
+// The DataArray of that name in a nested element, any name if empty; null when there is none.
+vtkXMLDataElement* find_data(vtkXMLDataElement& piece, const char* group, const std::string& name) {
+  vtkXMLDataElement* element = piece.FindNestedElementWithName(group);
+  for (int i = 0; element && i < element->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* array = element->GetNestedElement(i);
+    const char* given = array->GetAttribute("Name");
+    if (name.empty() || (given && name == given)) return array;
   }
-  double sum = largest * components;
-  for (int i = 0; i < element.GetNumberOfNestedElements(); ++i)
-    sum += promised_numbers(*element.GetNestedElement(i));
-  return sum;
+  return nullptr;
 }
 
-// Holds what the header promises against the size of the file, before anything is allocated for it.
-Result<void> check_header(const std::string& content, const std::filesystem::path& path) {
-  std::istringstream stream(content);
-  vtkNew<vtkXMLDataParser> parser;
-  parser->SetStream(&stream);
-  if (parser->Parse() != 1 || !parser->GetRootElement())
-    return bad_input(path, "damaged VTP: no well-formed XML");
-  const std::string type = [&] {
-    const char* text = parser->GetRootElement()->GetAttribute("type");
-    return std::string(text ? text : "");
-  }();
-  if (type != "PolyData") return bad_input(path, "a VTK file of '" + type + "', not of PolyData");
-  if (!(promised_numbers(*parser->GetRootElement()) <=
-        kMaxCompression * static_cast<double>(content.size())))
-    return bad_input(path, "truncated VTP: its header promises more than the file can hold");
+std::size_t count_of(vtkXMLDataElement& element, const char* name, std::size_t none) {
+  const char* text = element.GetAttribute(name);
+  return text ? std::strtoull(text, nullptr, 10) : none;
+}
+
+Result<void> read_points(const VtpFile& file, vtkXMLDataElement& piece, std::size_t count,
+                         vtkPolyData& data) {
+  vtkXMLDataElement* array = find_data(piece, "Points", "");
+  if (!array) return bad_input(file.path(), "damaged VTP: a piece has no points");
+  const auto values = file.values(*array, 3 * count);
+  if (!values) return values.error();
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(static_cast<vtkIdType>(count));
+  for (std::size_t i = 0; i < count; ++i)
+    points->SetPoint(static_cast<vtkIdType>(i), values->data() + 3 * i);
+  data.SetPoints(points);
   return {};
 }
 
-Result<TriangleMesh> decode_vtp_mesh(const std::string& content,
-                                     const std::filesystem::path& path) {
+Result<vtkSmartPointer<vtkCellArray>> read_cells(const VtpFile& file, vtkXMLDataElement& piece,
+                                                 const char* group, std::size_t count) {
+  auto cells = vtkSmartPointer<vtkCellArray>::New();
+  if (count == 0) return cells;
+  vtkXMLDataElement* ends = find_data(piece, group, "offsets");
+  vtkXMLDataElement* corners = find_data(piece, group, "connectivity");
+  if (!ends || !corners) return bad_input(file.path(), "damaged VTP: a piece has no cells");
+  const auto offsets = file.values(*ends, count);
+  if (!offsets) return offsets.error();
+  const auto most = static_cast<double>(file.most_values());
+  if (!std::is_sorted(offsets->begin(), offsets->end()) || !(offsets->front() >= 0.0) ||
+      !(offsets->back() <= most))
+    return bad_input(file.path(), "damaged VTP: the offsets of its cells are damaged");
+  const auto indices = file.values(*corners, static_cast<std::size_t>(offsets->back()));
+  if (!indices) return indices.error();
+  std::size_t at = 0;
+  for (const double end : *offsets) {
+    cells->InsertNextCell(static_cast<int>(static_cast<std::size_t>(end) - at));
+    for (; at < static_cast<std::size_t>(end); ++at)
+      cells->InsertCellPoint(std::abs((*indices)[at]) <= most
+                                 ? static_cast<vtkIdType>((*indices)[at])
+                                 : vtkIdType{-1});
+  }
+  return cells;
+}
+
+// Also says which are the normals.
+Result<void> read_point_data(const VtpFile& file, vtkXMLDataElement& piece, std::size_t count,
+                             vtkPolyData& data) {
+  vtkXMLDataElement* arrays = piece.FindNestedElementWithName("PointData");
+  const char* normals = arrays ? arrays->GetAttribute("Normals") : nullptr;
+  for (const std::string name :
+       {normals ? normals : "normals", "quality", "views", "filled", "RGB"}) {
+    vtkXMLDataElement* array = find_data(piece, "PointData", name);
+    if (!array) continue;
+    const std::size_t components = count_of(*array, "NumberOfComponents", 1);
+    if (components != 1 && components != 3) continue;
+    const auto values = file.values(*array, components * count);
+    if (!values) return values.error();
+    vtkNew<vtkDoubleArray> numbers;
+    numbers->SetName(name.c_str());
+    numbers->SetNumberOfComponents(static_cast<int>(components));
+    numbers->SetNumberOfTuples(static_cast<vtkIdType>(count));
+    std::copy(values->begin(), values->end(), numbers->GetPointer(0));
+    data.GetPointData()->AddArray(numbers);
+  }
+  if (normals) data.GetPointData()->SetActiveNormals(normals);
+  return {};
+}
+
+Result<TriangleMesh> read_piece(const VtpFile& file, vtkXMLDataElement& piece) {
+  const std::size_t count = count_of(piece, "NumberOfPoints", 0);
+  if (count > file.most_values() / 3)
+    return bad_input(file.path(), "truncated VTP: its header promises more than the file can hold");
+  vtkNew<vtkPolyData> data;
+  if (count == 0) return TriangleMesh();
+  if (auto read = read_points(file, piece, count, *data); !read) return read.error();
+  const auto polys = read_cells(file, piece, "Polys", count_of(piece, "NumberOfPolys", 0));
+  if (!polys) return polys.error();
+  const auto strips = read_cells(file, piece, "Strips", count_of(piece, "NumberOfStrips", 0));
+  if (!strips) return strips.error();
+  data->SetPolys(*polys);
+  data->SetStrips(*strips);
+  if (auto read = read_point_data(file, piece, count, *data); !read) return read.error();
+  auto mesh = mesh_of(*data);
+  if (!mesh) return bad_input(file.path(), mesh.error().message);
+  return mesh;
+}
+
+template <typename T>
+void append(const std::vector<T>& more, std::vector<T>& values) {
+  values.insert(values.end(), more.begin(), more.end());
+}
+
+// Attributes that only some pieces have are dropped.
+void append_piece(const TriangleMesh& piece, TriangleMesh& mesh) {
+  const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
+  append(piece.vertices, mesh.vertices);
+  for (const auto& face : piece.faces)
+    mesh.faces.push_back({face[0] + offset, face[1] + offset, face[2] + offset});
+  const auto add = [&](const auto& more, auto& values) {
+    append(more, values);
+    if (values.size() != mesh.vertices.size()) values.clear();
+  };
+  add(piece.normals, mesh.normals);
+  add(piece.quality, mesh.quality);
+  add(piece.views, mesh.views);
+  add(piece.filled, mesh.filled);
+  add(piece.colours, mesh.colours);
+}
+
+Result<TriangleMesh> decode_vtp_mesh(std::string content, const std::filesystem::path& path) {
   const SilentVtk silence;
-  if (auto sound = check_header(content, path); !sound) return sound.error();
-  vtkNew<vtkXMLPolyDataReader> reader;
-  reader->ReadFromInputStringOn();
-  reader->SetInputString(content);
-  reader->Update();
-  // After an error in the data the output is empty.
-  if (reader->GetErrorCode() != 0 || reader->GetOutput()->GetNumberOfPoints() == 0)
-    return bad_input(path, "damaged VTP, or one without points");
-  auto mesh = mesh_of(*reader->GetOutput());
-  if (!mesh) return bad_input(path, mesh.error().message);
+  const auto file = VtpFile::parse(std::move(content), path);
+  if (!file) return file.error();
+  vtkXMLDataElement* data = file->root().FindNestedElementWithName("PolyData");
+  if (!data) return bad_input(path, "a VTK file without PolyData");
+  TriangleMesh mesh;
+  for (int i = 0; i < data->GetNumberOfNestedElements(); ++i) {
+    auto piece = read_piece(*file, *data->GetNestedElement(i));
+    if (!piece) return piece;
+    if (mesh.vertices.empty())
+      mesh = std::move(*piece);
+    else
+      append_piece(*piece, mesh);
+  }
+  if (mesh.vertices.empty()) return bad_input(path, "a VTP without points");
   return mesh;
 }
 
 }  // namespace
 
 Result<TriangleMesh> read_vtp_mesh(const std::filesystem::path& path) {
-  const auto content = read_file(path);
+  auto content = read_file(path);
   if (!content) return content.error();
   try {
-    return decode_vtp_mesh(*content, path);
+    return decode_vtp_mesh(std::move(*content), path);
   } catch (const std::exception& exception) {
     return bad_input(path, std::string("damaged VTP: ") + exception.what());
   }

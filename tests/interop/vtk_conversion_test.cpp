@@ -11,8 +11,11 @@
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkUnstructuredGrid.h>
+#include <vtkXMLPolyDataWriter.h>
 
+#include "scan/io/mesh_io.h"
 #include "tests/interop/coloured_view.h"
+#include "tests/support/temporary_folder.h"
 
 namespace relief::interop {
 namespace {
@@ -183,6 +186,42 @@ TEST(VtkConversion, GivesMeshesBack) {
   const auto found = to_triangle_mesh(*data);
   ASSERT_TRUE(found.ok()) << found.error().message;
   expect_same_mesh(*found, mesh, 0.0);
+}
+
+TEST(VtkConversion, FilesOfVtkAreReadInEveryEncoding) {
+  const testing::TemporaryFolder folder;
+  const TriangleMesh mesh = mesh_with_attributes();
+  for (int variant = 0; variant < 48; ++variant) {
+    SCOPED_TRACE(variant);
+    vtkNew<vtkXMLPolyDataWriter> writer;
+    writer->SetInputData(to_poly_data(mesh));
+    writer->SetFileName((folder / "a.vtp").c_str());
+    writer->SetDataMode(variant % 3);
+    writer->SetEncodeAppendedData(variant / 3 % 2);
+    writer->SetCompressorType(variant / 6 % 2 ? vtkXMLWriter::ZLIB : vtkXMLWriter::NONE);
+    writer->SetHeaderType(variant / 12 % 2 ? vtkXMLWriter::UInt64 : vtkXMLWriter::UInt32);
+    writer->SetByteOrder(variant / 24 % 2);
+    writer->SetBlockSize(1000);
+    ASSERT_EQ(writer->Write(), 1);
+    const auto read = read_mesh(folder / "a.vtp");
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    expect_same_mesh(*read, mesh, 1e-5);
+  }
+}
+
+// Many blocks of compressed data.
+TEST(VtkConversion, LargeFilesOfVtkAreRead) {
+  const testing::TemporaryFolder folder;
+  const TriangleMesh mesh = mesh_from_view(pinhole_view());
+  vtkNew<vtkXMLPolyDataWriter> writer;
+  writer->SetInputData(to_poly_data(mesh));
+  writer->SetFileName((folder / "a.vtp").c_str());
+  writer->SetBlockSize(1000);
+  ASSERT_EQ(writer->Write(), 1);
+  const auto read = read_mesh(folder / "a.vtp");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->vertices, mesh.vertices);
+  EXPECT_EQ(read->faces, mesh.faces);
 }
 
 TEST(VtkConversion, StripsBecomeTriangles) {

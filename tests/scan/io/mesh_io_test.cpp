@@ -153,8 +153,28 @@ TEST(MeshIo, NamesWhatIsWrongWithAVtp) {
   EXPECT_THAT(error(ascii_vtp(sizes, "0 1 2 4")), HasSubstr("a.vtp: cell 0: vertex index 4 of 4"));
   EXPECT_THAT(error(ascii_vtp("NumberOfPoints=\"4000000000\"", "0 1 2 3")),
               HasSubstr("more than the file can hold"));
-  EXPECT_THAT(error("<VTKFile type=\"ImageData\"></VTKFile>"), HasSubstr("'ImageData'"));
+  EXPECT_THAT(error(ascii_vtp(sizes, "0 1 2")), HasSubstr("'connectivity': 3 numbers, not 4"));
+  EXPECT_THAT(error("<VTKFile type=\"ImageData\"></VTKFile>"), HasSubstr("without PolyData"));
+  EXPECT_THAT(error("<VTKFile compressor=\"vtkLZ4DataCompressor\"></VTKFile>"), HasSubstr("zlib"));
   EXPECT_THAT(error("solid a"), HasSubstr("XML"));
+  std::string deep;
+  for (int k = 0; k < 300000; ++k) deep += "<a>";
+  EXPECT_THAT(error(deep), HasSubstr("tags"));
+}
+
+// VTK's own decoder believes them, and crashes.
+TEST(MeshIo, VtpHoldsCompressedSizesAgainstTheFile) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_mesh(with_attributes(tetrahedron()), folder / "a.vtp").ok());
+  const std::string content = *read_file(folder / "a.vtp");
+  const std::size_t data = content.find('_', content.find("<AppendedData")) + 1;
+  for (const std::size_t size : {0u, 2u, 3u}) {
+    std::string changed = content;
+    changed.replace(data + 4 * size, 4, "\xff\xff\xff\x7f");
+    const auto read = read_mesh(folder.write("a.vtp", changed));
+    ASSERT_FALSE(read.ok());
+    EXPECT_THAT(read.error().message, HasSubstr("a.vtp: damaged VTP: array 'normals'"));
+  }
 }
 
 TEST(MeshIo, PolygonsBecomeFans) {
