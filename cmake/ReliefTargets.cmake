@@ -34,7 +34,8 @@ function(relief_library name)
   set_target_properties(relief_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(relief_${name}
     PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/include/relief DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/include/relief/${name} OPTIONAL
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relief)
   target_link_libraries(relief_${name} PUBLIC Eigen3::Eigen PRIVATE $<BUILD_INTERFACE:relief_build_flags>)
   target_compile_features(relief_${name} PUBLIC cxx_std_20)
 endfunction()

@@ -2,11 +2,13 @@
 #include <memory>
 
 #include "apps/commands/command.h"
+#include "apps/options/input_kind.h"
 #include "apps/reports/console.h"
 #include "apps/reports/exit_status.h"
-#include "apps/options/input_kind.h"
 #include "relief/io/mesh_io.h"
 #include "relief/scan/triangle_mesh.h"
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/grids/pcd_grid_writer.h"
 
 namespace relief {
 
@@ -17,6 +19,7 @@ struct ConvertCommand {
   ProjectInput input;
   std::filesystem::path output;
   WriteProjectOptions project;
+  bool pcd = false;
 };
 
 TriangleMesh concatenate(const ScanProject& project) {
@@ -51,13 +54,25 @@ int convert_mesh(const ConvertCommand& command) {
   return kDone;
 }
 
+Result<void> write_pcd(const ScanProject& project, const std::filesystem::path& path) {
+  if (project.views.size() == 1) return write_file(path, encode_pcd_grid(project.views[0]));
+  return Error{ErrorKind::kBadInput, path.string() + ": a PCD file holds one view, the project " +
+                                         std::to_string(project.views.size()) +
+                                         "; name a folder and give --pcd"};
+}
+
+Result<void> write_as(const ScanProject& project, const ConvertCommand& command) {
+  if (is_mesh_path(command.output)) return write_mesh(concatenate(project), command.output);
+  if (command.output.extension() == ".pcd") return write_pcd(project, command.output);
+  WriteProjectOptions options = command.project;
+  if (command.pcd) options = {.grids = true, .grid_format = GridFormat::kPcd};
+  return write_project(project, command.output, console_progress("write"), options);
+}
+
 int convert_project(const ConvertCommand& command) {
   const auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
-  const auto written =
-      is_mesh_path(command.output)
-          ? write_mesh(concatenate(*project), command.output)
-          : write_project(*project, command.output, console_progress("write"), command.project);
+  const auto written = write_as(*project, command);
   if (!written) return fail(written.error());
   Console::info("wrote " + command.output.string());
   return kDone;
@@ -69,16 +84,17 @@ void add_convert(CLI::App& app, Action& action) {
   auto command = std::make_shared<ConvertCommand>();
   auto* sub = app.add_subcommand("convert", "Convert between project and mesh formats");
   sub->add_option("input", command->input.path,
-                  "A mesh (.ply .obj .stl), or anything that is read as a project")
+                  "A mesh (.ply .vtp .obj .stl), or anything that is read as a project")
       ->required();
   sub->add_option("--fc", command->input.options.fc_file,
                   "Intrinsics of grids without a camera: a file with fx fy cx cy");
   sub->add_option("-o,--output", command->output,
                   "A mesh file (.ply .obj .stl .vtp .glb; the views of a project become one mesh), "
-                  "or a folder for a project")
+                  "one view as .pcd, or a folder for a project")
       ->required();
   sub->add_flag("--grids", command->project.grids,
                 "Views of a project as range-grid PLY files, points that other programs read");
+  sub->add_flag("--pcd", command->pcd, "Views of a project as organized binary PCD files");
   add_common_options(*sub, command->common);
   sub->callback([command, &action] {
     action = [command] {

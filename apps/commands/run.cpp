@@ -104,8 +104,7 @@ class Run {
   }
 
   Result<void> write_views(const std::vector<RangeView>& views) {
-    auto written =
-        write_project(views, project_.unit, command_.output, console_progress("write"));
+    auto written = write_project(views, project_.unit, command_.output, console_progress("write"));
     watch_ = Stopwatch();
     return written;
   }

@@ -134,7 +134,7 @@ void add_align_options(CLI::App& command, registration::AlignOptions& options) {
       ->add_option_function<std::string>(
           "--normals",
           [&options](const std::string& use) { options.surface.normal_signal = use == "auto"; },
-          "Align normal maps too: auto (where geometry slides) or off")
+          "Align normal maps too: auto (where the geometry is degenerate) or off")
       ->check(CLI::IsMember({"auto", "off"}))
       ->default_str("auto");
   group

@@ -125,32 +125,54 @@ Eigen::AlignedBox3d box_of(const SparseField& field, std::size_t b) {
           field.lattice().position(first + Node::Constant(kBlockSide - 1))};
 }
 
-// Sets measured nodes to their distance and bounds the others from below by what is known empty.
-void integrate_views(SparseField& field, const std::vector<ViewSampler>& views, double truncation,
-                     double limit, PagedArray<NodeConstraint>& constraints,
-                     const ClosedFieldOptions& options) {
-  parallel_for(field.block_count(), 4, options.threads, [&](std::size_t begin, std::size_t end) {
-    evict_pages(options.memory);
-    TsdfIntegrator collector(views, truncation, field.lattice().spacing);
-    for (std::size_t b = begin; b < end; ++b) {
-      if (!field.active(b)) continue;
-      float* values = field.values(b);
-      collector.focus(box_of(field, b));
-      for (int i = 0; i < kBlockNodes; ++i) {
-        NodeConstraint& constraint = constraints[b * kBlockNodes + static_cast<std::size_t>(i)];
-        const TsdfSample evidence = collector.collect_as_far_as(
-            limit, field.lattice().position(field.first_node(b) + node_at_offset(i)));
-        if (evidence.measured) {
-          constraint = kFixedNode;
-          values[i] = static_cast<float>(evidence.distance);
-        } else {
-          constraint.floor = static_cast<float>(
-              evidence.clearance > 0.0 ? std::min(evidence.clearance, limit) : -limit);
-          values[i] = std::max(values[i], constraint.floor);
-        }
-      }
+// Sets the nodes of a block that views measured to their distance and bounds the others from below
+// by what is known empty.
+void integrate_block(std::size_t b, TsdfIntegrator& integrator, double limit, SparseField& field,
+                     PagedArray<NodeConstraint>& constraints) {
+  float* values = field.values(b);
+  integrator.focus(box_of(field, b));
+  for (int i = 0; i < kBlockNodes; ++i) {
+    NodeConstraint& constraint = constraints[b * kBlockNodes + static_cast<std::size_t>(i)];
+    const TsdfSample sample = integrator.collect_as_far_as(
+        limit, field.lattice().position(field.first_node(b) + node_at_offset(i)));
+    if (sample.measured) {
+      constraint = kFixedNode;
+      values[i] = static_cast<float>(sample.distance);
+    } else {
+      constraint.floor =
+          static_cast<float>(sample.clearance > 0.0 ? std::min(sample.clearance, limit) : -limit);
+      values[i] = std::max(values[i], constraint.floor);
     }
-  });
+  }
+}
+
+// A part of the progress of a computation: from `begin` to `end`.
+struct ProgressPart {
+  const Progress& progress;
+  double begin, end;
+
+  bool operator()(double fraction) const {
+    return report_progress(progress, begin + fraction * (end - begin), "merge");
+  }
+};
+
+// Integrates the views into all blocks. False when `progress` asks to stop.
+bool integrate_views(SparseField& field, const std::vector<ViewSampler>& views, double truncation,
+                     double limit, PagedArray<NodeConstraint>& constraints,
+                     const ClosedFieldOptions& options, const ProgressPart& progress) {
+  constexpr std::size_t kBlocksAtOnce = 4096;  // Of 512 nodes: about a second of work.
+  const std::size_t count = field.block_count();
+  for (std::size_t first = 0; first < count; first += kBlocksAtOnce) {
+    if (!progress(static_cast<double>(first) / static_cast<double>(count))) return false;
+    const std::size_t blocks = std::min(kBlocksAtOnce, count - first);
+    parallel_for(blocks, 4, options.threads, [&](std::size_t begin, std::size_t end) {
+      evict_pages(options.memory);
+      TsdfIntegrator integrator(views, truncation, field.lattice().spacing);
+      for (std::size_t b = first + begin; b < first + end; ++b)
+        if (field.active(b)) integrate_block(b, integrator, limit, field, constraints);
+    });
+  }
+  return true;
 }
 
 // The border of the domain is outside whatever the views say.
@@ -227,7 +249,9 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
     const Lattice lattice = domain.lattice(level);
     const double truncation = std::max(options.truncation, 2.0 * lattice.spacing);
     const auto limit = static_cast<float>(std::max(truncation, 3.0 * lattice.spacing));
-    if (!report_progress(progress, std::ldexp(0.8, -2 * level), "merge")) return interrupted;
+    // Each level has four times the blocks of the one before.
+    const ProgressPart part{progress, coarsest ? 0.0 : std::ldexp(0.8, -2 * (level + 1)),
+                            std::ldexp(0.8, -2 * level)};
 
     std::vector<NodeKey> blocks =
         coarsest ? all_blocks(domain.coarse_cells) : std::move(near_samples[l]);
@@ -241,11 +265,14 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
     SparseField& field = *result.levels[l];
     field.prolong(limit, options.threads);
     PagedArray<NodeConstraint> constraints(field.block_count() * kBlockNodes, options.memory);
-    integrate_views(field, views, truncation, limit, constraints, options);
+    if (!integrate_views(field, views, truncation, limit, constraints, options, part))
+      return interrupted;
     if (coarsest) fix_outside(field, domain.coarse_cells, limit, constraints);
-    result.moving_blocks +=
-        solve_obstacle_problem(field, constraints.span(), solver_options(coarsest, options))
-            .moving_blocks;
+    bool stopped = false;
+    ObstacleSolverOptions solver = solver_options(coarsest, options);
+    solver.go_on = [&] { return !(stopped = !part(1.0)); };
+    result.moving_blocks += solve_obstacle_problem(field, constraints.span(), solver).moving_blocks;
+    if (stopped) return interrupted;
     field.close_zero_set(limit, options.threads);
     if (const auto kept = check(options.memory); !kept) return kept.error();
   }

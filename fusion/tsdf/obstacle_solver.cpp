@@ -108,6 +108,7 @@ ObstacleSolution solve_obstacle_problem(SparseField& field,
   for (int sweep = 0; sweep < options.max_sweeps; ++sweep) {
     const std::vector<std::size_t> blocks = active.find();
     if (blocks.empty()) return {sweep, 0};
+    if (options.go_on && !options.go_on()) return {sweep, blocks.size()};
     std::vector<float> change(blocks.size(), 0.0f);
     for (const int colour : {0, 1}) {
       parallel_for(blocks.size(), kBlocksAtOnce, options.threads, [&](auto begin, auto end) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -22,6 +23,8 @@ struct ObstacleSolverOptions {
   /// A block rests while no value in it and beside it changes by more than this times the spacing;
   /// by thirty times as much where the value is more than two spacings.
   double tolerance = 1e-3;
+  /// Asked before every sweep, from the calling thread; false ends the solve there. May be empty.
+  std::function<bool()> go_on;
   int threads = 0;
   MemoryLimit* memory = nullptr;  ///< Of field and constraints; may be null.
 };

@@ -223,6 +223,13 @@ IcpResult align_pair(const ViewSurface& source, const ViewSurface& target,
   return result;
 }
 
+IcpResult align_pair(const RangeView& source, const RangeView& target,
+                     const RigidMotion& target_from_source, const IcpOptions& options) {
+  const ViewSurfaceOptions surface{.neighbour_index = options.association == Association::kNearest};
+  return align_pair(ViewSurface(source, surface), ViewSurface(target, surface), target_from_source,
+                    options);
+}
+
 std::string_view to_string(IcpTermination termination) {
   switch (termination) {
     case IcpTermination::kConverged:

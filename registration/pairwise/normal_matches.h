@@ -61,8 +61,8 @@ ConstraintSpectrum with_normal_maps(const ConstraintSpectrum& geometric,
                                     const NormalMatches& matches, double length_per_angle,
                                     double threshold);
 
-/// Whether a surface slides so nearly that its normal maps should be aligned too: some motion is
-/// held no better than by slopes of four times those that `threshold` stands for.
+/// Whether a surface is so nearly degenerate that its normal maps should be aligned too: some
+/// motion is held no better than by slopes of four times those that `threshold` stands for.
 bool is_nearly_degenerate(const ConstraintSpectrum& geometric, double threshold);
 
 /// Makes the matches indifferent to a motion (w, v) about `centre` that they do not determine: the

@@ -90,7 +90,7 @@ std::string_view to_string(PairStatus grade) {
     case PairStatus::kDetermined:
       return "firm";
     case PairStatus::kDegenerate:
-      return "slides";
+      return "degenerate";
     case PairStatus::kThin:
       return "thin";
     case PairStatus::kMisfit:

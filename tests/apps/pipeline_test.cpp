@@ -150,8 +150,13 @@ TEST(Program, SingleStepsGiveWhatRunGives) {
   }
   EXPECT_EQ(run_relief({"info", out / "refined/scan.json"}).exit_status, 0);
   EXPECT_EQ(run_relief({"convert", out / "model.ply", "-o", out / "copy.stl"}).exit_status, 0);
+  EXPECT_EQ(run_relief({"convert", out / "model.vtp", "-o", out / "copy.ply"}).exit_status, 0);
   EXPECT_EQ(run_relief({"convert", scans / "scan.json", "-o", out / "views.ply"}).exit_status, 0);
   EXPECT_EQ(run_relief({"convert", scans / "scan.json", "-o", out / "copied"}).exit_status, 0);
+  EXPECT_EQ(run_relief({"convert", scans / "scan.json", "-o", out / "clouds", "--pcd"}).exit_status,
+            0);
+  EXPECT_EQ(run_relief({"convert", out / "clouds/v000.pcd", "-o", out / "v.pcd"}).exit_status, 0);
+  EXPECT_EQ(run_relief({"convert", scans / "scan.json", "-o", out / "all.pcd"}).exit_status, 2);
 }
 
 TEST(Program, GivesTheSameBytesOnAnyNumberOfThreads) {

@@ -7,9 +7,9 @@
 
 #include <Eigen/Dense>
 
-#include "scan/io/grids/normal_side.h"
-#include "scan/base/median.h"
 #include "relief/scan/range_view.h"
+#include "scan/base/median.h"
+#include "scan/io/grids/normal_side.h"
 
 namespace relief {
 

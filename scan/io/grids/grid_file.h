@@ -1,12 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include <Eigen/Core>
 
 #include "relief/scan/colour.h"
 #include "relief/scan/grid.h"
 #include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
 
 namespace relief {
 
@@ -16,6 +18,7 @@ struct GridFile {
   Grid<Eigen::Vector3f> normals;  ///< As measured, any length; NaN where none. May be empty.
   Grid<float> confidence;         ///< As stored; may be empty.
   Grid<Colour> colours;           ///< May be empty.
+  std::optional<RigidMotion> world_from_view;  ///< Where the file tells: VIEWPOINT of a PCD.
 };
 
 /// Reads an organized grid: .ply with `range_grid` or with one vertex per grid place, organized

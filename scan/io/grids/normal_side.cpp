@@ -7,8 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "scan/io/normals/normal_convention.h"
 #include "scan/base/median.h"
+#include "scan/io/normals/normal_convention.h"
 
 namespace relief {
 

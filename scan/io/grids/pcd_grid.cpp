@@ -7,10 +7,11 @@
 #include <pcl/console/print.h>
 #include <pcl/io/pcd_io.h>
 
-#include "scan/io/grids/grid_file.h"
-#include "scan/io/files/io_error.h"
-#include "scan/io/grids/pcd_header.h"
 #include "relief/scan/range_view.h"
+#include "scan/io/files/io_error.h"
+#include "scan/io/grids/grid_file.h"
+#include "scan/io/grids/grid_view.h"
+#include "scan/io/grids/pcd_header.h"
 
 namespace relief {
 
@@ -143,7 +144,11 @@ Result<GridFile> read_pcd_grid(const std::filesystem::path& path) {
     int version = 0;
     if (pcl::PCDReader().read(path.string(), cloud, origin, orientation, version) < 0)
       return bad_input(path, "damaged or truncated PCD");
-    return grid_from_cloud(cloud, path);
+    const auto pose = pose_from_viewpoint(origin.head<3>(), orientation);
+    if (!pose) return bad_input(path, "VIEWPOINT: " + pose.error().message);
+    auto grid = grid_from_cloud(cloud, path);
+    if (grid) grid->world_from_view = *pose;
+    return grid;
   } catch (const std::exception& exception) {
     return bad_input(path, std::string("damaged PCD: ") + exception.what());
   }

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <optional>
 
-#include "scan/io/grids/grid_file.h"
+#include "relief/scan/range_view.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/files/ply_file.h"
-#include "relief/scan/range_view.h"
+#include "scan/io/grids/grid_file.h"
 
 namespace relief {
 

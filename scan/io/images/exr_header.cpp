@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "scan/io/images/image_limits.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/image_limits.h"
 
 namespace relief {
 

@@ -8,9 +8,9 @@
 #include <ImfIO.h>
 #include <ImfInputFile.h>
 
+#include "scan/io/files/io_error.h"
 #include "scan/io/images/exr_header.h"
 #include "scan/io/images/image_io.h"
-#include "scan/io/files/io_error.h"
 
 namespace relief {
 

@@ -9,8 +9,8 @@
 #include <cstring>
 
 #include "scan/io/files/atomic_file.h"
-#include "scan/io/images/image_limits.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/image_limits.h"
 
 namespace relief {
 

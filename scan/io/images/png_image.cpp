@@ -6,9 +6,9 @@
 
 #include <png.h>
 
+#include "scan/io/files/io_error.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/images/image_limits.h"
-#include "scan/io/files/io_error.h"
 
 namespace relief {
 

@@ -8,8 +8,8 @@
 #include <Eigen/Core>
 #include <tiffio.h>
 
-#include "scan/io/images/image_io.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/image_io.h"
 #include "scan/io/images/tiff_layout.h"
 
 namespace relief {

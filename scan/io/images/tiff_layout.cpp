@@ -4,8 +4,8 @@
 
 #include <tiffio.h>
 
-#include "scan/io/images/image_limits.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/image_limits.h"
 
 namespace relief {
 

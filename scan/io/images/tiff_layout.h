@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "scan/io/images/image_io.h"
 #include "relief/scan/result.h"
+#include "scan/io/images/image_io.h"
 
 struct tiff;  // Of libtiff.
 

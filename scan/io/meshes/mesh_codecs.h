@@ -14,6 +14,7 @@ namespace relief {
 Result<TriangleMesh> read_ply_mesh(const std::filesystem::path& path);
 Result<TriangleMesh> read_obj_mesh(const std::filesystem::path& path);
 Result<TriangleMesh> read_stl_mesh(const std::filesystem::path& path);
+Result<TriangleMesh> read_vtp_mesh(const std::filesystem::path& path);
 
 Result<std::string> encode_ply_mesh(const TriangleMesh& mesh);
 Result<std::string> encode_vtp_mesh(const TriangleMesh& mesh);

@@ -51,7 +51,8 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& path) {
   if (ending == ".ply") return read_ply_mesh(path);
   if (ending == ".obj") return read_obj_mesh(path);
   if (ending == ".stl") return read_stl_mesh(path);
-  return bad_input(path, "unknown mesh format '" + ending + "'; use .ply, .obj or .stl");
+  if (ending == ".vtp") return read_vtp_mesh(path);
+  return bad_input(path, "unknown mesh format '" + ending + "'; use .ply, .vtp, .obj or .stl");
 }
 
 Result<void> write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path) {

@@ -3,8 +3,8 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/meshes/mesh_codecs.h"
 #include "scan/io/files/text_lines.h"
+#include "scan/io/meshes/mesh_codecs.h"
 
 namespace relief {
 

@@ -5,10 +5,10 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/binary_writer.h"
-#include "scan/io/meshes/coloured_mesh.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/meshes/mesh_codecs.h"
 #include "scan/io/files/ply_file.h"
+#include "scan/io/meshes/coloured_mesh.h"
+#include "scan/io/meshes/mesh_codecs.h"
 
 namespace relief {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include "scan/io/files/io_error.h"
 #include "scan/io/normals/convention_notes.h"
 #include "scan/io/normals/convention_scores.h"
-#include "scan/io/files/io_error.h"
 
 namespace relief {
 

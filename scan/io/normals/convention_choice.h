@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "scan/io/normals/normal_evidence.h"
 #include "relief/scan/result.h"
+#include "scan/io/normals/normal_evidence.h"
 
 namespace relief {
 

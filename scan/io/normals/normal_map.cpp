@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 
-#include "scan/io/files/io_error.h"
 #include "scan/base/median.h"
+#include "scan/io/files/io_error.h"
 
 namespace relief {
 

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "scan/io/normals/convention_choice.h"
+#include "relief/scan/range_view.h"
 #include "scan/io/images/image_io.h"
+#include "scan/io/normals/convention_choice.h"
 #include "scan/io/normals/normal_evidence.h"
 #include "scan/io/project/view_spec.h"
-#include "relief/scan/range_view.h"
 
 namespace relief {
 

@@ -9,9 +9,9 @@
 #include <Eigen/Eigenvalues>
 
 #include "relief/scan/discontinuities.h"
-#include "scan/base/median.h"
 #include "relief/scan/range_noise.h"
 #include "relief/scan/range_quantisation.h"
+#include "scan/base/median.h"
 
 namespace relief {
 

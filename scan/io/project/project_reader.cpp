@@ -3,10 +3,10 @@
 #include <thread>
 
 #include "relief/io/project_io.h"
-#include "scan/io/project/view_loader.h"
-#include "scan/io/project/view_spec.h"
 #include "scan/base/parallel.h"
 #include "scan/base/system_memory.h"
+#include "scan/io/project/view_loader.h"
+#include "scan/io/project/view_spec.h"
 
 namespace relief {
 

@@ -3,8 +3,8 @@
 #include <sstream>
 
 #include "scan/io/files/atomic_file.h"
-#include "scan/io/grids/grid_file.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/grids/grid_file.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {

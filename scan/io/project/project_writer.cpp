@@ -9,6 +9,7 @@
 #include "relief/io/project_io.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/grids/ply_grid_writer.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/project/view_spec.h"
@@ -197,11 +198,13 @@ bool needs_grid_file(const RangeView& view) {
 }
 
 Result<void> write_grid_view(const RangeView& view, const fs::path& folder, const std::string& stem,
-                             json& entry) {
-  entry["grid"] = {{"file", stem + ".ply"}};
+                             GridFormat format, json& entry) {
+  const std::string file = stem + (format == GridFormat::kPcd ? ".pcd" : ".ply");
+  entry["grid"] = {{"file", file}};
   const json camera = camera_of_grid(view);
   if (!camera.is_null()) entry["camera"] = camera;
-  return write_file(folder / (stem + ".ply"), encode_ply_grid(view));
+  return write_file(folder / file,
+                    format == GridFormat::kPcd ? encode_pcd_grid(view) : encode_ply_grid(view));
 }
 
 // A file name made of a view's name: letters, digits, `-`, `_` and `.` only, unlike all in `taken`.
@@ -299,7 +302,7 @@ Result<void> write_project(const std::vector<RangeView>& views, const std::strin
     json entry = {{"name", view.name}};
     const std::string stem = file_stem(view.name, stems);
     const bool grid = options.grids || needs_grid_file(view);
-    auto written = grid ? write_grid_view(view, folder, stem, entry)
+    auto written = grid ? write_grid_view(view, folder, stem, options.grid_format, entry)
                         : write_depth_view(view, folder, stem, options.declare_normals, entry);
     if (written) written = write_deviation(view, folder, stem, entry);
     if (!written) return written;

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <utility>
 
+#include "scan/base/system_memory.h"
+#include "scan/io/files/io_error.h"
 #include "scan/io/grids/grid_camera.h"
 #include "scan/io/grids/grid_file.h"
 #include "scan/io/images/image_io.h"
-#include "scan/io/files/io_error.h"
 #include "scan/io/normals/normal_map.h"
-#include "scan/base/system_memory.h"
 
 namespace relief {
 
@@ -141,6 +141,10 @@ Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& l
   loaded.view.range = std::move(fitted.range);
   loaded.view.confidence = std::move(grid->confidence);
   loaded.view.colours = std::move(grid->colours);
+  if (grid->world_from_view && spec.pose == PoseKind::kAbsent) {
+    loaded.view.world_from_view = *grid->world_from_view;
+    loaded.view.pose = PoseKind::kGuess;
+  }
   if (!grid->normals.empty() && !spec.normals)
     loaded.normals = StoredNormals{std::move(grid->normals), {}, {}};
   return {};

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "relief/scan/range_view.h"
+#include "relief/scan/result.h"
 #include "scan/io/normals/convention_choice.h"
 #include "scan/io/normals/normal_evidence.h"
 #include "scan/io/project/view_spec.h"
-#include "relief/scan/range_view.h"
-#include "relief/scan/result.h"
 
 namespace relief {
 

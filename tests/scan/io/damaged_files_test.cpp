@@ -13,12 +13,14 @@
 #include "scan/io/files/ply_file.h"
 #include "scan/io/grids/ply_grid_writer.h"
 #include "scan/io/project/view_spec.h"
+#include "tests/support/limited_memory.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
 namespace {
 
+using testing::LimitedMemory;
 using testing::TemporaryFolder;
 
 using Reader = std::function<bool(const std::string& content)>;
@@ -119,6 +121,19 @@ TEST(DamagedFiles, ObjAndStl) {
     try_prefixes(content, read, 50);
     try_changes(content, read, 1500);
   }
+}
+
+TEST(DamagedFiles, Vtp) {
+  const TemporaryFolder folder;
+  const std::string content = *encode_vtp_mesh(tetrahedron());
+  const Reader read =
+      through_file(folder, "a.vtp", [](const auto& p) { return read_mesh(p).ok(); });
+  ASSERT_TRUE(read(content));
+  const LimitedMemory limit(std::size_t{1} << 30);
+  // Only the closing tags can go unnoticed.
+  for (std::size_t size = 0; size + 40 < content.size(); ++size)
+    EXPECT_FALSE(read(content.substr(0, size))) << size;
+  try_changes(content, read, 10000);
 }
 
 TEST(DamagedFiles, Images) {

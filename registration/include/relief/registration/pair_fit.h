@@ -41,7 +41,7 @@ struct PairFit {
   std::vector<DegenerateDirection> degenerate_directions;
 };
 
-/// `firm`, `slides`, `thin` or `misfit`.
+/// `firm`, `degenerate`, `thin` or `misfit`.
 std::string_view to_string(PairStatus grade);
 
 }  // namespace relief::registration

@@ -71,6 +71,24 @@ TEST(PcdGrid, UnpacksColours) {
   }
 }
 
+TEST(PcdGrid, ReadsTheViewpoint) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& viewpoint) {
+    std::string content = header(kSize, "ascii") + kPoints;
+    content.replace(content.find("0 0 0 1 0 0 0"), 13, viewpoint);
+    return read_grid_file(folder.write("a.pcd", content));
+  };
+  EXPECT_FALSE(read("0 0 0 1 0 0 0")->world_from_view.has_value());
+  const auto turned = read("1 2 3 0 0 0 1");
+  ASSERT_TRUE(turned.ok()) << turned.error().message;
+  ASSERT_TRUE(turned->world_from_view.has_value());
+  EXPECT_TRUE(
+      (*turned->world_from_view * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(0, 2, 3)));
+  const auto no_rotation = read("0 0 0 0 0 0 0");
+  ASSERT_FALSE(no_rotation.ok());
+  EXPECT_THAT(no_rotation.error().message, HasSubstr("a.pcd: VIEWPOINT"));
+}
+
 TEST(PcdGrid, RefusesWhatIsNoGrid) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& content) {

@@ -106,6 +106,77 @@ TEST(MeshIo, VtpHoldsTheAttributes) {
     EXPECT_THAT(text, HasSubstr(name));
 }
 
+TEST(MeshIo, VtpKeepsEverything) {
+  const TemporaryFolder folder;
+  for (const double distance : {0.0, 1e6}) {
+    const TriangleMesh mesh = with_attributes(tetrahedron(Eigen::Vector3d::Constant(distance)));
+    ASSERT_TRUE(write_mesh(mesh, folder / "a.vtp").ok());
+    const auto read = read_mesh(folder / "a.vtp");
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_LT(largest_distance(mesh, *read), 2e-7);
+    EXPECT_EQ(read->faces, mesh.faces);
+    EXPECT_EQ(read->normals, mesh.normals);
+    EXPECT_EQ(read->quality, mesh.quality);
+    EXPECT_EQ(read->views, mesh.views);
+    EXPECT_EQ(read->filled, mesh.filled);
+    EXPECT_EQ(read->colours, mesh.colours);
+  }
+}
+
+std::string ascii_vtp(const std::string& points, const std::string& cells) {
+  return "<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\"><PolyData>"
+         "<Piece " +
+         points +
+         "><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" "
+         "format=\"ascii\">0 0 0 1 0 0 1 1 0 0 1 0</DataArray></Points><Polys><DataArray "
+         "type=\"Int32\" Name=\"connectivity\" format=\"ascii\">" +
+         cells +
+         "</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">4"
+         "</DataArray></Polys></Piece></PolyData></VTKFile>";
+}
+
+TEST(MeshIo, VtpPolygonsBecomeFans) {
+  const TemporaryFolder folder;
+  const auto read = read_mesh(
+      folder.write("a.vtp", ascii_vtp("NumberOfPoints=\"4\" NumberOfPolys=\"1\"", "0 1 2 3")));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->faces, (std::vector<TriangleMesh::Face>{{0, 1, 2}, {0, 2, 3}}));
+}
+
+TEST(MeshIo, NamesWhatIsWrongWithAVtp) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& content) {
+    const auto read = read_mesh(folder.write("a.vtp", content));
+    return read.ok() ? std::string("no error") : read.error().message;
+  };
+  const std::string sizes = "NumberOfPoints=\"4\" NumberOfPolys=\"1\"";
+  EXPECT_THAT(error(ascii_vtp(sizes, "0 1 2 4")), HasSubstr("a.vtp: cell 0: vertex index 4 of 4"));
+  EXPECT_THAT(error(ascii_vtp("NumberOfPoints=\"4000000000\"", "0 1 2 3")),
+              HasSubstr("more than the file can hold"));
+  EXPECT_THAT(error(ascii_vtp(sizes, "0 1 2")), HasSubstr("'connectivity': 3 numbers, not 4"));
+  EXPECT_THAT(error("<VTKFile type=\"ImageData\"></VTKFile>"), HasSubstr("without PolyData"));
+  EXPECT_THAT(error("<VTKFile compressor=\"vtkLZ4DataCompressor\"></VTKFile>"), HasSubstr("zlib"));
+  EXPECT_THAT(error("solid a"), HasSubstr("XML"));
+  std::string deep;
+  for (int k = 0; k < 300000; ++k) deep += "<a>";
+  EXPECT_THAT(error(deep), HasSubstr("tags"));
+}
+
+// VTK's own decoder believes them, and crashes.
+TEST(MeshIo, VtpHoldsCompressedSizesAgainstTheFile) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_mesh(with_attributes(tetrahedron()), folder / "a.vtp").ok());
+  const std::string content = *read_file(folder / "a.vtp");
+  const std::size_t data = content.find('_', content.find("<AppendedData")) + 1;
+  for (const std::size_t size : {0u, 2u, 3u}) {
+    std::string changed = content;
+    changed.replace(data + 4 * size, 4, "\xff\xff\xff\x7f");
+    const auto read = read_mesh(folder.write("a.vtp", changed));
+    ASSERT_FALSE(read.ok());
+    EXPECT_THAT(read.error().message, HasSubstr("a.vtp: damaged VTP: array 'normals'"));
+  }
+}
+
 TEST(MeshIo, PolygonsBecomeFans) {
   const TemporaryFolder folder;
   const auto read = read_mesh(folder.write(

@@ -8,6 +8,7 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/grids/ply_grid_writer.h"
+#include "scan/io/grids/pcd_grid_writer.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 
@@ -119,6 +120,29 @@ TEST(ProjectIo, AllCamerasMayBeWrittenAsGrids) {
   ASSERT_TRUE(read.ok()) << read.error().message;
   for (std::size_t i = 0; i < project.views.size(); ++i)
     expect_same_view(read->views[i], project.views[i]);
+}
+
+TEST(ProjectIo, AllCamerasMayBeWrittenAsPcd) {
+  const TemporaryFolder folder;
+  const ScanProject project = all_cameras();
+  ASSERT_TRUE(
+      write_project(project, folder.path(), {}, {.grids = true, .grid_format = GridFormat::kPcd})
+          .ok());
+  EXPECT_TRUE(std::filesystem::exists(folder / "pinhole.pcd"));
+  const auto read = read_project(folder.path());
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  for (std::size_t i = 0; i < project.views.size(); ++i)
+    expect_same_view(read->views[i], project.views[i]);
+}
+
+TEST(ProjectIo, APcdAloneKeepsItsPoseAsAGuess) {
+  const TemporaryFolder folder;
+  const RangeView written = all_cameras().views[0];
+  const auto read = read_project(folder.write("a.pcd", encode_pcd_grid(written)));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->views[0].pose, PoseKind::kGuess);
+  EXPECT_TRUE(read->views[0].world_from_view.isApprox(written.world_from_view, 1e-6));
+  EXPECT_EQ(read->views[0].camera.model(), Camera::Model::kPinhole);
 }
 
 TEST(ProjectIo, WritingTwiceGivesTheSameBytes) {

@@ -8,8 +8,8 @@
 namespace relief {
 
 /// Reads a triangle mesh by its ending: .ply (ASCII, binary of either byte order; polygons are
-/// split into fans), .obj, .stl (equal corners are joined). Errors are kBadInput and name file and
-/// place.
+/// split into fans), .vtp (the same, and triangle strips), .obj, .stl (equal corners are joined).
+/// Errors are kBadInput and name file and place.
 Result<TriangleMesh> read_mesh(const std::filesystem::path& path);
 
 /// Writes a mesh by the ending of `path`: .ply (binary, doubles where floats would lose more than

@@ -29,16 +29,23 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
                                  const ReadProjectOptions& options = {},
                                  const Progress& progress = {});
 
+/// The format of views that are written as points on a grid.
+enum class GridFormat {
+  kPly,  ///< Range-grid PLY in doubles.
+  kPcd,  ///< Organized binary PCD in floats.
+};
+
 struct WriteProjectOptions {
-  /// Every view becomes a range-grid PLY: points that other programs read, not images.
+  /// Every view becomes a grid file: points that other programs read, not images.
   bool grids = false;
+  GridFormat grid_format = GridFormat::kPly;
   /// Whether the normal maps say which axes and space their components have.
   bool declare_normals = true;
 };
 
 /// Writes `project` as FOLDER/scan.json with one float TIFF of range and, where the view has them,
 /// of normals, of confidences and of deviations; views whose rays are a table are written as
-/// range-grid PLY with doubles. Creates the folder. Reading it back gives the same samples to float
+/// grid files. Creates the folder. Reading it back gives the same samples to float
 /// precision.
 Result<void> write_project(const ScanProject& project, const std::filesystem::path& folder,
                            const Progress& progress = {}, const WriteProjectOptions& options = {});
