@@ -75,8 +75,8 @@ std::string histogram_rows(const std::vector<double>& errors, double range) {
 Result<void> plot_cumulative(const evaluation::MeshComparison& comparison, const std::string& unit,
                              const std::filesystem::path& folder) {
   const auto accuracy = magnitudes(comparison.signed_accuracy);
-  const double range = std::max(quantile(accuracy, 0.995),
-                                quantile(comparison.completeness_distances, 0.995));
+  const double range =
+      std::max(quantile(accuracy, 0.995), quantile(comparison.completeness_distances, 0.995));
   if (auto done = write_file(folder / "accuracy.tsv", cumulative_rows(accuracy)); !done)
     return done;
   if (auto done = write_file(folder / "completeness.tsv",

@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "scan/background/depth_stack.h"
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/grid.h"
+#include "scan/background/depth_stack.h"
 #include "scan/background/fixed_surface.h"
 
 namespace relief {

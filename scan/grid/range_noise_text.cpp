@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "scan/base/median.h"
 #include "relief/scan/range_noise.h"
+#include "scan/base/median.h"
 
 namespace relief {
 

@@ -5,13 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/io/mesh_io.h"
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/ply_file.h"
 #include "scan/io/grids/grid_file.h"
+#include "scan/io/grids/ply_grid_writer.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/meshes/mesh_codecs.h"
-#include "relief/io/mesh_io.h"
-#include "scan/io/files/ply_file.h"
-#include "scan/io/grids/ply_grid_writer.h"
 #include "scan/io/project/view_spec.h"
 #include "tests/support/limited_memory.h"
 #include "tests/support/synthetic_views.h"

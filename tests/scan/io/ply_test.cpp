@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scan/io/grids/grid_file.h"
 #include "scan/io/files/ply_file.h"
+#include "scan/io/grids/grid_file.h"
 #include "tests/support/limited_memory.h"
 #include "tests/support/temporary_folder.h"
 

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/files/atomic_file.h"
-#include "scan/io/images/image_io.h"
-#include "scan/io/grids/ply_grid_writer.h"
 #include "scan/io/grids/pcd_grid_writer.h"
+#include "scan/io/grids/ply_grid_writer.h"
+#include "scan/io/images/image_io.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 
