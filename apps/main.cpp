@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands/command.h"
-#include "apps/reports/console.h"
-#include "apps/reports/exit_status.h"
+#include "apps/console/console.h"
+#include "apps/console/exit_status.h"
 #include "apps/version.h"
 
 int main(int argc, char** argv) {

@@ -1,11 +1,11 @@
 #include <memory>
 
 #include "apps/commands/command.h"
+#include "apps/console/console.h"
+#include "apps/console/exit_status.h"
+#include "apps/console/output.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/alignment_report.h"
-#include "apps/reports/console.h"
-#include "apps/reports/exit_status.h"
-#include "apps/reports/output.h"
 #include "relief/registration/align_views.h"
 #include "scan/base/stopwatch.h"
 

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "apps/reports/console.h"
-#include "apps/reports/exit_status.h"
+#include "apps/console/console.h"
+#include "apps/console/exit_status.h"
 #include "relief/scan/static_background.h"
 
 namespace relief {

@@ -2,9 +2,9 @@
 #include <memory>
 
 #include "apps/commands/command.h"
+#include "apps/console/console.h"
+#include "apps/console/exit_status.h"
 #include "apps/options/input_kind.h"
-#include "apps/reports/console.h"
-#include "apps/reports/exit_status.h"
 #include "relief/io/mesh_io.h"
 #include "relief/scan/triangle_mesh.h"
 #include "scan/io/files/atomic_file.h"

@@ -8,12 +8,12 @@
 #include <fmt/format.h>
 
 #include "apps/commands/command.h"
+#include "apps/console/console.h"
+#include "apps/console/exit_status.h"
+#include "apps/console/output.h"
 #include "apps/options/input_kind.h"
-#include "apps/reports/console.h"
 #include "apps/reports/evaluation_plots.h"
 #include "apps/reports/evaluation_report.h"
-#include "apps/reports/exit_status.h"
-#include "apps/reports/output.h"
 #include "relief/evaluation/mesh_alignment.h"
 #include "relief/io/mesh_io.h"
 #include "relief/io/poses_io.h"

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "apps/commands/command.h"
-#include "apps/reports/console.h"
-#include "apps/reports/exit_status.h"
+#include "apps/console/console.h"
+#include "apps/console/exit_status.h"
 #include "apps/reports/report.h"
 #include "hybrid/noise/noise.h"
 #include "relief/scan/discontinuities.h"

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/reports/console.h"
+#include "apps/console/console.h"
 #include "relief/io/project_io.h"
 #include "relief/scan/static_background.h"
 #include "scan/base/parallel.h"

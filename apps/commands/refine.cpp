@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "apps/commands/command.h"
+#include "apps/console/console.h"
+#include "apps/console/exit_status.h"
+#include "apps/console/output.h"
 #include "apps/options/stage_options.h"
-#include "apps/reports/console.h"
-#include "apps/reports/exit_status.h"
-#include "apps/reports/output.h"
 #include "apps/reports/refinement_report.h"
 #include "relief/hybrid/refine_views.h"
 #include "scan/base/stopwatch.h"

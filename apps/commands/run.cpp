@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "apps/commands/command.h"
+#include "apps/console/console.h"
+#include "apps/console/exit_status.h"
+#include "apps/console/output.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/alignment_report.h"
-#include "apps/reports/console.h"
-#include "apps/reports/exit_status.h"
 #include "apps/reports/model_report.h"
-#include "apps/reports/output.h"
 #include "apps/reports/refinement_report.h"
 #include "relief/io/mesh_io.h"
 #include "relief/reconstruction/reconstruct.h"

@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 
 #include "apps/commands/command.h"
+#include "apps/console/console.h"
+#include "apps/console/exit_status.h"
+#include "apps/console/output.h"
 #include "apps/options/simulation_defects.h"
 #include "apps/options/simulation_options.h"
 #include "apps/options/simulation_record.h"
-#include "apps/reports/console.h"
-#include "apps/reports/exit_status.h"
-#include "apps/reports/output.h"
 #include "apps/reports/report.h"
 #include "relief/io/mesh_io.h"
 #include "relief/io/poses_io.h"

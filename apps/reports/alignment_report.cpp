@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/reports/console.h"
+#include "apps/console/console.h"
 
 namespace relief {
 

@@ -1,4 +1,4 @@
-#include "apps/reports/output.h"
+#include "apps/console/output.h"
 
 #include <cerrno>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "apps/reports/console.h"
+#include "apps/console/console.h"
 
 #include <atomic>
 #include <csignal>
