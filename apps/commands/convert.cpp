@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cctype>
 #include <memory>
+#include <string>
 
 #include "apps/commands/command.h"
 #include "apps/console/console.h"
@@ -9,6 +11,7 @@
 #include "relief/scan/triangle_mesh.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/grids/pcd_grid_writer.h"
+#include "scan/io/project/pose_files.h"
 
 namespace relief {
 
@@ -61,9 +64,28 @@ Result<void> write_pcd(const ScanProject& project, const std::filesystem::path& 
                                          "; name a folder and give --pcd"};
 }
 
+// A name with an ending that no format has is a mistake more often than a folder.
+Result<void> check_folder_name(const std::filesystem::path& path) {
+  const std::string ending = path.extension().string();
+  const bool looks_like_file =
+      ending.size() >= 3 && ending.size() <= 6 &&
+      std::all_of(ending.begin() + 1, ending.end(),
+                  [](unsigned char letter) { return std::isalpha(letter) != 0; });
+  std::error_code code;
+  if (!looks_like_file || std::filesystem::is_directory(path, code)) return {};
+  return Error{
+      ErrorKind::kBadInput,
+      path.string() + ": unknown ending '" + ending +
+          "'; name a folder, a mesh (.ply .obj .stl .vtp .glb), a .pcd, or a file of poses "
+          "(.aln .conf .log .tum)"};
+}
+
 Result<void> write_as(const ScanProject& project, const ConvertCommand& command) {
   if (is_mesh_path(command.output)) return write_mesh(concatenate(project), command.output);
   if (command.output.extension() == ".pcd") return write_pcd(project, command.output);
+  if (is_pose_path(command.output))
+    return write_pose_file(project, command.input.path, command.input.options, command.output);
+  if (auto folder = check_folder_name(command.output); !folder) return folder;
   WriteProjectOptions options = command.project;
   if (command.pcd) options = {.grids = true, .grid_format = GridFormat::kPcd};
   return write_project(project, command.output, console_progress("write"), options);
@@ -90,7 +112,7 @@ void add_convert(CLI::App& app, Action& action) {
                   "Intrinsics of grids without a camera: a file with fx fy cx cy");
   sub->add_option("-o,--output", command->output,
                   "A mesh file (.ply .obj .stl .vtp .glb; the views of a project become one mesh), "
-                  "one view as .pcd, or a folder for a project")
+                  "one view as .pcd, poses as .aln, .conf, .log or .tum, or a folder for a project")
       ->required();
   sub->add_flag("--grids", command->project.grids,
                 "Views of a project as range-grid PLY files, points that other programs read");

@@ -68,7 +68,7 @@ EdgeSum window_sum(const Grid<EdgeSum>& sums, int u, int v, int radius) {
 }
 
 // The mean slope over a window is known from the noisy positions at its two ends only.
-double slope_noise(const UnbiasedNormalOptions& options, int radius) {
+double noise_of_slope(const UnbiasedNormalOptions& options, int radius) {
   const double side = 2.0 * radius + 1.0;
   return std::sqrt(2.0) * options.noise / (options.spacing * std::pow(side, 1.5));
 }
@@ -77,7 +77,7 @@ int radius_for(const UnbiasedNormalOptions& options) {
   if (options.radius > 0) return options.radius;
   int radius = kLeastRadius;
   while (radius < kLargestRadius && options.spacing > 0.0 &&
-         slope_noise(options, radius) > kWantedSlopeNoise)
+         noise_of_slope(options, radius) > kWantedSlopeNoise)
     ++radius;
   return radius;
 }

@@ -76,13 +76,15 @@ Result<ProjectSpec> spec_of_grids(const std::vector<fs::path>& files) {
 
 Result<ProjectSpec> spec_of_file(const fs::path& path) {
   if (has_grid_ending(path)) return spec_of_grids({path});
-  if (path.extension() != ".json" && path.extension() != ".conf")
-    return bad_input(path, "unknown project format '" + path.extension().string() +
-                               "'; use a scan.json, a .conf, a .ply or .pcd grid, or a folder");
+  if (path.extension() != ".json" && path.extension() != ".conf" && path.extension() != ".aln")
+    return bad_input(path,
+                     "unknown project format '" + path.extension().string() +
+                         "'; use a scan.json, a .conf, an .aln, a .ply or .pcd grid, or a folder");
   auto text = read_file(path);
   if (!text) return text.error();
   if (path.extension() == ".json") return parse_scan_json(*text, path);
-  auto project = parse_stanford_conf(*text, path);
+  auto project = path.extension() == ".aln" ? parse_meshlab_aln(*text, path)
+                                            : parse_stanford_conf(*text, path);
   if (project) project->unit = kUnknownUnit;
   return project;
 }

@@ -75,6 +75,10 @@ Result<ProjectSpec> parse_scan_json(const std::string& text, const std::filesyst
 /// Parses the text of a Stanford .conf: `bmesh FILE tx ty tz qx qy qz qw`.
 Result<ProjectSpec> parse_stanford_conf(const std::string& text, const std::filesystem::path& path);
 
+/// Parses the text of a MeshLab .aln: the number of meshes, and for each a file name, a line `#`
+/// and the matrix world_from_view in four rows.
+Result<ProjectSpec> parse_meshlab_aln(const std::string& text, const std::filesystem::path& path);
+
 /// What read_project's `path` stands for, whichever form it has. `fc_file` may be empty.
 Result<ProjectSpec> read_project_spec(const std::filesystem::path& path,
                                       const std::filesystem::path& fc_file);

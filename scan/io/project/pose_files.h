@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+
+#include "relief/io/project_io.h"
+#include "relief/scan/result.h"
+#include "relief/scan/scan_project.h"
+
+namespace relief {
+
+/// Whether `path` ends like a file that holds poses alone: .aln, .conf, .log, .tum.
+bool is_pose_path(const std::filesystem::path& path);
+
+/// Writes the poses of `project` for other programs, by the ending of `path`:
+/// - `.aln`: MeshLab's alignment project; `.conf`: the Stanford scans' list. Both name the grid
+///   files of `source`, from which `project` was read. kBadInput when `source` has none: then the
+///   views have to be converted to grids first.
+/// - `.log`: the trajectory of Open3D and Redwood, world from view, by the order of the views.
+/// - `.tum`: a trajectory `time tx ty tz qx qy qz qw`, world from view; the time is the name of the
+///   view where that is a number, else its index.
+/// Numbers have 17 digits, so that reading them gives the same doubles. Views without a pose are
+/// written at the identity.
+Result<void> write_pose_file(const ScanProject& project, const std::filesystem::path& source,
+                             const ReadProjectOptions& source_options,
+                             const std::filesystem::path& path);
+
+}  // namespace relief
