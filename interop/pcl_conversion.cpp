@@ -48,13 +48,13 @@ Result<GridFile> grid_of(const pcl::PointCloud<Point>& cloud) {
       pose_from_viewpoint(cloud.sensor_origin_.template head<3>(), cloud.sensor_orientation_);
   if (!pose) return pose.error();
   const int width = static_cast<int>(cloud.width), height = static_cast<int>(cloud.height);
+  if (cloud.size() != std::size_t{cloud.width} * cloud.height)
+    return Error{ErrorKind::kBadInput,
+                 "the cloud has " + std::to_string(cloud.size()) + " points, not width x height"};
   GridFile grid;
   grid.world_from_view = *pose;
   grid.points = Grid<Eigen::Vector3d>(width, height, Eigen::Vector3d::Constant(kNoSample));
   grid.normals = Grid<Eigen::Vector3f>(width, height, Eigen::Vector3f::Constant(kNone));
-  if (cloud.size() != grid.points.size())
-    return Error{ErrorKind::kBadInput,
-                 "the cloud has " + std::to_string(cloud.size()) + " points, not width x height"};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     grid.normals[i] = cloud[i].getNormalVector3fMap();
     if (cloud[i].getVector3fMap().allFinite())
@@ -289,7 +289,7 @@ pcl::PolygonMesh to_pcl(const TriangleMesh& mesh) {
 Result<TriangleMesh> from_pcl(const pcl::PolygonMesh& mesh) {
   const pcl::PCLPointCloud2& cloud = mesh.cloud;
   const std::size_t count = std::size_t{cloud.width} * cloud.height;
-  if (cloud.data.size() < count * cloud.point_step)
+  if (cloud.point_step > 0 && cloud.data.size() / cloud.point_step < count)
     return Error{ErrorKind::kBadInput, "the cloud holds less data than points"};
   TriangleMesh result;
   if (auto read = read_vertices(cloud, count, result); !read) return read.error();

@@ -32,10 +32,17 @@ Result<RigidMotion> rigid_motion(const Eigen::Matrix4f& matrix) {
   return rigid_motion_from_matrix(matrix.cast<double>(), "the initial guess");
 }
 
+registration::ViewSurfaceOptions surface_options(const registration::IcpOptions& options) {
+  registration::ViewSurfaceOptions surface;
+  surface.neighbour_index = options.association == registration::Association::kNearest;
+  return surface;
+}
+
 }  // namespace
 
 struct RangeViewRegistration::Target {
-  explicit Target(RangeView given) : view(std::move(given)), surface(view) {}
+  Target(RangeView given, const registration::ViewSurfaceOptions& options)
+      : view(std::move(given)), surface(view, options) {}
   RangeView view;
   registration::ViewSurface surface;
 };
@@ -52,6 +59,11 @@ RangeViewRegistration::~RangeViewRegistration() = default;
 void RangeViewRegistration::setInputTarget(const PointCloudTargetConstPtr& cloud) {
   target_view_.reset();
   Registration::setInputTarget(cloud);
+}
+
+void RangeViewRegistration::setIcpOptions(const registration::IcpOptions& options) {
+  options_ = options;
+  target_view_.reset();
 }
 
 void RangeViewRegistration::setSourceCamera(const std::optional<Camera>& camera) {
@@ -82,15 +94,20 @@ Result<registration::IcpResult> RangeViewRegistration::alignTo(
   if (auto prepared = prepareTarget(); !prepared) return prepared.error();
   const auto source = from_pcl(usedSource(), source_camera_);
   if (!source) return Error{source.error().kind, "the source: " + source.error().message};
-  return registration::align_pair(registration::ViewSurface(*source), target_view_->surface,
-                                  target_from_source, effectiveOptions());
+  const bool both_project = source->camera.can_project() && target_view_->view.camera.can_project();
+  if (options_.association == registration::Association::kProjective && !both_project)
+    return Error{ErrorKind::kBadInput,
+                 "the camera of a cloud has no projection of points to pixels; use the association "
+                 "kAuto or kNearest"};
+  return registration::align_pair(registration::ViewSurface(*source, surface_options(options_)),
+                                  target_view_->surface, target_from_source, effectiveOptions());
 }
 
 Result<void> RangeViewRegistration::prepareTarget() {
   if (target_view_) return {};
   auto view = from_pcl(*target_, target_camera_);
   if (!view) return Error{view.error().kind, "the target: " + view.error().message};
-  target_view_ = std::make_unique<Target>(std::move(*view));
+  target_view_ = std::make_unique<Target>(std::move(*view), surface_options(options_));
   return {};
 }
 

@@ -1,7 +1,7 @@
 #include "relief/reconstruction/alignment_gain.h"
 
-#include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #include "scan/base/median.h"
 
@@ -49,8 +49,7 @@ double mean_motion(const std::vector<RangeView>& views,
 }
 
 GainVerdict verdict_of(const AlignmentGain& gain, const registration::Alignment& second) {
-  if (second.termination == registration::RefinementTermination::kSolverFailed)
-    return GainVerdict::kSolverFailed;
+  if (!second.solved()) return GainVerdict::kSolverFailed;
   if (gain.left_out > 0) return GainVerdict::kViewsLost;
   return gain.second_pose_std <= gain.first_pose_std ? GainVerdict::kGain : GainVerdict::kNoGain;
 }

@@ -37,8 +37,9 @@ Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& opt
   model.mesh = std::move(polished->mesh);
   model.check = check_mesh(model.mesh);
   if (was_closed && !model.check.watertight())
-    return Error{ErrorKind::kUnsolvable,
-                 "polishing left the surface no closed manifold; merge with --no-polish"};
+    return Error{
+        ErrorKind::kUnsolvable,
+        "polishing left the surface no closed manifold; build the model without polishing"};
   return {};
 }
 

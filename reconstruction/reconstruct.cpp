@@ -7,15 +7,6 @@ namespace relief::reconstruction {
 
 namespace {
 
-bool is_solved(const registration::Alignment& alignment) {
-  return alignment.termination != registration::RefinementTermination::kSolverFailed;
-}
-
-bool is_failure(const hybrid::RefineSummary& refinement) {
-  return refinement.status == hybrid::RefineStatus::kNotConverged ||
-         refinement.status == hybrid::RefineStatus::kSolverFailed;
-}
-
 class Reconstructor {
  public:
   Reconstructor(std::vector<RangeView> views, const ReconstructionOptions& options,
@@ -131,8 +122,9 @@ class Reconstructor {
 }  // namespace
 
 bool Reconstruction::complete() const {
-  return first_alignment.complete() && is_solved(first_alignment) &&
-         std::none_of(refinements.begin(), refinements.end(), is_failure);
+  return first_alignment.complete() && first_alignment.solved() &&
+         std::none_of(refinements.begin(), refinements.end(),
+                      [](const hybrid::RefineSummary& view) { return view.failed(); });
 }
 
 Result<Reconstruction> reconstruct(std::vector<RangeView> views,

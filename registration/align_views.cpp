@@ -89,7 +89,7 @@ std::vector<bool> find_misfits(const std::vector<bool>& found_by_shape,
   for (const auto& pair : refined.pairs) {
     for (const std::size_t i : {pair.a, pair.b}) {
       paired[i] = true;
-      if (pair.grade != PairStatus::kMisfit) fits[i] = true;
+      if (pair.status != PairStatus::kMisfit) fits[i] = true;
     }
   }
   std::vector<bool> misfits(roles.size());

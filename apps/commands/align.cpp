@@ -43,7 +43,7 @@ int align(const AlignCommand& command) {
       write_report(report_path(command.common, command.output), "align", report, command.common);
   if (!reported) return fail(reported.error());
   Console::info("wrote " + command.output.string());
-  return is_complete(*alignment) ? kDone : kDataDoesNotAllow;
+  return alignment->complete() && alignment->solved() ? kDone : kDataDoesNotAllow;
 }
 
 }  // namespace

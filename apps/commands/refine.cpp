@@ -50,7 +50,7 @@ int refine(const RefineCommand& command) {
   if (!reported) return fail(reported.error());
   Console::info("wrote " + (command.output / "scan.json").string());
   const bool failed = std::any_of(refinements.begin(), refinements.end(),
-                                  [](const auto& view) { return is_failure(view.status); });
+                                  [](const auto& view) { return view.failed(); });
   return failed ? kDataDoesNotAllow : kDone;
 }
 

@@ -44,7 +44,7 @@ bool quiet() { return logger().level() > spdlog::level::info; }
 void draw_bar(const std::string& stage, double fraction, std::string_view step) {
   constexpr int kWidth = 30;
   const int filled = static_cast<int>(fraction * kWidth);
-  fmt::print(stderr, "\r{:<9} [{:=<{}}{:<{}}] {:3.0f} % {:<32.32}", stage, "", filled, "",
+  fmt::print(stderr, "\r{:<11} [{:=<{}}{:<{}}] {:3.0f} % {:<32.32}", stage, "", filled, "",
              kWidth - filled, 100.0 * fraction, step);
   std::fflush(stderr);
   bar_open = true;

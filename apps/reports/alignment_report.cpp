@@ -25,7 +25,7 @@ std::vector<std::string> pair_table(const registration::Alignment& alignment,
     const std::string names = alignment.views[pair.a].name + " - " + alignment.views[pair.b].name;
     lines.push_back(fmt::format("{:<{}}  {:>5.0f} %  {:>10.3g}  {:>7}  {}{}", names, width,
                                 100.0 * pair.overlap, pair.rms, pair.correspondences,
-                                to_string(pair.grade), pair.normal_maps ? ", normal maps" : ""));
+                                to_string(pair.status), pair.normal_maps ? ", normal maps" : ""));
     for (const registration::DegenerateDirection& direction : pair.degenerate_directions)
       lines.push_back("    alone leaves free: " + direction.description);
   }
@@ -40,7 +40,7 @@ std::string count_grades(const registration::Alignment& alignment) {
         registration::PairStatus::kThin, registration::PairStatus::kMisfit}) {
     const auto count =
         std::count_if(alignment.pairs.begin(), alignment.pairs.end(),
-                      [&](const registration::PairFit& pair) { return pair.grade == grade; });
+                      [&](const registration::PairFit& pair) { return pair.status == grade; });
     if (count == 0) continue;
     text += fmt::format("{}{} {}", separator, count, to_string(grade));
     separator = ", ";
@@ -70,7 +70,7 @@ Json pair_report(const registration::PairFit& pair, const registration::Alignmen
           {"overlap", pair.overlap},
           {"rms", pair.rms},
           {"correspondences", pair.correspondences},
-          {"grade", to_string(pair.grade)},
+          {"grade", to_string(pair.status)},
           {"normal_maps", pair.normal_maps},
           {"degenerate_directions", std::move(directions)}};
 }
@@ -120,7 +120,7 @@ void log_alignment(const registration::Alignment& alignment, const std::string& 
   if (!alignment.pairs.empty())
     for (const std::string& line : pair_table(alignment, unit)) log(line);
   Console::info(count_grades(alignment));
-  if (alignment.termination == registration::RefinementTermination::kSolverFailed)
+  if (!alignment.solved())
     Console::warning(
         "the poses are not refined to the end, as their equations are not finite: look for "
         "infinite or huge confidences and coordinates");
@@ -150,11 +150,6 @@ void log_gain(const reconstruction::AlignmentGain& gain, const std::string& unit
   Console::info(row("refined views", gain.second_rms, gain.second_pose_std));
   Console::info(
       fmt::format("  moved by {:.3g} {} on average{}", gain.mean_motion, unit, verdict_on(gain)));
-}
-
-bool is_complete(const registration::Alignment& alignment) {
-  return alignment.complete() &&
-         alignment.termination != registration::RefinementTermination::kSolverFailed;
 }
 
 }  // namespace relief

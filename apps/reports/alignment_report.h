@@ -25,7 +25,4 @@ void warn_of_unverified(const registration::Alignment& alignment);
 /// Logs what aligning again on refined views changed.
 void log_gain(const reconstruction::AlignmentGain& gain, const std::string& unit);
 
-/// Whether all views are aligned and their poses refined to the end.
-bool is_complete(const registration::Alignment& alignment);
-
 }  // namespace relief

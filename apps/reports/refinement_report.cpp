@@ -38,7 +38,7 @@ void log_view(const hybrid::RefineSummary& refined, const std::string& name,
   if (refined.status == hybrid::RefineStatus::kContradiction) {
     Console::warning(fmt::format("view {}: {}; it stays as measured: check the axes of its normals",
                                  name, to_string(refined.status)));
-  } else if (is_failure(refined.status)) {
+  } else if (refined.failed()) {
     Console::warning(fmt::format("view {}: {}", name, to_string(refined.status)));
   } else if (refined.status != hybrid::RefineStatus::kRefined) {
     Console::info(fmt::format("view {}: {}", name, to_string(refined.status)));
@@ -68,11 +68,6 @@ void log_refinement(const std::vector<hybrid::RefineSummary>& refinements,
       refinements.begin(), refinements.end(),
       [](const auto& refinement) { return refinement.status == hybrid::RefineStatus::kRefined; });
   Console::info(fmt::format("refined {} of {} views in {:.1f} s", improved, views.size(), seconds));
-}
-
-bool is_failure(hybrid::RefineStatus status) {
-  return status == hybrid::RefineStatus::kNotConverged ||
-         status == hybrid::RefineStatus::kSolverFailed;
 }
 
 }  // namespace relief

@@ -17,7 +17,4 @@ Json refinement_report(const std::vector<hybrid::RefineSummary>& refinements,
 void log_refinement(const std::vector<hybrid::RefineSummary>& refinements,
                     const std::vector<RangeView>& views, const std::string& unit, double seconds);
 
-/// Whether the solver gave up or failed.
-bool is_failure(hybrid::RefineStatus status);
-
 }  // namespace relief

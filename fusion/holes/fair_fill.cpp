@@ -206,12 +206,12 @@ class Fairing {
   // them, while the rest comes to rest anew; in the end the region goes back. False: there was
   // none.
   bool resolve_intersections(int round) {
-    const std::vector<std::uint32_t> spoiled =
+    const std::vector<std::uint32_t> invalid =
         invalid_faces(mesh_, places_, changed_, 2.0 * options_.voxel_size, options_.threads);
     std::fill(changed_.begin(), changed_.end(), 0);
     TsdfIntegrator collector(views_, options_.truncation, options_.voxel_size);
     bool any = false;
-    for (const std::uint32_t f : spoiled) {
+    for (const std::uint32_t f : invalid) {
       for (const std::uint32_t v : mesh_.faces[f]) {
         const std::uint32_t r = regions_.region_of(v);
         if (r == FairRegions::kNone || work_[r].stays) continue;

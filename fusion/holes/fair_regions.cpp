@@ -20,7 +20,7 @@ constexpr double kSmooth = 0.866, kSharp = 0.5;
 
 // Where the middle of a region lies against its border's tangent planes, as sine: this far behind
 // them the surface turns away on all sides, this far in front of them it is a crevice.
-constexpr double kBehind = 0.5, kInFront = 0.05;
+constexpr double kBehind = 0.5, kAheadOfSurface = 0.05;
 
 // Vertices across a crevice, twice its area over the length of its border.
 constexpr double kNarrow = 16.0;
@@ -137,7 +137,7 @@ bool FairRegions::is_crevice(const FairRegion& region) const {
   const auto filled = static_cast<double>(
       std::count_if(region.vertices.begin(), region.vertices.end(),
                     [&](const PlateVertex& free) { return mesh_.filled[free.vertex] != 0; }));
-  return behind_border(region) < -kInFront &&
+  return behind_border(region) < -kAheadOfSurface &&
          2.0 * filled < kNarrow * static_cast<double>(region.border.size());
 }
 

@@ -13,9 +13,9 @@ namespace relief::fusion {
 
 /// Keeps a computation below a limit of memory. Large arrays made under a limit (PagedArray) lie in
 /// temporary files that are mapped to memory. Work on them goes brick by brick; between bricks
-/// relieve() looks at how much memory the process has, and near the limit hands all pages of these
-/// files back to the system; the next access fetches them again. So a limit changes where numbers
-/// lie and never what they are.
+/// evict_pages() looks at how much memory the process has, and near the limit hands all pages of
+/// these files back to the system; the next access fetches them again. So a limit changes where
+/// numbers lie and never what they are.
 ///
 /// The files have no name: nothing of them is left whichever way the process ends. May be used from
 /// any thread; must outlive the arrays made under it. Where functions take a pointer to a limit,

@@ -56,9 +56,9 @@ float relax_block(SparseField& field, std::span<const NodeConstraint> constraint
 }
 
 // The blocks that have free nodes to relax, and which of them still change.
-class ActiveBlocks {
+class MovingBlocks {
  public:
-  ActiveBlocks(const SparseField& field, std::span<const NodeConstraint> constraints,
+  MovingBlocks(const SparseField& field, std::span<const NodeConstraint> constraints,
                const ObstacleSolverOptions& options)
       : field_(field),
         tolerance_(static_cast<float>(options.tolerance * field.lattice().spacing)),
@@ -77,16 +77,16 @@ class ActiveBlocks {
   /// Those where a value, or one of a block beside, changed by more than the tolerance when last
   /// relaxed.
   std::vector<std::size_t> find() const {
-    std::vector<std::size_t> active;
+    std::vector<std::size_t> moving;
     for (const std::size_t b : solved_) {
       float change = change_[b];
       for (const auto& [dx, dy, dz] : kSides) {
         const std::int32_t beside = field_.neighbour(b, dx, dy, dz);
         if (beside >= 0) change = std::max(change, change_[static_cast<std::size_t>(beside)]);
       }
-      if (change > tolerance_) active.push_back(b);
+      if (change > tolerance_) moving.push_back(b);
     }
-    return active;
+    return moving;
   }
 
   void relaxed(std::size_t b, float change) { change_[b] = change; }
@@ -103,10 +103,10 @@ class ActiveBlocks {
 ObstacleSolution solve_obstacle_problem(SparseField& field,
                                         std::span<const NodeConstraint> constraints,
                                         const ObstacleSolverOptions& options) {
-  ActiveBlocks active(field, constraints, options);
+  MovingBlocks moving(field, constraints, options);
   const auto relaxation = static_cast<float>(options.relaxation);
   for (int sweep = 0; sweep < options.max_sweeps; ++sweep) {
-    const std::vector<std::size_t> blocks = active.find();
+    const std::vector<std::size_t> blocks = moving.find();
     if (blocks.empty()) return {sweep, 0};
     if (options.go_on && !options.go_on()) return {sweep, blocks.size()};
     std::vector<float> change(blocks.size(), 0.0f);
@@ -118,9 +118,9 @@ ObstacleSolution solve_obstacle_problem(SparseField& field,
               std::max(change[k], relax_block(field, constraints, blocks[k], colour, relaxation));
       });
     }
-    for (std::size_t k = 0; k < blocks.size(); ++k) active.relaxed(blocks[k], change[k]);
+    for (std::size_t k = 0; k < blocks.size(); ++k) moving.relaxed(blocks[k], change[k]);
   }
-  return {options.max_sweeps, active.find().size()};
+  return {options.max_sweeps, moving.find().size()};
 }
 
 }  // namespace relief::fusion

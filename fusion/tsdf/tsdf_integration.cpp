@@ -9,7 +9,7 @@ namespace relief::fusion {
 
 namespace {
 
-// TsdfSample of emptiness must outweigh that of matter by this factor to overrule it.
+// Observations of empty space must outweigh those of matter by this factor to overrule them.
 constexpr double kOverrule = 2.0;
 
 // Cosine between the normals of two surfaces that are the sides of one plate. Not zero: the faces
@@ -67,8 +67,9 @@ void TsdfIntegrator::drop_far_side() {
                                         });
   if (nearest == near_.end()) return;
   const Eigen::Vector3d facing = nearest->normal;
-  std::erase_if(near_,
-                [&](const TsdfObservation& vote) { return vote.normal.dot(facing) < kOpposite; });
+  std::erase_if(near_, [&](const TsdfObservation& observation) {
+    return observation.normal.dot(facing) < kOpposite;
+  });
 }
 
 void TsdfIntegrator::focus(const Eigen::AlignedBox3d& box) {
@@ -93,13 +94,13 @@ TsdfSample TsdfIntegrator::collect_as_far_as(double enough, const Eigen::Vector3
         return sighting.side == ViewSampler::Side::kNear;
       }))
     return combine(nullptr);
-  TsdfSample evidence;
+  TsdfSample sample;
   for (const Sighting& sighting : sightings_) {
     if (const auto seen = sighting.view->observe(sighting.quad, 0.0))
-      evidence.clearance = std::max(evidence.clearance, seen->clearance);
-    if (evidence.clearance >= enough) break;
+      sample.clearance = std::max(sample.clearance, seen->clearance);
+    if (sample.clearance >= enough) break;
   }
-  return evidence;
+  return sample;
 }
 
 // Far behind its surface a view knows nothing.
@@ -116,9 +117,9 @@ void TsdfIntegrator::find_quads(const Eigen::Vector3d& point) {
 std::optional<Eigen::Vector3d> TsdfIntegrator::colour(const Eigen::Vector3d& point) const {
   // Weight and colour. In an order of their own: views that agree in all else may differ here.
   std::vector<std::array<double, 4>> seen;
-  for (const TsdfObservation& vote : near_)
-    if (const auto colour = vote.view->colour(point); colour && vote.weight > 0.0)
-      seen.push_back({vote.weight, colour->x(), colour->y(), colour->z()});
+  for (const TsdfObservation& observation : near_)
+    if (const auto colour = observation.view->colour(point); colour && observation.weight > 0.0)
+      seen.push_back({observation.weight, colour->x(), colour->y(), colour->z()});
   if (seen.empty()) return std::nullopt;
   std::sort(seen.begin(), seen.end());
   double weights = 0.0;
@@ -133,7 +134,7 @@ std::optional<Eigen::Vector3d> TsdfIntegrator::colour(const Eigen::Vector3d& poi
 TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
   near_.clear();
   empty_.clear();
-  TsdfSample evidence;
+  TsdfSample sample;
   for (const auto& [view, quad, side] : sightings_) {
     const auto seen = view->observe(quad, kFootReach * spacing_);
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
@@ -142,34 +143,34 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
                        seen->normal, seen->distance < -seen->matter_depth, view});
     else if (seen->clearance > 0.5 * truncation_)
       empty_.push_back({seen->distance, seen->weight, seen->normal, false, view});
-    evidence.clearance = std::max(evidence.clearance, seen->clearance);
-    if (seen->border >= kAmongRays) evidence.in_front = std::max(evidence.in_front, seen->distance);
+    sample.clearance = std::max(sample.clearance, seen->clearance);
+    if (seen->border >= kAmongRays) sample.in_front = std::max(sample.in_front, seen->distance);
   }
-  if (evidence.clearance > kSeenThrough * spacing_)
-    std::erase_if(near_, [](const TsdfObservation& vote) { return vote.presumed; });
+  if (sample.clearance > kSeenThrough * spacing_)
+    std::erase_if(near_, [](const TsdfObservation& observation) { return observation.presumed; });
   // Sums in the order of the values: the order of the views does not matter, not even by rounding.
   std::sort(near_.begin(), near_.end());
   std::sort(empty_.begin(), empty_.end());
   drop_far_side();
 
   double squares = 0.0, inside = 0.0, empty = 0.0;
-  for (const TsdfObservation& vote : near_) {
-    evidence.weight += vote.weight;
-    squares += vote.weight * vote.weight;
-    evidence.distance += vote.weight * vote.distance;
-    if (vote.distance < 0.0) inside += vote.weight;
+  for (const TsdfObservation& observation : near_) {
+    sample.weight += observation.weight;
+    squares += observation.weight * observation.weight;
+    sample.distance += observation.weight * observation.distance;
+    if (observation.distance < 0.0) inside += observation.weight;
   }
-  for (const TsdfObservation& vote : empty_) empty += vote.weight;
-  if (!(evidence.weight > 0.0)) return evidence;
-  evidence.distance /= evidence.weight;
-  evidence.measured = evidence.distance >= 0.0 || empty <= kOverrule * inside;
-  for (const TsdfObservation& vote : near_) {
-    const double deviation = vote.distance - evidence.distance;
-    evidence.variance += vote.weight * deviation * deviation / evidence.weight;
+  for (const TsdfObservation& observation : empty_) empty += observation.weight;
+  if (!(sample.weight > 0.0)) return sample;
+  sample.distance /= sample.weight;
+  sample.measured = sample.distance >= 0.0 || empty <= kOverrule * inside;
+  for (const TsdfObservation& observation : near_) {
+    const double deviation = observation.distance - sample.distance;
+    sample.variance += observation.weight * deviation * deviation / sample.weight;
   }
-  evidence.effective_views = evidence.weight * evidence.weight / squares;
-  evidence.views = static_cast<int>(near_.size());
-  return evidence;
+  sample.effective_views = sample.weight * sample.weight / squares;
+  sample.views = static_cast<int>(near_.size());
+  return sample;
 }
 
 }  // namespace relief::fusion

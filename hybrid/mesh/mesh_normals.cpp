@@ -132,30 +132,30 @@ double median_spacing(const std::vector<NormalSampler>& samplers) {
 }
 
 // Which views may have a say somewhere: bit i for view i, i + 64, ...
-using Voters = std::uint64_t;
-constexpr Voters kAll = ~Voters{0};
+using Observers = std::uint64_t;
+constexpr Observers kAll = ~Observers{0};
 
 // The observations at a vertex of those among the views that may have one; returns which did.
 // Sorted, so that the order of the views does not change a bit of the sums.
-Voters collect(const std::vector<NormalSampler>& samplers, const Eigen::Vector3d& vertex,
-               const Eigen::Vector3d& mesh_normal, double max_distance, Voters asked,
-               std::vector<NormalObservation>& observations) {
+Observers collect(const std::vector<NormalSampler>& samplers, const Eigen::Vector3d& vertex,
+                  const Eigen::Vector3d& mesh_normal, double max_distance, Observers asked,
+                  std::vector<NormalObservation>& observations) {
   observations.clear();
-  Voters observationrs = 0;
+  Observers observers = 0;
   for (std::size_t i = 0; i < samplers.size(); ++i) {
-    const Voters bit = Voters{1} << (i % 64);
+    const Observers bit = Observers{1} << (i % 64);
     if (!(asked & bit)) continue;
     const auto observation = samplers[i].at(vertex, mesh_normal, max_distance);
     if (!observation) continue;
     observations.push_back(*observation);
-    observationrs |= bit;
+    observers |= bit;
   }
   std::sort(observations.begin(), observations.end(),
             [](const NormalObservation& a, const NormalObservation& b) {
               return std::tie(a.weight, a.normal.x(), a.normal.y(), a.normal.z()) >
                      std::tie(b.weight, b.normal.x(), b.normal.y(), b.normal.z());
             });
-  return observationrs;
+  return observers;
 }
 
 struct Blend {
@@ -269,7 +269,7 @@ double standard_error(const Blend& blend, double sigma) {
 // Asked are the views that had a say at either end.
 void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
                  const std::vector<NormalSampler>& samplers,
-                 const std::vector<Voters>& observationrs, double max_distance, int threads,
+                 const std::vector<Observers>& observers, double max_distance, int threads,
                  MeshNormals& blended) {
   const MeshGraph graph = mesh_graph(mesh, threads);
   blended.edges.assign(graph.neighbour.size(), Eigen::Vector3f::Zero());
@@ -283,7 +283,7 @@ void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& m
         if (j < i || !has(i) || !has(j)) continue;
         collect(samplers, 0.5 * (mesh.vertices[i] + mesh.vertices[j]),
                 (mesh_normals[i] + mesh_normals[j]).cast<double>().normalized(), max_distance,
-                observationrs[i] | observationrs[j], observations);
+                observers[i] | observers[j], observations);
         const Blend blend = blend_observations(observations);
         if (blend.views == 0) continue;
         blended.edges[k] = blend.normal.cast<float>();
@@ -322,14 +322,14 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
   blended.sigma_view = options.sigma_view > 0.0
                            ? options.sigma_view
                            : scatter(mesh, mesh_normals, *samplers, max_distance, options.threads);
-  std::vector<Voters> observationrs(count, 0);
+  std::vector<Observers> observers(count, 0);
   parallel_for(count, kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<NormalObservation> observations;
     Blender blend_observations(blended.sigma_view);
     for (std::size_t i = begin; i < end; ++i) {
       if (!mesh.filled.empty() && mesh.filled[i]) continue;
-      observationrs[i] = collect(*samplers, mesh.vertices[i], mesh_normals[i].cast<double>(),
-                                 max_distance, kAll, observations);
+      observers[i] = collect(*samplers, mesh.vertices[i], mesh_normals[i].cast<double>(),
+                             max_distance, kAll, observations);
       const Blend blend = blend_observations(observations);
       if (blend.views == 0) continue;
       blended.normals[i] = blend.normal.cast<float>();
@@ -338,8 +338,7 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
     }
   });
   if (options.edges)
-    blend_edges(mesh, mesh_normals, *samplers, observationrs, max_distance, options.threads,
-                blended);
+    blend_edges(mesh, mesh_normals, *samplers, observers, max_distance, options.threads, blended);
   blended.measured = static_cast<std::size_t>(
       std::count_if(blended.views.begin(), blended.views.end(), [](auto n) { return n > 0; }));
   if (!report_progress(progress, 1.0, "blend normals")) return interrupted;

@@ -24,7 +24,7 @@ struct GlobalRegistrationOptions {
 
 /// Joins groups of views that fit together by shape: pairs of similar views are searched for
 /// relative poses until all views are in one group or no more pairs are worth it. `start`: views
-/// whose poses are settled, in groups that stay together; the others alone. `known` views do not
+/// whose poses are checked, in groups that stay together; the others alone. `known` views do not
 /// move; they are in one group of `start`. Views without samples stay alone. The only error is
 /// kInterrupted.
 Result<ViewGroups> register_globally(const std::vector<ViewSurface>& surfaces,

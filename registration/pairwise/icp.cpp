@@ -141,7 +141,7 @@ class PairAlignment {
       iterate(level);
       if (!result_.usable()) return result_;
     }
-    result_.degenerate_directions = degenerate_directions(stability_, threshold_);
+    result_.degenerate_directions = degenerate_directions(spectrum_, threshold_);
     if (options_.final_samples > 0) finish(levels.back());
     return result_;
   }
@@ -164,7 +164,7 @@ class PairAlignment {
       }
       const PlaneStep step =
           solve_plane_step(matches.pairs, matches.normals, options_.objective, threshold_);
-      stability_ = step.spectrum;
+      spectrum_ = step.spectrum;
       const double motion = largest_motion(step.motion, source_, result_.target_from_source);
       result_.target_from_source = step.motion * result_.target_from_source;
       ++result_.iterations;
@@ -206,7 +206,7 @@ class PairAlignment {
   const IcpOptions& options_;
   double threshold_;
   int signal_levels_;
-  ConstraintSpectrum stability_;
+  ConstraintSpectrum spectrum_;
   IcpResult result_;
 };
 

@@ -53,8 +53,8 @@ NormalMatches match_normals(const ViewSurface& source, const ViewSurface& target
                             const RigidMotion& target_from_source,
                             const Correspondences& correspondences, int level);
 
-/// `geometric` with the stiffness that the normal maps add to directions below `threshold`: what
-/// both views' gradients say alike, since noise agrees on nothing. One unit of stiffness is
+/// `geometric` with the eigenvalue that the normal maps add to directions below `threshold`: what
+/// both views' gradients say alike, since noise agrees on nothing. One unit of an eigenvalue is
 /// `length_per_angle` [unit/rad] of residual, the ratio of both deviations, in radii of the
 /// surface. Directions in which the agreement is not significant stay as they are.
 ConstraintSpectrum with_normal_maps(const ConstraintSpectrum& geometric,

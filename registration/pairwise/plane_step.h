@@ -38,7 +38,7 @@ struct PlaneStep {
 };
 
 /// The motion that minimises the weighted squared distances of `pairs`, (R1) or (R2), and the
-/// differences of normals, (R7). Directions whose stiffness is below `threshold` are left alone:
+/// differences of normals, (R7). Directions whose eigenvalue is below `threshold` are left alone:
 /// nothing but noise would move along them.
 PlaneStep solve_plane_step(const std::vector<PlanePair>& pairs, const NormalTerms& normals,
                            IcpObjective objective, double threshold);

@@ -66,7 +66,7 @@ void set_pair_statuses(const std::vector<ViewSurface>& surfaces, std::vector<Pai
     PairFit& fit = pairs[i];
     const std::size_t samples =
         std::min(surfaces[fit.a].samples().size(), surfaces[fit.b].samples().size());
-    fit.grade = grade_of(fit, fit.overlap * static_cast<double>(samples), limits[i]);
+    fit.status = grade_of(fit, fit.overlap * static_cast<double>(samples), limits[i]);
   }
 }
 
@@ -85,8 +85,8 @@ std::vector<double> largest_fitting_rms(const std::vector<ViewSurface>& surfaces
   return limits;
 }
 
-std::string_view to_string(PairStatus grade) {
-  switch (grade) {
+std::string_view to_string(PairStatus status) {
+  switch (status) {
     case PairStatus::kDetermined:
       return "firm";
     case PairStatus::kDegenerate:

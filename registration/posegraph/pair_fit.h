@@ -25,7 +25,7 @@ void set_pair_statuses(const std::vector<ViewSurface>& surfaces, std::vector<Pai
 std::vector<double> largest_fitting_rms(const std::vector<ViewSurface>& surfaces,
                                         const std::vector<PairFit>& pairs);
 
-/// The stiffness below which noise alone would explain what holds the pair (R5).
+/// The eigenvalue below which noise alone would explain what holds the pair (R5).
 double degeneracy_threshold(const ViewSurface& a, const ViewSurface& b);
 
 }  // namespace relief::registration

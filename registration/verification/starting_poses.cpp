@@ -22,7 +22,7 @@ GlobalRegistrationOptions place_options(const StartingPoseOptions& options) {
   return place;
 }
 
-// The groups that settled poses make. Their frame is the world; single views have their own.
+// The groups that checked poses make. Their frame is the world; single views have their own.
 ViewGroups groups_of(const CheckedPoses& checked) {
   ViewGroups groups = ViewGroups::singles(checked.group.size());
   groups.group = checked.group;
@@ -101,7 +101,7 @@ void place_component_beside(const Members& members, const std::vector<ViewSurfac
   taken.push_back(own);
 }
 
-// Puts groups into the result: into the world where they hold settled poses, else beside.
+// Puts groups into the result: into the world where they hold checked poses, else beside.
 class Assembly {
  public:
   Assembly(const std::vector<ViewSurface>& surfaces, const CheckedPoses& checked,
@@ -142,7 +142,7 @@ class Assembly {
     return groups;
   }
 
-  // Whether the views of a group came together by settled poses alone.
+  // Whether the views of a group came together by checked poses alone.
   bool as_settled(const Members& members) const {
     return std::all_of(members.begin(), members.end(), [&](std::size_t i) {
       return checked_.world_from_view[i] && checked_.group[i] == checked_.group[members.front()];

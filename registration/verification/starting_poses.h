@@ -36,7 +36,7 @@ struct StartingPoses {
   std::vector<std::string> notes;    ///< One line per pose that was found, for the user to check.
 };
 
-/// The poses to start from: the settled ones, and for views outside their main group what
+/// The poses to start from: the checked ones, and for views outside their main group what
 /// register_globally() finds by shape. Given poses that nothing confirms stay as they are, in the
 /// frame of the others, unless most given poses turn out to be wrong. Views without a pose that
 /// fits nowhere, or in more ways than one, get none. Without any given pose the first view of the

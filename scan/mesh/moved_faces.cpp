@@ -142,12 +142,12 @@ std::vector<std::uint32_t> invalid_faces(const TriangleMesh& mesh,
                                          const std::vector<std::uint8_t>& moved, double reach,
                                          int threads) {
   const MovedFaces faces(mesh, places, faces_at(mesh, moved), reach);
-  std::vector<std::uint32_t> spoiled = faces.intersecting(threads);
+  std::vector<std::uint32_t> invalid = faces.intersecting(threads);
   const std::vector<std::uint32_t> thin = faces.thin();
-  spoiled.insert(spoiled.end(), thin.begin(), thin.end());
-  std::sort(spoiled.begin(), spoiled.end());
-  spoiled.erase(std::unique(spoiled.begin(), spoiled.end()), spoiled.end());
-  return spoiled;
+  invalid.insert(invalid.end(), thin.begin(), thin.end());
+  std::sort(invalid.begin(), invalid.end());
+  invalid.erase(std::unique(invalid.begin(), invalid.end()), invalid.end());
+  return invalid;
 }
 
 std::vector<std::uint32_t> intersecting_faces(const TriangleMesh& mesh,

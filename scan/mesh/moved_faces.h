@@ -9,9 +9,9 @@
 
 namespace relief {
 
-/// Faces, in ascending order, that a move of vertices to `places` has spoiled: those that intersect
-/// others and those without any width left. Looks at faces with a vertex in `moved` and at what is
-/// near them only. `reach` is about the length of an edge [unit].
+/// Faces, in ascending order, that a move of vertices to `places` has made invalid: those that
+/// intersect others and those without any width left. Looks at faces with a vertex in `moved` and
+/// at what is near them only. `reach` is about the length of an edge [unit].
 std::vector<std::uint32_t> invalid_faces(const TriangleMesh& mesh,
                                          const std::vector<Eigen::Vector3d>& places,
                                          const std::vector<std::uint8_t>& moved, double reach,

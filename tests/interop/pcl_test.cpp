@@ -206,6 +206,16 @@ TEST_F(PclRegistration, GivesTheSameAsTheDirectCall) {
   EXPECT_GT(ours.getIcpResult().covariance.trace(), 0.0);
 }
 
+TEST_F(PclRegistration, AssociatesAsTheOptionsSay) {
+  RangeViewRegistration ours;
+  const Eigen::Matrix4f projective = align(ours);
+  registration::IcpOptions options;
+  options.association = registration::Association::kNearest;
+  ours.setIcpOptions(options);
+  EXPECT_LT((align(ours) - projective).cwiseAbs().maxCoeff(), 0.1f);
+  EXPECT_TRUE(ours.hasConverged());
+}
+
 TEST_F(PclRegistration, MovesTheOutputAndScoresTheFit) {
   RangeViewRegistration ours;
   const Eigen::Matrix4f found = align(ours);

@@ -136,7 +136,7 @@ TEST(AlignViews, ClosesARingOf24ViewsStartedFromSequentialIcp) {
                                      std::vector<ViewRole>(views.size(), ViewRole::kFree));
   EXPECT_LT(worst(closed->world_from_view), 0.1);
   EXPECT_LT(worst(closed->world_from_view), 0.8 * worst(poses_of(views)));
-  for (const auto& pair : closed->pairs) EXPECT_NE(pair.grade, PairStatus::kMisfit);
+  for (const auto& pair : closed->pairs) EXPECT_NE(pair.status, PairStatus::kMisfit);
 }
 
 TEST(AlignViews, KeepsKnownPosesToTheBit) {

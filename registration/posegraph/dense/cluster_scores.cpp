@@ -18,7 +18,7 @@ std::uint64_t around(std::uint64_t patch) {
 }  // namespace
 
 void ClusterScores::add(const PairInformation& pair) {
-  for (const PatchPull& patch : pair.patches) {
+  for (const PatchScore& patch : pair.patches) {
     of_view_[pair.source].try_emplace(patch.patch, RigidTangent::Zero()).first->second +=
         patch.score;
     of_view_[pair.target].try_emplace(patch.patch, RigidTangent::Zero()).first->second -=

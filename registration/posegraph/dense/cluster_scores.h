@@ -10,9 +10,9 @@
 
 namespace relief::registration {
 
-/// Scores, the gradients of the log likelihood by the poses, summed by cluster: a cluster is a
-/// patch of the surface, a cube of a lattice in the world frame. Residuals within a cluster may
-/// depend on each other, whichever pairs of views they belong to; a cluster-robust covariance
+/// Scores, the gradients of the negative log likelihood by the poses, summed by cluster: a cluster
+/// is a patch of the surface, a cube of a lattice in the world frame. Residuals within a cluster
+/// may depend on each other, whichever pairs of views they belong to; a cluster-robust covariance
 /// (Liang and Zeger 1986) needs one score per cluster and view.
 class ClusterScores {
  public:

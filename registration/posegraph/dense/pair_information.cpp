@@ -163,7 +163,7 @@ void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen
   sum.information = rest.transpose() * sum.information * rest;
   sum.independent = rest.transpose() * sum.independent * rest;
   sum.score = rest.transpose() * sum.score;
-  for (PatchPull& patch : sum.patches) patch.score = rest.transpose() * patch.score;
+  for (PatchScore& patch : sum.patches) patch.score = rest.transpose() * patch.score;
 }
 
 }  // namespace relief::registration

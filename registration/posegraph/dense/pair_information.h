@@ -15,8 +15,8 @@
 
 namespace relief::registration {
 
-/// What the residuals on one patch of the surface pull: sum of w r j.
-struct PatchPull {
+/// The score of the residuals on one patch of the surface: sum of w r j.
+struct PatchScore {
   std::uint64_t patch = 0;
   RigidTangent score = RigidTangent::Zero();
 };
@@ -34,7 +34,7 @@ struct PairInformation {
   /// The part of the information whose residuals count as independent: that of normal maps, whose
   /// deviation tells what neighbours share.
   Matrix6d independent = Matrix6d::Zero();
-  std::vector<PatchPull> patches;  ///< In ascending order of `patch`.
+  std::vector<PatchScore> patches;  ///< In ascending order of `patch`.
 };
 
 struct PairInformationOptions {

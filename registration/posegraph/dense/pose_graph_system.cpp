@@ -81,14 +81,14 @@ Eigen::MatrixXd PoseGraphSystem::scatter(const ClusterScores& scores) const {
         sum.block<6, 6>(row_of(a->view), row_of(b->view)) += a->score * b->score.transpose();
     begin = end;
   }
-  // The poses were fitted to these pulls, which took as many degrees of freedom from them.
+  // The poses were fitted to these scores, which took as many degrees of freedom from them.
   const auto count = static_cast<double>(patches), fitted = static_cast<double>(free_.size());
   sum *= variance_inflation(scores) * std::min(2.0, count / std::max(1.0, count - fitted));
   for (const auto& pair : pairs_) add_edge(pair.independent, pair, sum);
   return sum;
 }
 
-// The sum of the squared pulls, each relative to what its view's information makes it scatter by.
+// The sum of the squared scores, each relative to what its view's information makes it scatter by.
 double PoseGraphSystem::spread(const ClusterScores& scores) const {
   const Eigen::MatrixXd all = information(1.0);
   std::vector<Matrix6d> variance;  // Of a pose, were all other views held.
@@ -133,7 +133,7 @@ std::vector<RigidTangent> PoseGraphSystem::random_perturbation() const {
     bits = bits * 6364136223846793005U + 1442695040888963407U;
     const double sign = (bits >> 63) != 0 ? 1.0 : -1.0;
     const auto view = static_cast<std::size_t>(row / 6);
-    // What nothing but the prior holds is not probed.
+    // What nothing but the prior holds is not perturbed.
     if (information_of[row] > 2.0 * prior_[view][row % 6])
       tangents[view][row % 6] = sign / std::sqrt(information_of[row]);
   }
@@ -150,7 +150,7 @@ double PoseGraphSystem::step_gain(const std::vector<PairInformation>& moved,
   }
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
     found += tangents[i].dot(change.segment<6>(row_of(i)));
-  // Beyond these the probe met something else than noise.
+  // Beyond these the perturbation met something else than noise.
   constexpr double kLeast = 0.4, kMost = 1.0;
   return expected > 0.0 ? std::clamp(found / expected, kLeast, kMost) : kMost;
 }

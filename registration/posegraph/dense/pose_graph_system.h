@@ -39,7 +39,7 @@ class PoseGraphSystem {
   /// each view's own centre in world axes; zero rows and columns for held views (R12). Residuals
   /// of one cluster may depend on each other in any way, so a sample that takes part in many pairs
   /// counts once. Those of different clusters count as independent, up to variance_inflation().
-  /// `pulls`: of the same pairs.
+  /// `scores`: of the same pairs.
   Eigen::MatrixXd covariance(const std::vector<RigidMotion>& world_from_view,
                              const ClusterScores& scores, double step_gain) const;
 

@@ -21,7 +21,7 @@ namespace relief {
 
 namespace {
 
-// Elements are freed one inside the other: their depth is bound by their number.
+// Elements are freed one inside the other: their number bounds their depth.
 constexpr std::ptrdiff_t kMostTags = 10000;
 constexpr std::size_t kMaxCompression = 1032;  // zlib gives at most so many bytes for one.
 
@@ -158,7 +158,8 @@ Result<VtpFile> VtpFile::parse(std::string content, std::filesystem::path path) 
                (std::endian::native == std::endian::big);
   if (auto* appended = file.root().FindNestedElementWithName("AppendedData")) {
     file.appended_base64_ = attribute(*appended, "encoding") != "raw";
-    const std::size_t mark = file.content_.find('_', file.content_.find("<AppendedData"));
+    const std::size_t mark =
+        file.content_.find('_', file.content_.find('>', file.content_.find("<AppendedData")));
     if (mark != std::string::npos) file.appended_ = mark + 1;
   }
   return file;
@@ -197,12 +198,14 @@ Result<std::string_view> VtpFile::data_of(vtkXMLDataElement& array, bool appende
 Result<std::vector<double>> VtpFile::values(vtkXMLDataElement& array, std::size_t count) const {
   const NumberType* type = type_of(array);
   if (!type) return damaged(array, "unknown type '" + attribute(array, "type") + "'");
-  if (count > most_values()) return damaged(array, "more numbers than the file can hold");
   if (count == 0) return std::vector<double>();
   const std::string format = attribute(array, "format");
+  const bool binary = format == "appended" || format == "binary";
+  if (count > most_values() / (binary ? type->bytes : 1))
+    return damaged(array, "more numbers than the file can hold");
   const auto data = data_of(array, format == "appended");
   if (!data) return data.error();
-  if (format == "ascii") {
+  if (!binary) {
     auto numbers = ascii_numbers(*data, count);
     if (numbers.size() == count) return numbers;
     return damaged(array,
@@ -236,7 +239,7 @@ std::string VtpFile::compressed_header(std::string_view data, bool base64,
   if (sizes.empty()) return {};
   const std::size_t blocks = size_at(sizes, 0), block = size_at(sizes, 1), last = size_at(sizes, 2);
   const bool fits = blocks > 0 && blocks <= data.size() / size_bytes_ && last <= block &&
-                    (blocks == 1 || block <= count) &&
+                    (blocks == 1 || block <= count / (blocks - 1)) &&
                     (blocks - 1) * block + (last > 0 ? last : block) == count;
   return fits ? first((3 + blocks) * size_bytes_) : std::string();
 }
@@ -249,7 +252,11 @@ Result<std::string> VtpFile::inflated(vtkXMLDataElement& array, std::string_view
                     last = size_at(header, 2);
   data.remove_prefix(
       std::min(data.size(), base64 ? base64_characters(header.size()) : header.size()));
-  const std::string decoded = base64 ? decode_base64(data, data.size()) : std::string();
+  std::size_t packed_size = 0;
+  for (std::size_t i = 0; i < blocks && packed_size <= data.size(); ++i)
+    packed_size += std::min(size_at(header, 3 + i), data.size() + 1);
+  const std::string decoded =
+      base64 ? decode_base64(data, std::min(packed_size, data.size())) : std::string();
   std::string_view packed = base64 ? std::string_view(decoded) : data;
   std::string bytes(count, '\0');
   for (std::size_t i = 0; i < blocks; ++i) {

@@ -27,7 +27,7 @@ class VtpFile {
   vtkXMLDataElement& root() const;
   const std::filesystem::path& path() const { return path_; }
 
-  /// How many numbers a file of this size can hold, compressed ones among them.
+  /// How many bytes of numbers a file of this size can hold, compressed ones among them.
   std::size_t most_values() const;
 
   /// The `count` numbers of a DataArray element. kBadInput when it holds another number of them or

@@ -114,8 +114,11 @@ Result<vtkSmartPointer<vtkCellArray>> read_cells(const VtpFile& file, vtkXMLData
   const auto offsets = file.values(*ends, count);
   if (!offsets) return offsets.error();
   const auto most = static_cast<double>(file.most_values());
-  if (!std::is_sorted(offsets->begin(), offsets->end()) || !(offsets->front() >= 0.0) ||
-      !(offsets->back() <= most))
+  // Written so that a NaN is out of order.
+  const bool ordered = std::adjacent_find(offsets->begin(), offsets->end(), [](double a, double b) {
+                         return !(a <= b);
+                       }) == offsets->end();
+  if (!ordered || !(offsets->front() >= 0.0) || !(offsets->back() <= most))
     return bad_input(file.path(), "damaged VTP: the offsets of its cells are damaged");
   const auto indices = file.values(*corners, static_cast<std::size_t>(offsets->back()));
   if (!indices) return indices.error();

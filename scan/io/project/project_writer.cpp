@@ -235,6 +235,8 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
+// A scan.json whose file names are relative to `file` instead of `source`, with only the views of
+// `project` and their poses.
 Result<json> updated_document(const ScanProject& project, const fs::path& source,
                               const fs::path& file) {
   auto text = read_file(source);

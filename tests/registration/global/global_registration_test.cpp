@@ -65,7 +65,7 @@ bool same_bytes(const RigidMotion& a, const RigidMotion& b) {
   return std::memcmp(a.data(), b.data(), 16 * sizeof(double)) == 0;
 }
 
-TEST(CoarsePlacing, FindsShuffledViewsWithoutPosesOnAnyNumberOfThreads) {
+TEST(GlobalRegistration, FindsShuffledViewsWithoutPosesOnAnyNumberOfThreads) {
   const auto truth = shuffled(ring());
   const auto views = without_poses(truth);
   AlignOptions options;
@@ -80,14 +80,14 @@ TEST(CoarsePlacing, FindsShuffledViewsWithoutPosesOnAnyNumberOfThreads) {
     EXPECT_TRUE(same_bytes(one->views[i].world_from_view, three->views[i].world_from_view));
 }
 
-TEST(CoarsePlacing, FindsViewsAnewWhoseGuessesAreWild) {
+TEST(GlobalRegistration, FindsViewsAnewWhoseGuessesAreWild) {
   const auto truth = shuffled(ring());
   const auto aligned = align_views(with_wild_guesses(truth));
   ASSERT_TRUE(aligned.ok());
   expect_true_poses(truth, *aligned);
 }
 
-TEST(CoarsePlacing, FindsTheOneViewWhoseGuessIsWildAndLeavesKnownPosesAlone) {
+TEST(GlobalRegistration, FindsTheOneViewWhoseGuessIsWildAndLeavesKnownPosesAlone) {
   auto views = ring();
   for (auto& view : views) view.pose = PoseKind::kGuess;
   views[1].pose = views[4].pose = PoseKind::kKnown;
@@ -100,7 +100,7 @@ TEST(CoarsePlacing, FindsTheOneViewWhoseGuessIsWildAndLeavesKnownPosesAlone) {
     EXPECT_TRUE(same_bytes(aligned->views[known].world_from_view, ring()[known].world_from_view));
 }
 
-TEST(CoarsePlacing, LeavesOutAViewOfAnotherObject) {
+TEST(GlobalRegistration, LeavesOutAViewOfAnotherObject) {
   std::vector<RangeView> views(ring().begin(), ring().begin() + 3);
   // The same object squeezed: alike everywhere, the same nowhere.
   RangeView other = testing::ring_of_views({.views = 8, .pixels = kPixels, .radius = 35.0})[1];
@@ -113,7 +113,7 @@ TEST(CoarsePlacing, LeavesOutAViewOfAnotherObject) {
   EXPECT_THAT(aligned->views[3].reason, HasSubstr("no pose was found"));
 }
 
-TEST(CoarsePlacing, KeepsTwoObjectsTwoGroups) {
+TEST(GlobalRegistration, KeepsTwoObjectsTwoGroups) {
   std::vector<RangeView> views(ring().begin(), ring().begin() + 3);
   for (RangeView& view : testing::ring_of_views(
            {.views = 12, .pixels = kPixels, .radius = 35.0, .tilts = {0.3, 0.3}})) {
@@ -126,7 +126,7 @@ TEST(CoarsePlacing, KeepsTwoObjectsTwoGroups) {
   EXPECT_THAT(aligned->views[3].reason, HasSubstr("aligned only to smallview6"));
 }
 
-TEST(CoarsePlacing, DoesNotForceASphere) {
+TEST(GlobalRegistration, DoesNotForceASphere) {
   const Camera camera = Camera::pinhole(100, 100, {200, 200, 49.5, 49.5});
   std::vector<RangeView> views;
   for (const double angle : {0.0, 0.7, 1.4}) {
@@ -141,7 +141,7 @@ TEST(CoarsePlacing, DoesNotForceASphere) {
   for (const auto& view : aligned->views) EXPECT_FALSE(view.aligned);
 }
 
-TEST(CoarsePlacing, PlacesTheBunnyWithoutPoses) {
+TEST(GlobalRegistration, PlacesTheBunnyWithoutPoses) {
   RELIEF_REQUIRE_TEST_DATA(folder, "bunny");
   const auto project = read_project(folder / "bun.conf");
   ASSERT_TRUE(project.ok()) << project.error().message;

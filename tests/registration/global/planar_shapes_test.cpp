@@ -76,11 +76,11 @@ void expect_none_aligned_and_all_told_why(const std::vector<RangeView>& views) {
   }
 }
 
-TEST(PlainShapes, ABowlIsNotForced) {
+TEST(PlanarShapes, ABowlIsNotForced) {
   expect_none_aligned_and_all_told_why(views_without_poses(surface_of(bowl), 3, 0.7, 120.0));
 }
 
-TEST(PlainShapes, UnrelatedObjectsAreNotForced) {
+TEST(PlanarShapes, UnrelatedObjectsAreNotForced) {
   auto views = views_without_poses(testing::bumpy_object(40.0), 1, 0.7, 50.0);
   for (const DistanceFunction other : {bowl, box}) {
     views.push_back(views_without_poses(surface_of(other), 1, 0.7, 90.0)[0]);
@@ -90,27 +90,27 @@ TEST(PlainShapes, UnrelatedObjectsAreNotForced) {
 }
 
 // Opposite sides of a box look alike and share nothing.
-TEST(PlainShapes, OppositeSidesOfABoxAreNotForced) {
+TEST(PlanarShapes, OppositeSidesOfABoxAreNotForced) {
   expect_none_aligned_and_all_told_why(views_without_poses(surface_of(box), 2, 3.14159, 20.0));
 }
 
 // All corners of a cube are alike: each view fits the others at several places, and itself.
-TEST(PlainShapes, NeighbouringSidesOfACubeAreNotForced) {
+TEST(PlanarShapes, NeighbouringSidesOfACubeAreNotForced) {
   expect_none_aligned_and_all_told_why(views_without_poses(surface_of(cube), 6, 0.7854, 140.0));
 }
 
 // They show different sides, which overlap by 88 % when they are taken for the same.
-TEST(PlainShapes, SidesOfACubeAQuarterTurnApartAreNotForced) {
+TEST(PlanarShapes, SidesOfACubeAQuarterTurnApartAreNotForced) {
   const auto views = views_without_poses(surface_of(cube), 6, 0.4, 60.0);
   expect_none_aligned_and_all_told_why({views[1], views[5]});
 }
 
 // Views that show other sides of much the same lengths.
-TEST(PlainShapes, NeighbouringSidesOfABoxAreNotForced) {
+TEST(PlanarShapes, NeighbouringSidesOfABoxAreNotForced) {
   expect_none_aligned_and_all_told_why(views_without_poses(surface_of(box), 3, 1.2, 140.0));
 }
 
-TEST(PlainView, KnowsFlatFaces) {
+TEST(PlanarView, KnowsFlatFaces) {
   const auto view_of = [](const Surface& surface) {
     return views_without_poses(surface, 1, 0.0, 140.0)[0];
   };
@@ -123,7 +123,7 @@ TEST(PlainView, KnowsFlatFaces) {
   EXPECT_GT(planar_fraction(ViewSurface(corner), 2), 0.95);  // The eye is level with one side.
 }
 
-TEST(PlainView, HasNoFacesWithoutSamples) {
+TEST(PlanarView, HasNoFacesWithoutSamples) {
   const RangeView view = testing::render([](const Ray&) { return std::nullopt; },
                                          Camera::pinhole(20, 20, {200, 200, 9.5, 9.5}));
   EXPECT_EQ(planar_fraction(ViewSurface(view), 4), 0.0);

@@ -53,7 +53,7 @@ std::vector<OrientedPoint> cylinder() {
   });
 }
 
-TEST(Slippage, OfAPlaneIsTwoSlidesAndATurn) {
+TEST(DegenerateDirections, OfAPlaneIsTwoSlidesAndATurn) {
   const auto points = plane();
   const auto directions = degenerate_directions(analyse_constraints(points), 1e-4);
   ASSERT_EQ(directions.size(), 3u);
@@ -63,7 +63,7 @@ TEST(Slippage, OfAPlaneIsTwoSlidesAndATurn) {
   for (const auto& d : directions) EXPECT_LT(normal_motion(points, d), 1e-9);
 }
 
-TEST(Slippage, OfASphereIsEveryTurnAboutItsCentre) {
+TEST(DegenerateDirections, OfASphereIsEveryTurnAboutItsCentre) {
   const auto points = sphere_cap();
   const auto directions = degenerate_directions(analyse_constraints(points), 1e-4);
   ASSERT_EQ(directions.size(), 3u);
@@ -73,7 +73,7 @@ TEST(Slippage, OfASphereIsEveryTurnAboutItsCentre) {
   }
 }
 
-TEST(Slippage, OfACylinderIsASlideAndATurn) {
+TEST(DegenerateDirections, OfACylinderIsASlideAndATurn) {
   const auto directions = degenerate_directions(analyse_constraints(cylinder()), 1e-4);
   ASSERT_EQ(directions.size(), 2u);
   const Eigen::Vector3d slide = directions[0].motion.tail<3>().normalized();
@@ -82,7 +82,7 @@ TEST(Slippage, OfACylinderIsASlideAndATurn) {
   EXPECT_THAT(directions[1].description, StartsWith("turning about"));
 }
 
-TEST(Slippage, OfAnEllipsoidIsNone) {
+TEST(DegenerateDirections, OfAnEllipsoidIsNone) {
   const auto ellipsoid = sampled([](double a, double b) {
     const double z = 2 * a - 1, r = std::sqrt(std::max(0.0, 1 - z * z));
     const double phi = 2 * std::numbers::pi * b;
@@ -92,7 +92,7 @@ TEST(Slippage, OfAnEllipsoidIsNone) {
   EXPECT_TRUE(degenerate_directions(analyse_constraints(ellipsoid), 1e-3).empty());
 }
 
-TEST(Slippage, StiffnessDoesNotDependOnUnitOrPlace) {
+TEST(DegenerateDirections, StiffnessDoesNotDependOnUnitOrPlace) {
   auto points = sphere_cap();
   const auto before = analyse_constraints(points);
   for (auto& p : points) p.point = 1000.0 * p.point + Eigen::Vector3d(1e6, 0, -1e6);
@@ -100,7 +100,7 @@ TEST(Slippage, StiffnessDoesNotDependOnUnitOrPlace) {
   EXPECT_LT((before.eigenvalues - after.eigenvalues).norm(), 1e-8);
 }
 
-TEST(Slippage, FewPointsHoldNothing) {
+TEST(DegenerateDirections, FewPointsHoldNothing) {
   const std::vector<OrientedPoint> few(5, {{1, 2, 3}, {0, 0, 1}});
   EXPECT_EQ(degenerate_directions(analyse_constraints(few), 1e-4).size(), 6u);
   const std::vector<OrientedPoint> equal(50, {{1, 2, 3}, {0, 0, 1}});

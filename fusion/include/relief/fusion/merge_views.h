@@ -32,7 +32,7 @@ struct MergeOptions {
   /// Keep surfaces apart from the largest one.
   bool keep_components = false;
   int threads = 0;  ///< 0: one per core. The result does not depend on it.
-  /// Resident memory of the whole process that merging keeps to [bytes], as MemoryLimit does; 0: no
+  /// Resident memory of the whole process that merging keeps to [bytes]; 0: no
   /// limit. The result does not depend on it. It takes more than the result's mesh and its check.
   std::size_t memory = 0;
   std::filesystem::path scratch_folder;  ///< For temporary files under a limit; empty: TMPDIR.
@@ -51,7 +51,7 @@ struct MergeSummary {
   double voxel_size = 0.0;            ///< As used [unit].
   double truncation = 0.0;            ///< As used [unit].
   double view_noise = 0.0;            ///< Median standard deviation of the views' positions [unit].
-  std::size_t flying_samples = 0;     ///< Left out: see scan/grid/filled_view.h.
+  std::size_t flying_samples = 0;     ///< Taken away: they hang in the air between surfaces.
   std::size_t filled_samples = 0;     ///< Interpolated in small gaps of the views.
   /// Blocks of 8 x 8 x 8 voxels where the field that closes the surface had not come to rest; 0: it
   /// had everywhere. A note tells.

@@ -41,6 +41,11 @@ struct RefineSummary {
   int rounds = 0;                    ///< Linear systems solved.
   int iterations = 0;                ///< Steps of the linear solver, all rounds together.
   double seconds = 0.0;
+
+  /// Whether the solver gave up or failed.
+  bool failed() const {
+    return status == RefineStatus::kNotConverged || status == RefineStatus::kSolverFailed;
+  }
 };
 
 struct RefinedView : RefineSummary {
@@ -49,8 +54,8 @@ struct RefinedView : RefineSummary {
 
 /// Refines the range of a view with its measured normals (Nehab et al. 2005; equations (H2) to
 /// (H5)). Samples without normals, or whose neighbours have none, keep their range; flying samples
-/// are taken away and small gaps filled (scan/grid/filled_view.h). The rounding of the ranges and
-/// noise that changes over the view are allowed for (scan/include/relief/scan/range_noise.h).
+/// are taken away and small gaps filled. The rounding of the ranges and
+/// noise that changes over the view are allowed for (relief/scan/range_noise.h).
 /// Errors: kBadInput for an option out of range, kInterrupted when `progress` asks to stop.
 Result<RefinedView> refine_view(const RangeView& view, const RefineOptions& options = {},
                                 const Progress& progress = {});

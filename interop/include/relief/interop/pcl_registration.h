@@ -9,6 +9,9 @@
 
 #include "relief/registration/align_pair.h"
 #include "relief/scan/camera.h"
+#include "relief/scan/range_view.h"
+#include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
 
 namespace relief::interop {
 
@@ -16,9 +19,10 @@ namespace relief::interop {
 /// pcl::Registration is expected, as in place of pcl::IterativeClosestPointWithNormals.
 ///
 /// Both clouds are organized: points in the frame of their sensor, NaN where there is no sample.
-/// Their normals may be absent; they are used where both clouds have them. Viewpoints are not used:
-/// the initial guess and the result map coordinates of the source to coordinates of the target.
-/// Where indices are set, only these samples of the source count.
+/// Their normals may be absent; they are used where both clouds have them. Viewpoints must
+/// be rigid motions and are not used further: the initial guess and the result map coordinates of
+/// the source to coordinates of the target. Where indices are set, only these samples of the source
+/// count.
 ///
 /// What PCL's settings mean here:
 ///  - setMaxCorrespondenceDistance: IcpOptions::search_distance; infinite (the default): automatic;
@@ -30,7 +34,8 @@ namespace relief::interop {
 ///
 /// Clouds that cannot be aligned (not organized, empty, of another size than their camera) do not
 /// end the program: hasConverged() is then false, getFinalTransformation() the guess, and
-/// getErrorMessage() tells why.
+/// getErrorMessage() tells why. Where the clouds do not overlap, getFinalTransformation() is the
+/// last pose that had enough correspondences.
 class RangeViewRegistration : public pcl::Registration<pcl::PointNormal, pcl::PointNormal> {
  public:
   using Ptr = pcl::shared_ptr<RangeViewRegistration>;
@@ -46,7 +51,7 @@ class RangeViewRegistration : public pcl::Registration<pcl::PointNormal, pcl::Po
   void setTargetCamera(const std::optional<Camera>& camera);
 
   /// All options but those for which PCL has a setting (see above), which stay as they are.
-  void setIcpOptions(const registration::IcpOptions& options) { options_ = options; }
+  void setIcpOptions(const registration::IcpOptions& options);
   const registration::IcpOptions& getIcpOptions() const { return options_; }
 
   /// Of the last call of align: its covariance, overlap and degenerate directions, among others.

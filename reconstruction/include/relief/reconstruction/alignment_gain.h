@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <string_view>
 #include <vector>
 
 #include "relief/registration/align_views.h"
@@ -24,8 +23,9 @@ struct AlignmentGain {
   /// Median over the free views of the standard deviation of a view's centre [unit].
   double first_pose_std = 0.0, second_pose_std = 0.0;
   double mean_motion = 0.0;  ///< Of the samples of the views aligned both times [unit].
-  std::size_t left_out = 0;  ///< Views that only the first alignment placed: their calibration
-                             ///< errs by more than the noise that refining left.
+  /// Views that only the first alignment placed. What refining left of their noise is less than the
+  /// error of their calibration.
+  std::size_t left_out = 0;
 
   /// Whether to take the second poses.
   bool kept() const { return verdict == GainVerdict::kGain; }

@@ -70,7 +70,8 @@ struct IcpResult {
 
 /// Aligns `source` to `target` from a starting pose: iterated closest points with robust weights,
 /// correspondences in both directions, coarse to fine. The poses that the views come with are not
-/// looked at.
+/// looked at. With Association::kProjective both cameras must be able to project
+/// (Camera::can_project).
 IcpResult align_pair(const RangeView& source, const RangeView& target,
                      const RigidMotion& target_from_source, const IcpOptions& options = {});
 

@@ -53,6 +53,8 @@ struct Alignment {
 
   /// Whether all views are in one frame.
   bool complete() const;
+  /// Whether the poses were refined to the end.
+  bool solved() const { return termination != RefinementTermination::kSolverFailed; }
   std::vector<RigidMotion> world_from_view() const;
 };
 

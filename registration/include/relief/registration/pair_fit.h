@@ -35,13 +35,13 @@ struct PairFit {
   double overlap = 0.0;  ///< Fraction of samples seen by the other view, mean of both directions.
   double rms = 0.0;      ///< Of the point-to-plane distances [unit].
   std::size_t correspondences = 0;  ///< Both directions together.
-  PairStatus grade = PairStatus::kDetermined;
+  PairStatus status = PairStatus::kDetermined;
   bool normal_maps = false;  ///< Whether normal maps were aligned, (R9).
   /// Motions (world frame) that this pair alone would not determine.
   std::vector<DegenerateDirection> degenerate_directions;
 };
 
-/// `firm`, `degenerate`, `thin` or `misfit`.
-std::string_view to_string(PairStatus grade);
+/// `firm` (kDetermined), `degenerate`, `thin` or `misfit`.
+std::string_view to_string(PairStatus status);
 
 }  // namespace relief::registration

@@ -130,7 +130,7 @@ TEST(PairInformation, IsIndifferentToMotionsThatAreIgnored) {
   for (const RigidTangent& motion : {slide.motion, turn_about_centre}) {
     EXPECT_LT((rest.information * motion).norm(), 1e-9 * size * motion.norm());
     EXPECT_LT(std::abs(rest.score.dot(motion)), 1e-9 * score * motion.norm());
-    for (const PatchPull& patch : rest.patches)
+    for (const PatchScore& patch : rest.patches)
       EXPECT_LT(std::abs(patch.score.dot(motion)), 1e-9 * score * motion.norm());
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(rest.information);

@@ -123,16 +123,16 @@ TEST(MeshIo, VtpKeepsEverything) {
   }
 }
 
-std::string ascii_vtp(const std::string& points, const std::string& cells) {
+std::string ascii_vtp(const std::string& points, const std::string& cells,
+                      const std::string& offsets = "4") {
   return "<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\"><PolyData>"
          "<Piece " +
          points +
          "><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" "
          "format=\"ascii\">0 0 0 1 0 0 1 1 0 0 1 0</DataArray></Points><Polys><DataArray "
          "type=\"Int32\" Name=\"connectivity\" format=\"ascii\">" +
-         cells +
-         "</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">4"
-         "</DataArray></Polys></Piece></PolyData></VTKFile>";
+         cells + "</DataArray><DataArray type=\"Float64\" Name=\"offsets\" format=\"ascii\">" +
+         offsets + "</DataArray></Polys></Piece></PolyData></VTKFile>";
 }
 
 TEST(MeshIo, VtpPolygonsBecomeFans) {
@@ -154,6 +154,8 @@ TEST(MeshIo, NamesWhatIsWrongWithAVtp) {
   EXPECT_THAT(error(ascii_vtp("NumberOfPoints=\"4000000000\"", "0 1 2 3")),
               HasSubstr("more than the file can hold"));
   EXPECT_THAT(error(ascii_vtp(sizes, "0 1 2")), HasSubstr("'connectivity': 3 numbers, not 4"));
+  EXPECT_THAT(error(ascii_vtp("NumberOfPoints=\"4\" NumberOfPolys=\"3\"", "0 1 2", "5 nan 3")),
+              HasSubstr("the offsets of its cells are damaged"));
   EXPECT_THAT(error("<VTKFile type=\"ImageData\"></VTKFile>"), HasSubstr("without PolyData"));
   EXPECT_THAT(error("<VTKFile compressor=\"vtkLZ4DataCompressor\"></VTKFile>"), HasSubstr("zlib"));
   EXPECT_THAT(error("solid a"), HasSubstr("XML"));
