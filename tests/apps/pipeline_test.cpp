@@ -158,8 +158,8 @@ TEST(Program, SingleStepsGiveWhatRunGives) {
   EXPECT_EQ(run_relief({"convert", out / "clouds/v000.pcd", "-o", out / "v.pcd"}).exit_status, 0);
   EXPECT_EQ(run_relief({"convert", scans / "scan.json", "-o", out / "all.pcd"}).exit_status, 2);
   EXPECT_EQ(run_relief({"convert", scans / "scan.json", "-o", out / "poses.tum"}).exit_status, 0);
-  EXPECT_EQ(
-      run_relief({"convert", out / "clouds/scan.json", "-o", out / "poses.aln"}).exit_status, 0);
+  EXPECT_EQ(run_relief({"convert", out / "clouds/scan.json", "-o", out / "poses.aln"}).exit_status,
+            0);
   const ProgramRun unknown = run_relief({"convert", scans / "scan.json", "-o", out / "poses.xyz"});
   EXPECT_EQ(unknown.exit_status, 2);
   EXPECT_THAT(unknown.standard_error, HasSubstr("unknown ending '.xyz'"));
