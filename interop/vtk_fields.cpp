@@ -15,9 +15,9 @@ namespace relief::interop {
 
 namespace {
 
-constexpr std::array<Camera::Model, 4> kModels{Camera::Model::kPinhole, Camera::Model::kPinholeGl,
+constexpr std::array<Camera::Model, 5> kModels{Camera::Model::kPinhole, Camera::Model::kPinholeGl,
                                                Camera::Model::kOrthographic,
-                                               Camera::Model::kRayTable};
+                                               Camera::Model::kSpherical, Camera::Model::kRayTable};
 
 constexpr std::array<std::string_view, 3> kPoseNames{"absent", "guess", "known"};
 
@@ -47,6 +47,9 @@ std::vector<double> camera_numbers(const Camera& camera) {
     append(numbers, camera.ray_at(1, 0).origin - corner.origin);
     append(numbers, camera.ray_at(0, 1).origin - corner.origin);
     append(numbers, corner.direction);
+  } else if (const SphericalProjection* angles = camera.spherical_projection()) {
+    numbers = angles->azimuth;
+    numbers.insert(numbers.end(), angles->elevation.begin(), angles->elevation.end());
   } else if (camera.model() != Camera::Model::kRayTable) {
     const PinholeIntrinsics& k = camera.intrinsics();
     numbers = {k.fx, k.fy, k.cx, k.cy};
@@ -111,6 +114,18 @@ Result<Camera> read_orthographic(vtkFieldData& fields, int width, int height) {
                               axes.col(2));
 }
 
+// The azimuths of the columns and the elevations of the rows [rad].
+Result<SphericalProjection> read_angles(vtkFieldData& fields, int width, int height) {
+  const auto numbers = read_doubles(fields, "camera", width + height, 1);
+  if (!numbers) return numbers.error();
+  SphericalProjection angles;
+  angles.azimuth.assign(numbers->begin(), numbers->begin() + width);
+  angles.elevation.assign(numbers->begin() + width, numbers->end());
+  if (!angles.valid())
+    return bad_field("the array 'camera' has angles that do not grow or fall strictly in a turn");
+  return angles;
+}
+
 Result<Camera> read_ray_table(vtkFieldData& fields, int width, int height) {
   Grid<Ray> rays(width, height);
   const auto origins = read_doubles(fields, "ray_origin", 3, rays.size());
@@ -123,6 +138,11 @@ Result<Camera> read_ray_table(vtkFieldData& fields, int width, int height) {
       return bad_field("the array 'ray_direction' has a direction of no length");
   }
   if (!fields.GetArray("camera")) return Camera::ray_table(std::move(rays), std::nullopt);
+  if (fields.GetArray("camera")->GetNumberOfComponents() != 16) {
+    auto angles = read_angles(fields, width, height);
+    if (!angles) return angles.error();
+    return Camera::ray_table(std::move(rays), std::move(*angles));
+  }
   const auto numbers = read_doubles(fields, "camera", 16, 1);
   if (!numbers) return numbers.error();
   const auto row = [&](std::size_t i) {
@@ -134,6 +154,11 @@ Result<Camera> read_ray_table(vtkFieldData& fields, int width, int height) {
 Result<Camera> read_camera(vtkFieldData& fields, Camera::Model model, int width, int height) {
   if (model == Camera::Model::kOrthographic) return read_orthographic(fields, width, height);
   if (model == Camera::Model::kRayTable) return read_ray_table(fields, width, height);
+  if (model == Camera::Model::kSpherical) {
+    auto angles = read_angles(fields, width, height);
+    if (!angles) return angles.error();
+    return Camera::spherical(std::move(*angles));
+  }
   return read_pinhole(fields, model == Camera::Model::kPinholeGl, width, height);
 }
 

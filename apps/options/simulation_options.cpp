@@ -15,7 +15,8 @@ const std::map<std::string, simulation::ViewLayout> kLayouts = {
 const std::map<std::string, simulation::SensorRays> kRays = {
     {"pinhole", simulation::SensorRays::kPinhole},
     {"orthographic", simulation::SensorRays::kOrthographic},
-    {"line", simulation::SensorRays::kLine}};
+    {"line", simulation::SensorRays::kLine},
+    {"spherical", simulation::SensorRays::kSpherical}};
 const std::map<std::string, simulation::RangeSensor> kRangeSensors = {
     {"exact", simulation::WhiteRangeSensor{0.0}},
     {"white", simulation::WhiteRangeSensor{}},
@@ -229,7 +230,10 @@ void add_simulation_options(CLI::App& command, simulation::SimulationOptions& op
       ->capture_default_str();
   command.add_option("--width", options.width, "Pixels of a row")->capture_default_str();
   command.add_option("--height", options.height, "Pixels of a column")->capture_default_str();
-  command.add_option("--rays", options.rays, "Rays of the sensor: pinhole, orthographic or line")
+  command
+      .add_option(
+          "--rays", options.rays,
+          "Rays of the sensor: pinhole, orthographic, line, or spherical (a turning scanner)")
       ->transform(CLI::CheckedTransformer(kRays))
       ->default_str("pinhole");
   command.add_option("--layout", options.layout, "Where the sensor stands: turntable or sphere")

@@ -14,6 +14,8 @@ const char* name_of(simulation::SensorRays rays) {
       return "orthographic";
     case simulation::SensorRays::kLine:
       return "line";
+    case simulation::SensorRays::kSpherical:
+      return "spherical";
   }
   return "";
 }

@@ -60,6 +60,16 @@ Camera Camera::orthographic(int width, int height, const Eigen::Vector3d& origin
   return camera;
 }
 
+Camera Camera::spherical(SphericalProjection angles) {
+  assert(angles.valid());
+  Camera camera;
+  camera.model_ = Model::kSpherical;
+  camera.width_ = static_cast<int>(angles.azimuth.size());
+  camera.height_ = static_cast<int>(angles.elevation.size());
+  camera.spherical_ = std::make_shared<const SphericalProjection>(std::move(angles));
+  return camera;
+}
+
 Camera Camera::ray_table(Grid<Ray> rays, std::optional<RationalProjection> projection) {
   Camera camera;
   camera.model_ = Model::kRayTable;
@@ -67,6 +77,12 @@ Camera Camera::ray_table(Grid<Ray> rays, std::optional<RationalProjection> proje
   camera.height_ = rays.height();
   camera.table_ = std::make_shared<const Grid<Ray>>(std::move(rays));
   camera.projection_ = std::move(projection);
+  return camera;
+}
+
+Camera Camera::ray_table(Grid<Ray> rays, SphericalProjection projection) {
+  Camera camera = ray_table(std::move(rays), std::nullopt);
+  camera.spherical_ = std::make_shared<const SphericalProjection>(std::move(projection));
   return camera;
 }
 
@@ -83,6 +99,8 @@ Ray Camera::ray_at(double u, double v) const {
       return pinhole_ray(intrinsics_, u, v, -1.0);
     case Model::kOrthographic:
       return {origin_ + u * step_u_ + v * step_v_, direction_};
+    case Model::kSpherical:
+      return spherical_->ray(u, v);
     case Model::kRayTable:
       return interpolate(*table_, u, v);
   }
@@ -104,7 +122,10 @@ std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& point) con
       axes << step_u_, step_v_, direction_;
       return Eigen::Vector2d((axes.inverse() * (point - origin_)).head<2>());
     }
+    case Model::kSpherical:
+      return spherical_->project(point);
     case Model::kRayTable:
+      if (spherical_) return spherical_->project(point);
       return projection_ ? projection_->project(point) : std::nullopt;
   }
   return std::nullopt;
@@ -118,6 +139,8 @@ std::string_view to_string(Camera::Model model) {
       return "pinhole_gl";
     case Camera::Model::kOrthographic:
       return "orthographic";
+    case Camera::Model::kSpherical:
+      return "spherical";
     case Camera::Model::kRayTable:
       return "ray table";
   }

@@ -17,6 +17,9 @@ namespace {
 
 constexpr double kGoodProjectionPixels = 0.5;  // RMS up to which a projection is of use
 constexpr double kOnRay = 1e-3;                // of the sample spacing
+// The residual of a spherical camera over that of the other models: 1.5, as between those (see
+// fit_camera), for each of two coordinates, rounded down.
+constexpr double kSphericalGain = 0.4;
 
 struct Samples {
   std::vector<Eigen::Vector3d> points;
@@ -67,6 +70,7 @@ RationalProjection projection_of(const Camera& camera) {
       projection.v_numerator << inverse.row(1).transpose(), -inverse.row(1).dot(origin.origin);
       return projection;
     }
+    case Camera::Model::kSpherical:
     case Camera::Model::kRayTable:
       break;
   }
@@ -122,6 +126,20 @@ Grid<Ray> shifted_rays(const Grid<Eigen::Vector3d>& points, const Grid<double>& 
     }
   }
   return rays;
+}
+
+void add_spherical_camera(const Grid<Eigen::Vector3d>& points, const Camera& model,
+                          GridCamera& result) {
+  const SphericalProjection& angles = *model.spherical_projection();
+  result.rms_pixels = angles.rms_pixels(points);
+  if (result.exact_model) {
+    result.camera = model;
+    return;
+  }
+  Grid<Ray> rays = shifted_rays(points, result.range, model, {}, Eigen::Vector3d::Zero());
+  result.camera = result.rms_pixels <= kGoodProjectionPixels
+                      ? Camera::ray_table(std::move(rays), angles)
+                      : Camera::ray_table(std::move(rays), std::nullopt);
 }
 
 struct DepthExtent {
@@ -256,6 +274,18 @@ Candidate orthographic_candidate(const Samples& samples, const GridFile& grid) {
           affine ? std::min(rms, rms_pixels(samples, *affine)) : rms};
 }
 
+// Angles for every column and row can follow almost any grid: they are taken only where they
+// explain the points far better than all models of fewer parameters.
+void add_spherical(const Grid<Eigen::Vector3d>& points, std::vector<Candidate>& candidates) {
+  double best = kGoodProjectionPixels;
+  for (const auto& candidate : candidates) best = std::min(best, candidate.rms);
+  auto fit = fit_spherical_projection(points);
+  if (!fit || !(fit->rms_pixels < kSphericalGain * best)) return;
+  candidates.push_back({{Camera::spherical(std::move(fit->projection)),
+                         "spherical (a scanner that turns round its z axis)"},
+                        fit->rms_pixels});
+}
+
 void add_rational(const Samples& samples, const GridFile& grid,
                   std::vector<Candidate>& candidates) {
   const auto fit = fit_rational_projection(samples.points, samples.pixels);
@@ -284,10 +314,15 @@ GridCamera camera_through_points(const Grid<Eigen::Vector3d>& points, const Came
       largest = std::max(largest, (ray.at(result.range(u, v)) - points(u, v)).norm());
     }
   }
+  result.exact_model =
+      model.model() != Camera::Model::kRayTable && largest <= kOnRay * median_spacing(points);
+  if (model.model() == Camera::Model::kSpherical) {
+    add_spherical_camera(points, model, result);
+    return result;
+  }
   const Samples samples = collect(points);
-  if (model.model() != Camera::Model::kRayTable && largest <= kOnRay * median_spacing(points)) {
+  if (result.exact_model) {
     result.camera = model;
-    result.exact_model = true;
     result.rms_pixels = rms_pixels(samples, projection_of(model));
     return result;
   }
@@ -358,6 +393,7 @@ FittedCamera fit_camera(const GridFile& grid) {
   add_pinhole(samples, grid.points, -1.0, candidates);
   candidates.push_back(orthographic_candidate(samples, grid));
   add_rational(samples, grid, candidates);
+  add_spherical(grid.points, candidates);
   double best = std::numeric_limits<double>::infinity();
   for (const auto& candidate : candidates) best = std::min(best, candidate.rms);
   for (auto& candidate : candidates) {

@@ -39,11 +39,12 @@ struct FittedCamera {
 };
 
 /// Tries, from the simplest to the most general: pinhole and pinhole_gl, orthographic in the
-/// direction the points suggest, a rational projection (perspective of any pose, line scanners).
-/// The first whose residual is not clearly worse than the best is taken. Which of the two ways
-/// along a ray leads away from the sensor follows from, in this order: the perspective (rays part
-/// away from the sensor), measured normals (they face the sensor; see normals_tell_side), and the
-/// custom of range-grid files that z points towards the viewer.
+/// direction the points suggest, a rational projection (perspective of any pose, line scanners),
+/// and a spherical one where the others fail. The first whose residual is not clearly worse than
+/// the best is taken. Which of the two ways along a ray leads away from the sensor follows from, in
+/// this order: the perspective (rays part away from the sensor), measured normals (they face the
+/// sensor; see normals_tell_side), and the custom of range-grid files that z points towards the
+/// viewer.
 FittedCamera fit_camera(const GridFile& grid);
 
 /// The orthographic candidate of fit_camera alone.

@@ -1,5 +1,7 @@
 #include "relief/simulation/sensor_rays.h"
 
+#include <algorithm>
+#include <numbers>
 #include <utility>
 
 namespace relief::simulation {
@@ -20,6 +22,15 @@ Camera line_camera(int width, int height, double focal, double spacing) {
   return Camera::ray_table(std::move(rays), projection);
 }
 
+// Columns run clockwise as seen from above, rows downwards, as in a picture from inside.
+Camera spherical_camera(int width, int height) {
+  const double step = 2.0 * std::numbers::pi / width;
+  const double elevation_step = std::min(step, std::numbers::pi / height);
+  return Camera::spherical(SphericalProjection::even(width, height, 0.5 * (width - 1) * step, -step,
+                                                     0.5 * (height - 1) * elevation_step,
+                                                     -elevation_step));
+}
+
 }  // namespace
 
 Camera sensor_camera(SensorRays rays, int width, int height, double focal, double spacing) {
@@ -33,8 +44,16 @@ Camera sensor_camera(SensorRays rays, int width, int height, double focal, doubl
                                   Eigen::Vector3d::UnitZ());
     case SensorRays::kLine:
       return line_camera(width, height, focal, spacing);
+    case SensorRays::kSpherical:
+      return spherical_camera(width, height);
   }
   return {};
+}
+
+RigidMotion optical_from_sensor(SensorRays rays) {
+  RigidMotion motion = RigidMotion::Identity();
+  if (rays == SensorRays::kSpherical) motion.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  return motion;
 }
 
 }  // namespace relief::simulation

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -58,24 +59,29 @@ Result<Placement> place_sensors(const SimulationObject& object, const Simulation
     const auto poses =
         layout_poses(options.layout, options.views, object.centre, placement.distance);
     for (std::size_t i = 0; i < poses.size(); ++i)
-      placement.poses.push_back({view_name(static_cast<int>(i)), poses[i]});
+      placement.poses.push_back(
+          {view_name(static_cast<int>(i)), poses[i] * optical_from_sensor(options.rays)});
     return placement;
   }
+  const bool inside = options.rays == SensorRays::kSpherical;
   std::vector<double> distances;
   for (const NamedPose& pose : options.poses) {
     distances.push_back((pose.world_from_view.translation() - object.centre).norm());
-    if (!(distances.back() > object.radius))
+    if (!inside && !(distances.back() > object.radius))
       return Error{ErrorKind::kBadInput,
                    "the given pose of view " + pose.name +
                        " lies within the object's sphere; sensors stand outside of it"};
   }
   placement.poses = options.poses;
   placement.distance = median(std::move(distances));
+  if (inside) placement.distance = std::max(placement.distance, object.radius);
   return placement;
 }
 
-// The focal length [pixels] at which the object's sphere fills the smaller side of the image.
+// The focal length [pixels] at which the object's sphere fills the smaller side of the image; of a
+// spherical sensor the pixels in a radian.
 double framing_focal(const SimulationOptions& options, double relative_distance) {
+  if (options.rays == SensorRays::kSpherical) return options.width / (2.0 * std::numbers::pi);
   const double half_angle = std::asin(0.5 / relative_distance);
   return options.fill * 0.5 * std::min(options.width, options.height) / std::tan(half_angle);
 }

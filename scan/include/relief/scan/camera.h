@@ -9,6 +9,7 @@
 #include "relief/scan/grid.h"
 #include "relief/scan/rational_projection.h"
 #include "relief/scan/ray.h"
+#include "relief/scan/spherical_projection.h"
 
 namespace relief {
 
@@ -21,7 +22,7 @@ struct PinholeIntrinsics {
 /// frame. Cheap to copy: a ray table is shared.
 class Camera {
  public:
-  enum class Model { kPinhole, kPinholeGl, kOrthographic, kRayTable };
+  enum class Model { kPinhole, kPinholeGl, kOrthographic, kSpherical, kRayTable };
 
   Camera() = default;
 
@@ -37,8 +38,13 @@ class Camera {
                              const Eigen::Vector3d& step_u, const Eigen::Vector3d& step_v,
                              const Eigen::Vector3d& direction);
 
+  /// A scanner that turns round the z axis of its frame: o = 0, |d| = 1, t = distance. The angles
+  /// must be valid.
+  static Camera spherical(SphericalProjection angles);
+
   /// Any sensor. `projection` maps points to pixels when the sensor has such a map.
   static Camera ray_table(Grid<Ray> rays, std::optional<RationalProjection> projection);
+  static Camera ray_table(Grid<Ray> rays, SphericalProjection projection);
 
   Model model() const { return model_; }
   int width() const { return width_; }
@@ -49,14 +55,20 @@ class Camera {
   Ray ray(int u, int v) const;
 
   /// The ray through fractional pixel coordinates; for a ray table, bilinear in origins and
-  /// directions, the coordinates clamped to the grid.
+  /// directions, the coordinates clamped to the grid. A spherical camera interpolates its angles.
   Ray ray_at(double u, double v) const;
 
   /// Fractional pixel coordinates of a point in the view frame, possibly outside the grid. Nothing
   /// when the point lies behind the sensor or the sensor has no projection.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point) const;
-  bool can_project() const { return model_ != Model::kRayTable || projection_.has_value(); }
+  bool can_project() const {
+    return model_ != Model::kRayTable || projection_.has_value() || spherical_;
+  }
+
+  /// The map of a table of rays, where it has one of this kind.
   const std::optional<RationalProjection>& projection() const { return projection_; }
+  /// The angles of a spherical camera, or of a table of rays that is nearly one; else null.
+  const SphericalProjection* spherical_projection() const { return spherical_.get(); }
 
  private:
   Model model_ = Model::kPinhole;
@@ -67,9 +79,10 @@ class Camera {
   Eigen::Vector3d direction_ = Eigen::Vector3d::UnitZ();
   std::shared_ptr<const Grid<Ray>> table_;
   std::optional<RationalProjection> projection_;
+  std::shared_ptr<const SphericalProjection> spherical_;
 };
 
-/// `pinhole`, `pinhole_gl`, `orthographic` or `ray table`.
+/// `pinhole`, `pinhole_gl`, `orthographic`, `spherical` or `ray table`.
 std::string_view to_string(Camera::Model model);
 
 }  // namespace relief

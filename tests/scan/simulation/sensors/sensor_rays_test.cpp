@@ -1,5 +1,8 @@
 #include "relief/simulation/sensor_rays.h"
 
+#include <cmath>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 namespace relief::simulation {
@@ -30,6 +33,20 @@ TEST(SensorRays, OfALineScannerArePerspectiveAlongTheLineOnly) {
   EXPECT_EQ(camera.ray(3, 7).direction, camera.ray(70, 7).direction);
   EXPECT_NE(camera.ray(3, 7).direction, camera.ray(3, 8).direction);
   EXPECT_EQ(camera.ray(3, 7).origin, camera.ray(3, 50).origin);
+}
+
+TEST(SensorRays, OfASphericalScannerGoAllRound) {
+  const Camera camera = sensor_camera(SensorRays::kSpherical, 360, 100, 1.0, 1.0);
+  const Eigen::Vector3d first = camera.ray(0, 50).direction, last = camera.ray(359, 50).direction;
+  EXPECT_NEAR(std::acos(first.dot(last)), std::numbers::pi / 180.0, 1e-3);
+  // The top of the picture is up, and columns run clockwise.
+  EXPECT_GT(camera.ray(10, 0).direction.z(), camera.ray(10, 99).direction.z());
+  const Eigen::Vector3d optical =
+      optical_from_sensor(SensorRays::kSpherical) * camera.ray_at(179.5, 49.5).direction;
+  EXPECT_LT((optical - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  const Eigen::Vector3d right =
+      optical_from_sensor(SensorRays::kSpherical) * camera.ray_at(200, 49.5).direction;
+  EXPECT_GT(right.x(), 0.3);
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ struct SimulationOptions {
   /// From the sensor to the object's centre [diameters of its sphere], > 0.5.
   double distance = 4.0;
   /// Poses and names of the views, in place of `views`, `layout` and `distance`; the working
-  /// distance is the median of theirs. Empty: `layout` rules.
+  /// distance is the median of theirs. Spherical sensors may stand inside of the object, and have
+  /// its radius as the least working distance. Empty: `layout` rules.
   std::vector<NamedPose> poses;
   /// Part of the smaller image side that the object's sphere fills at the working distance, > 0.
   double fill = 0.95;
