@@ -2,9 +2,12 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
+#include "relief/scan/camera.h"
 #include "relief/scan/colour.h"
 #include "relief/scan/grid.h"
 #include "relief/scan/result.h"
@@ -18,7 +21,9 @@ struct GridFile {
   Grid<Eigen::Vector3f> normals;  ///< As measured, any length; NaN where none. May be empty.
   Grid<float> confidence;         ///< As stored; may be empty.
   Grid<Colour> colours;           ///< May be empty.
-  std::optional<RigidMotion> world_from_view;  ///< Where the file tells: VIEWPOINT of a PCD.
+  std::optional<RigidMotion> world_from_view;  ///< Where the file tells, as VIEWPOINT of a PCD.
+  std::optional<Camera> camera;                ///< Where the file tells the rays.
+  std::vector<std::string> notes;              ///< What was left out or assumed, for the user.
 };
 
 /// Reads an organized grid: .ply with `range_grid` or with one vertex per grid place, organized
@@ -28,6 +33,9 @@ Result<GridFile> read_grid_file(const std::filesystem::path& path);
 /// The same for each format.
 Result<GridFile> read_ply_grid(const std::filesystem::path& path);
 Result<GridFile> read_pcd_grid(const std::filesystem::path& path);
+
+/// The points of a PCD of any shape: one that is not organized is a grid of one row.
+Result<GridFile> read_pcd_points(const std::filesystem::path& path);
 
 /// Whether the header of a file says that it is such a grid.
 bool is_grid_file(const std::filesystem::path& path);

@@ -128,12 +128,10 @@ Result<GridFile> grid_from_cloud(const pcl::PCLPointCloud2& cloud,
   return grid;
 }
 
-}  // namespace
-
-Result<GridFile> read_pcd_grid(const std::filesystem::path& path) {
+Result<GridFile> read_pcd(const std::filesystem::path& path, bool organized) {
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code)) return bad_input(path, "no such file");
-  const auto header = read_pcd_header(path);
+  const auto header = read_pcd_header(path, organized);
   if (!header) return header.error();
   const SilentPcl silence;
   try {
@@ -152,6 +150,14 @@ Result<GridFile> read_pcd_grid(const std::filesystem::path& path) {
   } catch (const std::exception& exception) {
     return bad_input(path, std::string("damaged PCD: ") + exception.what());
   }
+}
+
+}  // namespace
+
+Result<GridFile> read_pcd_grid(const std::filesystem::path& path) { return read_pcd(path, true); }
+
+Result<GridFile> read_pcd_points(const std::filesystem::path& path) {
+  return read_pcd(path, false);
 }
 
 }  // namespace relief

@@ -18,6 +18,7 @@ namespace relief {
 namespace {
 
 constexpr std::size_t kMaxSide = 1u << 16;
+constexpr std::size_t kMaxPoints = (std::size_t{1} << 31) - 1;  // In one row.
 // Bounds products of what a header says. No point is longer.
 constexpr std::size_t kMaxCount = 1u << 16;
 // LZF's longest copy is 264 bytes for three.
@@ -31,8 +32,8 @@ bool parse_count(std::string_view word, std::size_t& value) {
 
 class PcdHeaderReader {
  public:
-  explicit PcdHeaderReader(const std::filesystem::path& path)
-      : path_(path), file_(path, std::ios::binary) {}
+  PcdHeaderReader(const std::filesystem::path& path, bool organized)
+      : path_(path), organized_(organized), file_(path, std::ios::binary) {}
 
   Result<PcdHeader> read() {
     if (!file_) return bad_input(path_, "cannot be read");
@@ -131,11 +132,13 @@ class PcdHeaderReader {
 
   Result<void> check() {
     if (auto fields = add_up_fields(); !fields) return fields;
-    if (header_.height == 1)
+    if (organized_ && header_.height == 1)
       return bad_input(path_,
                        "this PCD is not organized (HEIGHT 1); a scan needs the sensor's grid");
-    if (header_.width == 0 || header_.height == 0 || header_.width > kMaxSide ||
-        header_.height > kMaxSide || header_.points != header_.width * header_.height)
+    const std::size_t most = organized_ ? kMaxSide : kMaxPoints;
+    if (header_.width == 0 || header_.height == 0 || header_.width > most ||
+        header_.height > most || header_.points > kMaxSide * kMaxSide ||
+        header_.points != header_.width * header_.height)
       return bad_input(path_, "bad size in the PCD header");
     std::error_code code;
     const std::size_t bytes = std::filesystem::file_size(path_, code);
@@ -183,6 +186,7 @@ class PcdHeaderReader {
   }
 
   const std::filesystem::path& path_;
+  bool organized_;
   std::ifstream file_;
   std::size_t line_number_ = 0;
   std::set<std::string> known_;
@@ -192,8 +196,8 @@ class PcdHeaderReader {
 
 }  // namespace
 
-Result<PcdHeader> read_pcd_header(const std::filesystem::path& path) {
-  return PcdHeaderReader(path).read();
+Result<PcdHeader> read_pcd_header(const std::filesystem::path& path, bool organized) {
+  return PcdHeaderReader(path, organized).read();
 }
 
 }  // namespace relief

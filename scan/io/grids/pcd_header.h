@@ -23,7 +23,8 @@ struct PcdHeader {
 /// Reads the header and holds what it promises against the size of the file, before anything is
 /// allocated for it. A file may hold no more points than its bytes allow: two bytes a number in
 /// ASCII, and a hundredth of the promised bytes where they are compressed (LZF copies at most 264
-/// bytes for three). Errors (kBadInput) name the file and the line.
-Result<PcdHeader> read_pcd_header(const std::filesystem::path& path);
+/// bytes for three). Unless `organized`, a file of one row is read as well, of any width. Errors
+/// (kBadInput) name the file and the line.
+Result<PcdHeader> read_pcd_header(const std::filesystem::path& path, bool organized = true);
 
 }  // namespace relief

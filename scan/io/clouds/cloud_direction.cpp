@@ -1,0 +1,257 @@
+#include "scan/io/clouds/cloud_direction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include <Eigen/Dense>
+
+#include "scan/base/median.h"
+#include "scan/io/clouds/nearest_points.h"
+
+namespace relief {
+
+namespace {
+
+constexpr std::size_t kMostPoints = 40000;    // That a direction is judged by.
+constexpr int kDirections = 240;              // All over the sphere: about 13 degrees apart.
+constexpr double kCell = 1.0, kBehind = 4.0;  // [spacings] Side of a cell; depth that hides.
+constexpr double kAverted = 0.2;              // Cosine beyond which a normal looks away.
+constexpr double kAreaWeight = 0.05;          // Of the picture's area against hidden points.
+constexpr double kAsGood = 0.005;             // Fraction of hidden points that makes no difference.
+
+// The least depth of each cell of a plane, by hashing.
+class DepthCells {
+ public:
+  explicit DepthCells(std::size_t points) {
+    while (capacity_ < 2 * points) capacity_ *= 2;
+  }
+
+  void clear() {
+    keys_.assign(capacity_, kNone);
+    depths_.resize(capacity_);
+    used_ = 0;
+  }
+
+  double& depth(std::int32_t u, std::int32_t v, double initial) {
+    const std::uint64_t key =
+        std::uint64_t{static_cast<std::uint32_t>(u)} << 32 | static_cast<std::uint32_t>(v);
+    std::size_t slot = (key * 0x9E3779B97F4A7C15ull >> 20) & (capacity_ - 1);
+    while (keys_[slot] != kNone && keys_[slot] != key) slot = (slot + 1) & (capacity_ - 1);
+    if (keys_[slot] == kNone) {
+      keys_[slot] = key;
+      depths_[slot] = initial;
+      ++used_;
+    }
+    return depths_[slot];
+  }
+
+  std::size_t used() const { return used_; }
+
+ private:
+  static constexpr std::uint64_t kNone = 0x8000000080000000ull;  // No cell lies there.
+  std::size_t capacity_ = 16, used_ = 0;
+  std::vector<std::uint64_t> keys_;
+  std::vector<double> depths_;
+};
+
+struct DirectionScore {
+  double hidden = 0.0;    // Fraction of the points.
+  std::size_t cells = 0;  // The area of the picture.
+};
+
+// Judges rays by an even choice of the points.
+class DirectionJudge {
+ public:
+  explicit DirectionJudge(const PointCloudFile& cloud)
+      : chosen_(some_points(cloud.points.size(), kMostPoints)), cells_(chosen_.size()) {
+    const auto& normals = cloud.facing.empty() ? cloud.normals : cloud.facing;
+    for (const std::size_t i : chosen_) {
+      points_.push_back(cloud.points[i]);
+      if (!normals.empty()) normals_.push_back(normals[i].cast<double>().stableNormalized());
+    }
+    spacing_ = nearest_spacing(points_);
+    for (const auto& point : points_) centre_ += point / static_cast<double>(points_.size());
+    for (const auto& point : points_) extent_ = std::max(extent_, (point - centre_).norm());
+    // Cells stay countable where the spacing is nothing beside the size.
+    spacing_ = std::max(spacing_, 1e-6 * extent_);
+  }
+
+  DirectionScore score(const CloudRays& rays) {
+    cells_.clear();
+    projected_.clear();
+    double distance = 0.0;
+    for (const auto& point : points_) {
+      projected_.push_back(rays.project(point));
+      distance += projected_.back().z() / static_cast<double>(points_.size());
+    }
+    const double size = kCell * spacing_ / std::max(rays.scale(distance), 1e-300);
+    const auto nearest = [&](const Eigen::Vector3d& p) -> double& {
+      return cells_.depth(cell(p.x() / size), cell(p.y() / size), p.z());
+    };
+    for (const auto& p : projected_)
+      if (double& depth = nearest(p); p.z() < depth) depth = p.z();
+    std::size_t hidden = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if (projected_[i].z() > nearest(projected_[i]) + kBehind * spacing_ || averted(i, rays))
+        ++hidden;
+    return {
+        static_cast<double>(hidden) / static_cast<double>(std::max<std::size_t>(1, points_.size())),
+        cells_.used()};
+  }
+
+  DirectionScore score(const Eigen::Vector3d& direction) {
+    return score(parallel_rays(direction, centre_));
+  }
+
+  bool has_normals() const { return !normals_.empty(); }
+  const std::vector<Eigen::Vector3d>& points() const { return points_; }
+  const Eigen::Vector3d& centre() const { return centre_; }
+
+ private:
+  static std::int32_t cell(double value) {
+    if (std::isnan(value)) return 0;
+    return static_cast<std::int32_t>(std::floor(std::clamp(value, -1e9, 1e9)));
+  }
+
+  bool averted(std::size_t i, const CloudRays& rays) const {
+    if (normals_.empty()) return false;
+    const Eigen::Vector3d direction = rays.kind == CloudRays::Kind::kParallel
+                                          ? Eigen::Vector3d(rays.axes.col(2))
+                                          : (points_[i] - rays.origin).stableNormalized();
+    return normals_[i].dot(direction) > kAverted;
+  }
+
+  std::vector<std::size_t> chosen_;  // Of the cloud's points.
+  std::vector<Eigen::Vector3d> points_, normals_, projected_;
+  DepthCells cells_;
+  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();
+  double spacing_ = 0.0, extent_ = 0.0;
+};
+
+// Evenly over the sphere, on a spiral of golden angles.
+std::vector<Eigen::Vector3d> sphere_directions() {
+  std::vector<Eigen::Vector3d> directions;
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (int i = 0; i < kDirections; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / kDirections, radius = std::sqrt(1.0 - z * z);
+    directions.emplace_back(radius * std::cos(golden * i), radius * std::sin(golden * i), z);
+  }
+  return directions;
+}
+
+std::vector<Eigen::Vector3d> principal_axes(const std::vector<Eigen::Vector3d>& points,
+                                            const Eigen::Vector3d& centre) {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const auto& point : points) covariance += (point - centre) * (point - centre).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  std::vector<Eigen::Vector3d> axes;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    axes.push_back(eigen.eigenvectors().col(k));
+    axes.push_back(-eigen.eigenvectors().col(k));
+  }
+  return axes;
+}
+
+// The mean normal, if there are any, is a good start.
+std::vector<Eigen::Vector3d> start_directions(const DirectionJudge& judge) {
+  std::vector<Eigen::Vector3d> starts = principal_axes(judge.points(), judge.centre());
+  const auto sphere = sphere_directions();
+  starts.insert(starts.end(), sphere.begin(), sphere.end());
+  // Both ways along parallel rays are alike without normals.
+  if (!judge.has_normals())
+    std::erase_if(starts, [](const Eigen::Vector3d& d) { return d.z() > 0.0; });
+  return starts;
+}
+
+// Fewest hidden points first; the area of the picture decides among equals.
+struct JudgedDirection {
+  Eigen::Vector3d direction = -Eigen::Vector3d::UnitZ();
+  DirectionScore score;
+
+  double cost(double largest_area) const {
+    return score.hidden +
+           kAreaWeight * (1.0 - static_cast<double>(score.cells) / std::max(1.0, largest_area));
+  }
+};
+
+JudgedDirection refine_direction(JudgedDirection best, double largest_area, DirectionJudge& judge) {
+  for (double angle_deg = 8.0; angle_deg >= 1.0; angle_deg *= 0.5) {
+    const Eigen::Vector3d side = best.direction.unitOrthogonal();
+    const Eigen::Vector3d centre = best.direction;
+    for (int k = 0; k < 8; ++k) {
+      const Eigen::Vector3d axis = Eigen::AngleAxisd(k * std::numbers::pi / 4.0, centre) * side;
+      const Eigen::Vector3d turned =
+          Eigen::AngleAxisd(angle_deg * std::numbers::pi / 180.0, axis) * centre;
+      const JudgedDirection candidate{turned, judge.score(turned)};
+      if (candidate.cost(largest_area) < best.cost(largest_area)) best = candidate;
+    }
+  }
+  return best;
+}
+
+JudgedDirection best_direction(DirectionJudge& judge) {
+  std::vector<JudgedDirection> judged;
+  double largest_area = 0.0;
+  for (const auto& direction : start_directions(judge)) {
+    judged.push_back({direction, judge.score(direction)});
+    largest_area = std::max(largest_area, static_cast<double>(judged.back().score.cells));
+  }
+  const auto cheaper = [&](const JudgedDirection& a, const JudgedDirection& b) {
+    return a.cost(largest_area) < b.cost(largest_area);
+  };
+  return refine_direction(*std::min_element(judged.begin(), judged.end(), cheaper), largest_area,
+                          judge);
+}
+
+bool origin_may_be_sensor(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::AlignedBox3d box;
+  for (const auto& point : points) box.extend(point);
+  return box.exteriorDistance(Eigen::Vector3d::Zero().eval()) > 0.05 * box.diagonal().norm() &&
+         rays_from(Eigen::Vector3d::Zero(), points).kind == CloudRays::Kind::kPinhole;
+}
+
+}  // namespace
+
+std::vector<std::size_t> some_points(std::size_t count, std::size_t most) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < count; ++i) {
+    // A hash, not every n-th: points in files stand in rows.
+    const std::uint64_t hash = (i + 1) * 0x9E3779B97F4A7C15ull;
+    const double place = static_cast<double>((hash ^ hash >> 29) * 0xBF58476D1CE4E5B9ull >> 11) *
+                         0x1p-53 * static_cast<double>(count);
+    if (count <= most || place < static_cast<double>(most)) chosen.push_back(i);
+  }
+  return chosen;
+}
+
+double nearest_spacing(const std::vector<Eigen::Vector3d>& points) {
+  constexpr std::size_t kQueries = 4000;
+  const NearestPoints<3> tree(points);
+  std::vector<double> distances;
+  for (const std::size_t i : some_points(points.size(), kQueries))
+    if (const auto found = tree.find(points[i], 1); !found.empty())
+      distances.push_back(std::sqrt(found.front().squared_distance));
+  return median(distances);
+}
+
+double hidden_fraction(const PointCloudFile& cloud, const CloudRays& rays) {
+  return DirectionJudge(cloud).score(rays).hidden;
+}
+
+CloudDirection find_direction(const PointCloudFile& cloud) {
+  DirectionJudge judge(cloud);
+  const JudgedDirection best = best_direction(judge);
+  if (origin_may_be_sensor(cloud.points)) {
+    const CloudRays rays = rays_from(Eigen::Vector3d::Zero(), cloud.points);
+    const double hidden = judge.score(rays).hidden;
+    if (hidden <= best.score.hidden + kAsGood)
+      return {rays, hidden, "the origin of the frame, in front of which all points lie"};
+  }
+  const CloudRays rays = parallel_rays(best.direction, judge.centre());
+  if (judge.has_normals()) return {rays, best.score.hidden, "the side that the normals face"};
+  return {rays, best.score.hidden, "", false};
+}
+
+}  // namespace relief

@@ -1,0 +1,140 @@
+#include "scan/io/clouds/cloud_lattice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "scan/base/median.h"
+#include "scan/io/clouds/cloud_direction.h"
+#include "scan/io/clouds/nearest_points.h"
+
+namespace relief {
+
+namespace {
+
+constexpr std::size_t kQueries = 4000;   // Points whose neighbours are looked at.
+constexpr std::size_t kNeighbours = 20;  // Enough for steps that differ by a factor of 4.
+constexpr double kSector = 0.5;          // Tangent of the half angle around an axis.
+constexpr double kInRows = 0.2;          // Agreement of the neighbours' directions.
+constexpr double kPlacesPerPoint = 64.0, kFewPlaces = 2.5e5;
+constexpr double kMostSide = 65536.0;
+
+using Displacements = std::vector<std::vector<Eigen::Vector2d>>;
+
+// To the neighbours of some points, the nearest first.
+Displacements displacements(const std::vector<Eigen::Vector2d>& at) {
+  const NearestPoints<2> tree(at);
+  Displacements all;
+  for (const std::size_t i : some_points(at.size(), kQueries)) {
+    all.emplace_back();
+    for (const auto& neighbour : tree.find(at[i], kNeighbours))
+      all.back().push_back(at[neighbour.index] - at[i]);
+  }
+  return all;
+}
+
+// The direction of rows in (-45, 45] degrees, by the fourfold moment of the nearest neighbours'
+// directions; 0 where they are not in rows.
+double row_angle(const Displacements& all) {
+  std::complex<double> moment = 0.0;
+  double count = 0.0;
+  for (const auto& neighbours : all) {
+    for (std::size_t k = 0; k < std::min<std::size_t>(4, neighbours.size()); ++k) {
+      const double angle = std::atan2(neighbours[k].y(), neighbours[k].x());
+      moment += std::polar(1.0, 4.0 * angle);
+      count += 1.0;
+    }
+  }
+  return std::abs(moment) > kInRows * count ? std::arg(moment) / 4.0 : 0.0;
+}
+
+// The median distance to the next point along `axis`; 0 where there is none.
+double step_along(const Eigen::Vector2d& axis, const Displacements& all) {
+  const Eigen::Vector2d across(-axis.y(), axis.x());
+  std::vector<double> steps;
+  for (const auto& neighbours : all) {
+    double least = 0.0;
+    for (const auto& d : neighbours) {
+      const double along = std::abs(d.dot(axis));
+      if (std::abs(d.dot(across)) > kSector * along) continue;
+      if (least == 0.0 || along < least) least = along;
+    }
+    if (least > 0.0) steps.push_back(least);
+  }
+  return median(steps);
+}
+
+struct Interval {
+  double low = 0.0, high = 0.0;
+  double length() const { return high - low; }
+};
+
+// All values, or those within twice the middle 98 % where some are far off.
+Interval extent_of(std::vector<double> values, bool trimmed) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const Interval all{*low, *high};
+  if (!trimmed) return all;
+  const auto at = [&](double fraction) {
+    const auto place = values.begin() + static_cast<std::ptrdiff_t>(
+                                            fraction * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), place, values.end());
+    return *place;
+  };
+  const double first = at(0.01), last = at(0.99), margin = 0.5 * (last - first);
+  return {std::max(all.low, first - margin), std::min(all.high, last + margin)};
+}
+
+// Where points stand between the places of a grid of this step, on average: in [0, 1).
+double phase_of(const std::vector<double>& values, double step, double low) {
+  std::complex<double> moment = 0.0;
+  for (const double value : values)
+    moment += std::polar(1.0, 2.0 * std::numbers::pi * (value - low) / step);
+  const double phase = std::arg(moment) / (2.0 * std::numbers::pi);
+  return phase - std::floor(phase);
+}
+
+// One axis of the grid.
+struct LatticeAxis {
+  std::vector<double> values;
+  double step = 0.0;
+  Interval extent;
+
+  void limit(bool trimmed) { extent = extent_of(values, trimmed); }
+  double places() const { return std::ceil(extent.length() / step) + 2.0; }
+  double first() const { return extent.low + (phase_of(values, step, extent.low) - 1.0) * step; }
+};
+
+Error no_lattice(const std::string& what) { return {ErrorKind::kUnsolvable, what}; }
+
+}  // namespace
+
+Result<CloudLattice> fit_lattice(const std::vector<Eigen::Vector2d>& at, bool turned) {
+  const Displacements all = displacements(at);
+  const double angle = turned ? row_angle(all) : 0.0;
+  const Eigen::Vector2d axis_u(std::cos(angle), std::sin(angle));
+  const Eigen::Vector2d axis_v(-axis_u.y(), axis_u.x());
+  LatticeAxis u, v;
+  u.step = step_along(axis_u, all), v.step = step_along(axis_v, all);
+  if (!(u.step > 0.0) || !(v.step > 0.0))
+    return no_lattice("the points lie on a line or at one place; they are no scan of a surface");
+  for (const auto& place : at) {
+    u.values.push_back(place.dot(axis_u));
+    v.values.push_back(place.dot(axis_v));
+  }
+  const double most = kPlacesPerPoint * static_cast<double>(at.size()) + kFewPlaces;
+  const auto fits = [&] {
+    return u.places() * v.places() <= most && std::max(u.places(), v.places()) <= kMostSide;
+  };
+  u.limit(false), v.limit(false);
+  if (!fits()) u.limit(true), v.limit(true);
+  if (!fits())
+    return no_lattice("the points are too far apart for their spacing; crop them to the object");
+  CloudLattice lattice;
+  lattice.step_u = u.step * axis_u, lattice.step_v = v.step * axis_v;
+  lattice.origin = u.first() * axis_u + v.first() * axis_v;
+  lattice.width = static_cast<int>(u.places()), lattice.height = static_cast<int>(v.places());
+  return lattice;
+}
+
+}  // namespace relief

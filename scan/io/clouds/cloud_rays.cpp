@@ -1,0 +1,139 @@
+#include "scan/io/clouds/cloud_rays.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace relief {
+
+namespace {
+
+constexpr double kPinholeHalfAngle = 50.0 * std::numbers::pi / 180.0;
+constexpr int kSeamSectors = 72;  // Of 5 degrees each.
+
+// x right and y down of a picture seen along `forward`, upright with respect to `up`.
+Eigen::Matrix3d upright_axes(const Eigen::Vector3d& forward, const Eigen::Vector3d& up) {
+  Eigen::Matrix3d axes;
+  axes.col(2) = forward;
+  axes.col(0) = forward.cross(up).normalized();
+  axes.col(1) = forward.cross(axes.col(0));
+  return axes;
+}
+
+Eigen::Matrix3d picture_axes(const Eigen::Vector3d& forward) {
+  const bool along_y = std::abs(forward.y()) > 0.8;
+  return upright_axes(forward, along_y ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY());
+}
+
+// The azimuth opposite to the sectors with the fewest points.
+double middle_azimuth(const Eigen::Vector3d& viewpoint,
+                      const std::vector<Eigen::Vector3d>& points) {
+  std::array<std::size_t, kSeamSectors> counts{};
+  constexpr double kSector = 2.0 * std::numbers::pi / kSeamSectors;
+  for (const auto& point : points) {
+    const double azimuth = std::atan2(point.y() - viewpoint.y(), point.x() - viewpoint.x());
+    const int sector = static_cast<int>(std::floor(azimuth / kSector)) + kSeamSectors;
+    ++counts[static_cast<std::size_t>(sector % kSeamSectors)];
+  }
+  // The middle of the longest run of sectors that hold the least.
+  const std::size_t least = *std::min_element(counts.begin(), counts.end());
+  int best = 0, longest = 0, run = 0;
+  for (int i = 0; i < 2 * kSeamSectors && run < kSeamSectors; ++i) {
+    run = counts[static_cast<std::size_t>(i % kSeamSectors)] == least ? run + 1 : 0;
+    if (run > longest) longest = run, best = i;
+  }
+  const double seam = (best + 1 - 0.5 * longest) * kSector;
+  return seam + std::numbers::pi;
+}
+
+CloudRays spherical_rays(const Eigen::Vector3d& viewpoint,
+                         const std::vector<Eigen::Vector3d>& points) {
+  const double middle = middle_azimuth(viewpoint, points);
+  const Eigen::Vector3d forward(std::cos(middle), std::sin(middle), 0.0);
+  return {CloudRays::Kind::kSpherical, viewpoint, upright_axes(forward, Eigen::Vector3d::UnitZ())};
+}
+
+// A projection that is a ratio of affine functions, for parallel and pinhole rays.
+RationalProjection projection_to(const CloudRays& rays, const CloudLattice& lattice) {
+  Eigen::Matrix2d steps;
+  steps << lattice.step_u, lattice.step_v;
+  const Eigen::Matrix2d inverse = steps.inverse();
+  const Eigen::Vector2d offset = inverse * lattice.origin;
+  const auto affine = [&](const Eigen::Vector3d& slope) {
+    return Eigen::Vector4d(slope.x(), slope.y(), slope.z(), -slope.dot(rays.origin));
+  };
+  const Eigen::Vector4d x = affine(rays.axes.col(0)), y = affine(rays.axes.col(1)),
+                        z = affine(rays.axes.col(2));
+  const auto numerator = [&](Eigen::Index k) -> Eigen::Vector4d {
+    return inverse(k, 0) * x + inverse(k, 1) * y - offset[k] * z;
+  };
+  return {numerator(0), z, numerator(1), z};
+}
+
+// A spherical projection has its sensor at the origin; the table alone has none.
+Camera spherical_camera(const CloudRays& rays, const CloudLattice& lattice, Grid<Ray> table) {
+  const Eigen::Vector3d forward = rays.axes.col(2);
+  const SphericalProjection projection = SphericalProjection::even(
+      lattice.width, lattice.height, std::atan2(forward.y(), forward.x()) - lattice.origin.x(),
+      -lattice.step_u.x(), -lattice.origin.y(), -lattice.step_v.y());
+  if (!rays.origin.isZero(0.0) || !projection.valid())
+    return Camera::ray_table(std::move(table), std::optional<RationalProjection>());
+  return Camera::ray_table(std::move(table), projection);
+}
+
+}  // namespace
+
+Eigen::Vector3d CloudRays::project(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d p = axes.transpose() * (point - origin);
+  if (kind == Kind::kParallel) return p;
+  const double distance = p.norm();
+  if (kind == Kind::kPinhole) return {p.x() / p.z(), p.y() / p.z(), distance};
+  return {std::atan2(p.x(), p.z()), std::atan2(p.y(), std::hypot(p.x(), p.z())), distance};
+}
+
+Eigen::Vector3d CloudRays::direction(const Eigen::Vector2d& at) const {
+  if (kind == Kind::kParallel) return axes.col(2);
+  if (kind == Kind::kPinhole) return (axes * at.homogeneous()).normalized();
+  const double across = std::cos(at.y());
+  return axes *
+         Eigen::Vector3d(across * std::sin(at.x()), std::sin(at.y()), across * std::cos(at.x()));
+}
+
+CloudRays parallel_rays(const Eigen::Vector3d& direction, const Eigen::Vector3d& centre) {
+  return {CloudRays::Kind::kParallel, centre, picture_axes(direction.normalized())};
+}
+
+CloudRays rays_from(const Eigen::Vector3d& viewpoint, const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& point : points) mean += (point - viewpoint).stableNormalized();
+  if (!(mean.norm() > 1e-6 * static_cast<double>(points.size())))
+    return spherical_rays(viewpoint, points);
+  const Eigen::Vector3d forward = mean.normalized();
+  for (const auto& point : points)
+    if ((point - viewpoint).stableNormalized().dot(forward) < std::cos(kPinholeHalfAngle))
+      return spherical_rays(viewpoint, points);
+  return {CloudRays::Kind::kPinhole, viewpoint, picture_axes(forward)};
+}
+
+Camera camera_of(const CloudRays& rays, const CloudLattice& lattice, double nearest,
+                 double standoff) {
+  const auto in_space = [&](const Eigen::Vector2d& at) -> Eigen::Vector3d {
+    return rays.axes.leftCols<2>() * at;
+  };
+  if (rays.kind == CloudRays::Kind::kParallel) {
+    const Eigen::Vector3d start = rays.origin + (nearest - standoff) * rays.axes.col(2);
+    return Camera::orthographic(lattice.width, lattice.height, start + in_space(lattice.origin),
+                                in_space(lattice.step_u), in_space(lattice.step_v),
+                                rays.axes.col(2));
+  }
+  Grid<Ray> table(lattice.width, lattice.height);
+  for (int v = 0; v < lattice.height; ++v)
+    for (int u = 0; u < lattice.width; ++u)
+      table(u, v) = {rays.origin, rays.direction(lattice.at(u, v))};
+  if (rays.kind == CloudRays::Kind::kSpherical)
+    return spherical_camera(rays, lattice, std::move(table));
+  return Camera::ray_table(std::move(table), projection_to(rays, lattice));
+}
+
+}  // namespace relief

@@ -1,0 +1,180 @@
+#include "scan/io/clouds/point_cloud_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+
+#include "relief/io/mesh_io.h"
+#include "relief/scan/triangle_mesh.h"
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/files/io_error.h"
+#include "scan/io/files/ply_file.h"
+
+namespace relief {
+
+namespace {
+
+std::string cloud_ending(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+bool is_one_of(const std::string& ending, std::initializer_list<const char*> endings) {
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+bool is_text_ending(const std::string& ending) {
+  return is_one_of(ending, {".xyz", ".txt", ".asc", ".pts", ".csv", ".xyzn", ".xyzrgb"});
+}
+
+bool is_mesh_ending(const std::string& ending) {
+  return is_one_of(ending, {".obj", ".stl", ".vtp"});
+}
+
+// Drops what is not finite and says so.
+Result<PointCloudFile> finite_points(PointCloudFile cloud, const std::filesystem::path& path) {
+  const std::size_t count = cloud.points.size();
+  std::size_t kept = 0;
+  const auto keep = [&](auto& values, std::size_t i) {
+    if (!values.empty()) values[kept] = values[i];
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!cloud.points[i].allFinite()) continue;
+    keep(cloud.points, i);
+    keep(cloud.normals, i);
+    keep(cloud.colours, i);
+    keep(cloud.facing, i);
+    ++kept;
+  }
+  if (kept == 0) return bad_input(path, "no point with finite coordinates in the file");
+  if (kept == count) return cloud;
+  const auto shorten = [&](auto& values) {
+    if (!values.empty()) values.resize(kept);
+  };
+  shorten(cloud.points);
+  shorten(cloud.normals);
+  shorten(cloud.colours);
+  shorten(cloud.facing);
+  cloud.notes.push_back(std::to_string(count - kept) + " points that are not finite are left out");
+  return cloud;
+}
+
+PointCloudFile cloud_of_mesh(TriangleMesh mesh) {
+  PointCloudFile cloud;
+  if (!mesh.faces.empty()) cloud.facing = vertex_normals(mesh);
+  cloud.points = std::move(mesh.vertices);
+  cloud.normals = std::move(mesh.normals);
+  cloud.colours = std::move(mesh.colours);
+  return cloud;
+}
+
+using PlyColumns = std::array<const std::vector<double>*, 3>;
+
+std::optional<PlyColumns> ply_columns(const PlyElement& vertex,
+                                      const std::array<const char*, 3>& names) {
+  PlyColumns columns{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const PlyProperty* property = vertex.find(names[k]);
+    if (!property || property->is_list) return std::nullopt;
+    columns[k] = &property->values;
+  }
+  return columns;
+}
+
+Eigen::Vector3d ply_vector(const PlyColumns& columns, std::size_t i) {
+  return {(*columns[0])[i], (*columns[1])[i], (*columns[2])[i]};
+}
+
+Colour ply_colour(const PlyColumns& columns, std::size_t i) {
+  Colour colour{};
+  for (std::size_t k = 0; k < 3; ++k)
+    if (const double level = (*columns[k])[i]; level > 0.0)
+      colour[k] = static_cast<std::uint8_t>(std::min(level, 255.0));
+  return colour;
+}
+
+Result<PointCloudFile> cloud_of_ply(const PlyFile& ply, const std::filesystem::path& path) {
+  const PlyElement* vertex = ply.find("vertex");
+  const auto xyz = vertex ? ply_columns(*vertex, {"x", "y", "z"}) : std::nullopt;
+  if (!xyz) return bad_input(path, "no element vertex with the properties x, y and z");
+  const auto normal = ply_columns(*vertex, {"nx", "ny", "nz"});
+  auto rgb = ply_columns(*vertex, {"red", "green", "blue"});
+  if (!rgb) rgb = ply_columns(*vertex, {"diffuse_red", "diffuse_green", "diffuse_blue"});
+  PointCloudFile cloud;
+  cloud.points.reserve(vertex->count);
+  for (std::size_t i = 0; i < vertex->count; ++i) {
+    cloud.points.push_back(ply_vector(*xyz, i));
+    if (normal) cloud.normals.push_back(ply_vector(*normal, i).cast<float>());
+    if (rgb) cloud.colours.push_back(ply_colour(*rgb, i));
+  }
+  return cloud;
+}
+
+Result<PointCloudFile> read_ply_cloud(const std::filesystem::path& path) {
+  const auto ply = read_ply(path);
+  if (!ply) return ply.error();
+  const PlyElement* face = ply->find("face");
+  if (!face || face->count == 0) return cloud_of_ply(*ply, path);
+  auto mesh = read_mesh(path);
+  if (!mesh) return mesh.error();
+  return cloud_of_mesh(*std::move(mesh));
+}
+
+Result<PointCloudFile> read_mesh_cloud(const std::filesystem::path& path) {
+  auto mesh = read_mesh(path);
+  if (!mesh) return mesh.error();
+  return cloud_of_mesh(*std::move(mesh));
+}
+
+Result<PointCloudFile> read_text_cloud(const std::filesystem::path& path) {
+  const auto content = read_file(path);
+  if (!content) return content.error();
+  return parse_xyz(*content, path);
+}
+
+Result<PointCloudFile> read_pcd_cloud(const std::filesystem::path& path) {
+  const auto grid = read_pcd_points(path);
+  if (!grid) return grid.error();
+  return cloud_of_grid(*grid);
+}
+
+}  // namespace
+
+bool has_cloud_ending(const std::filesystem::path& path) {
+  const std::string ending = cloud_ending(path);
+  return is_text_ending(ending) || is_mesh_ending(ending) || is_one_of(ending, {".pcd", ".ply"});
+}
+
+PointCloudFile cloud_of_grid(const GridFile& grid) {
+  PointCloudFile cloud;
+  for (std::size_t i = 0; i < grid.points.size(); ++i) {
+    if (!grid.points[i].allFinite()) continue;
+    cloud.points.push_back(grid.points[i]);
+    if (!grid.normals.empty()) cloud.normals.push_back(grid.normals[i]);
+    if (!grid.colours.empty()) cloud.colours.push_back(grid.colours[i]);
+  }
+  cloud.world_from_view = grid.world_from_view;
+  if (cloud.world_from_view) cloud.viewpoint = Eigen::Vector3d::Zero();
+  cloud.notes = grid.notes;
+  return cloud;
+}
+
+Result<PointCloudFile> read_point_cloud(const std::filesystem::path& path) {
+  const std::string ending = cloud_ending(path);
+  if (is_text_ending(ending)) return read_text_cloud(path);
+  auto cloud = [&]() -> Result<PointCloudFile> {
+    if (ending == ".pcd") return read_pcd_cloud(path);
+    if (ending == ".ply") return read_ply_cloud(path);
+    if (is_mesh_ending(ending)) return read_mesh_cloud(path);
+    return bad_input(path, "unknown format '" + ending +
+                               "' of a point cloud; use .xyz, .txt, .asc, .pts, .csv, .pcd, .ply, "
+                               ".obj, .stl or .vtp");
+  }();
+  if (!cloud) return cloud;
+  return finite_points(*std::move(cloud), path);
+}
+
+}  // namespace relief

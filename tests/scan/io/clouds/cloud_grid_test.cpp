@@ -1,0 +1,435 @@
+#include "scan/io/clouds/cloud_grid.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "relief/io/mesh_io.h"
+#include "relief/scan/discontinuities.h"
+#include "relief/scan/triangle_mesh.h"
+#include "scan/io/clouds/cloud_direction.h"
+#include "scan/io/clouds/cloud_lattice.h"
+#include "scan/io/clouds/nearest_points.h"
+#include "scan/io/grids/grid_view.h"
+#include "tests/support/synthetic_views.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_data.h"
+
+namespace relief {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+std::size_t count_points(const GridFile& grid) {
+  return static_cast<std::size_t>(std::count_if(grid.points.begin(), grid.points.end(),
+                                                [](const auto& p) { return p.allFinite(); }));
+}
+
+// Of the places that have a point within two places on all four sides, those that have one.
+double interior_fill(const Grid<Eigen::Vector3d>& points) {
+  const auto has = [&](int u, int v) { return points.contains(u, v) && points(u, v).allFinite(); };
+  const auto near = [&](int u, int v, int du, int dv) {
+    return has(u + du, v + dv) || has(u + 2 * du, v + 2 * dv);
+  };
+  std::size_t filled = 0, empty = 0;
+  for (int v = 0; v < points.height(); ++v) {
+    for (int u = 0; u < points.width(); ++u) {
+      if (has(u, v))
+        ++filled;
+      else if (near(u, v, 1, 0) && near(u, v, -1, 0) && near(u, v, 0, 1) && near(u, v, 0, -1))
+        ++empty;
+    }
+  }
+  return static_cast<double>(filled) / static_cast<double>(filled + empty);
+}
+
+double connected_fraction(const GridFile& grid) {
+  const auto view = view_from_grid(grid, grid.camera);
+  EXPECT_TRUE(view.ok()) << view.error().message;
+  const GridEdges edges = connect_samples(*view);
+  std::size_t pairs = 0, connected = 0;
+  for (int v = 0; v < view->height(); ++v) {
+    for (int u = 0; u < view->width(); ++u) {
+      if (!view->has_sample(u, v) || !view->has_sample(u + 1, v)) continue;
+      ++pairs;
+      connected += edges.right(u, v);
+    }
+  }
+  return static_cast<double>(connected) / static_cast<double>(pairs);
+}
+
+Eigen::Vector3d middle_direction(const GridFile& grid) {
+  return grid.camera->ray(grid.points.width() / 2, grid.points.height() / 2).direction.normalized();
+}
+
+using PointSet = std::set<std::array<double, 3>>;
+
+// Every point of the grid is one of the cloud to the last bit, and none is there twice.
+void expect_points_of(const PointCloudFile& cloud, const GridFile& grid) {
+  PointSet given, found;
+  for (const auto& p : cloud.points) given.insert({p.x(), p.y(), p.z()});
+  for (const auto& p : grid.points) {
+    if (!p.allFinite()) continue;
+    ASSERT_TRUE(given.contains({p.x(), p.y(), p.z()}));
+    ASSERT_TRUE(found.insert({p.x(), p.y(), p.z()}).second);
+  }
+}
+
+// The rendered view as points in no order, in the world or in the view's own frame.
+PointCloudFile cloud_of(const RangeView& view, bool in_world) {
+  PointCloudFile cloud;
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      if (!view.has_sample(u, v)) continue;
+      const Eigen::Vector3d point = view.point(u, v);
+      cloud.points.push_back(in_world ? view.world_from_view * point : point);
+    }
+  }
+  std::mt19937 random(5);
+  std::shuffle(cloud.points.begin(), cloud.points.end(), random);
+  return cloud;
+}
+
+const Eigen::Vector3d kEye(3, -4, 2);
+
+RangeView sphere_view() {
+  return testing::render(testing::sphere({0, 0, 0}, 1.0),
+                         Camera::pinhole(160, 120, {300, 300, 79.5, 59.5}),
+                         testing::look_at(kEye, {0, 0, 0}));
+}
+
+TEST(NearestPoints, FindsWhatAllDistancesSay) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 500; ++i) points.emplace_back(uniform(random), uniform(random), 0.1 * i);
+  points.push_back(points.front());
+  const NearestPoints<3> tree(points);
+  for (const auto& query : points) {
+    std::vector<double> distances;
+    for (const auto& point : points)
+      if (point != query) distances.push_back((point - query).squaredNorm());
+    std::sort(distances.begin(), distances.end());
+    const auto found = tree.find(query, 7);
+    ASSERT_EQ(found.size(), 7u);
+    for (std::size_t k = 0; k < 7; ++k) ASSERT_EQ(found[k].squared_distance, distances[k]);
+  }
+}
+
+TEST(CloudLattice, FindsTheStepsAndTheTurnOfRows) {
+  std::vector<Eigen::Vector2d> at;
+  const double angle = 0.3;
+  const Eigen::Vector2d u(std::cos(angle), std::sin(angle)), v(-u.y(), u.x());
+  for (int j = 0; j < 40; ++j)
+    for (int i = 0; i < 60; ++i) at.push_back(0.5 * i * u + 1.25 * j * v);
+  const auto lattice = fit_lattice(at, true);
+  ASSERT_TRUE(lattice.ok()) << lattice.error().message;
+  EXPECT_LT((lattice->step_u - 0.5 * u).norm(), 1e-9);
+  EXPECT_LT((lattice->step_v - 1.25 * v).norm(), 1e-9);
+  EXPECT_NEAR(lattice->width, 60, 2);
+  EXPECT_NEAR(lattice->height, 40, 2);
+}
+
+TEST(CloudGrid, KeepsThePointsOfAPerspectiveViewFromItsViewpoint) {
+  const PointCloudFile cloud = cloud_of(sphere_view(), true);
+  CloudGridOptions options;
+  options.viewpoint = kEye;
+  const auto grid = grid_from_cloud(cloud, options);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  expect_points_of(cloud, *grid);
+  EXPECT_GT(count_points(*grid), cloud.points.size() * 98 / 100);
+  EXPECT_GT(interior_fill(grid->points), 0.97);
+  EXPECT_GT(connected_fraction(*grid), 0.97);
+  // Rays come from the viewpoint, and the projection agrees with them.
+  const Ray ray = grid->camera->ray(20, 30);
+  EXPECT_LT((ray.origin - kEye).norm(), 1e-12);
+  const auto pixel = grid->camera->project(ray.at(3.0));
+  ASSERT_TRUE(pixel.has_value());
+  EXPECT_LT((*pixel - Eigen::Vector2d(20, 30)).norm(), 1e-9);
+}
+
+TEST(CloudGrid, PointsAreWithinOnePlaceOfTheirRays) {
+  const PointCloudFile cloud = cloud_of(sphere_view(), true);
+  for (const bool given : {true, false}) {
+    CloudGridOptions options;
+    if (given) options.viewpoint = kEye;
+    const auto grid = grid_from_cloud(cloud, options);
+    ASSERT_TRUE(grid.ok()) << grid.error().message;
+    for (int v = 0; v < grid->points.height(); ++v) {
+      for (int u = 0; u < grid->points.width(); ++u) {
+        if (!grid->points(u, v).allFinite()) continue;
+        const auto pixel = grid->camera->project(grid->points(u, v));
+        ASSERT_TRUE(pixel.has_value());
+        ASSERT_LE((*pixel - Eigen::Vector2d(u, v)).cwiseAbs().maxCoeff(), 1.0 + 1e-6);
+      }
+    }
+  }
+}
+
+TEST(CloudGrid, TakesTheOriginOfADepthCamera) {
+  const PointCloudFile cloud = cloud_of(sphere_view(), false);
+  const auto grid = grid_from_cloud(cloud);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_TRUE(grid->camera->ray(3, 3).origin.isZero());
+  EXPECT_THAT(grid->notes, Contains(HasSubstr("the origin of the frame")));
+  EXPECT_GT(count_points(*grid), cloud.points.size() * 98 / 100);
+}
+
+TEST(CloudGrid, FindsTheSideOfASolidObject) {
+  const PointCloudFile cloud = cloud_of(sphere_view(), true);
+  const auto grid = grid_from_cloud(cloud);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_EQ(grid->camera->model(), Camera::Model::kOrthographic);
+  EXPECT_GT(middle_direction(*grid).dot(-kEye.normalized()), std::cos(0.2));
+  EXPECT_THAT(grid->notes, Contains(HasSubstr("a guess: the side from which outlines turn away")));
+  expect_points_of(cloud, *grid);
+  EXPECT_GT(count_points(*grid), cloud.points.size() * 9 / 10);
+}
+
+TEST(CloudGrid, NormalsTellTheSide) {
+  // The inside of a bowl, whose outlines turn towards the sensor.
+  PointCloudFile cloud = cloud_of(sphere_view(), true);
+  for (const auto& point : cloud.points) cloud.normals.push_back((-point).cast<float>());
+  const auto grid = grid_from_cloud(cloud);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_GT(middle_direction(*grid).dot(kEye.normalized()), 0.9);
+  EXPECT_THAT(grid->notes, Contains(HasSubstr("the side that the normals face")));
+  EXPECT_THAT(grid->notes, Contains(HasSubstr("the outlines turn towards that side")));
+  for (std::size_t i = 0; i < grid->points.size(); ++i) {
+    if (!grid->points[i].allFinite()) continue;
+    ASSERT_EQ(grid->normals[i], Eigen::Vector3f((-grid->points[i]).cast<float>()));
+  }
+}
+
+TEST(CloudGrid, FacesTellTheSideButAreNoNormals) {
+  PointCloudFile cloud = cloud_of(sphere_view(), true);
+  for (const auto& point : cloud.points) cloud.facing.push_back((-point).cast<float>());
+  const auto grid = grid_from_cloud(cloud);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_GT(middle_direction(*grid).dot(kEye.normalized()), 0.9);
+  EXPECT_TRUE(grid->normals.empty());
+}
+
+TEST(CloudGrid, IsTheSameWhereTheCloudIsMoved) {
+  PointCloudFile cloud = cloud_of(sphere_view(), true);
+  const auto grid = grid_from_cloud(cloud);
+  ASSERT_TRUE(grid.ok());
+  const Eigen::Vector3d shift(1000, 2000, -500);
+  for (auto& point : cloud.points) point = 4.0 * point + shift;
+  const auto moved = grid_from_cloud(cloud);
+  ASSERT_TRUE(moved.ok());
+  EXPECT_LT((middle_direction(*moved) - middle_direction(*grid)).norm(), 0.05);
+  const auto kept = static_cast<double>(count_points(*grid));
+  EXPECT_NEAR(static_cast<double>(count_points(*moved)), kept, 0.01 * kept);
+}
+
+TEST(CloudGrid, UsesADirectionThatIsGiven) {
+  PointCloudFile cloud;
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 50; ++x) cloud.points.emplace_back(0.25 * x, 0.5 * y, std::sin(0.1 * x));
+  cloud.colours.assign(cloud.points.size(), Colour{1, 2, 3});
+  CloudGridOptions options;
+  options.direction = Eigen::Vector3d(0, 0, -2);
+  const auto grid = grid_from_cloud(cloud, options);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_EQ(count_points(*grid), cloud.points.size());
+  EXPECT_EQ(interior_fill(grid->points), 1.0);
+  EXPECT_TRUE(grid->notes.empty());
+  const Ray ray = grid->camera->ray(0, 0);
+  EXPECT_EQ(ray.direction, Eigen::Vector3d(0, 0, -1));
+  EXPECT_NEAR((grid->camera->ray(1, 0).origin - ray.origin).norm(), 0.25, 1e-9);
+  EXPECT_NEAR((grid->camera->ray(0, 1).origin - ray.origin).norm(), 0.5, 1e-9);
+  EXPECT_EQ(grid->colours.size(), grid->points.size());
+}
+
+TEST(CloudGrid, LeavesOutWhatIsHidden) {
+  PointCloudFile cloud;
+  for (const double z : {0.0, 5.0})
+    for (int y = 0; y < 30; ++y)
+      for (int x = 0; x < 30; ++x) cloud.points.emplace_back(0.1 * x, 0.1 * y, z);
+  CloudGridOptions options;
+  options.direction = Eigen::Vector3d(0, 0, 1);
+  const auto grid = grid_from_cloud(cloud, options);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_EQ(count_points(*grid), 900u);
+  for (const auto& point : grid->points)
+    if (point.allFinite()) {
+      EXPECT_EQ(point.z(), 0.0);
+    }
+  EXPECT_THAT(grid->notes, Contains("900 of 1800 points lie behind others and are left out"));
+  EXPECT_THAT(grid->notes, Contains(HasSubstr("give the viewpoint")));
+}
+
+TEST(CloudGrid, CountsPointsThatShareARay) {
+  PointCloudFile cloud;
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 30; ++x) cloud.points.emplace_back(0.1 * x, 0.1 * y, 0.0);
+  cloud.points.emplace_back(1.5 + 1e-4, 1.5, 0.0);
+  CloudGridOptions options;
+  options.direction = Eigen::Vector3d(0, 0, 1);
+  const auto grid = grid_from_cloud(cloud, options);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_EQ(count_points(*grid), 900u);
+  EXPECT_THAT(grid->notes, Contains("1 of 901 points share a ray with another and are left out"));
+}
+
+TEST(CloudGrid, SeesARoomAllRound) {
+  // Walls, floor and ceiling of a box around the origin, by even angles.
+  PointCloudFile cloud;
+  const double step = std::numbers::pi / 180.0;
+  for (int row = -60; row <= 60; ++row) {
+    for (int column = 0; column < 360; ++column) {
+      const double azimuth = column * step, elevation = row * step;
+      const Eigen::Vector3d d(std::cos(elevation) * std::cos(azimuth),
+                              std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      cloud.points.push_back(d * std::min({3.0 / std::abs(d.x()), 2.0 / std::abs(d.y()),
+                                           d.z() == 0.0 ? 1e9 : 1.5 / std::abs(d.z())}));
+    }
+  }
+  CloudGridOptions options;
+  options.viewpoint = Eigen::Vector3d::Zero();
+  const auto grid = grid_from_cloud(cloud, options);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_GT(count_points(*grid), cloud.points.size() * 97 / 100);
+  EXPECT_NEAR(grid->points.width(), 360, 4);
+  EXPECT_NEAR(grid->points.height(), 121, 4);
+  for (int v = 0; v < grid->points.height(); v += 7) {
+    for (int u = 0; u < grid->points.width(); u += 7) {
+      if (!grid->points(u, v).allFinite()) continue;
+      const Eigen::Vector3d direction = grid->points(u, v).normalized();
+      ASSERT_GT(grid->camera->ray(u, v).direction.dot(direction), std::cos(2.0 * step));
+    }
+  }
+}
+
+TEST(CloudGrid, IrregularPointsStayConnected) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  PointCloudFile cloud;
+  for (int i = 0; i < 20000; ++i) {
+    const double x = uniform(random), y = uniform(random);
+    cloud.points.emplace_back(x, y, 0.2 * std::cos(2 * x) * std::cos(2 * y));
+  }
+  const auto grid = grid_from_cloud(cloud);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  expect_points_of(cloud, *grid);
+  EXPECT_GT(count_points(*grid), cloud.points.size() * 85 / 100);
+  EXPECT_GT(connected_fraction(*grid), 0.95);
+}
+
+TEST(CloudGrid, LeavesPointsFarOffOutside) {
+  PointCloudFile cloud = cloud_of(sphere_view(), true);
+  cloud.points.emplace_back(1e7, 0, 0);
+  cloud.points.emplace_back(0, -1e8, 1e8);
+  CloudGridOptions options;
+  options.direction = -kEye;
+  const auto grid = grid_from_cloud(cloud, options);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_THAT(grid->notes, Contains(HasSubstr("2 of")));
+  EXPECT_LT(grid->points.size(), 64 * cloud.points.size() + 10000);
+}
+
+TEST(CloudGrid, RefusesWhatIsNoScan) {
+  const auto error = [](PointCloudFile cloud, const CloudGridOptions& options = {}) {
+    const auto grid = grid_from_cloud(std::move(cloud), options);
+    return grid.ok() ? std::string("no error") : grid.error().message;
+  };
+  EXPECT_THAT(error({}), HasSubstr("the cloud has no points"));
+  PointCloudFile line, place;
+  for (int i = 0; i < 100; ++i) line.points.emplace_back(i, 2 * i, 3);
+  for (int i = 0; i < 100; ++i) place.points.emplace_back(1, 2, 3);
+  EXPECT_THAT(error(line), HasSubstr("on a line"));
+  EXPECT_THAT(error(place), HasSubstr("at one place"));
+  line.normals.resize(3);
+  EXPECT_THAT(error(line), HasSubstr("not one normal or colour for each point"));
+  PointCloudFile cloud = cloud_of(sphere_view(), true);
+  CloudGridOptions options;
+  options.direction = Eigen::Vector3d::Zero();
+  EXPECT_THAT(error(cloud, options), HasSubstr("is no direction"));
+  options.viewpoint = Eigen::Vector3d::Constant(kNoSample);
+  EXPECT_THAT(error(cloud, options), HasSubstr("viewpoint of the cloud is not finite"));
+}
+
+TEST(CloudGrid, ExtremeCoordinatesNeverCrash) {
+  std::mt19937_64 random(9);
+  for (int k = 0; k < 300; ++k) {
+    PointCloudFile cloud;
+    for (int i = 0; i < 40; ++i) {
+      Eigen::Vector3d point;
+      for (double& value : point) {
+        const int power = static_cast<int>(random() % 617) - 308;
+        value = (random() % 3 ? 1.0 : -1.0) * std::pow(10.0, k % 2 ? power : power % 4) *
+                static_cast<double>(random() % 10);
+      }
+      if (point.allFinite()) cloud.points.push_back(point);
+    }
+    CloudGridOptions options;
+    if (k % 3 == 0) options.viewpoint = cloud.points[0];
+    (void)grid_from_cloud(cloud, options);
+  }
+}
+
+// A range-grid PLY as text of points.
+std::string text_of(const GridFile& grid) {
+  std::string text;
+  char buffer[40];
+  for (const auto& point : grid.points) {
+    if (!point.allFinite()) continue;
+    for (const double value : point) {
+      text.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+      text += ' ';
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+TEST(CloudGrid, RealScansAsTextKeepTheirPoints) {
+  RELIEF_REQUIRE_TEST_DATA(path, "dragon");
+  const TemporaryFolder folder;
+  for (const char* name : {"0", "48", "144", "264", "312"}) {
+    const auto scan = read_ply_grid(path / ("dragonStandRight_" + std::string(name) + ".ply"));
+    ASSERT_TRUE(scan.ok()) << scan.error().message;
+    const auto cloud = read_point_cloud(folder.write("a.xyz", text_of(*scan)));
+    ASSERT_TRUE(cloud.ok()) << cloud.error().message;
+    ASSERT_EQ(cloud->points.size(), count_points(*scan));
+    const auto grid = grid_from_cloud(*cloud);
+    ASSERT_TRUE(grid.ok()) << grid.error().message;
+    expect_points_of(*cloud, *grid);
+    EXPECT_GT(count_points(*grid), cloud->points.size() * 9 / 10) << name;
+    EXPECT_GT(interior_fill(grid->points), 0.85) << name;
+    EXPECT_GT(connected_fraction(*grid), 0.95) << name;
+    // The sensor is where z grows.
+    EXPECT_LT(middle_direction(*grid).z(), -0.8) << name;
+  }
+}
+
+TEST(CloudGrid, RealRangeMeshesAsViews) {
+  RELIEF_REQUIRE_TEST_DATA(path, "bunny/bun000.ply");
+  const auto scan = read_ply_grid(path);
+  ASSERT_TRUE(scan.ok()) << scan.error().message;
+  const auto view = view_from_grid(*scan);
+  ASSERT_TRUE(view.ok()) << view.error().message;
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_mesh(mesh_from_view(*view), folder / "a.stl").ok());
+  const auto cloud = read_point_cloud(folder / "a.stl");
+  ASSERT_TRUE(cloud.ok()) << cloud.error().message;
+  const auto grid = grid_from_cloud(*cloud);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_GT(count_points(*grid), cloud->points.size() * 9 / 10);
+  EXPECT_GT(interior_fill(grid->points), 0.85);
+  EXPECT_LT(middle_direction(*grid).z(), -0.9);
+  EXPECT_THAT(grid->notes, Contains(HasSubstr("the side that the normals face")));
+}
+
+}  // namespace
+}  // namespace relief
