@@ -10,6 +10,7 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/colmap_array.h"
 #include "scan/io/images/image_limits.h"
 
 namespace relief {
@@ -37,6 +38,10 @@ float load_float(const char* bytes, bool little_endian) {
   std::memcpy(&bits, bytes, sizeof bits);
   if (little_endian != (std::endian::native == std::endian::little)) bits = __builtin_bswap32(bits);
   return std::bit_cast<float>(bits);
+}
+
+bool is_pnm_ending(std::string_view ending) {
+  return ending == ".pgm" || ending == ".ppm" || ending == ".pnm";
 }
 
 }  // namespace
@@ -76,9 +81,14 @@ Result<Image> read_image(const std::filesystem::path& path) {
                       : ending == ".tif" || ending == ".tiff" ? decode_tiff
                       : ending == ".exr"                      ? decode_exr
                       : ending == ".pfm"                      ? decode_pfm
+                      : ending == ".bin"                      ? decode_colmap_array
+                      : ending == ".jpg" || ending == ".jpeg" ? decode_jpeg
+                      : is_pnm_ending(ending)                 ? decode_pnm
                                                               : nullptr;
   if (!decode)
-    return bad_input(path, "unknown image format '" + ending + "'; use .png, .tiff, .exr or .pfm");
+    return bad_input(path,
+                     "unknown image format '" + ending +
+                         "'; use .png, .tiff, .exr, .pfm, .jpg, .pgm, .ppm, or the .bin of COLMAP");
   auto content = read_file(path);
   if (!content) return content.error();
   return decode(*content, path);

@@ -37,9 +37,9 @@ struct Image {
 };
 
 /// Reads an image by its ending: .png (8 or 16 bit), .tif/.tiff (8 or 16 bit integer; 16, 32 or 64
-/// bit float), .exr (half or float), .pfm. Alpha channels are dropped, palettes resolved. Truncated
-/// and corrupt files are errors (kBadInput). Nothing is allocated that check_image_header() (see
-/// image_limits.h) does not allow.
+/// bit float), .exr (half or float), .pfm, .jpg, .pgm/.ppm/.pnm, .bin of COLMAP. Alpha channels are
+/// dropped, palettes resolved. Truncated and corrupt files are errors (kBadInput). Nothing is
+/// allocated that check_image_header() (see image_limits.h) does not allow.
 Result<Image> read_image(const std::filesystem::path& path);
 
 /// The bytes of a 32-bit float TIFF, deflated, of a real image.
@@ -53,5 +53,7 @@ Result<Image> decode_png(std::string_view content, const std::filesystem::path& 
 Result<Image> decode_tiff(std::string_view content, const std::filesystem::path& path);
 Result<Image> decode_exr(std::string_view content, const std::filesystem::path& path);
 Result<Image> decode_pfm(std::string_view content, const std::filesystem::path& path);
+Result<Image> decode_jpeg(std::string_view content, const std::filesystem::path& path);
+Result<Image> decode_pnm(std::string_view content, const std::filesystem::path& path);
 
 }  // namespace relief

@@ -1,0 +1,126 @@
+#include "scan/io/images/image_size.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstddef>
+#include <fstream>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+namespace relief {
+
+namespace {
+
+// Headers of JPEG files hold thumbnails and profiles before the size.
+constexpr std::size_t kHeaderBytes = 1 << 20;
+constexpr unsigned kMaxImageSide = 1 << 16;
+
+unsigned byte_at(std::string_view bytes, std::size_t i) {
+  return static_cast<unsigned char>(bytes[i]);
+}
+
+unsigned big_endian(std::string_view bytes, std::size_t offset, std::size_t count) {
+  unsigned value = 0;
+  for (std::size_t i = 0; i < count; ++i) value = value << 8 | byte_at(bytes, offset + i);
+  return value;
+}
+
+std::optional<ImageSize> checked_size(unsigned width, unsigned height) {
+  if (width == 0 || height == 0 || width > kMaxImageSide || height > kMaxImageSide)
+    return std::nullopt;
+  return ImageSize{static_cast<int>(width), static_cast<int>(height)};
+}
+
+// The first chunk of a PNG, IHDR, begins with both sizes.
+std::optional<ImageSize> png_size(std::string_view bytes) {
+  if (bytes.size() < 24) return std::nullopt;
+  return checked_size(big_endian(bytes, 16, 4), big_endian(bytes, 20, 4));
+}
+
+// Segments are a marker and a length; a frame header (SOF) holds height and width.
+std::optional<ImageSize> jpeg_size(std::string_view bytes) {
+  for (std::size_t i = 2; i + 9 <= bytes.size();) {
+    if (byte_at(bytes, i) != 0xff) return std::nullopt;
+    const unsigned marker = byte_at(bytes, i + 1);
+    if (marker == 0xff) {  // A byte of padding.
+      ++i;
+      continue;
+    }
+    const bool frame =
+        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+    if (frame) return checked_size(big_endian(bytes, i + 7, 2), big_endian(bytes, i + 5, 2));
+    i += 2 + std::max(2u, big_endian(bytes, i + 2, 2));
+  }
+  return std::nullopt;
+}
+
+// A number of a text header; white space and comments before it are skipped.
+bool take_header_number(std::string_view& rest, unsigned& value) {
+  for (;;) {
+    while (!rest.empty() && std::isspace(static_cast<unsigned char>(rest.front())))
+      rest.remove_prefix(1);
+    if (rest.empty() || rest.front() != '#') break;
+    rest.remove_prefix(std::min(rest.find('\n'), rest.size()));
+  }
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+  rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+  return error == std::errc();
+}
+
+std::optional<ImageSize> pnm_size(std::string_view bytes) {
+  unsigned width = 0, height = 0;
+  bytes.remove_prefix(2);
+  if (!take_header_number(bytes, width) || !take_header_number(bytes, height)) return std::nullopt;
+  return checked_size(width, height);
+}
+
+std::optional<ImageSize> array_size(std::string_view bytes) {
+  unsigned width = 0, height = 0;
+  if (!take_header_number(bytes, width) || !bytes.starts_with('&')) return std::nullopt;
+  bytes.remove_prefix(1);
+  if (!take_header_number(bytes, height) || !bytes.starts_with('&')) return std::nullopt;
+  return checked_size(width, height);
+}
+
+std::string lower_ending(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+bool ends_like(const std::filesystem::path& path, std::initializer_list<const char*> endings) {
+  const std::string ending = lower_ending(path);
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+}  // namespace
+
+std::optional<ImageSize> image_size(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head(64, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  if (head.starts_with("\x89PNG")) return png_size(head);
+  if (head.starts_with("\xff\xd8")) {
+    std::string more(kHeaderBytes, '\0');
+    file.read(more.data(), static_cast<std::streamsize>(more.size()));
+    more.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
+    return jpeg_size(head + more);
+  }
+  if (head.size() > 2 && head[0] == 'P' && std::string_view("2356").find(head[1]) < 4)
+    return pnm_size(head);
+  return array_size(head);
+}
+
+bool has_depth_image_ending(const std::filesystem::path& path) {
+  return ends_like(path, {".png", ".tif", ".tiff", ".exr", ".pfm", ".pgm", ".npy"});
+}
+
+bool has_photograph_ending(const std::filesystem::path& path) {
+  return ends_like(path, {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".ppm", ".bmp", ".webp"});
+}
+
+}  // namespace relief

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+namespace relief {
+
+struct ImageSize {
+  int width = 0, height = 0;  ///< [pixels]
+  bool operator==(const ImageSize&) const = default;
+};
+
+/// The size that the header of a PNG, JPEG, PNM (P2, P3, P5, P6) or COLMAP array says. Nothing is
+/// decoded. Nothing for other formats and for damaged headers.
+std::optional<ImageSize> image_size(const std::filesystem::path& path);
+
+/// Whether a file name ends like an image that can hold depths.
+bool has_depth_image_ending(const std::filesystem::path& path);
+
+/// Whether a file name ends like a photograph.
+bool has_photograph_ending(const std::filesystem::path& path);
+
+}  // namespace relief
