@@ -21,6 +21,7 @@ Result<std::string> encode_vtp_mesh(const TriangleMesh& mesh);
 Result<std::string> encode_obj_mesh(const TriangleMesh& mesh);
 Result<std::string> encode_stl_mesh(const TriangleMesh& mesh);
 Result<std::string> encode_glb_mesh(const TriangleMesh& mesh);
+Result<std::string> encode_3mf_mesh(const TriangleMesh& mesh);
 
 /// Whether storing coordinates as 32-bit floats would move a vertex by more than 1e-7 of the size
 /// of the mesh: so it does far from the origin.

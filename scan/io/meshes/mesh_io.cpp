@@ -29,6 +29,7 @@ Encoder encoder_of(const std::filesystem::path& path) {
   if (ending == ".obj") return encode_obj_mesh;
   if (ending == ".stl") return encode_stl_mesh;
   if (ending == ".glb") return encode_glb_mesh;
+  if (ending == ".3mf") return encode_3mf_mesh;
   return nullptr;
 }
 
@@ -58,8 +59,8 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& path) {
 Result<void> write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path) {
   const Encoder encode = encoder_of(path);
   if (!encode)
-    return cannot_write(
-        path, "unknown mesh format '" + ending_of(path) + "'; use .ply, .vtp, .obj, .stl or .glb");
+    return cannot_write(path, "unknown mesh format '" + ending_of(path) +
+                                  "'; use .ply, .vtp, .obj, .stl, .glb or .3mf");
   const auto bytes = encode(mesh);
   if (!bytes) return cannot_write(path, bytes.error().message);
   return write_file(path, *bytes);

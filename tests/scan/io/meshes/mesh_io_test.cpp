@@ -1,5 +1,6 @@
 #include "relief/io/mesh_io.h"
 
+#include <cmath>
 #include <cstring>
 
 #include <gmock/gmock.h>
@@ -96,6 +97,53 @@ TEST(MeshIo, GlbIsWellFormed) {
   EXPECT_EQ(bytes.size(), 28 + json_size + word(20 + json_size));
   EXPECT_EQ(scene["accessors"][0]["count"], 12);
   EXPECT_EQ(scene["nodes"][0]["translation"][0], 1e6);
+}
+
+TEST(MeshIo, GlbHasColoursAndTheExpectedError) {
+  const TemporaryFolder folder;
+  const TriangleMesh mesh = with_attributes(tetrahedron());
+  ASSERT_TRUE(write_mesh(mesh, folder / "a.glb").ok());
+  const std::string bytes = *read_file(folder / "a.glb");
+  std::uint32_t json_size;
+  std::memcpy(&json_size, bytes.data() + 12, 4);
+  const auto scene = nlohmann::json::parse(bytes.substr(20, json_size));
+  const auto& attributes = scene["meshes"][0]["primitives"][0]["attributes"];
+  const auto values_of = [&](const char* name) {
+    const auto& accessor = scene["accessors"][attributes[name].get<std::size_t>()];
+    EXPECT_EQ(accessor["count"], mesh.vertices.size());
+    const auto& view = scene["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    return bytes.data() + 28 + json_size + view.value("byteOffset", std::size_t{0});
+  };
+  float error;
+  std::memcpy(&error, values_of("_EXPECTED_ERROR") + 4, 4);
+  EXPECT_EQ(error, mesh.quality[1]);
+  // sRGB to linear, by the formula for larger values.
+  std::uint16_t red;
+  std::memcpy(&red, values_of("COLOR_0") + 8, 2);
+  const double srgb = mesh.colours[1][0] / 255.0;
+  EXPECT_NEAR(red / 65535.0, srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4),
+              1e-5);
+}
+
+TEST(MeshIo, ObjHasColours) {
+  const TemporaryFolder folder;
+  TriangleMesh mesh = tetrahedron();
+  mesh.colours.assign(mesh.vertices.size(), Colour{255, 0, 51});
+  ASSERT_TRUE(write_mesh(mesh, folder / "a.obj").ok());
+  EXPECT_THAT(*read_file(folder / "a.obj"), HasSubstr(" 1 0 0.2\n"));
+  EXPECT_EQ(read_mesh(folder / "a.obj")->vertices.size(), mesh.vertices.size());
+}
+
+TEST(MeshIo, ThreeMfIsAnArchiveWithTheModel) {
+  const TemporaryFolder folder;
+  const TriangleMesh mesh = with_attributes(tetrahedron());
+  ASSERT_TRUE(write_mesh(mesh, folder / "a.3mf").ok());
+  const std::string bytes = *read_file(folder / "a.3mf");
+  EXPECT_EQ(bytes.substr(0, 4), std::string("PK\x03\x04"));
+  for (const char* name : {"[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"})
+    EXPECT_THAT(bytes, HasSubstr(name));
+  ASSERT_TRUE(write_mesh(mesh, folder / "b.3mf").ok());
+  EXPECT_EQ(*read_file(folder / "b.3mf"), bytes);
 }
 
 TEST(MeshIo, VtpHoldsTheAttributes) {
