@@ -1,0 +1,211 @@
+#include "scan/io/workspaces/rgbd/calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/workspaces/rgbd/open3d_json.h"
+#include "scan/io/workspaces/workspace_text.h"
+
+namespace relief {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Calibration files are small; larger texts beside scans are something else.
+constexpr std::uintmax_t kMaxCalibrationBytes = 1 << 16;
+
+struct CalibrationLine {
+  int number = 0;
+  std::vector<double> numbers;
+};
+
+// What a calibration text holds: rows of numbers, and numbers with names.
+struct CalibrationWords {
+  std::vector<CalibrationLine> rows;
+  std::array<std::optional<double>, 7> named;
+};
+constexpr std::array<std::string_view, 7> kCalibrationNames = {
+    "fx", "fy", "cx", "cy", "width", "height", "depth_scale"};
+
+// `fx 525`, `fx: 525` or `fx = 525`. False where the line has another form or an unknown name.
+bool take_named(std::string_view line, CalibrationWords& words) {
+  const std::size_t end = line.find_first_of(" \t:=,");
+  const auto name =
+      std::find(kCalibrationNames.begin(), kCalibrationNames.end(), line.substr(0, end));
+  if (name == kCalibrationNames.end() || end == std::string_view::npos) return false;
+  line.remove_prefix(end);
+  line.remove_prefix(std::min(line.find_first_not_of(" \t:=,"), line.size()));
+  double value = 0.0;
+  if (!parse_row(line, 1, &value) || !std::isfinite(value)) return false;
+  words.named[static_cast<std::size_t>(name - kCalibrationNames.begin())] = value;
+  return true;
+}
+
+Result<CalibrationWords> calibration_words(std::string_view text, const fs::path& path) {
+  NumberedLines lines(text, path);
+  CalibrationWords words;
+  for (std::string_view line; lines.next(line);) {
+    const auto numbers = leading_numbers(line);
+    const bool all_finite = std::all_of(numbers.begin(), numbers.end(),
+                                        [](double number) { return std::isfinite(number); });
+    if (!numbers.empty() && all_finite && words_of(line).size() == numbers.size())
+      words.rows.push_back({lines.number(), numbers});
+    else if (!take_named(line, words))
+      return lines.error(
+          "expected 'fx fy cx cy', a row of a 3x3 matrix, or a line as 'fx 525' (fx, fy, cx, cy, "
+          "width, height, depth_scale)");
+  }
+  return words;
+}
+
+std::optional<ImageSize> size_of_numbers(double width, double height) {
+  const auto is_side = [](double side) {
+    return side >= 1.0 && side <= 65536.0 && side == std::floor(side);
+  };
+  if (!is_side(width) || !is_side(height)) return std::nullopt;
+  return ImageSize{static_cast<int>(width), static_cast<int>(height)};
+}
+
+// `fx fy cx cy` and what may follow.
+void take_single_row(const CalibrationLine& row, Calibration& calibration) {
+  const std::vector<double>& n = row.numbers;
+  calibration.intrinsics = PinholeIntrinsics{n[0], n[1], n[2], n[3]};
+  // Coefficients of distortion are small or fractions, sizes are whole and large.
+  constexpr double kSmallestSide = 16.0;
+  if (n.size() == 6 && n[4] >= kSmallestSide && n[5] >= kSmallestSide) {
+    calibration.size = size_of_numbers(n[4], n[5]);
+    if (calibration.size) return;
+  }
+  if (std::any_of(n.begin() + 4, n.end(), [](double k) { return k != 0.0; }))
+    calibration.notes.push_back("coefficients of distortion on line " + std::to_string(row.number) +
+                                " are not applied");
+}
+
+Result<void> take_matrix(const std::vector<CalibrationLine>& rows, const fs::path& path,
+                         Calibration& calibration) {
+  const std::size_t size = rows.size();
+  const auto place = [&](std::size_t r) { return "line " + std::to_string(rows[r].number) + ": "; };
+  for (std::size_t r = 0; r < size; ++r) {
+    if (rows[r].numbers.size() != size)
+      return bad_input(path, place(r) + "expected a row of a " + std::to_string(size) + "x" +
+                                 std::to_string(size) + " matrix of intrinsics");
+    for (std::size_t c = 0; c < size; ++c) {
+      const bool free = (r == c && r < 2) || (r < 2 && c == 2);
+      if (!free && rows[r].numbers[c] != (r == c ? 1.0 : 0.0))
+        return bad_input(path, place(r) +
+                                   "a matrix of intrinsics is 'fx 0 cx', '0 fy cy', "
+                                   "'0 0 1', without skew");
+    }
+  }
+  const auto at = [&](std::size_t r, std::size_t c) { return rows[r].numbers[c]; };
+  calibration.intrinsics = PinholeIntrinsics{at(0, 0), at(1, 1), at(0, 2), at(1, 2)};
+  return {};
+}
+
+Result<void> take_rows(const CalibrationWords& words, const fs::path& path,
+                       Calibration& calibration) {
+  const auto& rows = words.rows;
+  if (rows.empty()) return {};
+  if (rows.size() == 3 || rows.size() == 4) return take_matrix(rows, path, calibration);
+  const CalibrationLine& row = rows.front();
+  if (rows.size() == 1 && row.numbers.size() >= 4 && row.numbers.size() <= 12) {
+    take_single_row(row, calibration);
+    return {};
+  }
+  return bad_input(path, "line " + std::to_string(row.number) +
+                             ": expected 'fx fy cx cy' on one line, or a 3x3 matrix");
+}
+
+Result<void> take_names(const CalibrationWords& words, const fs::path& path,
+                        Calibration& calibration) {
+  const auto& [fx, fy, cx, cy, width, height, scale] = words.named;
+  if (fx && fy && cx && cy)
+    calibration.intrinsics = PinholeIntrinsics{*fx, *fy, *cx, *cy};
+  else if (fx || fy || cx || cy)
+    return bad_input(path, "needs all of fx, fy, cx and cy");
+  if (width && height) calibration.size = size_of_numbers(*width, *height);
+  if (scale && !(*scale > 0.0)) return bad_input(path, "depth_scale must be positive, as 1000");
+  if (scale) calibration.depth_scale = *scale;
+  return {};
+}
+
+// The calibration in a file, if it is one.
+Result<std::optional<Calibration>> calibration_of_file(const fs::path& path) {
+  std::error_code code;
+  const bool is_json = path.extension() == ".json";
+  if (!has_calibration_name(path)) return std::optional<Calibration>();
+  if (fs::file_size(path, code) > kMaxCalibrationBytes || code) return std::optional<Calibration>();
+  const auto text = read_file(path);
+  if (!text) return text.error();
+  if (is_json && !looks_like_open3d_camera(*text)) return std::optional<Calibration>();
+  auto calibration =
+      is_json ? parse_open3d_camera(*text, path) : parse_calibration_text(*text, path);
+  if (!calibration) return calibration.error();
+  return std::optional(std::move(*calibration));
+}
+
+bool same_calibration(const Calibration& a, const Calibration& b) {
+  const auto numbers = [](const Calibration& c) {
+    const PinholeIntrinsics k = c.intrinsics.value_or(PinholeIntrinsics{});
+    return std::array{k.fx, k.fy, k.cx, k.cy, c.depth_scale.value_or(0.0)};
+  };
+  return numbers(a) == numbers(b);
+}
+
+}  // namespace
+
+bool has_calibration_name(const fs::path& path) {
+  if (path.extension() == ".json") return true;
+  const std::string stem = path.stem().string();
+  const auto has = [&](const char* part) { return stem.find(part) != std::string::npos; };
+  return path.extension() == ".txt" && !has("traj") &&
+         (has("calib") || has("intrinsic") || stem.starts_with("camera"));
+}
+
+Result<Calibration> parse_calibration_text(std::string_view text, const fs::path& path) {
+  const auto words = calibration_words(text, path);
+  if (!words) return words.error();
+  Calibration calibration;
+  if (auto taken = take_rows(*words, path, calibration); !taken) return taken.error();
+  if (auto taken = take_names(*words, path, calibration); !taken) return taken.error();
+  if (!calibration.intrinsics && !calibration.depth_scale)
+    return bad_input(path, "no intrinsics in it; write 'fx fy cx cy' on one line");
+  if (calibration.intrinsics &&
+      (calibration.intrinsics->fx == 0.0 || calibration.intrinsics->fy == 0.0))
+    return bad_input(path, "the focal lengths fx and fy must not be 0");
+  return calibration;
+}
+
+Result<std::optional<Calibration>> find_calibration(const fs::path& folder) {
+  std::error_code code;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder, code))
+    if (entry.is_regular_file(code)) files.push_back(entry.path());
+  const auto rank = [](const fs::path& file) {
+    return file.stem().string().find("depth") == std::string::npos;
+  };
+  std::sort(files.begin(), files.end(), [&](const fs::path& a, const fs::path& b) {
+    return rank(a) != rank(b) ? rank(a) < rank(b) : a < b;
+  });
+  std::optional<Calibration> found;
+  fs::path from;
+  for (const fs::path& file : files) {
+    auto calibration = calibration_of_file(file);
+    if (!calibration) return calibration.error();
+    if (!*calibration) continue;
+    if (found && rank(file) != rank(from)) break;  // The file of the depth camera is enough.
+    if (found && !same_calibration(*found, **calibration))
+      return bad_input(file, "differs from " + from.filename().string() +
+                                 " beside it; leave the calibration of the depth camera only");
+    found = std::move(*calibration);
+    from = file;
+  }
+  if (found) found->notes.insert(found->notes.begin(), "intrinsics from " + from.string());
+  return found;
+}
+
+}  // namespace relief

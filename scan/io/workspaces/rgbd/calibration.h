@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "relief/scan/camera.h"
+#include "relief/scan/result.h"
+#include "scan/io/images/image_size.h"
+
+namespace relief {
+
+/// What a calibration file of an RGB-D camera says.
+struct Calibration {
+  std::optional<PinholeIntrinsics> intrinsics;  ///< Integer coordinates are pixel centres.
+  std::optional<ImageSize> size;                ///< Of the images they belong to.
+  std::optional<double> depth_scale;            ///< Values of the depth map per unit, as 1000.
+  std::vector<std::string> notes;
+};
+
+/// Parses a calibration text: `fx fy cx cy` on one line, behind them either nothing, the width and
+/// height, or coefficients of distortion, which only a note takes up; or a matrix of intrinsics in
+/// three (or four) rows; or lines `fx 525`, `fy = 525`, `cx: 319.5`, `cy`, `width`, `height`,
+/// `depth_scale`. A negative fy, of mirrored images, is kept. kBadInput names the line.
+Result<Calibration> parse_calibration_text(std::string_view text,
+                                           const std::filesystem::path& path);
+
+/// Parses a PinholeCameraIntrinsic of Open3D: `width`, `height`, `intrinsic_matrix` column by
+/// column, and `depth_scale` if there.
+Result<Calibration> parse_open3d_camera(std::string_view text, const std::filesystem::path& path);
+
+/// Whether a file is named like a calibration: .json, or .txt with `calib`, `intrinsic` or, at its
+/// begin, `camera` in its name, but not `traj`.
+bool has_calibration_name(const std::filesystem::path& path);
+
+/// The calibration file of a folder: of its .json files those with an `intrinsic_matrix`, of its
+/// .txt files those named like `calibration`, `camera` or `intrinsic`. One whose name says `depth`
+/// goes before the others. Nothing where there is none; kBadInput where several differ.
+Result<std::optional<Calibration>> find_calibration(const std::filesystem::path& folder);
+
+}  // namespace relief

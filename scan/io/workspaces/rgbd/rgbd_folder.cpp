@@ -1,0 +1,240 @@
+#include "scan/io/workspaces/rgbd/rgbd_folder.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/open3d_json.h"
+#include "scan/io/workspaces/rgbd/rgbd_layouts.h"
+#include "scan/io/workspaces/workspace_text.h"
+
+namespace relief {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// The parser for a file, if the file is a trajectory.
+using TrajectoryParser = Result<Trajectory> (*)(std::string_view, const fs::path&);
+
+TrajectoryParser trajectory_parser(const fs::path& file) {
+  const fs::path ending = file.extension();
+  const bool is_json = ending == ".json";
+  if (!is_json && ending != ".txt" && ending != ".log" && ending != ".tum" &&
+      ending != ".freiburg" && ending != ".traj")
+    return nullptr;
+  const std::string head = first_bytes(file);
+  if (is_json) return looks_like_open3d_trajectory(head) ? parse_open3d_trajectory : nullptr;
+  if (has_calibration_name(file)) return nullptr;
+  switch (kind_of_rgbd_text(head)) {
+    case RgbdText::kTumPoses:
+    case RgbdText::kPlainPoses:
+      return parse_tum_trajectory;
+    case RgbdText::kLogPoses:
+      return parse_log_trajectory;
+    default:
+      return nullptr;
+  }
+}
+
+struct TrajectoryFile {
+  fs::path path;
+  TrajectoryParser parse = nullptr;
+};
+
+// The trajectory of a folder: `groundtruth` goes before others, of which there may be one.
+Result<std::optional<TrajectoryFile>> find_trajectory(const fs::path& folder) {
+  std::optional<TrajectoryFile> found;
+  bool truth = false;
+  for (const fs::path& file : files_in(folder)) {
+    const TrajectoryParser parse = trajectory_parser(file);
+    const bool is_truth = file.stem() == "groundtruth";
+    if (!parse || (truth && !is_truth)) continue;
+    if (found && !is_truth)
+      return bad_input(file, "is a trajectory, and so is " + found->path.filename().string() +
+                                 " beside it; keep one of them, or call it groundtruth.txt");
+    found = TrajectoryFile{file, parse};
+    truth = is_truth;
+  }
+  return found;
+}
+
+// The time of a frame: from a list, or the number that is its name.
+std::optional<double> frame_time(const RgbdFrame& frame) {
+  double time = 0.0;
+  if (frame.time) return frame.time;
+  return parse_number(frame.name, time) ? std::optional(time) : std::nullopt;
+}
+
+using FramePoses = std::vector<std::optional<TrajectoryPose>>;
+
+// Poses by time; nothing where no frame has one.
+std::optional<FramePoses> poses_by_time(const Trajectory& trajectory,
+                                        const std::vector<RgbdFrame>& frames) {
+  FramePoses poses(frames.size());
+  bool any = false;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto time = frame_time(frames[i]);
+    const auto motion = time ? pose_at(trajectory, *time, kSameMoment) : std::nullopt;
+    if (!motion) continue;
+    poses[i].emplace();
+    poses[i]->world_from_view = *motion;
+    any = true;
+  }
+  return any ? std::optional(std::move(poses)) : std::nullopt;
+}
+
+Result<FramePoses> assign_poses(const Trajectory& trajectory, const fs::path& path,
+                                const std::vector<RgbdFrame>& frames) {
+  const bool timed = !trajectory.empty() && trajectory.front().time.has_value();
+  if (timed)
+    if (auto poses = poses_by_time(trajectory, frames)) return std::move(*poses);
+  if (trajectory.size() == frames.size()) return FramePoses(trajectory.begin(), trajectory.end());
+  const std::string counts = std::to_string(trajectory.size()) + " poses for " +
+                             std::to_string(frames.size()) + " depth maps";
+  return bad_input(path, timed ? counts +
+                                     ", and none within 0.02 s of a depth map; give the "
+                                     "trajectory of this sequence"
+                               : counts + "; a trajectory without times needs one pose for each");
+}
+
+// The poses of all frames, from their own files or from a trajectory.
+Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& found,
+                                    std::vector<std::string>& notes) {
+  FramePoses poses(found.frames.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!found.frames[i].pose) continue;
+    poses[i].emplace();
+    poses[i]->world_from_view = *found.frames[i].pose;
+  }
+  if (found.poses_in_files) return poses;
+  const auto file = find_trajectory(folder);
+  if (!file) return file.error();
+  if (!*file) return poses;
+  const auto text = read_file((*file)->path);
+  if (!text) return text.error();
+  const auto trajectory = (*file)->parse(*text, (*file)->path);
+  if (!trajectory) return trajectory.error();
+  notes.push_back("poses from " + (*file)->path.string());
+  return assign_poses(*trajectory, (*file)->path, found.frames);
+}
+
+// What holds for all frames of a folder.
+struct RgbdSetting {
+  std::optional<PinholeIntrinsics> intrinsics;
+  std::optional<ImageSize> size;
+  double depth_scale = 0.0;
+};
+
+Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found,
+                                 const RgbdOptions& options, std::vector<std::string>& notes) {
+  RgbdSetting setting;
+  Calibration calibration;
+  if (!options.intrinsics || !options.depth_scale) {
+    auto file = find_calibration(folder);
+    if (!file) return file.error();
+    if (*file) {
+      calibration = std::move(**file);
+      notes.insert(notes.end(), calibration.notes.begin(), calibration.notes.end());
+    }
+  }
+  setting.intrinsics = options.intrinsics ? options.intrinsics : calibration.intrinsics;
+  if (!options.intrinsics) setting.size = calibration.size;
+  const auto scale = options.depth_scale       ? options.depth_scale
+                     : calibration.depth_scale ? calibration.depth_scale
+                                               : found.depth_scale;
+  if (!scale || !(*scale > 0.0))
+    return bad_input(folder,
+                     "depth maps without a scale: give --depth-scale 1000 when their values are "
+                     "millimetres (5000 in TUM's files, 1 for metres), or put a line 'depth_scale "
+                     "1000' into the calibration file");
+  setting.depth_scale = *scale;
+  return setting;
+}
+
+Result<CameraSpec> camera_of_frame(const fs::path& folder, const RgbdSetting& setting,
+                                   const std::optional<TrajectoryPose>& pose) {
+  CameraSpec camera;
+  const bool own = !setting.intrinsics && pose && pose->intrinsics;
+  const auto intrinsics = own ? pose->intrinsics : setting.intrinsics;
+  const auto size = own ? pose->size : setting.size;
+  if (!intrinsics)
+    return bad_input(folder,
+                     "depth maps without intrinsics: give --fx --fy --cx --cy, or put a "
+                     "calibration file (camera.txt with 'fx fy cx cy', or a camera .json of "
+                     "Open3D) beside them");
+  camera.intrinsics = *intrinsics;
+  if (size) {
+    camera.width = size->width;
+    camera.height = size->height;
+  }
+  return camera;
+}
+
+// A frame's colours are usable where each depth pixel has one.
+bool colours_fit(const RgbdFrame& frame) {
+  const auto depth = image_size(frame.depth), colour = image_size(*frame.colour);
+  return depth && colour && *depth == *colour;
+}
+
+Result<void> add_frame(const fs::path& folder, const RgbdFrame& frame,
+                       const std::optional<TrajectoryPose>& pose, const RgbdSetting& setting,
+                       std::set<std::string>& names, ProjectSpec& project, std::size_t& misfits) {
+  const auto camera = camera_of_frame(folder, setting, pose);
+  if (!camera) return camera.error();
+  ViewSpec view;
+  view.name =
+      free_view_name(frame.name, [&](const std::string& name) { return names.contains(name); });
+  names.insert(view.name);
+  view.depth = DepthSpec{frame.depth, 1.0 / setting.depth_scale, false};
+  view.camera = *camera;
+  if (frame.colour && colours_fit(frame))
+    view.colour = frame.colour;
+  else if (frame.colour)
+    ++misfits;
+  if (pose) {
+    view.world_from_view = pose->world_from_view;
+    view.pose = PoseKind::kGuess;
+  }
+  project.views.push_back(std::move(view));
+  return {};
+}
+
+void add_counts(const FramePoses& poses, std::size_t misfits, std::vector<std::string>& notes) {
+  const auto without = std::count(poses.begin(), poses.end(), std::nullopt);
+  const auto all = std::to_string(poses.size());
+  if (without > 0)
+    notes.push_back(std::to_string(without) + " of " + all + " depth maps have no pose");
+  if (misfits > 0)
+    notes.push_back(std::to_string(misfits) + " of " + all +
+                    " colour images are not used: their size is not that of the depth map");
+}
+
+}  // namespace
+
+bool is_rgbd_folder(const fs::path& folder) { return rgbd_layout(folder) != RgbdLayout::kNone; }
+
+Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& options) {
+  auto found = list_rgbd_frames(folder);
+  if (!found) return found.error();
+  ProjectSpec project;
+  project.unit = "m";
+  project.notes = std::move(found->notes);
+  const auto setting = find_setting(folder, *found, options, project.notes);
+  if (!setting) return setting.error();
+  const auto poses = find_frame_poses(folder, *found, project.notes);
+  if (!poses) return poses.error();
+  std::set<std::string> names;
+  std::size_t misfits = 0;
+  for (std::size_t i = 0; i < poses->size(); ++i)
+    if (auto added =
+            add_frame(folder, found->frames[i], (*poses)[i], *setting, names, project, misfits);
+        !added)
+      return added.error();
+  add_counts(*poses, misfits, project.notes);
+  return project;
+}
+
+}  // namespace relief

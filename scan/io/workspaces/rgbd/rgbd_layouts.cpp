@@ -1,0 +1,255 @@
+#include "scan/io/workspaces/rgbd/rgbd_layouts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/images/image_size.h"
+#include "scan/io/workspaces/workspace_text.h"
+
+namespace relief {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Depth values per metre that define the format of TUM's sequences.
+constexpr double kTumDepthScale = 5000.0;
+constexpr std::string_view kDepthPart = ".depth";
+
+bool is_file(const fs::path& path) {
+  std::error_code code;
+  return fs::is_regular_file(path, code);
+}
+
+// `frame-000000` of `frame-000000.depth.png`; empty for other names.
+std::string frame_of_depth(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  if (!has_depth_image_ending(path) || !stem.ends_with(kDepthPart)) return "";
+  return stem.substr(0, stem.size() - kDepthPart.size());
+}
+
+std::optional<fs::path> association_file(const fs::path& folder) {
+  for (const fs::path& file : files_in(folder))
+    if (file.extension() == ".txt" &&
+        kind_of_rgbd_text(first_bytes(file)) == RgbdText::kAssociations)
+      return file;
+  return std::nullopt;
+}
+
+bool has_tum_list(const fs::path& folder) {
+  return kind_of_rgbd_text(first_bytes(folder / "depth.txt")) == RgbdText::kList;
+}
+
+bool has_frames(const fs::path& folder) {
+  const auto files = files_in(folder);
+  return std::any_of(files.begin(), files.end(),
+                     [](const fs::path& file) { return !frame_of_depth(file).empty(); });
+}
+
+std::vector<fs::path> depth_images(const fs::path& folder) {
+  auto files = files_in(folder);
+  std::erase_if(files, [](const fs::path& file) { return !has_depth_image_ending(file); });
+  return files;
+}
+
+template <typename Parsed>
+Result<Parsed> parse_file(const fs::path& path,
+                          Result<Parsed> (*parse)(std::string_view, const fs::path&)) {
+  const auto text = read_file(path);
+  if (!text) return text.error();
+  return parse(*text, path);
+}
+
+// The colour image nearest in time.
+std::optional<std::string> colour_at(const std::vector<TimedFile>& colours, double time) {
+  const auto after =
+      std::lower_bound(colours.begin(), colours.end(), time,
+                       [](const TimedFile& colour, double t) { return colour.time < t; });
+  const TimedFile* nearest = nullptr;
+  for (auto it = after == colours.begin() ? after : std::prev(after);
+       it != colours.end() && it <= after; ++it)
+    if (!nearest || std::abs(it->time - time) < std::abs(nearest->time - time)) nearest = &*it;
+  if (!nearest || std::abs(nearest->time - time) > kSameMoment) return std::nullopt;
+  return nearest->file;
+}
+
+// The moments of a TUM folder: from its associations, or from its two lists.
+Result<std::vector<FilePair>> tum_moments(const fs::path& folder) {
+  if (!has_tum_list(folder))
+    return parse_file(association_file(folder).value_or(folder), parse_tum_associations);
+  auto depths = parse_file(folder / "depth.txt", parse_tum_list);
+  if (!depths) return depths.error();
+  std::vector<TimedFile> colours;
+  if (is_file(folder / "rgb.txt")) {
+    auto list = parse_file(folder / "rgb.txt", parse_tum_list);
+    if (!list) return list.error();
+    colours = std::move(*list);
+  }
+  const auto earlier = [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; };
+  std::stable_sort(colours.begin(), colours.end(), earlier);
+  std::stable_sort(depths->begin(), depths->end(), earlier);
+  std::vector<FilePair> moments;
+  for (TimedFile& depth : *depths) {
+    const auto colour = colour_at(colours, depth.time);
+    moments.push_back({std::move(depth), {0.0, colour.value_or("")}});
+  }
+  return moments;
+}
+
+Result<RgbdFrames> tum_frames(const fs::path& folder) {
+  auto moments = tum_moments(folder);
+  if (!moments) return moments.error();
+  RgbdFrames frames;
+  std::size_t missing = 0;
+  for (const FilePair& moment : *moments) {
+    RgbdFrame frame;
+    frame.depth = folder / moment.depth.file;
+    frame.name = frame.depth.stem().string();
+    frame.time = moment.depth.time;
+    if (const fs::path colour = folder / moment.colour.file;
+        !moment.colour.file.empty() && is_file(colour))
+      frame.colour = colour;
+    if (is_file(frame.depth))
+      frames.frames.push_back(std::move(frame));
+    else
+      ++missing;
+  }
+  if (frames.frames.empty())
+    return bad_input(folder, "none of the " + std::to_string(missing) +
+                                 " depth maps that its list names is there; unpack the images "
+                                 "beside the list");
+  if (missing > 0)
+    frames.notes.push_back("left out " + std::to_string(missing) +
+                           " depth maps that are listed but not there");
+  if (has_tum_list(folder) && is_file(folder / "rgb.txt")) frames.depth_scale = kTumDepthScale;
+  return frames;
+}
+
+// A pose in a file of its own. Trackers that lost the camera write numbers that are none.
+Result<std::optional<RigidMotion>> pose_in_file(const fs::path& path) {
+  const auto text = read_file(path);
+  if (!text) return text.error();
+  for (const char* lost : {"inf", "INF", "nan", "NaN", "#QNAN", "#IND"})
+    if (text->find(lost) != std::string::npos) return std::optional<RigidMotion>();
+  NumberedLines lines(*text, path);
+  auto motion = parse_motion_rows(lines, "the pose");
+  if (!motion) return motion.error();
+  return std::optional(*motion);
+}
+
+Result<void> take_pose_file(const fs::path& path, RgbdFrames& found, RgbdFrame& frame) {
+  if (!is_file(path)) return {};
+  auto pose = pose_in_file(path);
+  if (!pose) return pose.error();
+  frame.pose = *pose;
+  found.poses_in_files = true;
+  return {};
+}
+
+Result<RgbdFrames> named_frames(const fs::path& folder) {
+  const auto files = files_in(folder);
+  std::map<std::string, fs::path> colours;
+  for (const fs::path& file : files)
+    if (const fs::path stem = file.stem();
+        has_photograph_ending(file) && (stem.extension() == ".color" || stem.extension() == ".rgb"))
+      colours.emplace(stem.stem().string(), file);
+  RgbdFrames found;
+  for (const fs::path& file : files) {
+    RgbdFrame frame;
+    frame.name = frame_of_depth(file);
+    if (frame.name.empty()) continue;
+    frame.depth = file;
+    if (const auto colour = colours.find(frame.name); colour != colours.end())
+      frame.colour = colour->second;
+    if (auto taken = take_pose_file(folder / (frame.name + ".pose.txt"), found, frame); !taken)
+      return taken.error();
+    found.frames.push_back(std::move(frame));
+  }
+  return found;
+}
+
+// The colour images of `frames`: those of the same name, or else, where there are as many, those in
+// the same place of the order.
+void pair_colours(const fs::path& folder, std::vector<RgbdFrame>& frames) {
+  for (const char* name : {"color", "colour", "image", "rgb"}) {
+    auto files = files_in(folder / name);
+    std::erase_if(files, [](const fs::path& file) { return !has_photograph_ending(file); });
+    if (files.empty()) continue;
+    std::map<std::string, fs::path> by_name;
+    for (const fs::path& file : files) by_name.emplace(file.stem().string(), file);
+    bool any = false;
+    for (RgbdFrame& frame : frames)
+      if (const auto file = by_name.find(frame.name); file != by_name.end()) {
+        frame.colour = file->second;
+        any = true;
+      }
+    if (!any && files.size() == frames.size())
+      for (std::size_t i = 0; i < files.size(); ++i) frames[i].colour = files[i];
+    return;
+  }
+}
+
+Result<RgbdFrames> folder_frames(const fs::path& folder) {
+  RgbdFrames found;
+  for (const fs::path& file : depth_images(folder / "depth")) {
+    RgbdFrame frame;
+    frame.name = file.stem().string();
+    frame.depth = file;
+    for (const char* poses : {"pose", "poses"})
+      if (auto taken = take_pose_file(folder / poses / (frame.name + ".txt"), found, frame); !taken)
+        return taken.error();
+    found.frames.push_back(std::move(frame));
+  }
+  pair_colours(folder, found.frames);
+  return found;
+}
+
+}  // namespace
+
+std::string first_bytes(const fs::path& path) {
+  constexpr std::size_t kFirstBytes = 1 << 14;
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kFirstBytes, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return text;
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::error_code code, ignored;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder, code))
+    if (entry.is_regular_file(ignored)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+RgbdLayout rgbd_layout(const fs::path& folder) {
+  if (has_tum_list(folder)) return RgbdLayout::kTum;
+  if (has_frames(folder)) return RgbdLayout::kFrames;
+  if (association_file(folder)) return RgbdLayout::kTum;
+  return depth_images(folder / "depth").empty() ? RgbdLayout::kNone : RgbdLayout::kFolders;
+}
+
+Result<RgbdFrames> list_rgbd_frames(const fs::path& folder) {
+  switch (rgbd_layout(folder)) {
+    case RgbdLayout::kTum:
+      return tum_frames(folder);
+    case RgbdLayout::kFrames:
+      return named_frames(folder);
+    case RgbdLayout::kFolders:
+      return folder_frames(folder);
+    case RgbdLayout::kNone:
+      break;
+  }
+  return bad_input(folder,
+                   "no depth maps in a layout that is known: depth.txt and rgb.txt, "
+                   "frame-000000.depth.png, or a folder depth");
+}
+
+}  // namespace relief

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
+#include "scan/io/workspaces/rgbd/trajectories.h"
+
+namespace relief {
+
+/// How far apart in time two records of one moment are at most [s], as in TUM's own tools.
+inline constexpr double kSameMoment = 0.02;
+
+/// A depth map and what lies beside it.
+struct RgbdFrame {
+  std::string name;
+  std::filesystem::path depth;
+  std::optional<std::filesystem::path> colour;
+  std::optional<double> time;       ///< [s], from a list of files.
+  std::optional<RigidMotion> pose;  ///< From a file of its own.
+};
+
+struct RgbdFrames {
+  std::vector<RgbdFrame> frames;
+  bool poses_in_files = false;        ///< Each frame may have a file with its pose.
+  std::optional<double> depth_scale;  ///< Where the layout defines it.
+  std::vector<std::string> notes;
+};
+
+enum class RgbdLayout { kNone, kTum, kFrames, kFolders };
+
+/// The layout of a folder; looks at names and first lines only.
+RgbdLayout rgbd_layout(const std::filesystem::path& folder);
+
+/// The depth maps of a folder in the order of their times or numbers, with what is beside them.
+Result<RgbdFrames> list_rgbd_frames(const std::filesystem::path& folder);
+
+/// The first 16 KiB of a file; empty where it cannot be read.
+std::string first_bytes(const std::filesystem::path& path);
+
+/// The files of a folder in natural order; none where it cannot be listed.
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
+
+}  // namespace relief

@@ -1,0 +1,224 @@
+#include "scan/io/workspaces/rgbd/trajectories.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "scan/io/workspaces/workspace_text.h"
+
+namespace relief {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// The number at the end of a word that begins with something else: `<qw>0.5` holds 0.5.
+std::string_view number_behind_text(std::string_view word) {
+  double number = 0.0;
+  for (std::size_t i = 1; i < word.size(); ++i) {
+    const char c = word[i];
+    const bool starts = (c >= '0' && c <= '9') || c == '-' || c == '+' || c == '.';
+    if (starts && parse_number(word.substr(i), number)) return word.substr(i);
+  }
+  return {};
+}
+
+// The pose on the line of a header: seven numbers behind a word that ends with one.
+std::optional<std::array<double, 8>> pose_behind_header(std::string_view line) {
+  const auto words = words_of(line);
+  if (words.size() < 9) return std::nullopt;
+  std::array<double, 8> pose;
+  const std::size_t first = words.size() - 8;
+  const std::string_view time = number_behind_text(words[first]);
+  if (!parse_number(time, pose[0])) return std::nullopt;
+  for (std::size_t i = 1; i < 8; ++i)
+    if (!parse_number(words[first + i], pose[i])) return std::nullopt;
+  return pose;
+}
+
+// `# timestamp filename1.5 depth/1.5.png`: an entry on the line of the header.
+std::optional<TimedFile> entry_behind_header(std::string_view line) {
+  const auto words = words_of(line);
+  if (words.size() < 2) return std::nullopt;
+  constexpr std::string_view kLastTitle = "filename";
+  const std::string_view title = words[words.size() - 2];
+  TimedFile entry;
+  if (!title.starts_with(kLastTitle) || !parse_number(title.substr(kLastTitle.size()), entry.time))
+    return std::nullopt;
+  entry.file = std::string(words.back());
+  return entry;
+}
+
+bool begins_with_number(std::string_view line) {
+  double number = 0.0;
+  return parse_number(next_word(line), number);
+}
+
+bool parse_time(std::string_view word, double& time) {
+  return parse_number(word, time) && std::isfinite(time);
+}
+
+Result<void> add_tum_pose(const double* pose, bool timed, const NumberedLines& lines,
+                          Trajectory& trajectory) {
+  const double* t = timed ? pose + 1 : pose;
+  const auto motion = motion_of_quaternion(Eigen::Quaterniond(t[6], t[3], t[4], t[5]),
+                                           Eigen::Vector3d(t[0], t[1], t[2]));
+  if (!motion)
+    return lines.error(
+        "not a rigid motion: the quaternion qx qy qz qw must have length 1, and all numbers must "
+        "be finite; remove the line if the pose is unknown");
+  TrajectoryPose added;
+  if (timed) {
+    if (!std::isfinite(pose[0])) return lines.error("the time is not a finite number");
+    if (!trajectory.empty() && *trajectory.back().time > pose[0])
+      return lines.error("the time is before that of the pose above; sort the lines by time");
+    added.time = pose[0];
+  }
+  added.world_from_view = *motion;
+  trajectory.push_back(added);
+  return {};
+}
+
+// A comment or header before the first pose. It may have a pose behind it.
+Result<void> add_pose_of_header(std::string_view line, const NumberedLines& lines,
+                                Trajectory& trajectory) {
+  const auto pose = pose_behind_header(line);
+  if (!pose) return {};
+  return add_tum_pose(pose->data(), true, lines, trajectory);
+}
+
+}  // namespace
+
+Result<std::vector<TimedFile>> parse_tum_list(std::string_view text, const fs::path& path) {
+  NumberedLines lines(text, path);
+  std::vector<TimedFile> entries;
+  for (std::string_view line; lines.next_any(line);) {
+    if (line.empty()) continue;
+    const bool header = line.front() == '#' || (entries.empty() && !begins_with_number(line));
+    if (header) {
+      if (auto entry = entry_behind_header(line)) entries.push_back(std::move(*entry));
+      continue;
+    }
+    const auto words = words_of(line, 2);
+    TimedFile entry;
+    if (words.size() != 2 || !parse_time(words[0], entry.time))
+      return lines.error("expected 'time file'");
+    entry.file = std::string(words[1]);
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+Result<std::vector<FilePair>> parse_tum_associations(std::string_view text, const fs::path& path) {
+  NumberedLines lines(text, path);
+  std::vector<FilePair> pairs;
+  for (std::string_view line; lines.next(line);) {
+    if (pairs.empty() && !begins_with_number(line)) continue;
+    const auto words = words_of(line);
+    TimedFile first, second;
+    if (words.size() < 4 || !parse_time(words[0], first.time) || !parse_time(words[2], second.time))
+      return lines.error("expected 'time file time file'");
+    first.file = std::string(words[1]);
+    second.file = std::string(words[3]);
+    const bool depth_first = first.file.find("depth") != std::string::npos &&
+                             second.file.find("depth") == std::string::npos;
+    if (!depth_first) std::swap(first, second);
+    pairs.push_back({std::move(first), std::move(second)});
+  }
+  return pairs;
+}
+
+Result<Trajectory> parse_tum_trajectory(std::string_view text, const fs::path& path) {
+  NumberedLines lines(text, path);
+  Trajectory trajectory;
+  bool first = true, timed = true;
+  for (std::string_view line; lines.next_any(line);) {
+    if (line.empty()) continue;
+    if (line.front() == '#' || (first && !begins_with_number(line))) {
+      if (!first) continue;
+      if (auto added = add_pose_of_header(line, lines, trajectory); !added) return added.error();
+      first = trajectory.empty();
+      continue;
+    }
+    const std::vector<double> numbers = leading_numbers(line);
+    const std::size_t count = numbers.size();
+    if (first) timed = count != 7;
+    if (count != (timed ? 8u : 7u) || words_of(line).size() != count)
+      return lines.error(timed ? "expected 'time tx ty tz qx qy qz qw'"
+                               : "expected 'tx ty tz qx qy qz qw', as on the lines above");
+    if (auto added = add_tum_pose(numbers.data(), timed, lines, trajectory); !added)
+      return added.error();
+    first = false;
+  }
+  return trajectory;
+}
+
+Result<Trajectory> parse_log_trajectory(std::string_view text, const fs::path& path) {
+  NumberedLines lines(text, path);
+  Trajectory trajectory;
+  for (std::string_view line; lines.next(line);) {
+    double frame[3];
+    if (!parse_row(line, 3, frame))
+      return lines.error("expected three whole numbers before the rows of a pose");
+    if (frame[0] != frame[1])
+      return lines.error(
+          "this is a pose of one frame relative to another; a trajectory has the same number "
+          "twice, and poses in the world");
+    auto motion =
+        parse_motion_rows(lines, "the matrix of pose " + std::to_string(trajectory.size()));
+    if (!motion) return motion.error();
+    TrajectoryPose pose;
+    pose.world_from_view = *motion;
+    trajectory.push_back(pose);
+  }
+  return trajectory;
+}
+
+RgbdText kind_of_rgbd_text(std::string_view text) {
+  for (int line_count = 0; !text.empty() && line_count < 64; ++line_count) {
+    const std::string_view line = trimmed(next_line(text));
+    if (line.empty()) continue;
+    if (pose_behind_header(line) && !begins_with_number(line)) return RgbdText::kTumPoses;
+    if (entry_behind_header(line)) return RgbdText::kList;
+    if (line.front() == '#' || !begins_with_number(line)) continue;
+    const std::size_t words = words_of(line).size();
+    const std::size_t numbers = leading_numbers(line).size();
+    if (numbers == words && words == 8) return RgbdText::kTumPoses;
+    if (numbers == words && words == 7) return RgbdText::kPlainPoses;
+    if (numbers == words && words == 3) {
+      // A matrix of intrinsics has three numbers a line, too; the next line tells.
+      const std::string_view next = trimmed(next_line(text));
+      return leading_numbers(next).size() == 4 ? RgbdText::kLogPoses : RgbdText::kUnknown;
+    }
+    if (numbers == 1 && words == 2) return RgbdText::kList;
+    if (numbers == 1 && words == 4) return RgbdText::kAssociations;
+    return RgbdText::kUnknown;
+  }
+  return RgbdText::kUnknown;
+}
+
+std::optional<RigidMotion> pose_at(const Trajectory& trajectory, double time, double tolerance) {
+  const auto after =
+      std::lower_bound(trajectory.begin(), trajectory.end(), time,
+                       [](const TrajectoryPose& pose, double t) { return *pose.time < t; });
+  const auto near = [&](const TrajectoryPose& pose) {
+    return std::abs(*pose.time - time) <= tolerance;
+  };
+  const bool has_after = after != trajectory.end() && near(*after);
+  const bool has_before = after != trajectory.begin() && near(*std::prev(after));
+  if (!has_after && !has_before) return std::nullopt;
+  if (!has_before) return after->world_from_view;
+  const TrajectoryPose& before = *std::prev(after);
+  if (!has_after) return before.world_from_view;
+  const double gap = *after->time - *before.time;
+  const double fraction = gap > 0.0 ? (time - *before.time) / gap : 0.0;
+  RigidMotion pose = RigidMotion::Identity();
+  pose.linear() = Eigen::Quaterniond(before.world_from_view.linear())
+                      .slerp(fraction, Eigen::Quaterniond(after->world_from_view.linear()))
+                      .toRotationMatrix();
+  pose.translation() = (1.0 - fraction) * before.world_from_view.translation() +
+                       fraction * after->world_from_view.translation();
+  return pose;
+}
+
+}  // namespace relief

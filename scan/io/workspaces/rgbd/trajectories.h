@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "relief/scan/camera.h"
+#include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
+#include "scan/io/images/image_size.h"
+
+namespace relief {
+
+/// A line of the lists `depth.txt` and `rgb.txt` of a TUM sequence.
+struct TimedFile {
+  double time = 0.0;  ///< [s]
+  std::string file;   ///< As it stands in the list.
+};
+
+/// A line of an association file: one moment of both cameras.
+struct FilePair {
+  TimedFile depth, colour;
+};
+
+struct TrajectoryPose {
+  std::optional<double> time;  ///< [s]; none in formats that count frames.
+  RigidMotion world_from_view = RigidMotion::Identity();
+  std::optional<PinholeIntrinsics> intrinsics;  ///< Where the trajectory has them.
+  std::optional<ImageSize> size;                ///< With the intrinsics.
+};
+using Trajectory = std::vector<TrajectoryPose>;
+
+/// Parses lines `time file`. Lines before the first that begins with a number are a header.
+Result<std::vector<TimedFile>> parse_tum_list(std::string_view text,
+                                              const std::filesystem::path& path);
+
+/// Parses lines `time file time file`. The depth file is the one whose path says `depth`; where
+/// none does, the second, as in the files of TUM's own tool.
+Result<std::vector<FilePair>> parse_tum_associations(std::string_view text,
+                                                     const std::filesystem::path& path);
+
+/// Parses lines `time tx ty tz qx qy qz qw`, world from view, or the same without the time: then
+/// the poses are in the order of the frames. Understands a first pose on the line of the header,
+/// behind it (`# ... <qw>0.0 1 2 3 0 0 0 1`), as Open3D writes it. Times must not decrease.
+Result<Trajectory> parse_tum_trajectory(std::string_view text, const std::filesystem::path& path);
+
+/// Parses the `.log` of Open3D and Redwood: a line of three whole numbers, then world from view in
+/// four rows. kBadInput for a list of relative poses of pairs.
+Result<Trajectory> parse_log_trajectory(std::string_view text, const std::filesystem::path& path);
+
+/// Parses a PinholeCameraTrajectory of Open3D: `extrinsic` is view from world, column by column.
+Result<Trajectory> parse_open3d_trajectory(std::string_view text,
+                                           const std::filesystem::path& path);
+
+/// The kinds of text that an RGB-D folder can have, told by their first lines of data.
+enum class RgbdText { kUnknown, kList, kAssociations, kTumPoses, kPlainPoses, kLogPoses };
+RgbdText kind_of_rgbd_text(std::string_view text);
+
+/// The pose at `time`: between the two neighbours when both lie within `tolerance` [s] of it, else
+/// that of the nearest one within it. Nothing where there is none. Poses are ordered by time.
+std::optional<RigidMotion> pose_at(const Trajectory& trajectory, double time, double tolerance);
+
+}  // namespace relief

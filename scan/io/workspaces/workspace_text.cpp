@@ -1,0 +1,114 @@
+#include "scan/io/workspaces/workspace_text.h"
+
+#include <cmath>
+
+namespace relief {
+
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// Takes a run of digits off `text`, without leading zeros.
+std::string_view take_digits(std::string_view& text) {
+  std::size_t length = 0;
+  while (length < text.size() && is_digit(text[length])) ++length;
+  std::string_view digits = text.substr(0, length);
+  text.remove_prefix(length);
+  while (digits.size() > 1 && digits.front() == '0') digits.remove_prefix(1);
+  return digits;
+}
+
+}  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+bool NumberedLines::next_any(std::string_view& line) {
+  if (text_.empty()) return false;
+  line = trimmed(next_line(text_));
+  ++number_;
+  return true;
+}
+
+bool NumberedLines::next(std::string_view& line) {
+  while (next_any(line))
+    if (!line.empty() && line.front() != '#') return true;
+  return false;
+}
+
+Error NumberedLines::error(const std::string& what) const {
+  return bad_input(path_, "line " + std::to_string(number_) + ": " + what);
+}
+
+Error NumberedLines::end_error(const std::string& what) const {
+  return bad_input(path_, "the file ends where " + what + " should be; it is truncated");
+}
+
+bool parse_row(std::string_view line, std::size_t count, double* numbers) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (!parse_number(next_word(line), numbers[i])) return false;
+  return next_word(line).empty();
+}
+
+std::vector<double> leading_numbers(std::string_view line, std::size_t limit) {
+  std::vector<double> numbers;
+  for (double number; numbers.size() < limit && parse_number(next_word(line), number);)
+    numbers.push_back(number);
+  return numbers;
+}
+
+std::vector<std::string_view> words_of(std::string_view line, std::size_t limit) {
+  std::vector<std::string_view> words;
+  while (words.size() + 1 < limit) {
+    const std::string_view word = next_word(line);
+    if (word.empty()) return words;
+    words.push_back(word);
+  }
+  if (const std::string_view rest = trimmed(line); !rest.empty()) words.push_back(rest);
+  return words;
+}
+
+std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
+                                                const Eigen::Vector3d& t) {
+  constexpr double kRounding = 1e-3;
+  if (!t.allFinite() || !(std::abs(q.norm() - 1.0) < kRounding)) return std::nullopt;
+  RigidMotion motion = RigidMotion::Identity();
+  motion.linear() = q.normalized().toRotationMatrix();
+  motion.translation() = t;
+  return motion;
+}
+
+Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& what) {
+  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix;
+  for (Eigen::Index r = 0; r < 4; ++r) {
+    std::string_view line;
+    if (!lines.next(line)) return lines.end_error("a row of four numbers of " + what);
+    if (!parse_row(line, 4, matrix.data() + 4 * r))
+      return lines.error("expected a row of four numbers of " + what);
+  }
+  auto motion = rigid_motion_from_matrix(matrix, what);
+  if (!motion) return lines.error(motion.error().message);
+  return motion;
+}
+
+bool natural_less(std::string_view a, std::string_view b) {
+  const std::string_view whole_a = a, whole_b = b;
+  while (!a.empty() && !b.empty()) {
+    if (is_digit(a.front()) && is_digit(b.front())) {
+      const std::string_view x = take_digits(a), y = take_digits(b);
+      if (x.size() != y.size()) return x.size() < y.size();
+      if (x != y) return x < y;
+      continue;
+    }
+    if (a.front() != b.front()) return a.front() < b.front();
+    a.remove_prefix(1);
+    b.remove_prefix(1);
+  }
+  if (a.empty() != b.empty()) return a.empty();
+  return whole_a < whole_b;
+}
+
+}  // namespace relief

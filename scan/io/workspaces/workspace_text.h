@@ -1,0 +1,79 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
+#include "scan/io/files/io_error.h"
+#include "scan/io/files/text_lines.h"
+
+namespace relief {
+
+/// `text` without blanks at its ends.
+std::string_view trimmed(std::string_view text);
+
+/// The lines of a text with their numbers, for errors. Both arguments must outlive it.
+class NumberedLines {
+ public:
+  NumberedLines(std::string_view text, const std::filesystem::path& path)
+      : text_(text), path_(path) {}
+
+  /// The next line, trimmed, whatever it holds; false at the end of the text.
+  bool next_any(std::string_view& line);
+  /// The same for the next line that is neither empty nor a comment after `#`.
+  bool next(std::string_view& line);
+
+  int number() const { return number_; }
+  const std::filesystem::path& path() const { return path_; }
+  /// kBadInput: `file: line N: what`.
+  Error error(const std::string& what) const;
+  /// kBadInput: `file: the file ends where WHAT should be`.
+  Error end_error(const std::string& what) const;
+
+ private:
+  std::string_view text_;
+  const std::filesystem::path& path_;
+  int number_ = 0;
+};
+
+/// Whether `line` holds `count` numbers, which `numbers` then has, and nothing else.
+bool parse_row(std::string_view line, std::size_t count, double* numbers);
+
+/// All words of a line that are numbers, up to the first that is none; at most `limit` of them.
+std::vector<double> leading_numbers(std::string_view line, std::size_t limit = 32);
+
+/// The words of a line; at most `limit`, of which the last is the rest of the line.
+std::vector<std::string_view> words_of(std::string_view line, std::size_t limit = 64);
+
+/// The motion x -> R(q) x + t. Nothing for numbers that are not finite, and for a quaternion whose
+/// length differs from 1 by more than 1e-3, which is more than rounding to four digits gives.
+std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
+                                                const Eigen::Vector3d& t);
+
+/// Reads four rows of four numbers, the next lines, as a rigid motion. Errors name the line and
+/// `what`.
+Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& what);
+
+/// Orders names as people count: runs of digits by their value (`2.png` before `10.png`).
+bool natural_less(std::string_view a, std::string_view b);
+
+/// `wanted`, made fit for a file name, and with a number behind it when `taken` says that it is in
+/// use.
+template <typename Taken>
+std::string free_view_name(std::string wanted, const Taken& taken) {
+  std::replace_if(
+      wanted.begin(), wanted.end(), [](char c) { return c == '/' || c == '\\'; }, '_');
+  std::string name = wanted;
+  for (int i = 2; taken(name); ++i) name = wanted + "_" + std::to_string(i);
+  return name;
+}
+
+}  // namespace relief
