@@ -1,6 +1,9 @@
+#include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "apps/commands/command.h"
+#include "apps/commands/export_views.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
@@ -18,6 +21,7 @@ struct AlignCommand {
   ProjectInput input;
   registration::AlignOptions options;
   std::filesystem::path output;
+  std::vector<std::filesystem::path> exports;
 };
 
 int align(const AlignCommand& command) {
@@ -39,6 +43,9 @@ int align(const AlignCommand& command) {
   const auto written =
       write_project_poses(*project, command.input.path, command.input.options, command.output);
   if (!written) return fail(written.error());
+  if (auto done = export_all(*project, command.input.path, command.input.options, command.exports);
+      !done)
+    return fail(done.error());
   const auto reported =
       write_report(report_path(command.common, command.output), "align", report, command.common);
   if (!reported) return fail(reported.error());
@@ -56,6 +63,7 @@ void add_align(CLI::App& app, Action& action) {
   sub->add_option("-o,--output", command->output,
                   "A scan.json with the poses found; it refers to the data of the input")
       ->required();
+  add_export_option(*sub, command->exports);
   add_align_options(*sub, command->options);
   add_common_options(*sub, command->common);
   sub->callback([command, &action] { action = [command] { return align(*command); }; });

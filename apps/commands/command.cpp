@@ -28,11 +28,39 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
 
 void add_project_input(CLI::App& command, ProjectInput& input) {
   command
-      .add_option("project", input.path,
-                  "scan.json, Stanford .conf, a grid (range-grid PLY, organized PCD), or a folder")
+      .add_option(
+          "project", input.path,
+          "scan.json, .conf, .aln, .mlp, a file of scans (.ply .pcd .ptx .e57 .xyz .pts .obj "
+          ".stl .vtp), a folder of them or of depth maps, or a COLMAP workspace")
       ->required();
-  command.add_option("--fc", input.options.fc_file,
+  add_reading_options(command, input.options);
+}
+
+void add_reading_options(CLI::App& command, ReadProjectOptions& options) {
+  command.add_option("--fc", options.fc_file,
                      "Intrinsics of grids without a camera: a file with fx fy cx cy");
+  command
+      .add_option_function<std::vector<double>>(
+          "--intrinsics",
+          [&options](const std::vector<double>& k) {
+            options.intrinsics = PinholeIntrinsics{k[0], k[1], k[2], k[3]};
+          },
+          "fx fy cx cy [pixels] of the depth maps of a folder without a scan.json")
+      ->expected(4);
+  command
+      .add_option("--depth-scale", options.depth_scale,
+                  "Steps of such a depth map to the unit, as 1000 or 5000 to the metre")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option_function<std::vector<double>>(
+          "--viewpoint",
+          [&options](const std::vector<double>& p) {
+            options.viewpoint = Eigen::Vector3d(p[0], p[1], p[2]);
+          },
+          "x y z of the sensor, for points and meshes without a grid; left out: it is found")
+      ->expected(3);
+  command.add_flag("--ignore-viewpoint", options.ignore_viewpoints,
+                   "Do not take the poses that files of scans tell (PCD, PTX, E57)");
 }
 
 void add_background_option(CLI::App& command, ProjectInput& input) {

@@ -34,6 +34,7 @@ void add_run(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_evaluate(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
+void add_init(CLI::App& app, Action& action);
 
 /// Adds -q, -v, --json, --threads, --seed and --report to a command.
 void add_common_options(CLI::App& command, CommonOptions& options);
@@ -46,7 +47,11 @@ struct ProjectInput {
   bool keep_background = false;      ///< Name what is found, but leave it in.
 };
 
-/// Adds the positional PROJECT and --fc.
+/// Adds the options that say how a project without a scan.json is read: --fc, --intrinsics,
+/// --depth-scale, --viewpoint and --ignore-viewpoint.
+void add_reading_options(CLI::App& command, ReadProjectOptions& options);
+
+/// Adds the positional PROJECT and the options above.
 void add_project_input(CLI::App& command, ProjectInput& input);
 
 /// Adds --background to a command that works on the object alone.

@@ -213,8 +213,7 @@ void add_evaluate(CLI::App& app, Action& action) {
   auto command = std::make_shared<EvaluateCommand>();
   auto* sub = app.add_subcommand("evaluate", "Errors of a mesh, of views or of poses");
   sub->add_option("result", command->result.path, "A mesh, or a project")->required();
-  sub->add_option("--fc", command->result.options.fc_file,
-                  "Intrinsics of grids without a camera: a file with fx fy cx cy");
+  add_reading_options(*sub, command->result.options);
   sub->add_option("--truth", command->truth,
                   "A mesh for a mesh; for a project, the true project or a file of true poses")
       ->required();

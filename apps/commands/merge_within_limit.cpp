@@ -107,7 +107,7 @@ Result<StaticBackground> find_background(const ProjectInput& input,
 Result<reconstruction::Model> merge_within_limit(const ProjectInput& input,
                                                  const reconstruction::ModelOptions& options,
                                                  std::string& unit) {
-  auto spec = read_project_spec(input.path, input.options.fc_file);
+  auto spec = read_project_spec(input.path, input.options);
   if (!spec) return spec.error();
   unit = spec->unit;
   for (const std::string& note : spec->notes) Console::info(note);

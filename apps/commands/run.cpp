@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "apps/commands/command.h"
+#include "apps/commands/export_views.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
@@ -26,6 +27,7 @@ struct RunCommand {
   RefineFlags refine;
   MergeFlags merge;
   std::filesystem::path output;
+  std::vector<std::filesystem::path> exports;
 };
 
 class Run {
@@ -105,6 +107,9 @@ class Run {
 
   Result<void> write_views(const std::vector<RangeView>& views) {
     auto written = write_project(views, project_.unit, command_.output, console_progress("write"));
+    if (written && !command_.exports.empty())
+      written = export_all({project_.unit, views, {}}, command_.output / "scan.json", {},
+                           command_.exports);
     watch_ = Stopwatch();
     return written;
   }
@@ -144,6 +149,7 @@ void add_run(CLI::App& app, Action& action) {
   sub->add_option("-o,--output", command->output,
                   "Folder for model.ply, the refined project (scan.json) and report.json")
       ->required();
+  add_export_option(*sub, command->exports);
   add_align_options(*sub, command->align);
   add_refine_options(*sub, command->refine);
   add_merge_options(*sub, command->merge);

@@ -26,6 +26,7 @@ class JsonObject {
   }
 
   bool has(const std::string& key) const { return json_.contains(key); }
+  bool is_list(const std::string& key) const { return has(key) && json_[key].is_array(); }
   std::string place(const std::string& key) const {
     return place_.empty() ? key : place_ + "." + key;
   }
@@ -65,6 +66,14 @@ class JsonObject {
     const double value = positive(key);
     if (value != std::floor(value) || value > 1e9)
       throw JsonError(place(key) + ": expected a whole number");
+    return static_cast<int>(value);
+  }
+
+  /// A whole number from 0.
+  int index(const std::string& key) {
+    const double value = number(key);
+    if (value != std::floor(value) || value < 0.0 || value > 1e9)
+      throw JsonError(place(key) + ": expected a whole number from 0");
     return static_cast<int>(value);
   }
 

@@ -10,6 +10,7 @@
 #include "scan/io/files/io_error.h"
 #include "scan/io/files/text_lines.h"
 #include "scan/io/project/view_spec.h"
+#include "scan/io/workspaces/workspace_writers.h"
 
 namespace relief {
 
@@ -68,7 +69,7 @@ std::string tum_trajectory(const ScanProject& project) {
 Result<std::vector<std::string>> grid_files(const ScanProject& project, const fs::path& source,
                                             const ReadProjectOptions& options,
                                             const fs::path& path) {
-  const auto spec = read_project_spec(source, options.fc_file);
+  const auto spec = read_project_spec(source, options);
   if (!spec) return spec.error();
   std::error_code code;
   const fs::path folder = fs::weakly_canonical(fs::absolute(path), code).parent_path();
@@ -114,7 +115,8 @@ std::string stanford_conf(const ScanProject& project, const std::vector<std::str
 
 bool is_pose_path(const fs::path& path) {
   const fs::path ending = path.extension();
-  return ending == ".aln" || ending == ".conf" || ending == ".log" || ending == ".tum";
+  return ending == ".aln" || ending == ".conf" || ending == ".mlp" || ending == ".log" ||
+         ending == ".tum";
 }
 
 Result<void> write_pose_file(const ScanProject& project, const fs::path& source,
@@ -123,6 +125,7 @@ Result<void> write_pose_file(const ScanProject& project, const fs::path& source,
   if (path.extension() == ".tum") return write_file(path, tum_trajectory(project));
   const auto files = grid_files(project, source, source_options, path);
   if (!files) return files.error();
+  if (path.extension() == ".mlp") return write_file(path, meshlab_mlp_text(project.views, *files));
   const bool aln = path.extension() == ".aln";
   return write_file(path, aln ? meshlab_aln(project, *files) : stanford_conf(project, *files));
 }

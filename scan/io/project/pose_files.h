@@ -8,13 +8,13 @@
 
 namespace relief {
 
-/// Whether `path` ends like a file that holds poses alone: .aln, .conf, .log, .tum.
+/// Whether `path` ends like a file that holds poses alone: .aln, .conf, .mlp, .log, .tum.
 bool is_pose_path(const std::filesystem::path& path);
 
 /// Writes the poses of `project` for other programs, by the ending of `path`:
-/// - `.aln`: MeshLab's alignment project; `.conf`: the Stanford scans' list. Both name the grid
-///   files of `source`, from which `project` was read. kBadInput when `source` has none: then the
-///   views have to be converted to grids first.
+/// - `.aln`: MeshLab's alignment project; `.mlp`: its project; `.conf`: the Stanford scans' list.
+///   They name the grid files of `source`, from which `project` was read. kBadInput when `source`
+///   has none: then the views have to be converted to grids first.
 /// - `.log`: the trajectory of Open3D and Redwood, world from view, by the order of the views.
 /// - `.tum`: a trajectory `time tx ty tz qx qy qz qw`, world from view; the time is the name of the
 ///   view where that is a number, else its index.

@@ -50,7 +50,7 @@ Result<std::vector<std::string>> settle_normals(std::vector<LoadedView>& views) 
 
 Result<ScanProject> read_project(const std::filesystem::path& path,
                                  const ReadProjectOptions& options, const Progress& progress) {
-  auto spec = read_project_spec(path, options.fc_file);
+  auto spec = read_project_spec(path, options);
   if (!spec) return spec.error();
   std::atomic<bool> interrupted{false};
   LoadedViews loaded = load_views(spec->views, options, progress, interrupted);

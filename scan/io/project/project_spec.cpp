@@ -4,8 +4,12 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/grids/grid_file.h"
+#include "scan/io/project/scan_file.h"
 #include "scan/io/project/view_spec.h"
+#include "scan/io/workspaces/colmap/colmap_workspace.h"
+#include "scan/io/workspaces/meshlab_mlp.h"
+#include "scan/io/workspaces/pose_beside.h"
+#include "scan/io/workspaces/rgbd/rgbd_folder.h"
 
 namespace relief {
 
@@ -41,87 +45,145 @@ Result<CameraSpec> read_fc(const fs::path& path) {
   return camera;
 }
 
-// The pose in a `.xf` file beside a grid file: four rows of four numbers.
-Result<void> read_pose_beside(ViewSpec& view) {
-  fs::path path = *view.grid;
-  path.replace_extension(".xf");
-  std::error_code code;
-  if (!fs::exists(path, code)) return {};
-  const auto numbers = read_numbers(path, 16, "four rows of four numbers");
-  if (!numbers) return numbers.error();
-  const Eigen::Matrix4d matrix =
-      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers->data());
-  const auto motion = rigid_motion_from_matrix(matrix, path.string() + ": the pose");
-  if (!motion) return motion.error();
-  view.world_from_view = *motion;
-  view.pose = PoseKind::kGuess;
+std::string unused_name(const ProjectSpec& project, const std::string& stem,
+                        const std::string& file_name) {
+  const bool taken = std::any_of(project.views.begin(), project.views.end(),
+                                 [&](const auto& other) { return other.name == stem; });
+  return taken ? file_name : stem;
+}
+
+// One view for each scan of a file.
+Result<void> add_scans(const fs::path& file, const ReadProjectOptions& options,
+                       ProjectSpec& project) {
+  const auto count = scans_in_file(file);
+  if (!count) return count.error();
+  const auto pose =
+      *count == 1 ? pose_beside(file) : Result<std::optional<RigidMotion>>(std::nullopt);
+  if (!pose) return pose.error();
+  const std::string stem = unused_name(project, file.stem().string(), file.filename().string());
+  for (int scan = 0; scan < *count; ++scan) {
+    ViewSpec view;
+    view.name = *count > 1 ? stem + "-" + std::to_string(scan + 1) : stem;
+    view.grid = file;
+    view.grid_options = {scan, options.viewpoint, options.ignore_viewpoints};
+    if (*pose) {
+      view.world_from_view = **pose;
+      view.pose = PoseKind::kGuess;
+    }
+    project.views.push_back(std::move(view));
+  }
   return {};
 }
 
-Result<ProjectSpec> spec_of_grids(const std::vector<fs::path>& files) {
+Result<ProjectSpec> spec_of_scans(const std::vector<fs::path>& files,
+                                  const ReadProjectOptions& options) {
   ProjectSpec project;
   project.unit = kUnknownUnit;
-  for (const auto& file : files) {
-    ViewSpec view;
-    view.name = file.stem().string();
-    const bool taken = std::any_of(project.views.begin(), project.views.end(),
-                                   [&](const auto& other) { return other.name == view.name; });
-    if (taken) view.name = file.filename().string();
-    view.grid = file;
-    if (auto pose = read_pose_beside(view); !pose) return pose.error();
-    project.views.push_back(std::move(view));
-  }
+  // PTX and E57 hold metres.
+  if (std::all_of(files.begin(), files.end(), [](const fs::path& file) {
+        return kind_of_scan_file(file) == ScanFileKind::kScans;
+      }))
+    project.unit = "m";
+  for (const auto& file : files)
+    if (auto added = add_scans(file, options, project); !added) return added.error();
   return project;
 }
 
-Result<ProjectSpec> spec_of_file(const fs::path& path) {
-  if (has_grid_ending(path)) return spec_of_grids({path});
-  if (path.extension() != ".json" && path.extension() != ".conf" && path.extension() != ".aln")
-    return bad_input(path,
-                     "unknown project format '" + path.extension().string() +
-                         "'; use a scan.json, a .conf, an .aln, a .ply or .pcd grid, or a folder");
-  auto text = read_file(path);
-  if (!text) return text.error();
-  if (path.extension() == ".json") return parse_scan_json(*text, path);
-  auto project = path.extension() == ".aln" ? parse_meshlab_aln(*text, path)
-                                            : parse_stanford_conf(*text, path);
+Result<ProjectSpec> parse_project(const std::string& text, const fs::path& path) {
+  if (path.extension() == ".json") return parse_scan_json(text, path);
+  auto project = path.extension() == ".aln"   ? parse_meshlab_aln(text, path)
+                 : path.extension() == ".mlp" ? parse_meshlab_mlp(text, path)
+                                              : parse_stanford_conf(text, path);
   if (project) project->unit = kUnknownUnit;
   return project;
 }
 
-Result<ProjectSpec> spec_of_folder(const fs::path& folder) {
+Result<ProjectSpec> spec_of_file(const fs::path& path, const ReadProjectOptions& options) {
+  if (is_project_file(path)) {
+    auto text = read_file(path);
+    if (!text) return text.error();
+    return parse_project(*text, path);
+  }
+  if (has_scan_ending(path)) return spec_of_scans({path}, options);
+  return bad_input(path, "unknown project format '" + path.extension().string() +
+                             "'; use a scan.json, a .conf, .aln or .mlp, a file of scans (.ply "
+                             ".pcd .ptx .e57 .xyz .pts .obj .stl .vtp), or a folder");
+}
+
+// What a folder without a project file holds.
+struct FolderContent {
+  std::vector<fs::path> projects;  // .conf, .aln and .mlp
+  std::vector<fs::path> grids, points;
+};
+
+// Text files that may be anything (.txt, .csv) count as points only where they are named.
+bool is_surely_points(const fs::path& path) {
+  return path.extension() != ".txt" && path.extension() != ".csv";
+}
+
+Result<FolderContent> look_into(const fs::path& folder) {
+  FolderContent content;
   std::error_code code;
-  if (fs::exists(folder / "scan.json", code)) return spec_of_file(folder / "scan.json");
-  std::vector<fs::path> grids, configurations;
-  std::vector<std::string> notes;
   for (const auto& entry : fs::directory_iterator(folder, code)) {
     const fs::path& path = entry.path();
-    if (path.extension() == ".conf") configurations.push_back(path);
-    if (!has_grid_ending(path)) continue;
-    if (is_grid_file(path))
-      grids.push_back(path);
-    else
-      notes.push_back("skipped " + path.string() + ": it holds no sensor grid");
+    if (is_project_file(path)) {
+      if (path.extension() != ".json") content.projects.push_back(path);
+      continue;
+    }
+    const ScanFileKind kind = kind_of_scan_file(path);
+    if (kind == ScanFileKind::kGrid || kind == ScanFileKind::kScans) content.grids.push_back(path);
+    if (kind == ScanFileKind::kPoints && is_surely_points(path)) content.points.push_back(path);
   }
   if (code) return bad_input(folder, "cannot list the folder: " + code.message());
-  if (configurations.size() == 1) return spec_of_file(configurations.front());
-  if (grids.empty())
-    return bad_input(folder, "no scan.json and no scan grid (.ply with range_grid, .pcd) in it");
-  std::sort(grids.begin(), grids.end());
-  std::sort(notes.begin(), notes.end());
-  auto project = spec_of_grids(grids);
-  if (project) project->notes = notes;
+  for (auto* files : {&content.projects, &content.grids, &content.points})
+    std::sort(files->begin(), files->end());
+  return content;
+}
+
+// Tells the user what a folder was taken for.
+Result<ProjectSpec> read_as(const char* what, const fs::path& folder, Result<ProjectSpec> project) {
+  if (project) project->notes.insert(project->notes.begin(), folder.string() + ": read as " + what);
+  return project;
+}
+
+Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOptions& options) {
+  std::error_code code;
+  if (fs::exists(folder / "scan.json", code)) return spec_of_file(folder / "scan.json", options);
+  if (is_colmap_workspace(folder))
+    return read_as("a COLMAP workspace", folder, read_colmap_workspace(folder));
+  if (is_rgbd_folder(folder))
+    return read_as("a folder of depth maps with a trajectory", folder,
+                   read_rgbd_folder(folder, {options.intrinsics, options.depth_scale}));
+  const auto content = look_into(folder);
+  if (!content) return content.error();
+  if (content->projects.size() == 1) return spec_of_file(content->projects.front(), options);
+  if (content->grids.empty() && content->points.empty())
+    return bad_input(folder,
+                     "no scan.json, no file of scans (.ply .pcd .ptx .e57 .xyz .pts .obj .stl "
+                     ".vtp), no depth maps and no COLMAP workspace in it");
+  auto project = spec_of_scans(content->grids.empty() ? content->points : content->grids, options);
+  if (!project || content->grids.empty())
+    return read_as("points and meshes without sensor grids", folder, std::move(project));
+  for (const fs::path& path : content->points)
+    project->notes.push_back("skipped " + path.string() +
+                             ": it holds no sensor grid, as other files beside it do");
   return project;
 }
 
 }  // namespace
 
-Result<ProjectSpec> read_project_spec(const fs::path& path, const fs::path& fc_file) {
+bool is_project_file(const fs::path& path) {
+  const fs::path ending = path.extension();
+  return ending == ".json" || ending == ".conf" || ending == ".aln" || ending == ".mlp";
+}
+
+Result<ProjectSpec> read_project_spec(const fs::path& path, const ReadProjectOptions& options) {
   std::error_code code;
   if (!fs::exists(path, code)) return bad_input(path, "no such file or folder");
-  auto project = fs::is_directory(path, code) ? spec_of_folder(path) : spec_of_file(path);
-  if (!project || fc_file.empty()) return project;
-  const auto camera = read_fc(fc_file);
+  auto project =
+      fs::is_directory(path, code) ? spec_of_folder(path, options) : spec_of_file(path, options);
+  if (!project || options.fc_file.empty()) return project;
+  const auto camera = read_fc(options.fc_file);
   if (!camera) return camera.error();
   for (auto& view : project->views)
     if (view.grid && !view.camera) view.camera = *camera;

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cctype>
-#include <limits>
 #include <optional>
 #include <set>
 
@@ -12,6 +11,8 @@
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/grids/ply_grid_writer.h"
 #include "scan/io/images/image_io.h"
+#include "scan/io/project/camera_json.h"
+#include "scan/io/project/spec_json.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {
@@ -20,82 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using json = nlohmann::ordered_json;
-
-json to_json(const Eigen::Ref<const Eigen::VectorXd>& vector) {
-  json values = json::array();
-  for (const double value : vector) values.push_back(value);
-  return values;
-}
-
-json to_json(const RigidMotion& motion) {
-  json rows = json::array();
-  for (Eigen::Index i = 0; i < 4; ++i)
-    rows.push_back(to_json(Eigen::Vector4d(motion.matrix().row(i).transpose())));
-  return rows;
-}
-
-void set_pose(json& view, const RigidMotion& motion, PoseKind kind) {
-  view.erase("world_from_view");
-  view.erase("pose_is");
-  if (kind == PoseKind::kAbsent) return;
-  view["world_from_view"] = to_json(motion);
-  view["pose_is"] = kind == PoseKind::kKnown ? "known" : "guess";
-}
-
-// The distance by which an orthographic camera has to step back so that all its ranges are
-// positive: a depth map cannot hold others.
-double step_back(const RangeView& view) {
-  double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
-  for (const double t : view.range) {
-    if (t != t) continue;
-    nearest = std::min(nearest, t);
-    farthest = std::max(farthest, t);
-  }
-  if (!(nearest <= 0.0)) return 0.0;
-  return -nearest + std::max(farthest - nearest, sample_spacing(view));
-}
-
-json pinhole_json(Camera::Model model, int width, int height, const PinholeIntrinsics& k) {
-  return {{"model", to_string(model)},
-          {"width", width},
-          {"height", height},
-          {"fx", k.fx},
-          {"fy", k.fy},
-          {"cx", k.cx},
-          {"cy", k.cy}};
-}
-
-json orthographic_json(const Camera& camera, double back) {
-  const Ray corner = camera.ray_at(0, 0);
-  return {{"model", "orthographic"},
-          {"width", camera.width()},
-          {"height", camera.height()},
-          {"origin", to_json(corner.at(-back))},
-          {"step_u", to_json(camera.ray_at(1, 0).origin - corner.origin)},
-          {"step_v", to_json(camera.ray_at(0, 1).origin - corner.origin)},
-          {"view_direction", to_json(corner.direction)}};
-}
-
-// What a reader needs to give a table of rays back to its points: the common direction, else the
-// projection. Null when the table has neither; the reader then fits a camera.
-json table_json(const Camera& camera) {
-  const Eigen::Vector3d first = camera.ray(0, 0).direction.normalized();
-  bool parallel = true;
-  for (int v = 0; v < camera.height() && parallel; ++v)
-    for (int u = 0; u < camera.width() && parallel; ++u)
-      parallel = camera.ray(u, v).direction.normalized().dot(first) > 1.0 - 1e-14;
-  if (parallel) return {{"model", "orthographic"}, {"view_direction", to_json(first)}};
-  if (!camera.projection()) return nullptr;
-  const RationalProjection& projection = *camera.projection();
-  const Eigen::Vector3d centre =
-      camera.ray(camera.width() / 2, camera.height() / 2).direction.normalized();
-  return {{"model", "rational"},
-          {"u_numerator", to_json(projection.u_numerator)},
-          {"u_denominator", to_json(projection.u_denominator)},
-          {"v_numerator", to_json(projection.v_numerator)},
-          {"v_denominator", to_json(projection.v_denominator)},
-          {"view_direction", to_json(centre)}};
-}
 
 Image depth_image(const RangeView& view, double back) {
   Image image(view.width(), view.height(), 1);
@@ -143,12 +68,9 @@ Result<void> write_colours(const RangeView& view, const fs::path& folder, const 
 
 Result<void> write_depth_view(const RangeView& view, const fs::path& folder,
                               const std::string& stem, bool declare_normals, json& entry) {
-  const bool orthographic = view.camera.model() == Camera::Model::kOrthographic;
-  const double back = orthographic ? step_back(view) : 0.0;
+  const double back = step_back(view);
   entry["depth"] = {{"file", stem + "_depth.tiff"}, {"scale", 1.0}, {"kind", "z"}};
-  entry["camera"] = orthographic ? orthographic_json(view.camera, back)
-                                 : pinhole_json(view.camera.model(), view.width(), view.height(),
-                                                view.camera.intrinsics());
+  entry["camera"] = camera_json(view);
   if (auto depth = write_tiff(depth_image(view, back), folder / (stem + "_depth.tiff")); !depth)
     return depth;
   if (view.has_normals()) {
@@ -167,18 +89,6 @@ Result<void> write_depth_view(const RangeView& view, const fs::path& folder,
   return write_tiff(confidence, folder / (stem + "_confidence.tiff"));
 }
 
-json camera_of_grid(const RangeView& view) {
-  switch (view.camera.model()) {
-    case Camera::Model::kRayTable:
-      return table_json(view.camera);
-    case Camera::Model::kOrthographic:
-      return orthographic_json(view.camera, step_back(view));
-    default:
-      return pinhole_json(view.camera.model(), view.width(), view.height(),
-                          view.camera.intrinsics());
-  }
-}
-
 // Zero where it is unknown.
 Result<void> write_deviation(const RangeView& view, const fs::path& folder, const std::string& stem,
                              json& entry) {
@@ -194,6 +104,7 @@ Result<void> write_deviation(const RangeView& view, const fs::path& folder, cons
 // and normals go into a grid file, in the frame they are in.
 bool needs_grid_file(const RangeView& view) {
   return view.camera.model() == Camera::Model::kRayTable ||
+         view.camera.model() == Camera::Model::kSpherical ||
          (view.camera.model() == Camera::Model::kOrthographic && view.has_normals());
 }
 
@@ -201,7 +112,7 @@ Result<void> write_grid_view(const RangeView& view, const fs::path& folder, cons
                              GridFormat format, json& entry) {
   const std::string file = stem + (format == GridFormat::kPcd ? ".pcd" : ".ply");
   entry["grid"] = {{"file", file}};
-  const json camera = camera_of_grid(view);
+  const json camera = camera_json(view);
   if (!camera.is_null()) entry["camera"] = camera;
   return write_file(folder / file,
                     format == GridFormat::kPcd ? encode_pcd_grid(view) : encode_ply_grid(view));
@@ -219,18 +130,6 @@ std::string file_stem(const std::string& name, std::set<std::string>& taken) {
   return unique;
 }
 
-json project_json(const std::string& unit) {
-  return {{"format", "relief-scan"}, {"version", 1}, {"unit", unit}, {"views", json::array()}};
-}
-
-fs::path relative_to(const fs::path& file, const fs::path& folder) {
-  std::error_code code;
-  const fs::path target = fs::weakly_canonical(fs::absolute(file), code);
-  const fs::path base = fs::weakly_canonical(fs::absolute(folder), code);
-  const fs::path relative = target.lexically_relative(base);
-  return relative.empty() ? target : relative;
-}
-
 fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
@@ -242,7 +141,7 @@ Result<json> updated_document(const ScanProject& project, const fs::path& source
   auto text = read_file(source);
   if (!text) return text.error();
   if (auto valid = parse_scan_json(*text, source); !valid) return valid.error();
-  json document = json::parse(*text);
+  json document = json::parse(*text, nullptr, true, /*ignore_comments=*/true);
   json views = json::array();
   for (json& entry : document["views"]) {
     const RangeView* view = find_view(project, entry["name"].get<std::string>());
@@ -251,27 +150,23 @@ Result<json> updated_document(const ScanProject& project, const fs::path& source
          {"depth", "grid", "normals", "mask", "confidence", "color", "deviation"}) {
       if (!entry.contains(key)) continue;
       json& name = entry[key]["file"];
-      name = relative_to(folder_of(source) / name.get<std::string>(), folder_of(file)).string();
+      name = path_from(folder_of(source) / name.get<std::string>(), folder_of(file)).string();
     }
-    set_pose(entry, view->world_from_view, view->pose);
+    set_pose_json(entry, view->world_from_view, view->pose);
     views.push_back(std::move(entry));
   }
   document["views"] = std::move(views);
   return document;
 }
 
-// The same for sources that list grid files.
-json document_of_grids(const ScanProject& project, const ProjectSpec& spec, const fs::path& file) {
-  json document = project_json(project.unit);
+// The same for sources of other formats.
+json document_of_spec(const ScanProject& project, const ProjectSpec& spec, const fs::path& file) {
+  json document = empty_project_json(project.unit);
   for (const auto& source : spec.views) {
     const RangeView* view = find_view(project, source.name);
     if (!view) continue;
-    json entry = {{"name", source.name},
-                  {"grid", {{"file", relative_to(*source.grid, folder_of(file)).string()}}}};
-    if (source.camera)  // of an .fc file
-      entry["camera"] = pinhole_json(Camera::Model::kPinholeGl, view->width(), view->height(),
-                                     source.camera->intrinsics);
-    set_pose(entry, view->world_from_view, view->pose);
+    json entry = view_json(source, folder_of(file));
+    set_pose_json(entry, view->world_from_view, view->pose);
     document["views"].push_back(std::move(entry));
   }
   return document;
@@ -294,7 +189,7 @@ Result<void> write_project(const std::vector<RangeView>& views, const std::strin
   std::error_code code;
   fs::create_directories(folder, code);
   if (code) return cannot_write(folder, "cannot create the folder: " + code.message());
-  json document = project_json(unit);
+  json document = empty_project_json(unit);
   std::set<std::string> stems;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const RangeView& view = views[i];
@@ -308,7 +203,7 @@ Result<void> write_project(const std::vector<RangeView>& views, const std::strin
                         : write_depth_view(view, folder, stem, options.declare_normals, entry);
     if (written) written = write_deviation(view, folder, stem, entry);
     if (!written) return written;
-    set_pose(entry, view.world_from_view, view.pose);
+    set_pose_json(entry, view.world_from_view, view.pose);
     document["views"].push_back(std::move(entry));
   }
   // Last: the folder is a project only when all it names is there.
@@ -327,9 +222,9 @@ Result<void> write_project_poses(const ScanProject& project, const fs::path& sou
     if (!document) return document.error();
     return write_file(file, document->dump(1) + "\n");
   }
-  const auto spec = read_project_spec(source, source_options.fc_file);
+  const auto spec = read_project_spec(source, source_options);
   if (!spec) return spec.error();
-  return write_file(file, document_of_grids(project, *spec, file).dump(1) + "\n");
+  return write_file(file, document_of_spec(project, *spec, file).dump(1) + "\n");
 }
 
 }  // namespace relief

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <set>
 
 #include "scan/io/files/io_error.h"
@@ -21,6 +23,16 @@ std::filesystem::path read_file_name(JsonObject object, const std::filesystem::p
   auto file = resolve(object.text("file"), project, object.place("file"));
   object.finish();
   return file;
+}
+
+void read_grid(JsonObject grid, const std::filesystem::path& project, ViewSpec& spec) {
+  spec.grid = resolve(grid.text("file"), project, grid.place("file"));
+  if (grid.has("scan")) spec.grid_options.scan = grid.index("scan");
+  if (grid.has("viewpoint"))
+    spec.grid_options.viewpoint = Eigen::Vector3d(grid.numbers("viewpoint", 3));
+  if (grid.has("pose"))
+    spec.grid_options.ignore_pose = grid.choice<bool>("pose", {{"take", false}, {"ignore", true}});
+  grid.finish();
 }
 
 Eigen::Vector3d read_direction(JsonObject& camera, const std::string& key) {
@@ -56,19 +68,52 @@ void read_rational(JsonObject& camera, CameraSpec& spec) {
   spec.view_direction = read_direction(camera, "view_direction");
 }
 
+// Either `azimuth`: a number for each column, or `azimuth` of column 0 and `azimuth_step`; the same
+// for elevations and rows. In degrees.
+std::vector<double> read_angles(JsonObject& camera, const std::string& key,
+                                std::optional<int> count, const char* size_key) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  constexpr int kLargestSide = 1 << 20;  // pixels; far more than scanners have
+  if (!count || *count > kLargestSide)
+    throw JsonError(camera.place(size_key) + ": missing or too large for a spherical camera");
+  std::vector<double> angles;
+  if (camera.is_list(key)) {
+    const Eigen::VectorXd listed = camera.numbers(key, *count);
+    for (const double angle : listed) angles.push_back(angle * kDegree);
+    return angles;
+  }
+  const double first = camera.number(key), step = camera.nonzero(key + "_step");
+  if (!(std::abs(step) * (*count - 1) <= 360.0 * (1.0 + 1e-6)))
+    throw JsonError(camera.place(key + "_step") + ": times the steps is more than a turn");
+  for (int i = 0; i < *count; ++i) angles.push_back((first + i * step) * kDegree);
+  return angles;
+}
+
+void read_spherical(JsonObject& camera, CameraSpec& spec) {
+  spec.angles.azimuth = read_angles(camera, "azimuth", spec.width, "width");
+  spec.angles.elevation = read_angles(camera, "elevation", spec.height, "height");
+  if (!spec.angles.valid())
+    throw JsonError(camera.place("azimuth") +
+                    ": azimuths and elevations [deg] must each grow or fall strictly, over at most "
+                    "a turn and from -90 to 90; a camera needs two columns and rows");
+}
+
 CameraSpec read_camera(JsonObject camera) {
   using Model = CameraSpec::Model;
   CameraSpec spec;
   spec.model = camera.choice<Model>("model", {{"pinhole", Model::kPinhole},
                                               {"pinhole_gl", Model::kPinholeGl},
                                               {"orthographic", Model::kOrthographic},
-                                              {"rational", Model::kRational}});
+                                              {"rational", Model::kRational},
+                                              {"spherical", Model::kSpherical}});
   if (camera.has("width")) spec.width = camera.positive_integer("width");
   if (camera.has("height")) spec.height = camera.positive_integer("height");
   if (spec.model == Model::kOrthographic)
     read_orthographic(camera, spec);
   else if (spec.model == Model::kRational)
     read_rational(camera, spec);
+  else if (spec.model == Model::kSpherical)
+    read_spherical(camera, spec);
   else
     read_pinhole(camera, spec);
   camera.finish();
@@ -130,7 +175,7 @@ ViewSpec read_view(JsonObject view, const std::filesystem::path& project) {
   spec.name = view.text("name");
   if (spec.name.empty()) throw JsonError(view.place("name") + ": is empty");
   if (view.has("depth")) spec.depth = read_depth(view.object("depth"), project);
-  if (view.has("grid")) spec.grid = read_file_name(view.object("grid"), project);
+  if (view.has("grid")) read_grid(view.object("grid"), project, spec);
   if (spec.depth.has_value() == spec.grid.has_value())
     throw JsonError(view.place("depth") + ": view " + spec.name +
                     " needs either depth or grid, and only one of them");
@@ -185,7 +230,7 @@ std::string line_and_column(const std::string& text, std::size_t byte) {
 
 Result<ProjectSpec> parse_scan_json(const std::string& text, const std::filesystem::path& path) {
   try {
-    return read_document(json::parse(text), path);
+    return read_document(json::parse(text, nullptr, true, /*ignore_comments=*/true), path);
   } catch (const json::parse_error& error) {
     return Error{ErrorKind::kBadInput,
                  path.string() + ":" + line_and_column(text, error.byte) + ": not valid JSON here"};

@@ -6,9 +6,9 @@
 #include "scan/base/system_memory.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/grids/grid_camera.h"
-#include "scan/io/grids/grid_file.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/normals/normal_map.h"
+#include "scan/io/project/scan_file.h"
 
 namespace relief {
 
@@ -57,6 +57,8 @@ Camera camera_of(const CameraSpec& spec, int width, int height,
         return Camera::orthographic(width, height, *spec.origin, *spec.step_u, *spec.step_v,
                                     *spec.view_direction);
       return fit_orthographic(*points, *spec.view_direction);
+    case CameraSpec::Model::kSpherical:
+      return Camera::spherical(spec.angles);
     case CameraSpec::Model::kRational:
       break;
   }
@@ -110,8 +112,10 @@ std::string projection_note(const GridCamera& fitted) {
 }
 
 Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& loaded) {
-  auto grid = read_grid_file(*spec.grid);
+  auto grid = read_scan_file(*spec.grid, spec.grid_options);
   if (!grid) return grid.error();
+  for (const std::string& note : grid->notes)
+    loaded.notes.push_back("view " + spec.name + ": " + note);
   const int width = grid->points.width(), height = grid->points.height();
   if (auto claimed = claim_memory(spec, width, height, memory); !claimed) return claimed;
   const bool direction_known =
@@ -123,6 +127,8 @@ Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& l
     if (auto size = check_camera_size(*spec.camera, width, height, spec); !size) return size;
   if (direction_known) {
     model = camera_of(*spec.camera, width, height, &grid->points);
+  } else if (grid->camera) {
+    model = *grid->camera;
   } else if (spec.camera) {
     FittedCamera fitted = fit_orthographic(*grid);
     model = std::move(fitted.model);

@@ -8,11 +8,13 @@
 
 #include <Eigen/Core>
 
+#include "relief/io/project_io.h"
 #include "relief/scan/camera.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/rational_projection.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
+#include "relief/scan/spherical_projection.h"
 
 namespace relief {
 
@@ -29,13 +31,14 @@ struct DeviationSpec {
 
 /// The `camera` of a view. Which members are set depends on `model`.
 struct CameraSpec {
-  enum class Model { kPinhole, kPinholeGl, kOrthographic, kRational };
+  enum class Model { kPinhole, kPinholeGl, kOrthographic, kRational, kSpherical };
   Model model = Model::kPinhole;
   std::optional<int> width, height;
   PinholeIntrinsics intrinsics;
   std::optional<Eigen::Vector3d> view_direction;          ///< Orthographic, rational.
   std::optional<Eigen::Vector3d> origin, step_u, step_v;  ///< Orthographic.
   RationalProjection projection;
+  SphericalProjection angles;  ///< As tables; their lengths are `width` and `height`.
 };
 
 enum class NormalEncoding { kRgb, kUnit };
@@ -49,11 +52,20 @@ struct NormalSpec {
   std::optional<NormalSpace> space;
 };
 
+/// What a file of scans leaves open.
+struct GridOptions {
+  int scan = 0;  ///< Which scan of a file that holds several, from 0.
+  /// Where the sensor stood, in the file's frame; for points without a grid. Else it is found.
+  std::optional<Eigen::Vector3d> viewpoint;
+  bool ignore_pose = false;  ///< The pose that the file tells is not taken.
+};
+
 /// One view as a project describes it, before its data is read. File names are resolved.
 struct ViewSpec {
   std::string name;
   std::optional<DepthSpec> depth;             ///< Either this
   std::optional<std::filesystem::path> grid;  ///< or this is set.
+  GridOptions grid_options;
   std::optional<CameraSpec> camera;
   std::optional<NormalSpec> normals;
   std::optional<std::filesystem::path> mask, confidence, colour;
@@ -79,8 +91,11 @@ Result<ProjectSpec> parse_stanford_conf(const std::string& text, const std::file
 /// and the matrix world_from_view in four rows.
 Result<ProjectSpec> parse_meshlab_aln(const std::string& text, const std::filesystem::path& path);
 
-/// What read_project's `path` stands for, whichever form it has. `fc_file` may be empty.
+/// Whether the ending of a path is that of a file that names the files of views.
+bool is_project_file(const std::filesystem::path& path);
+
+/// What read_project's `path` stands for, whichever form it has.
 Result<ProjectSpec> read_project_spec(const std::filesystem::path& path,
-                                      const std::filesystem::path& fc_file);
+                                      const ReadProjectOptions& options = {});
 
 }  // namespace relief

@@ -2,9 +2,13 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include "relief/scan/camera.h"
 #include "relief/scan/progress.h"
 #include "relief/scan/result.h"
 #include "relief/scan/scan_project.h"
@@ -15,16 +19,27 @@ struct ReadProjectOptions {
   /// Intrinsics of grid files without a camera: `fx fy cx cy`, the model `pinhole_gl`. Empty: the
   /// best-fitting model is found from the points and named in the notes.
   std::filesystem::path fc_file;
+  /// Of the depth maps of a folder without a scan.json, in place of its calibration file.
+  std::optional<PinholeIntrinsics> intrinsics;
+  /// How many steps of such a depth map are one unit, as 1000 for millimetres where the unit is the
+  /// metre.
+  std::optional<double> depth_scale;
+  /// Where the sensor stood, in the frame of points without a grid [unit]. Unset: it is found.
+  std::optional<Eigen::Vector3d> viewpoint;
+  /// Poses that files of scans tell are not taken: the VIEWPOINT of PCD, the matrix of PTX, the
+  /// pose of E57. Some programs write a frame there, not a pose.
+  bool ignore_viewpoints = false;
   int threads = 0;  ///< Views are read in parallel; 0: one thread per core.
   /// What all views may take [bytes]: a small file can hold a large image, and many views can name
   /// it. 0: the memory that is free.
   std::size_t memory = 0;
 };
 
-/// Reads what stands for a scan project: a `scan.json`, a Stanford `.conf`, one grid file
-/// (range-grid PLY, organized PCD), or a folder of grid files (or of a scan.json). Docs:
-/// file-formats.md. Errors name file and place: kBadInput; kUnsolvable for views without any sample
-/// and for more of them than `memory` holds.
+/// Reads what stands for a scan project: a `scan.json`, a Stanford `.conf`, a MeshLab `.aln` or
+/// `.mlp`, a file of scans (range-grid PLY, PCD, PTX, E57, text with points, a mesh), a folder of
+/// such files, a folder of depth maps, or a COLMAP workspace. Docs: file-formats.md. Errors name
+/// file and place: kBadInput; kUnsolvable for views without any sample and for more of them than
+/// `memory` holds.
 Result<ScanProject> read_project(const std::filesystem::path& path,
                                  const ReadProjectOptions& options = {},
                                  const Progress& progress = {});

@@ -1,0 +1,233 @@
+#include "scan/io/project/folder_guess.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <map>
+#include <optional>
+
+#include "scan/io/files/io_error.h"
+#include "scan/io/images/image_size.h"
+#include "scan/io/project/spec_json.h"
+
+namespace relief {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class ImageRole { kDepth, kNormals, kMask, kConfidence, kColour };
+
+struct RoleWord {
+  const char* word;
+  ImageRole role;
+};
+
+// Words in names of files and folders, as scanners' programs and public data sets write them.
+constexpr std::array kRoleWords{
+    RoleWord{"depth", ImageRole::kDepth},     RoleWord{"range", ImageRole::kDepth},
+    RoleWord{"dist", ImageRole::kDepth},      RoleWord{"distance", ImageRole::kDepth},
+    RoleWord{"z", ImageRole::kDepth},         RoleWord{"normal", ImageRole::kNormals},
+    RoleWord{"normals", ImageRole::kNormals}, RoleWord{"nrm", ImageRole::kNormals},
+    RoleWord{"mask", ImageRole::kMask},       RoleWord{"silhouette", ImageRole::kMask},
+    RoleWord{"conf", ImageRole::kConfidence}, RoleWord{"confidence", ImageRole::kConfidence},
+    RoleWord{"color", ImageRole::kColour},    RoleWord{"colour", ImageRole::kColour},
+    RoleWord{"rgb", ImageRole::kColour},      RoleWord{"albedo", ImageRole::kColour},
+    RoleWord{"image", ImageRole::kColour}};
+
+std::string in_lower_case(std::string text) {
+  for (char& letter : text)
+    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return text;
+}
+
+// The letters of a name in groups: `view01_depth` has `view`, `01` and `depth`.
+std::vector<std::string> words_of(const std::string& name) {
+  std::vector<std::string> words;
+  char before = '\0';
+  for (const char c : name) {
+    const auto kind = [](char letter) {
+      const auto byte = static_cast<unsigned char>(letter);
+      return std::isalpha(byte) ? 1 : std::isdigit(byte) ? 2 : 0;
+    };
+    if (kind(c) == 0) {
+      before = '\0';
+      continue;
+    }
+    if (before == '\0' || kind(before) != kind(c)) words.emplace_back();
+    words.back() += c;
+    before = c;
+  }
+  return words;
+}
+
+std::optional<ImageRole> role_of_word(const std::string& word) {
+  for (const RoleWord& known : kRoleWords)
+    if (word == known.word) return known.role;
+  return std::nullopt;
+}
+
+struct NamedImage {
+  fs::path file;
+  ImageRole role;
+  std::string view;  // The name without the word of its role.
+};
+
+// The role is told by the name of the file, else by that of its folder.
+std::optional<NamedImage> named_image(const fs::path& file, const std::string& folder_name) {
+  std::optional<ImageRole> role;
+  std::string view;
+  for (const std::string& word : words_of(in_lower_case(file.stem().string()))) {
+    const auto found = role_of_word(word);
+    if (found && !role) {
+      role = found;
+      continue;
+    }
+    view += (view.empty() ? "" : "_") + word;
+  }
+  if (!role)
+    for (const std::string& word : words_of(in_lower_case(folder_name)))
+      if (!role) role = role_of_word(word);
+  if (!role) return std::nullopt;
+  return NamedImage{file, *role, view.empty() ? "view" : view};
+}
+
+bool is_image(const fs::path& path) {
+  return has_depth_image_ending(path) || has_photograph_ending(path);
+}
+
+void add_images(const fs::path& folder, const std::string& folder_name,
+                std::vector<NamedImage>& images) {
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code))
+    if (entry.is_regular_file(code) && is_image(entry.path()))
+      if (auto image = named_image(entry.path(), folder_name)) images.push_back(std::move(*image));
+}
+
+// Those of the folder itself and of the folders in it, by name.
+std::vector<NamedImage> images_in(const fs::path& folder) {
+  std::vector<NamedImage> images;
+  add_images(folder, "", images);
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code))
+    if (entry.is_directory(code))
+      add_images(entry.path(), entry.path().filename().string(), images);
+  std::sort(images.begin(), images.end(),
+            [](const auto& a, const auto& b) { return a.file < b.file; });
+  return images;
+}
+
+CameraSpec unknown_camera(const fs::path& depth) {
+  CameraSpec camera;
+  if (const auto size = image_size(depth)) {
+    camera.width = size->width;
+    camera.height = size->height;
+    camera.intrinsics.cx = 0.5 * (size->width - 1);
+    camera.intrinsics.cy = 0.5 * (size->height - 1);
+  }
+  return camera;
+}
+
+// Depth maps of whole numbers hold millimetres far more often than metres.
+bool holds_whole_numbers(const fs::path& depth) {
+  const std::string ending = in_lower_case(depth.extension().string());
+  return ending == ".png" || ending == ".pgm";
+}
+
+ViewSpec guessed_view(const std::string& name, const std::vector<NamedImage>& images,
+                      const ReadProjectOptions& options) {
+  ViewSpec view;
+  view.name = name;
+  for (const NamedImage& image : images) {
+    switch (image.role) {
+      case ImageRole::kDepth:
+        view.depth = DepthSpec{image.file, 1.0, false};
+        if (options.depth_scale) view.depth->scale = 1.0 / *options.depth_scale;
+        break;
+      case ImageRole::kNormals:
+        view.normals = NormalSpec{image.file, {}, {}, {}};
+        break;
+      case ImageRole::kMask:
+        view.mask = image.file;
+        break;
+      case ImageRole::kConfidence:
+        view.confidence = image.file;
+        break;
+      case ImageRole::kColour:
+        view.colour = image.file;
+        break;
+    }
+  }
+  if (!view.depth) return view;
+  view.camera = unknown_camera(view.depth->file);
+  if (options.intrinsics) view.camera->intrinsics = *options.intrinsics;
+  return view;
+}
+
+Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectOptions& options,
+                                      const std::string& why_not_read) {
+  std::map<std::string, std::vector<NamedImage>> by_view;
+  for (NamedImage& image : images_in(folder)) by_view[image.view].push_back(std::move(image));
+  FolderGuess guess;
+  guess.findings.push_back("not read as it is: " + why_not_read);
+  bool whole_numbers = false;
+  for (const auto& [name, images] : by_view) {
+    ViewSpec view = guessed_view(name, images, options);
+    if (!view.depth) {
+      for (const NamedImage& image : images)
+        guess.findings.push_back("left out " + image.file.string() +
+                                 ": no depth map has the rest of its name, '" + name + "'");
+      continue;
+    }
+    whole_numbers |= holds_whole_numbers(view.depth->file);
+    guess.project.views.push_back(std::move(view));
+  }
+  if (guess.project.views.empty())
+    return bad_input(folder,
+                     "no file in it can be a scan: names of depth maps have the word "
+                     "'depth' or 'range'; grids and points end in .ply, .pcd, .ptx, .e57, "
+                     ".xyz or .pts. (" +
+                         why_not_read + ")");
+  guess.project.unit = whole_numbers ? "mm" : "units";
+  if (!options.intrinsics)
+    guess.missing.push_back("fx and fy of each camera [pixels]; cx and cy are set to the middle");
+  if (whole_numbers && !options.depth_scale)
+    guess.missing.push_back(
+        "the scale of the depth maps: their value times the scale is in the unit; 1 was taken, as "
+        "for whole millimetres");
+  guess.missing.push_back("where known: the pose of each view as \"world_from_view\" (4 x 4)");
+  return guess;
+}
+
+void put_comment(const std::string& text, std::string& out) {
+  out += "// ";
+  for (const char c : text) out += c == '\n' ? ' ' : c;
+  out += '\n';
+}
+
+}  // namespace
+
+Result<FolderGuess> guess_project(const fs::path& folder, const ReadProjectOptions& options) {
+  std::error_code code;
+  if (!fs::is_directory(folder, code)) return bad_input(folder, "is no folder");
+  auto project = read_project_spec(folder, options);
+  if (!project) return guess_from_images(folder, options, project.error().message);
+  FolderGuess guess;
+  guess.project = std::move(*project);
+  for (const std::string& note : guess.project.notes) guess.findings.push_back(note);
+  guess.findings.push_back("all of it is read as it is; this file is for changes");
+  return guess;
+}
+
+std::string commented_scan_json(const FolderGuess& guess, const fs::path& folder) {
+  std::string text;
+  put_comment("Found " + std::to_string(guess.project.views.size()) + " views.", text);
+  for (const std::string& line : guess.findings) put_comment(line, text);
+  for (const std::string& line : guess.missing) put_comment("TO FILL IN: " + line, text);
+  auto document = empty_project_json(guess.project.unit);
+  for (const ViewSpec& view : guess.project.views)
+    document["views"].push_back(view_json(view, folder));
+  return text + document.dump(1) + "\n";
+}
+
+}  // namespace relief

@@ -1,0 +1,76 @@
+#include "scan/io/project/spec_json.h"
+
+#include "scan/io/project/camera_json.h"
+
+namespace relief {
+
+namespace {
+
+namespace fs = std::filesystem;
+using SpecJson = nlohmann::ordered_json;
+
+SpecJson depth_json(const DepthSpec& depth, const fs::path& folder) {
+  return {{"file", path_from(depth.file, folder).string()},
+          {"scale", depth.scale},
+          {"kind", depth.along_ray ? "ray" : "z"}};
+}
+
+SpecJson grid_json(const ViewSpec& spec, const fs::path& folder) {
+  SpecJson grid = {{"file", path_from(*spec.grid, folder).string()}};
+  if (spec.grid_options.scan > 0) grid["scan"] = spec.grid_options.scan;
+  if (spec.grid_options.viewpoint) grid["viewpoint"] = json_of(*spec.grid_options.viewpoint);
+  if (spec.grid_options.ignore_pose) grid["pose"] = "ignore";
+  return grid;
+}
+
+SpecJson normals_json(const NormalSpec& normals, const fs::path& folder) {
+  SpecJson json = {{"file", path_from(normals.file, folder).string()}};
+  if (normals.encoding)
+    json["encoding"] = *normals.encoding == NormalEncoding::kRgb ? "rgb" : "unit";
+  if (normals.axes) json["axes"] = *normals.axes == NormalAxes::kOpencv ? "opencv" : "opengl";
+  if (normals.space) json["space"] = *normals.space == NormalSpace::kCamera ? "camera" : "world";
+  return json;
+}
+
+}  // namespace
+
+SpecJson empty_project_json(const std::string& unit) {
+  return {{"format", "relief-scan"}, {"version", 1}, {"unit", unit}, {"views", SpecJson::array()}};
+}
+
+void set_pose_json(SpecJson& entry, const RigidMotion& world_from_view, PoseKind kind) {
+  entry.erase("world_from_view");
+  entry.erase("pose_is");
+  if (kind == PoseKind::kAbsent) return;
+  entry["world_from_view"] = json_of(world_from_view);
+  entry["pose_is"] = kind == PoseKind::kKnown ? "known" : "guess";
+}
+
+fs::path path_from(const fs::path& file, const fs::path& folder) {
+  std::error_code code;
+  const fs::path target = fs::weakly_canonical(fs::absolute(file), code);
+  const fs::path base = fs::weakly_canonical(fs::absolute(folder), code);
+  const fs::path relative = target.lexically_relative(base);
+  return relative.empty() ? target : relative;
+}
+
+SpecJson view_json(const ViewSpec& spec, const fs::path& folder) {
+  SpecJson entry = {{"name", spec.name}};
+  if (spec.depth) entry["depth"] = depth_json(*spec.depth, folder);
+  if (spec.grid) entry["grid"] = grid_json(spec, folder);
+  if (spec.camera) entry["camera"] = camera_json(*spec.camera);
+  if (spec.normals) entry["normals"] = normals_json(*spec.normals, folder);
+  const auto set_file = [&](const char* key, const std::optional<fs::path>& file) {
+    if (file) entry[key] = {{"file", path_from(*file, folder).string()}};
+  };
+  set_file("mask", spec.mask);
+  set_file("confidence", spec.confidence);
+  set_file("color", spec.colour);
+  if (spec.deviation)
+    entry["deviation"] = {{"file", path_from(spec.deviation->file, folder).string()},
+                          {"scale", spec.deviation->scale}};
+  set_pose_json(entry, spec.world_from_view, spec.pose);
+  return entry;
+}
+
+}  // namespace relief

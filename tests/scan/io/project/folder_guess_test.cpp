@@ -1,0 +1,125 @@
+#include "scan/io/project/folder_guess.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/images/image_io.h"
+#include "scan/io/project/spec_json.h"
+#include "tests/support/synthetic_views.h"
+#include "tests/support/temporary_folder.h"
+
+namespace relief {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+std::string depth_png() {
+  Image image(12, 9, 1, 65535);
+  for (std::size_t i = 0; i < image.samples.size(); ++i)
+    image.samples[i] = 1000.0f + static_cast<float>(i % 12) + static_cast<float>(i / 12);
+  return *encode_png(image);
+}
+
+TEST(FolderGuess, PutsImagesOfOneViewTogether) {
+  const TemporaryFolder folder;
+  for (const char* name : {"owl_01_depth.png", "owl_02_depth.png", "owl_01_normals.png",
+                           "owl_01_mask.png", "owl_02_RGB.png", "notes_mask.png"})
+    folder.write(name, depth_png());
+  const auto guess = guess_project(folder / ".");
+  ASSERT_TRUE(guess.ok()) << guess.error().message;
+  ASSERT_EQ(guess->project.views.size(), 2u);
+  const ViewSpec &first = guess->project.views[0], &second = guess->project.views[1];
+  EXPECT_EQ(first.depth->file.filename(), "owl_01_depth.png");
+  EXPECT_EQ(first.normals->file.filename(), "owl_01_normals.png");
+  EXPECT_EQ(first.mask->filename(), "owl_01_mask.png");
+  EXPECT_FALSE(first.colour);
+  EXPECT_EQ(second.colour->filename(), "owl_02_RGB.png");
+  EXPECT_EQ(first.camera->width, 12);
+  EXPECT_DOUBLE_EQ(first.camera->intrinsics.cx, 5.5);
+  EXPECT_THAT(guess->findings, ::testing::Contains(HasSubstr("notes_mask.png")));
+  EXPECT_THAT(guess->missing, ::testing::Contains(HasSubstr("fx and fy")));
+}
+
+TEST(FolderGuess, FindsRolesInNamesOfFolders) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "Depth Maps");
+  std::filesystem::create_directories(folder / "normal");
+  folder.write("Depth Maps/a7.png", depth_png());
+  folder.write("normal/a7.png", depth_png());
+  const auto guess = guess_project(folder / ".");
+  ASSERT_TRUE(guess.ok()) << guess.error().message;
+  ASSERT_EQ(guess->project.views.size(), 1u);
+  EXPECT_TRUE(guess->project.views[0].normals);
+}
+
+TEST(FolderGuess, WritesAProjectThatIsReadOnceItIsFilledIn) {
+  const TemporaryFolder folder;
+  folder.write("a_depth.png", depth_png());
+  ReadProjectOptions options;
+  auto guess = guess_project(folder / ".", options);
+  ASSERT_TRUE(guess.ok());
+  folder.write("scan.json", commented_scan_json(*guess, folder / "."));
+  const auto unfilled = read_project(folder / "scan.json");
+  ASSERT_FALSE(unfilled.ok());
+  EXPECT_THAT(unfilled.error().message, HasSubstr("fx"));
+
+  std::filesystem::remove(folder / "scan.json");
+  options.intrinsics = PinholeIntrinsics{50, 50, 5.5, 4};
+  guess = guess_project(folder / ".", options);
+  ASSERT_TRUE(guess.ok());
+  folder.write("scan.json", commented_scan_json(*guess, folder / "."));
+  const auto filled = read_project(folder / "scan.json");
+  ASSERT_TRUE(filled.ok()) << filled.error().message;
+  EXPECT_EQ(filled->unit, "mm");
+  EXPECT_EQ(filled->views[0].sample_count(), 108u);
+}
+
+TEST(FolderGuess, TakesWhatCanBeReadAsItIs) {
+  const TemporaryFolder folder;
+  const RangeView view = testing::render(testing::sphere({0, 0, 10}, 2.0),
+                                         Camera::pinhole(24, 18, {40, 40, 11.5, 8.5}));
+  ASSERT_TRUE(write_project({view}, "mm", folder / ".", {}, {.grids = true}).ok());
+  std::filesystem::remove(folder / "scan.json");
+  const auto guess = guess_project(folder / ".");
+  ASSERT_TRUE(guess.ok()) << guess.error().message;
+  EXPECT_EQ(guess->project.views.size(), 1u);
+  EXPECT_TRUE(guess->missing.empty());
+}
+
+TEST(FolderGuess, SaysThatNothingIsAScan) {
+  const TemporaryFolder folder;
+  folder.write("letter.doc", "x");
+  const auto guess = guess_project(folder / ".");
+  ASSERT_FALSE(guess.ok());
+  EXPECT_THAT(guess.error().message, HasSubstr("no file in it can be a scan"));
+}
+
+// What a view's entry says is read back as the same entry.
+TEST(ViewJson, IsReadBack) {
+  const TemporaryFolder folder;
+  ViewSpec view;
+  view.name = "a";
+  view.grid = folder / "scans/a.e57";
+  view.grid_options = {2, Eigen::Vector3d(1, 2, 3), true};
+  view.camera = CameraSpec{};
+  view.camera->model = CameraSpec::Model::kSpherical;
+  view.camera->width = 3;
+  view.camera->height = 2;
+  view.camera->angles = {{0.1, 0.25, 0.3}, {0.5, 0.25}};
+  view.normals = NormalSpec{folder / "n.png", NormalEncoding::kRgb, NormalAxes::kOpengl, {}};
+  view.mask = folder / "m.png";
+  view.deviation = DeviationSpec{folder / "d.tiff", 0.5};
+  view.world_from_view.translation() = Eigen::Vector3d(0.1, 0.2, 0.3);
+  view.pose = PoseKind::kKnown;
+  auto document = empty_project_json("m");
+  document["views"].push_back(view_json(view, folder / "."));
+  const auto read = parse_scan_json("// a comment\n" + document.dump(), folder / "scan.json");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(view_json(read->views[0], folder / "."), document["views"][0]);
+  EXPECT_NEAR(read->views[0].camera->angles.azimuth[1], 0.25, 1e-15);
+}
+
+}  // namespace
+}  // namespace relief

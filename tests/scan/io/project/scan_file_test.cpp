@@ -1,0 +1,179 @@
+#include "scan/io/project/scan_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "relief/io/project_io.h"
+#include "scan/io/clouds/ptx_file.h"
+#include "scan/io/e57/e57_file.h"
+#include "scan/io/files/atomic_file.h"
+#include "scan/io/grids/pcd_grid_writer.h"
+#include "scan/io/grids/ply_grid_writer.h"
+#include "tests/support/synthetic_views.h"
+#include "tests/support/temporary_folder.h"
+
+namespace relief {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+RangeView ball_view(const std::string& name, double x) {
+  RangeView view = testing::render(testing::sphere({0, 0, 10}, 2.0),
+                                   Camera::pinhole(40, 30, {60, 60, 19.5, 14.5}));
+  view.name = name;
+  view.pose = PoseKind::kGuess;
+  view.world_from_view.translation().x() = x;
+  return view;
+}
+
+std::string xyz_text(const RangeView& view) {
+  std::string text;
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      if (!view.has_sample(u, v)) continue;
+      const Eigen::Vector3d p = view.point(u, v);
+      text +=
+          std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z()) + "\n";
+    }
+  }
+  return text;
+}
+
+void expect_same_points(const RangeView& read, const RangeView& view, double tolerance) {
+  ASSERT_EQ(read.sample_count(), view.sample_count());
+  std::vector<Eigen::Vector3d> left, right;
+  const auto collect = [](const RangeView& from, std::vector<Eigen::Vector3d>& points) {
+    for (int v = 0; v < from.height(); ++v)
+      for (int u = 0; u < from.width(); ++u)
+        if (from.has_sample(u, v)) points.push_back(from.point(u, v));
+  };
+  collect(read, left);
+  collect(view, right);
+  const auto by_place = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+  };
+  std::sort(left.begin(), left.end(), by_place);
+  std::sort(right.begin(), right.end(), by_place);
+  for (std::size_t i = 0; i < left.size(); ++i) ASSERT_LT((left[i] - right[i]).norm(), tolerance);
+}
+
+TEST(ScanFile, EveryScanOfAFileIsAView) {
+  const TemporaryFolder folder;
+  const std::vector<RangeView> views{ball_view("a", 1.0), ball_view("b", 2.0)};
+  ASSERT_TRUE(write_ptx(views, folder / "two.ptx").ok());
+  ASSERT_TRUE(write_e57(views, folder / "two.e57").ok());
+  for (const char* name : {"two.ptx", "two.e57"}) {
+    const auto project = read_project(folder / name);
+    ASSERT_TRUE(project.ok()) << project.error().message;
+    ASSERT_EQ(project->views.size(), 2u) << name;
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(project->views[i].name, "two-" + std::to_string(i + 1));
+      EXPECT_EQ(project->views[i].pose, PoseKind::kGuess);
+      EXPECT_TRUE(project->views[i].world_from_view.isApprox(views[i].world_from_view, 1e-12));
+      expect_same_points(project->views[i], views[i], 1e-9);
+    }
+  }
+}
+
+TEST(ScanFile, PosesOfFilesCanBeIgnored) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_ptx({ball_view("a", 1.0)}, folder / "a.ptx").ok());
+  ReadProjectOptions options;
+  options.ignore_viewpoints = true;
+  const auto project = read_project(folder / "a.ptx", options);
+  ASSERT_TRUE(project.ok());
+  EXPECT_EQ(project->views[0].pose, PoseKind::kAbsent);
+}
+
+TEST(ScanFile, KindFollowsFromTheHeader) {
+  const TemporaryFolder folder;
+  const RangeView view = ball_view("a", 0.0);
+  EXPECT_EQ(kind_of_scan_file(folder.write("a.ply", encode_ply_grid(view))), ScanFileKind::kGrid);
+  EXPECT_EQ(kind_of_scan_file(folder.write("a.pcd", encode_pcd_grid(view))), ScanFileKind::kGrid);
+  EXPECT_EQ(kind_of_scan_file(folder.write("a.XYZ", "1 2 3\n")), ScanFileKind::kPoints);
+  EXPECT_EQ(kind_of_scan_file(folder.write("b.ply", "ply\nend_header\n")), ScanFileKind::kPoints);
+  EXPECT_EQ(kind_of_scan_file(folder.write("a.doc", "")), ScanFileKind::kNone);
+}
+
+TEST(ScanFile, ThereIsNoSecondScanInAFileOfOne) {
+  const TemporaryFolder folder;
+  const auto grid =
+      read_scan_file(folder.write("a.ply", encode_ply_grid(ball_view("a", 0.0))), {.scan = 1});
+  ASSERT_FALSE(grid.ok());
+  EXPECT_THAT(grid.error().message, HasSubstr("holds one scan"));
+}
+
+TEST(ScanFile, AMatrixThatIsNoMotionIsAppliedAndNamed) {
+  const TemporaryFolder folder;
+  std::string text = "2\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n2 0 0 0\n0 2 0 0\n0 0 2 0\n5 0 0 1\n";
+  for (const char* point : {"0 0 1", "1 0 1", "0 1 1", "1 1 1"})
+    text += std::string(point) + " 0.5\n";
+  const auto project = read_project(folder.write("a.ptx", text));
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  EXPECT_THAT(project->notes, ::testing::Contains(HasSubstr("the matrix was applied")));
+  double largest = 0.0;
+  for (int v = 0; v < 2; ++v)
+    for (int u = 0; u < 2; ++u) largest = std::max(largest, project->views[0].point(u, v).x());
+  EXPECT_NEAR(largest, 7.0, 1e-12);
+}
+
+TEST(ScanFile, AFewPointsAreAView) {
+  const TemporaryFolder folder;
+  const auto project = read_project(folder.write("a.xyz", "1 2 3\n4 5 6\n7 8 10\n"));
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  EXPECT_EQ(project->views[0].sample_count(), 3u);
+}
+
+TEST(ScanFile, AFolderOfPointsIsAProject) {
+  const TemporaryFolder folder;
+  const RangeView view = ball_view("a", 0.0);
+  folder.write("a.xyz", xyz_text(view));
+  folder.write("b.xyz", xyz_text(view));
+  const auto project = read_project(folder / ".");
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  ASSERT_EQ(project->views.size(), 2u);
+  EXPECT_GT(project->views[0].sample_count(), view.sample_count() * 9 / 10);
+  EXPECT_TRUE(project->views[0].camera.can_project());
+  EXPECT_THAT(project->notes, ::testing::Contains(HasSubstr("points and meshes without")));
+}
+
+TEST(ScanFile, GridsGoBeforePoints) {
+  const TemporaryFolder folder;
+  folder.write("a.ply", encode_ply_grid(ball_view("a", 0.0)));
+  folder.write("b.xyz", xyz_text(ball_view("a", 0.0)));
+  const auto project = read_project(folder / ".");
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  EXPECT_EQ(project->views.size(), 1u);
+  EXPECT_THAT(project->notes, ::testing::Contains(HasSubstr("b.xyz")));
+}
+
+// A scanner that turns round its axis is found in the points of its file, and kept by a project.
+TEST(ScanFile, ASphericalScannerIsFoundAndKept) {
+  const TemporaryFolder folder;
+  RangeView view;
+  view.name = "station";
+  view.camera = Camera::spherical(
+      SphericalProjection::even(120, 50, 3.1, -2.0 * 3.14159265358979 / 120, 0.8, -0.03));
+  view.range = Grid<double>(120, 50, kNoSample);
+  for (int v = 0; v < 50; ++v)
+    for (int u = 0; u < 120; ++u) {
+      // A box of 5 x 4 x 3 round the scanner.
+      const Eigen::Vector3d d = view.camera.ray(u, v).direction.cwiseAbs();
+      view.range(u, v) = std::min({2.5 / d.x(), 2.0 / d.y(), 1.5 / d.z()});
+    }
+  ASSERT_TRUE(write_ptx({view}, folder / "a.ptx").ok());
+  const auto project = read_project(folder / "a.ptx");
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  EXPECT_EQ(project->views[0].camera.model(), Camera::Model::kSpherical);
+  ASSERT_TRUE(write_project(*project, folder / "out").ok());
+  const auto again = read_project(folder / "out");
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  EXPECT_EQ(again->views[0].camera.model(), Camera::Model::kSpherical);
+  for (int v = 0; v < 50; ++v)
+    for (int u = 0; u < 120; ++u)
+      ASSERT_LT((again->views[0].point(u, v) - project->views[0].point(u, v)).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace relief
