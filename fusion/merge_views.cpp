@@ -174,15 +174,20 @@ Error failed_check(const MeshCheck& check) {
 }
 
 // Moves filled vertices, unless that would break the guarantee.
-void fair_fill(const FairFillOptions& options, const std::vector<ViewSampler>& views,
-               MergeResult& result) {
-  FairFill fair = fair_filled_regions(result.mesh, views, options);
+Result<void> fair_fill(const FairFillOptions& options, const std::vector<ViewSampler>& views,
+                       MergeResult& result, const Progress& progress) {
+  const auto report = [&](double, std::string_view step) {
+    return report_progress(progress, 0.93, step);
+  };
+  auto found = fair_filled_regions(result.mesh, views, options, report);
+  if (!found) return found.error();
+  FairFill fair = std::move(found).value();
   if (fair.unsolved > 0)
     result.notes.push_back(std::to_string(fair.unsolved) +
                            (fair.unsolved == 1 ? " filled region stays" : " filled regions stay") +
                            " as membranes: no plate that continues the slope of the surface around "
                            "was found for them");
-  if (fair.places.empty()) return;
+  if (fair.places.empty()) return {};
   result.mesh.vertices.swap(fair.places);
   evict_pages(options.memory, kMeshCheck * result.mesh.vertices.size());
   const MeshCheck check = check_mesh(result.mesh);
@@ -194,6 +199,7 @@ void fair_fill(const FairFillOptions& options, const std::vector<ViewSampler>& v
     result.notes.push_back(
         "filled regions are left as membranes: faired they were no closed manifold");
   }
+  return {};
 }
 
 }  // namespace
@@ -236,8 +242,9 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
   const VertexAttributeOptions measure{result.truncation, result.voxel_size, result.view_noise,
                                        options.threads, memory.get()};
   set_vertex_attributes(result.mesh, *samplers, measure);
-  fair_fill({result.truncation, result.voxel_size, options.threads, memory.get()}, *samplers,
-            result);
+  const FairFillOptions fair{result.truncation, result.voxel_size, options.threads, memory.get()};
+  if (const auto faired = fair_fill(fair, *samplers, result, progress); !faired)
+    return faired.error();
   set_filled_quality(result.mesh);
   set_vertex_colours(result.mesh, *samplers, measure);
   result.filled_area_fraction = filled_area_fraction(result.mesh);

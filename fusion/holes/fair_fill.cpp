@@ -32,8 +32,9 @@ constexpr double kHeld = 0.0;
 // not at all beyond.
 constexpr int kChangedRings = 12;
 
-// Of places that are solved for step by step: a tenth of what the lattice's zeros are good to.
-constexpr double kTolerance = 1e-4;  // [voxels]
+// Of places that are solved for step by step. While vertices are still to be held, a part of the
+// intrusion by which they are chosen; then a tenth of what the lattice's zeros are good to.
+constexpr double kRoughTolerance = 0.05, kTolerance = 1e-3;  // [voxels]
 
 // Memory for each vertex of the mesh, and for each that may move besides [bytes].
 constexpr std::size_t kVertex = 60, kMoving = 900;
@@ -43,6 +44,7 @@ struct Settling {
   std::map<std::uint32_t, PlateVertex> pinned;  // Vertices that are held.
   std::vector<std::uint32_t> fresh;             // Of these, the ones held in this round of mending.
   bool settled = false;
+  bool rough = false;     // To the rough tolerance only.
   bool stays = false;     // As the closed field has it.
   bool unsolved = false;  // For want of a solution.
 };
@@ -50,34 +52,50 @@ struct Settling {
 class Fairing {
  public:
   Fairing(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
-          const FairFillOptions& options)
+          const FairFillOptions& options, const Progress& progress)
       : mesh_(mesh),
         views_(views),
         options_(options),
+        progress_(progress),
         regions_(mesh, views, options),
         work_(regions_.all().size()),
         places_(mesh.vertices),
         changed_(mesh.vertices.size(), 0) {}
 
-  FairFill run() {
-    if (work_.empty()) return {};
+  Result<FairFill> run() {
+    if (work_.empty()) return FairFill();
     for (int round = 0; round <= kRounds; ++round) settle_all(round == kRounds);
     for (std::size_t v = 0; v < places_.size(); ++v) changed_[v] = places_[v] != mesh_.vertices[v];
-    for (int round = 0; resolve_intersections(round); ++round) {
+    for (int round = 0; !stopped_ && resolve_intersections(round); ++round) {
     }
+    if (stopped_) return Error{ErrorKind::kInterrupted, "closing holes was interrupted"};
     const auto unsolved = static_cast<std::size_t>(std::count_if(
         work_.begin(), work_.end(), [](const Settling& work) { return work.unsolved; }));
-    return {std::move(places_), unsolved};
+    return FairFill{std::move(places_), unsolved};
   }
 
  private:
+  // The large regions first, in this thread: they take long, and tell of their progress.
   // Under a limit one region at a time: only so is it known what all take together.
   void settle_all(bool last) {
+    for (std::size_t r = 0; r < work_.size() && keep_going(); ++r)
+      if (is_large(r) && (!work_[r].settled || (last && work_[r].rough))) settle(r, last);
+    if (!keep_going()) return;
     parallel_for(work_.size(), 1, options_.memory ? 1 : options_.threads,
                  [&](std::size_t begin, std::size_t end) {
                    for (std::size_t r = begin; r < end; ++r)
-                     if (!work_[r].settled) settle(r, last);
+                     if (!is_large(r) && !work_[r].settled) settle(r, last);
                  });
+  }
+
+  bool is_large(std::size_t r) const {
+    return regions_.all()[r].vertices.size() > options_.most_factorised;
+  }
+
+  // Of the thread that began the work only.
+  bool keep_going() {
+    if (!stopped_) stopped_ = !report_progress(progress_, 0.0, "close holes");
+    return !stopped_;
   }
 
   // What may move of a region, and what holds it.
@@ -137,9 +155,11 @@ class Fairing {
     const PlatePatch patch = work.fresh.empty() ? patch_of(r) : patch_near_fresh(r);
     work.fresh.clear();
     work.settled = true;
+    work.rough = is_large(r) && !last;
     if (patch.free.empty()) return;
     const std::vector<Eigen::Vector3d> rest =
-        solve_thin_plate(mesh_, regions_.around(), patch, plate_options());
+        solve_thin_plate(mesh_, regions_.around(), patch, plate_options(r, last));
+    if (stopped_) return;
     if (rest.empty()) {
       work.unsolved = true;
       return restore(r);
@@ -155,12 +175,13 @@ class Fairing {
     }
   }
 
-  PlateOptions plate_options() const {
+  PlateOptions plate_options(std::size_t r, bool last) {
     PlateOptions plate;
     plate.most_factorised = options_.most_factorised;
-    plate.tolerance = kTolerance * options_.voxel_size;
+    plate.tolerance = (last ? kTolerance : kRoughTolerance) * options_.voxel_size;
     plate.start = &places_;
     plate.memory = options_.memory;
+    if (is_large(r)) plate.keep_going = [this] { return keep_going(); };
     return plate;
   }
 
@@ -252,6 +273,8 @@ class Fairing {
   const TriangleMesh& mesh_;
   const std::vector<ViewSampler>& views_;
   const FairFillOptions& options_;
+  const Progress& progress_;
+  bool stopped_ = false;  // Written by the thread that began the work, while others rest.
   const FairRegions regions_;
   std::vector<Settling> work_;
   std::vector<Eigen::Vector3d> places_;  // Of the vertices, as far as they have been moved.
@@ -260,14 +283,15 @@ class Fairing {
 
 }  // namespace
 
-FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
-                             const FairFillOptions& options) {
+Result<FairFill> fair_filled_regions(const TriangleMesh& mesh,
+                                     const std::vector<ViewSampler>& views,
+                                     const FairFillOptions& options, const Progress& progress) {
   const auto filled = static_cast<std::size_t>(std::count_if(
       mesh.filled.begin(), mesh.filled.end(), [](std::uint8_t flag) { return flag != 0; }));
-  if (filled == 0) return {};
+  if (filled == 0) return FairFill();
   evict_pages(options.memory, kVertex * mesh.vertices.size() + kMoving * filled);
-  if (!check(options.memory)) return {};
-  return Fairing(mesh, views, options).run();
+  if (!check(options.memory)) return FairFill();
+  return Fairing(mesh, views, options, progress).run();
 }
 
 }  // namespace relief::fusion

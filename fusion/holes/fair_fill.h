@@ -7,6 +7,8 @@
 
 #include "fusion/holes/fair_regions.h"
 #include "fusion/views/view_sampler.h"
+#include "relief/scan/progress.h"
+#include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief::fusion {
@@ -20,7 +22,9 @@ struct FairFill {
 /// surface goes on across the border of what was measured with the slope it arrives with, or, where
 /// the closed field left it at a sharp angle, spans the border plainly. It stays out of space that
 /// a view saw empty, or leaves it where it can, and intersects itself nowhere it did not.
-FairFill fair_filled_regions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
-                             const FairFillOptions& options);
+/// The only error is kInterrupted.
+Result<FairFill> fair_filled_regions(const TriangleMesh& mesh,
+                                     const std::vector<ViewSampler>& views,
+                                     const FairFillOptions& options, const Progress& progress = {});
 
 }  // namespace relief::fusion

@@ -36,9 +36,9 @@ class PoissonTwice {
     return factor_.info() == Eigen::Success && (factor_.vectorD().array() > 0.0).all();
   }
 
-  Eigen::MatrixX3d apply(const Eigen::MatrixX3d& residual) const {
-    const Eigen::MatrixX3d inner = compliance_.asDiagonal() * factor_.solve(residual);
-    return factor_.solve(inner);
+  Rows3 apply(const Rows3& residual) const {
+    const Rows3 inner = compliance_.asDiagonal() * factor_.solve_rows(residual);
+    return factor_.solve_rows(inner);
   }
 
  private:
@@ -46,18 +46,15 @@ class PoissonTwice {
   Eigen::VectorXd compliance_;  // W_0^-1
 };
 
-Eigen::MatrixX3d product(const PlateEquations& equations, const Eigen::MatrixX3d& places) {
-  const Eigen::MatrixX3d curvature =
-      equations.weights.asDiagonal() * (equations.laplacian * places);
+Rows3 product(const PlateEquations& equations, const Rows3& places) {
+  const Rows3 curvature = equations.weights.asDiagonal() * (equations.laplacian * places);
   return equations.laplacian.transpose() * curvature + equations.attraction.asDiagonal() * places;
 }
 
 // One number for each of the three coordinates, which are systems of their own.
 using Numbers = Eigen::RowVector3d;
 
-Numbers dot(const Eigen::MatrixX3d& a, const Eigen::MatrixX3d& b) {
-  return a.cwiseProduct(b).colwise().sum();
-}
+Numbers dot(const Rows3& a, const Rows3& b) { return a.cwiseProduct(b).colwise().sum(); }
 
 // Zero where a coordinate has nothing left to do.
 Numbers ratio(const Numbers& a, const Numbers& b) {
@@ -66,23 +63,42 @@ Numbers ratio(const Numbers& a, const Numbers& b) {
 
 }  // namespace
 
-bool approach_plate(const PlateEquations& equations, double tolerance, MemoryLimit* memory,
-                    Eigen::MatrixX3d& places) {
+// With P A P^T = L D L^T, L with a unit diagonal, of which m_matrix has what is below.
+Rows3 SizedFactor::solve_rows(const Rows3& right) const {
+  Rows3 x = m_P * right;
+  for (Eigen::Index j = 0; j < x.rows(); ++j) {
+    const Eigen::RowVector3d known = x.row(j);
+    for (CholMatrixType::InnerIterator entry(m_matrix, j); entry; ++entry)
+      if (entry.row() > j) x.row(entry.row()) -= entry.value() * known;
+  }
+  x = m_diag.cwiseInverse().asDiagonal() * x;
+  for (Eigen::Index j = x.rows(); j-- > 0;) {
+    Eigen::RowVector3d sum = x.row(j);
+    for (CholMatrixType::InnerIterator entry(m_matrix, j); entry; ++entry)
+      if (entry.row() > j) sum -= entry.value() * x.row(entry.row());
+    x.row(j) = sum;
+  }
+  return m_Pinv * x;
+}
+
+bool approach_plate(const PlateEquations& equations, const LargePlateOptions& options,
+                    Rows3& places) {
   PoissonTwice precondition;
-  if (!precondition.prepare(equations, memory)) return false;
-  Eigen::MatrixX3d residual = equations.right - product(equations, places);
-  Eigen::MatrixX3d scaled = precondition.apply(residual), direction = scaled;
+  if (!precondition.prepare(equations, options.memory)) return false;
+  Rows3 residual = equations.right - product(equations, places);
+  Rows3 scaled = precondition.apply(residual), direction = scaled;
   Numbers energy = dot(residual, scaled);
   const Numbers rounding = kRounding * energy;
   int small = 0;
   for (int step = 0; step < kMostSteps; ++step) {
-    const Eigen::MatrixX3d bent = product(equations, direction);
+    if (options.keep_going && !options.keep_going()) return false;
+    const Rows3 bent = product(equations, direction);
     const Numbers length = ratio(energy, dot(direction, bent));
-    const Eigen::MatrixX3d move = direction * length.asDiagonal();
+    const Rows3 move = direction * length.asDiagonal();
     places += move;
     if (!places.allFinite()) return false;
     const double largest = std::sqrt(move.rowwise().squaredNorm().maxCoeff());
-    small = largest * kSmallSteps <= tolerance ? small + 1 : 0;
+    small = largest * kSmallSteps <= options.tolerance ? small + 1 : 0;
     if (small >= kSmallSteps) return true;
     residual -= bent * length.asDiagonal();
     scaled = precondition.apply(residual);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
@@ -10,6 +11,9 @@
 
 namespace relief::fusion {
 
+/// Three coordinates for each of some vertices, side by side in memory.
+using Rows3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
 /// A factorisation that knows, before the numbers, how many there will be.
 class SizedFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> {
  public:
@@ -17,6 +21,10 @@ class SizedFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Ei
     constexpr std::size_t kEntry = sizeof(double) + sizeof(StorageIndex);
     return kEntry * static_cast<std::size_t>(m_matrix.data().size());
   }
+
+  /// The solution for three right sides at once. The factor is read once, where solve() reads it
+  /// for each right side anew: reading it is what takes the time.
+  Rows3 solve_rows(const Rows3& right) const;
 };
 
 /// The system of a thin plate (F7), with one row for each free vertex and then for each held one:
@@ -29,7 +37,13 @@ struct PlateEquations {
   const Eigen::SparseMatrix<double>& laplacian;  ///< L; its free part is negative definite.
   const Eigen::VectorXd &weights, &area;         ///< Of all rows.
   const Eigen::VectorXd& attraction;             ///< Q, of the free ones.
-  Eigen::MatrixX3d right;
+  Rows3 right;
+};
+
+struct LargePlateOptions {
+  double tolerance = 0.0;            ///< Of places [unit].
+  MemoryLimit* memory = nullptr;     ///< May be null.
+  std::function<bool()> keep_going;  ///< Asked between steps; may be empty.
 };
 
 /// Solves for the places x of a plate with so many vertices that the factors of its system would
@@ -40,8 +54,8 @@ struct PlateEquations {
 ///
 /// over the n free vertices. G alone is factorised: it has 7 entries in a row where the system has
 /// 19. Ends when steps move no vertex by more than a part of `tolerance` [unit].
-/// False: singular, not converged, or `memory`, which may be null, cannot be kept.
-bool approach_plate(const PlateEquations& equations, double tolerance, MemoryLimit* memory,
-                    Eigen::MatrixX3d& places);
+/// False: singular, not converged, told to stop, or `memory` cannot be kept.
+bool approach_plate(const PlateEquations& equations, const LargePlateOptions& options,
+                    Rows3& places);
 
 }  // namespace relief::fusion

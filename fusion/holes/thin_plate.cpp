@@ -99,14 +99,15 @@ class PlateSystem {
                                         const PlateOptions& options) const {
     PlateEquations equations{laplacian_, weights_, area_, attraction_, {}};
     equations.right = drawn_ - laplacian_.transpose() * (weights_.asDiagonal() * known_);
-    Eigen::MatrixX3d places(equations.attraction.rows(), 3);
+    Rows3 places(equations.attraction.rows(), 3);
     for (Eigen::Index i = 0; i < places.rows(); ++i) {
       const std::uint32_t v = patch.free[static_cast<std::size_t>(i)].vertex;
       places.row(i) =
           ((options.start ? (*options.start)[v] : mesh_.vertices[v]) - origin_).transpose();
     }
     release_freed_memory();
-    if (!approach_plate(equations, options.tolerance, options.memory, places)) return {};
+    const LargePlateOptions steps{options.tolerance, options.memory, options.keep_going};
+    if (!approach_plate(equations, steps, places)) return {};
     return places_of(places);
   }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -52,6 +53,7 @@ struct PlateOptions {
   double tolerance = 0.0;  ///< Of places solved for step by step [unit].
   const std::vector<Eigen::Vector3d>* start = nullptr;  ///< Of all vertices; null: the mesh's.
   MemoryLimit* memory = nullptr;                        ///< May be null.
+  std::function<bool()> keep_going;  ///< Asked between steps where it goes step by step; or empty.
 };
 
 /// Places of the free vertices that minimise the sum of squared mean curvature normals, each over
@@ -61,7 +63,7 @@ struct PlateOptions {
 ///
 /// with the cotangent Laplacian L and the areas A of the mesh as given (Botsch and Kobbelt 2004).
 /// It keeps planes plane and does not move vertices along them. Empty when the system is singular:
-/// free vertices that nothing holds; and when `options.memory` cannot be kept.
+/// free vertices that nothing holds; when `options.memory` cannot be kept; and when told to stop.
 std::vector<Eigen::Vector3d> solve_thin_plate(const TriangleMesh& mesh, const FacesAround& around,
                                               const PlatePatch& patch,
                                               const PlateOptions& options = {});

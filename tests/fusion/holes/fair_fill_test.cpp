@@ -63,16 +63,16 @@ std::vector<RangeView> sphere_from(int views, int of) {
 
 TEST(FairFill, WhereNothingIsFilledNothingMoves) {
   const Merged sphere = merged(sphere_from(14, 14));
-  EXPECT_TRUE(fair_filled_regions(sphere.mesh, sphere.samplers, options_of()).places.empty());
+  EXPECT_TRUE(fair_filled_regions(sphere.mesh, sphere.samplers, options_of())->places.empty());
 }
 
 // Regions too large to be factorised, here all.
 TEST(FairFill, LargeRegionsComeToRestAsOthersDo) {
   const Merged sphere = merged(sphere_from(3, 14));
   FairFillOptions options = options_of();
-  const FairFill factorised = fair_filled_regions(sphere.mesh, sphere.samplers, options);
+  const FairFill factorised = fair_filled_regions(sphere.mesh, sphere.samplers, options).value();
   options.most_factorised = 0;
-  const FairFill large = fair_filled_regions(sphere.mesh, sphere.samplers, options);
+  const FairFill large = fair_filled_regions(sphere.mesh, sphere.samplers, options).value();
   EXPECT_EQ(large.unsolved, 0u);
   ASSERT_EQ(large.places.size(), factorised.places.size());
   ASSERT_FALSE(large.places.empty());
@@ -84,13 +84,34 @@ TEST(FairFill, LargeRegionsComeToRestAsOthersDo) {
   EXPECT_GT(moved, kVoxel);
 }
 
+TEST(FairFill, LargeRegionsAskWhetherToGoOn) {
+  const Merged sphere = merged(sphere_from(3, 14));
+  FairFillOptions options = options_of();
+  options.most_factorised = 0;
+  int asked = 0;
+  const auto stop_at = [&](int most) {
+    asked = 0;
+    return fair_filled_regions(sphere.mesh, sphere.samplers, options,
+                               [&asked, most](double, std::string_view) { return ++asked < most; });
+  };
+  ASSERT_TRUE(stop_at(100000).ok());
+  const int all = asked;
+  ASSERT_GT(all, 20) << "at every step";
+  for (const int most : {1, all / 2, all}) {
+    const auto stopped = stop_at(most);
+    ASSERT_FALSE(stopped.ok()) << most;
+    EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
+    EXPECT_EQ(asked, most) << "nobody is asked again";
+  }
+}
+
 // Of random scenes, where views contradict each other.
 TEST(FairFill, NoFilledVertexComesFartherIntoSpaceSeenEmpty) {
   const testing::RandomScenes scenes;
   std::size_t moved = 0;
   for (std::uint32_t seed = 0; seed < 6; ++seed) {
     const Merged scene = merged(scenes.scene(seed));
-    const auto places = fair_filled_regions(scene.mesh, scene.samplers, options_of()).places;
+    const auto places = fair_filled_regions(scene.mesh, scene.samplers, options_of())->places;
     TsdfIntegrator collector(scene.samplers, kTruncation, kVoxel);
     for (std::size_t v = 0; v < places.size(); ++v) {
       if (!scene.mesh.filled[v] || places[v] == scene.mesh.vertices[v]) continue;
@@ -105,7 +126,7 @@ TEST(FairFill, NoFilledVertexComesFartherIntoSpaceSeenEmpty) {
 
 TEST(FairFill, TheRestOfTheSurfaceStaysWhereItIs) {
   const Merged sphere = merged(sphere_from(3, 14));
-  const auto places = fair_filled_regions(sphere.mesh, sphere.samplers, options_of()).places;
+  const auto places = fair_filled_regions(sphere.mesh, sphere.samplers, options_of())->places;
   ASSERT_FALSE(places.empty());
   for (std::size_t v = 0; v < places.size(); ++v) {
     if (sphere.mesh.filled[v]) continue;
@@ -128,7 +149,7 @@ TEST(FairFill, ANarrowValleyStaysAsTheClosedFieldHasIt) {
             (p - valley).norm() < 9.0 || (p - hill).norm() < 9.0)
           view.range(u, v) = kNoSample;
   const Merged ball = merged(views);
-  const auto places = fair_filled_regions(ball.mesh, ball.samplers, options_of()).places;
+  const auto places = fair_filled_regions(ball.mesh, ball.samplers, options_of())->places;
   ASSERT_FALSE(places.empty());
   int in_valley = 0, on_hill = 0;
   for (std::size_t v = 0; v < places.size(); ++v) {
@@ -154,7 +175,7 @@ TEST(FairFill, WallsKeepTheirEndsWhereALidBegins) {
     return view.world_from_view.translation().normalized().z() < -0.2;
   });
   const Merged block = merged(views);
-  const auto places = fair_filled_regions(block.mesh, block.samplers, options_of()).places;
+  const auto places = fair_filled_regions(block.mesh, block.samplers, options_of())->places;
   ASSERT_FALSE(places.empty());
   std::vector<std::uint8_t> beside(places.size(), 0);
   for (const auto& face : block.mesh.faces)
@@ -176,18 +197,18 @@ std::size_t scarce() { return std::size_t{90} << 20; }
 
 TEST(FairFill, ThreadsAndALimitOfMemoryDoNotChangeAByte) {
   const Merged sphere = merged(sphere_from(3, 14));
-  const auto reference = fair_filled_regions(sphere.mesh, sphere.samplers, options_of()).places;
+  const auto reference = fair_filled_regions(sphere.mesh, sphere.samplers, options_of())->places;
   ASSERT_FALSE(reference.empty());
   for (const int threads : {2, 4}) {
     const auto places =
-        fair_filled_regions(sphere.mesh, sphere.samplers, options_of(threads)).places;
+        fair_filled_regions(sphere.mesh, sphere.samplers, options_of(threads))->places;
     EXPECT_EQ(places, reference);
   }
   FairFillOptions options = options_of();
   for (const std::size_t limit : {1000, 94}) {
     MemoryLimit memory(limit << 20, {}, scarce);
     options.memory = &memory;
-    const auto places = fair_filled_regions(sphere.mesh, sphere.samplers, options).places;
+    const auto places = fair_filled_regions(sphere.mesh, sphere.samplers, options)->places;
     EXPECT_EQ(memory.check().ok(), limit == 1000) << "the factor does not fit into 4 MiB";
     if (memory.check()) {
       EXPECT_EQ(places, reference);
