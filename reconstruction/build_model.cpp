@@ -22,7 +22,8 @@ fusion::MergeOptions merge_options_of(const ModelOptions& options) {
   return merge;
 }
 
-// Moving the vertices changes the check of the mesh, and what was closed must still be.
+// Moving the vertices changes the check of the mesh, and what was closed must still be. After an
+// error the model is as it was.
 Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& options,
                     const StageProgress& progress, Model& model) {
   hybrid::PolishOptions polish = *options.polish;
@@ -33,13 +34,13 @@ Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& opt
   if (!polished) return polished.error();
   model.polished = *polished;
   if (polished->rounds == 0) return {};
-  const bool was_closed = model.check.watertight();
+  MeshCheck check = check_mesh(polished->mesh);
+  if (model.check.watertight() && !check.watertight()) {
+    model.polished.reset();
+    return Error{ErrorKind::kUnsolvable, "polished, the surface would be no closed manifold"};
+  }
   model.mesh = std::move(polished->mesh);
-  model.check = check_mesh(model.mesh);
-  if (was_closed && !model.check.watertight())
-    return Error{
-        ErrorKind::kUnsolvable,
-        "polishing left the surface no closed manifold; build the model without polishing"};
+  model.check = std::move(check);
   return {};
 }
 
@@ -68,7 +69,10 @@ Result<Model> finish(Result<fusion::MergeResult> merged, const LoadAllViews& all
   model.check = std::move(merged->check);
   model.merged = std::move(*merged);
   if (options.polish) {
-    if (auto done = polish(*views, options, progress, model); !done) return done.error();
+    if (const auto done = polish(*views, options, progress, model); !done) {
+      if (done.error().kind != ErrorKind::kUnsolvable) return done.error();
+      model.merged.notes.push_back("the model is not polished: " + done.error().message);
+    }
   }
   if (auto done = decimate(options.decimation, model); !done) return done.error();
   return model;

@@ -9,6 +9,7 @@
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/spec_json.h"
+#include "scan/io/workspaces/middlebury_par.h"
 
 namespace relief {
 
@@ -67,29 +68,40 @@ std::optional<ImageRole> role_of_word(const std::string& word) {
   return std::nullopt;
 }
 
+// What the name of a file tells.
+struct ImageName {
+  std::optional<ImageRole> role;
+  std::string view;  // The rest of the name.
+};
+
+ImageName name_of_image(const fs::path& file) {
+  ImageName name;
+  for (const std::string& word : words_of(in_lower_case(file.stem().string()))) {
+    const auto found = role_of_word(word);
+    if (found && !name.role) {
+      name.role = found;
+      continue;
+    }
+    name.view += (name.view.empty() ? "" : "_") + word;
+  }
+  if (name.view.empty()) name.view = "view";
+  return name;
+}
+
 struct NamedImage {
   fs::path file;
   ImageRole role;
-  std::string view;  // The name without the word of its role.
+  std::string view;
 };
 
 // The role is told by the name of the file, else by that of its folder.
 std::optional<NamedImage> named_image(const fs::path& file, const std::string& folder_name) {
-  std::optional<ImageRole> role;
-  std::string view;
-  for (const std::string& word : words_of(in_lower_case(file.stem().string()))) {
-    const auto found = role_of_word(word);
-    if (found && !role) {
-      role = found;
-      continue;
-    }
-    view += (view.empty() ? "" : "_") + word;
-  }
-  if (!role)
+  ImageName name = name_of_image(file);
+  if (!name.role)
     for (const std::string& word : words_of(in_lower_case(folder_name)))
-      if (!role) role = role_of_word(word);
-  if (!role) return std::nullopt;
-  return NamedImage{file, *role, view.empty() ? "view" : view};
+      if (!name.role) name.role = role_of_word(word);
+  if (!name.role) return std::nullopt;
+  return NamedImage{file, *name.role, name.view};
 }
 
 bool is_image(const fs::path& path) {
@@ -126,6 +138,35 @@ CameraSpec unknown_camera(const fs::path& depth) {
     camera.intrinsics.cy = 0.5 * (size->height - 1);
   }
   return camera;
+}
+
+using CamerasByView = std::map<std::string, MiddleburyCamera>;
+
+// Those of a Middlebury list (`NAME_par.txt`) in the folder.
+CamerasByView listed_cameras(const fs::path& folder, FolderGuess& guess) {
+  CamerasByView cameras;
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    if (!entry.path().filename().string().ends_with("_par.txt")) continue;
+    const auto list = read_middlebury_par(entry.path());
+    if (!list) {
+      guess.findings.push_back("left out " + list.error().message);
+      continue;
+    }
+    guess.findings.push_back("cameras and poses of " + std::to_string(list->size()) +
+                             " images from " + entry.path().string());
+    for (const MiddleburyCamera& camera : *list)
+      cameras.emplace(name_of_image(camera.file).view, camera);
+  }
+  return cameras;
+}
+
+void take_listed_camera(const CamerasByView& cameras, ViewSpec& view) {
+  const auto found = cameras.find(view.name);
+  if (found == cameras.end() || !view.camera) return;
+  view.camera->intrinsics = found->second.intrinsics;
+  view.world_from_view = found->second.world_from_view;
+  view.pose = PoseKind::kGuess;
 }
 
 // Depth maps of whole numbers hold millimetres far more often than metres.
@@ -170,9 +211,11 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
   for (NamedImage& image : images_in(folder)) by_view[image.view].push_back(std::move(image));
   FolderGuess guess;
   guess.findings.push_back("not read as it is: " + why_not_read);
-  bool whole_numbers = false;
+  const CamerasByView cameras = listed_cameras(folder, guess);
+  bool whole_numbers = false, without_camera = false;
   for (const auto& [name, images] : by_view) {
     ViewSpec view = guessed_view(name, images, options);
+    take_listed_camera(cameras, view);
     if (!view.depth) {
       for (const NamedImage& image : images)
         guess.findings.push_back("left out " + image.file.string() +
@@ -180,6 +223,7 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
       continue;
     }
     whole_numbers |= holds_whole_numbers(view.depth->file);
+    without_camera |= !options.intrinsics && !cameras.contains(name);
     guess.project.views.push_back(std::move(view));
   }
   if (guess.project.views.empty())
@@ -189,7 +233,7 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
                      ".xyz or .pts. (" +
                          why_not_read + ")");
   guess.project.unit = whole_numbers ? "mm" : "units";
-  if (!options.intrinsics)
+  if (without_camera)
     guess.missing.push_back("fx and fy of each camera [pixels]; cx and cy are set to the middle");
   if (whole_numbers && !options.depth_scale)
     guess.missing.push_back(

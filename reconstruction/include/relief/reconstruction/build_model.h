@@ -38,15 +38,15 @@ struct Model {
   TriangleMesh mesh;  ///< See fusion::MergeResult::mesh for its attributes.
   MeshCheck check;    ///< Of `mesh`.
   fusion::MergeSummary merged;
-  std::optional<hybrid::PolishSummary> polished;  ///< Nothing: not asked for.
+  std::optional<hybrid::PolishSummary> polished;  ///< Nothing: not asked for, or not kept.
   /// Before decimation; nothing: not asked for.
   std::optional<std::size_t> faces_before_decimation;
 };
 
 /// Merges views at their `world_from_view`, refines the mesh with the normals of the views, and
-/// decimates it as far as the options ask. A mesh that merging closed stays closed and manifold, or
-/// the result is an error. Errors: those of fusion::merge_views, hybrid::polish_mesh and
-/// fusion::decimate_mesh; kUnsolvable when polishing leaves no closed manifold.
+/// decimates it as far as the options ask. A mesh that merging closed stays closed and manifold:
+/// where polishing would leave no closed manifold, the mesh stays as merged, and `merged.notes`
+/// says so. Errors: those of fusion::merge_views, hybrid::polish_mesh and fusion::decimate_mesh.
 Result<Model> build_model(const std::vector<RangeView>& views, const ModelOptions& options = {},
                           const StageProgress& progress = {});
 

@@ -54,6 +54,25 @@ TEST(FolderGuess, FindsRolesInNamesOfFolders) {
   EXPECT_TRUE(guess->project.views[0].normals);
 }
 
+TEST(FolderGuess, TakesCamerasAndPosesFromAMiddleburyList) {
+  const TemporaryFolder folder;
+  for (const char* name : {"templeSR0001_depth.png", "templeSR0002_depth.png", "b_depth.png"})
+    folder.write(name, depth_png());
+  const std::string camera = " 500 0 6 0 510 4 0 0 1 1 0 0 0 1 0 0 0 1 ";
+  folder.write("templeSR_par.txt",
+               "2\ntempleSR0001.png" + camera + "1 2 3\ntempleSR0002.png" + camera + "0 0 0\n");
+  const auto guess = guess_project(folder / ".");
+  ASSERT_TRUE(guess.ok()) << guess.error().message;
+  ASSERT_EQ(guess->project.views.size(), 3u);
+  const ViewSpec &unlisted = guess->project.views[0], &first = guess->project.views[1];
+  EXPECT_EQ(unlisted.pose, PoseKind::kAbsent);
+  EXPECT_EQ(first.camera->intrinsics.fy, 510.0);
+  EXPECT_EQ(first.pose, PoseKind::kGuess);
+  EXPECT_EQ(first.world_from_view.translation(), Eigen::Vector3d(-1.0, -2.0, -3.0));
+  EXPECT_THAT(guess->findings, ::testing::Contains(HasSubstr("2 images")));
+  EXPECT_THAT(guess->missing, ::testing::Contains(HasSubstr("fx and fy"))) << "of b";
+}
+
 TEST(FolderGuess, WritesAProjectThatIsReadOnceItIsFilledIn) {
   const TemporaryFolder folder;
   folder.write("a_depth.png", depth_png());
