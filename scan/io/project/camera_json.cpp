@@ -1,10 +1,10 @@
-#include "scan/io/project/camera_json.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
+
+#include "scan/io/project/camera_json_private.h"
 
 namespace relief {
 

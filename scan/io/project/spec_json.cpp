@@ -1,6 +1,5 @@
-#include "scan/io/project/spec_json.h"
-
-#include "scan/io/project/camera_json.h"
+#include "scan/io/project/camera_json_private.h"
+#include "scan/io/project/spec_json_private.h"
 
 namespace relief {
 
