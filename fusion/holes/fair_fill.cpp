@@ -35,6 +35,8 @@ constexpr int kChangedRings = 12;
 // Of places that are solved for step by step. While vertices are still to be held, a part of the
 // intrusion by which they are chosen; then a tenth of what the lattice's zeros are good to.
 constexpr double kRoughTolerance = 0.05, kTolerance = 1e-3;  // [voxels]
+// While vertices are still to be held these places may be a few times as far off as in the end.
+constexpr double kRough = 5.0;
 
 // Memory for each vertex of the mesh, and for each that may move besides [bytes].
 constexpr std::size_t kVertex = 60, kMoving = 900;
@@ -179,6 +181,8 @@ class Fairing {
     PlateOptions plate;
     plate.most_factorised = options_.most_factorised;
     plate.tolerance = (last ? kTolerance : kRoughTolerance) * options_.voxel_size;
+    plate.tolerance_per_edge =
+        (last ? 1.0 : kRough) * options_.distance_tolerance * options_.voxel_size;
     plate.start = &places_;
     plate.memory = options_.memory;
     if (is_large(r)) plate.keep_going = [this] { return keep_going(); };

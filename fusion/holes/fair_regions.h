@@ -19,6 +19,9 @@ struct FairFillOptions {
   MemoryLimit* memory = nullptr;  ///< May be null.
   /// See PlateOptions.
   std::size_t most_factorised = PlateOptions().most_factorised;
+  /// How far a vertex of a region too large for that may stay from its place of rest, as a part of
+  /// its distance from what was measured. That distance is the error expected of it.
+  double distance_tolerance = 0.01;
 };
 
 /// A connected set of vertices that may move: filled ones and a margin of what was measured.

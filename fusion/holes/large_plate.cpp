@@ -97,8 +97,9 @@ bool approach_plate(const PlateEquations& equations, const LargePlateOptions& op
     const Rows3 move = direction * length.asDiagonal();
     places += move;
     if (!places.allFinite()) return false;
-    const double largest = std::sqrt(move.rowwise().squaredNorm().maxCoeff());
-    small = largest * kSmallSteps <= options.tolerance ? small + 1 : 0;
+    const bool is_small =
+        (move.rowwise().norm().array() * kSmallSteps <= options.tolerance.array()).all();
+    small = is_small ? small + 1 : 0;
     if (small >= kSmallSteps) return true;
     residual -= bent * length.asDiagonal();
     scaled = precondition.apply(residual);

@@ -41,7 +41,7 @@ struct PlateEquations {
 };
 
 struct LargePlateOptions {
-  double tolerance = 0.0;            ///< Of places [unit].
+  Eigen::VectorXd tolerance;         ///< Of the places of the free vertices [unit].
   MemoryLimit* memory = nullptr;     ///< May be null.
   std::function<bool()> keep_going;  ///< Asked between steps; may be empty.
 };
@@ -53,7 +53,7 @@ struct LargePlateOptions {
 ///   G W_0^-1 G,  G = -L + (A Q)^1/2,  W_0 = max(W, n^-1/2 / A),
 ///
 /// over the n free vertices. G alone is factorised: it has 7 entries in a row where the system has
-/// 19. Ends when steps move no vertex by more than a part of `tolerance` [unit].
+/// 19. Ends when steps move no vertex by more than a part of its tolerance.
 /// False: singular, not converged, told to stop, or `memory` cannot be kept.
 bool approach_plate(const PlateEquations& equations, const LargePlateOptions& options,
                     Rows3& places);

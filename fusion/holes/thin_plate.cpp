@@ -106,12 +106,37 @@ class PlateSystem {
           ((options.start ? (*options.start)[v] : mesh_.vertices[v]) - origin_).transpose();
     }
     release_freed_memory();
-    const LargePlateOptions steps{options.tolerance, options.memory, options.keep_going};
+    const LargePlateOptions steps{
+        (options.tolerance + options.tolerance_per_edge * edges_from_held().array()).matrix(),
+        options.memory, options.keep_going};
     if (!approach_plate(equations, steps, places)) return {};
     return places_of(places);
   }
 
  private:
+  // Of each free vertex: edges to the nearest held one; none without a way to any.
+  Eigen::VectorXd edges_from_held() const {
+    const Eigen::Index free = laplacian_.cols();
+    Eigen::VectorXd edges = Eigen::VectorXd::Constant(free, -1.0);
+    std::vector<Eigen::Index> ring, next;
+    const auto reach = [&](Eigen::Index vertex, double distance) {
+      if (edges(vertex) >= 0.0) return;
+      edges(vertex) = distance;
+      next.push_back(vertex);
+    };
+    for (Eigen::Index j = 0; j < free; ++j)
+      for (Sparse::InnerIterator entry(laplacian_, j); entry; ++entry)
+        if (entry.row() >= free) reach(j, 1.0);
+    for (double distance = 2.0; !next.empty(); ++distance) {
+      ring.swap(next);
+      next.clear();
+      for (const Eigen::Index j : ring)
+        for (Sparse::InnerIterator entry(laplacian_, j); entry; ++entry)
+          if (entry.row() < free) reach(entry.row(), distance);
+    }
+    return edges.cwiseMax(0.0);
+  }
+
   std::vector<Eigen::Vector3d> places_of(const Eigen::MatrixX3d& placed) const {
     if (!placed.allFinite()) return {};
     std::vector<Eigen::Vector3d> places;

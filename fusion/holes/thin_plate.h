@@ -50,7 +50,9 @@ struct PlateOptions {
   /// 50,000 and the more the more there are. Larger ones are solved step by step, from the places
   /// that `start` has, by the factors of a Poisson problem alone (see approach_plate()).
   std::size_t most_factorised = 150000;
-  double tolerance = 0.0;  ///< Of places solved for step by step [unit].
+  /// Of places solved for step by step: beside held vertices [unit], and how much more with every
+  /// edge from the nearest of these [unit].
+  double tolerance = 0.0, tolerance_per_edge = 0.0;
   const std::vector<Eigen::Vector3d>* start = nullptr;  ///< Of all vertices; null: the mesh's.
   MemoryLimit* memory = nullptr;                        ///< May be null.
   std::function<bool()> keep_going;  ///< Asked between steps where it goes step by step; or empty.

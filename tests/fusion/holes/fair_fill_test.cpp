@@ -72,6 +72,7 @@ TEST(FairFill, LargeRegionsComeToRestAsOthersDo) {
   FairFillOptions options = options_of();
   const FairFill factorised = fair_filled_regions(sphere.mesh, sphere.samplers, options).value();
   options.most_factorised = 0;
+  options.distance_tolerance = 0.0;
   const FairFill large = fair_filled_regions(sphere.mesh, sphere.samplers, options).value();
   EXPECT_EQ(large.unsolved, 0u);
   ASSERT_EQ(large.places.size(), factorised.places.size());
@@ -82,6 +83,22 @@ TEST(FairFill, LargeRegionsComeToRestAsOthersDo) {
     moved = std::max(moved, (large.places[v] - sphere.mesh.vertices[v]).norm());
   }
   EXPECT_GT(moved, kVoxel);
+}
+
+// By default large regions end as soon as their error is small against their distance from what was
+// measured.
+TEST(FairFill, LargeRegionsEndNearTheirRest) {
+  Merged sphere = merged(sphere_from(3, 14));
+  FairFillOptions options = options_of();
+  const FairFill factorised = fair_filled_regions(sphere.mesh, sphere.samplers, options).value();
+  options.most_factorised = 0;
+  const FairFill large = fair_filled_regions(sphere.mesh, sphere.samplers, options).value();
+  set_filled_quality(sphere.mesh);
+  for (std::size_t v = 0; v < large.places.size(); ++v) {
+    const double distance =
+        sphere.mesh.filled[v] ? static_cast<double>(sphere.mesh.quality[v]) : 4.0 * kVoxel;
+    EXPECT_LT((large.places[v] - factorised.places[v]).norm(), 0.05 * distance) << v;
+  }
 }
 
 TEST(FairFill, LargeRegionsAskWhetherToGoOn) {
