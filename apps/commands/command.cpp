@@ -46,6 +46,7 @@ void add_reading_options(CLI::App& command, ReadProjectOptions& options) {
             options.intrinsics = PinholeIntrinsics{k[0], k[1], k[2], k[3]};
           },
           "fx fy cx cy [pixels] of the depth maps of a folder without a scan.json")
+      ->delimiter(',')
       ->expected(4);
   command
       .add_option("--depth-scale", options.depth_scale,

@@ -68,7 +68,7 @@ Result<void> export_views(const ScanProject& project, const fs::path& source,
                           const ReadProjectOptions& source_options, const fs::path& path) {
   const fs::path ending = path.extension();
   if (ending == ".e57") return write_e57(project.views, path, metres_in(project.unit));
-  if (ending == ".ptx") return write_ptx(project.views, path);
+  if (ending == ".ptx") return write_ptx(project.views, path, metres_in(project.unit));
   if (ending == ".pcd") return write_pcd(project, path);
   if (is_pose_path(path)) return write_pose_file(project, source, source_options, path);
   return write_mesh(concatenate(project), path);

@@ -249,7 +249,11 @@ Result<void> check_cloud(const PointCloudFile& cloud, const CloudGridOptions& op
   const auto fits = [&](const auto& values) { return values.empty() || values.size() == count; };
   if (!fits(cloud.normals) || !fits(cloud.colours) || !fits(cloud.facing))
     return Error{ErrorKind::kBadInput, "the cloud has not one normal or colour for each point"};
-  if (count == 0) return Error{ErrorKind::kUnsolvable, "the cloud has no points"};
+  if (count == 0) {
+    std::string what = "the cloud has no points; export the scan again";
+    for (const std::string& note : cloud.notes) what += "; " + note;
+    return Error{ErrorKind::kUnsolvable, what};
+  }
   if (count >= kFree)
     return Error{ErrorKind::kUnsolvable,
                  "a cloud of " + std::to_string(count) + " points is too large for one view"};

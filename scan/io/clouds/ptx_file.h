@@ -39,10 +39,12 @@ Result<GridFile> read_ptx_scan(const std::filesystem::path& path, int scan,
 /// The text of a PTX file with one scan for each view, as read_ptx_scan reads it: the numbers are
 /// the shortest that read back as the same bits. The position and axes of the scanner are those of
 /// the pose. Intensity is the brightness of the colour from 0 to 1, and 0.5 without colours.
-/// A sample at the origin of its frame itself reads back as no return.
-std::string encode_ptx(const std::vector<RangeView>& views);
+/// A sample at the origin of its frame itself reads back as no return. One unit of the views is
+/// `metres_per_unit` metres; coordinates are exact when that is 1.
+std::string encode_ptx(const std::vector<RangeView>& views, double metres_per_unit = 1.0);
 
 /// Writes it; the file appears whole or not at all. Errors are kCannotWrite; no view is one.
-Result<void> write_ptx(const std::vector<RangeView>& views, const std::filesystem::path& path);
+Result<void> write_ptx(const std::vector<RangeView>& views, const std::filesystem::path& path,
+                       double metres_per_unit = 1.0);
 
 }  // namespace relief

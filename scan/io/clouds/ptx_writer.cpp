@@ -27,9 +27,10 @@ void append_ptx_line(std::string& text, const Values& values) {
   text += '\n';
 }
 
-void append_ptx_header(std::string& text, const RangeView& view) {
+void append_ptx_header(std::string& text, const RangeView& view, double metres_per_unit) {
   text += std::to_string(view.width()) + "\n" + std::to_string(view.height()) + "\n";
-  const Eigen::Matrix4d matrix = view.world_from_view.matrix();
+  Eigen::Matrix4d matrix = view.world_from_view.matrix();
+  matrix.block<3, 1>(0, 3) *= metres_per_unit;
   append_ptx_line(text, Eigen::Vector3d(matrix.block<3, 1>(0, 3)));
   for (Eigen::Index axis = 0; axis < 3; ++axis)
     append_ptx_line(text, Eigen::Vector3d(matrix.block<3, 1>(0, axis)));
@@ -42,9 +43,11 @@ double brightness(const Colour& colour) {
   return (0.299 * colour[0] + 0.587 * colour[1] + 0.114 * colour[2]) / 255.0;
 }
 
-void append_ptx_point(std::string& text, const RangeView& view, int u, int v) {
+void append_ptx_point(std::string& text, const RangeView& view, int u, int v,
+                      double metres_per_unit) {
   const bool sample = view.has_sample(u, v), coloured = !view.colours.empty();
-  const Eigen::Vector3d point = sample ? view.point(u, v) : Eigen::Vector3d::Zero().eval();
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  if (sample) point = view.point(u, v) * metres_per_unit;
   const Colour colour = sample && coloured ? view.colours(u, v) : Colour{};
   for (const double value : point) {
     append_ptx_number(text, value);
@@ -58,23 +61,25 @@ void append_ptx_point(std::string& text, const RangeView& view, int u, int v) {
 
 }  // namespace
 
-std::string encode_ptx(const std::vector<RangeView>& views) {
+std::string encode_ptx(const std::vector<RangeView>& views, double metres_per_unit) {
   std::string text;
   for (const RangeView& view : views) {
     text.reserve(text.size() + kPointBytes * view.range.size());
-    append_ptx_header(text, view);
+    append_ptx_header(text, view, metres_per_unit);
     for (int u = 0; u < view.width(); ++u)
-      for (int v = view.height() - 1; v >= 0; --v) append_ptx_point(text, view, u, v);
+      for (int v = view.height() - 1; v >= 0; --v)
+        append_ptx_point(text, view, u, v, metres_per_unit);
   }
   return text;
 }
 
-Result<void> write_ptx(const std::vector<RangeView>& views, const std::filesystem::path& path) {
+Result<void> write_ptx(const std::vector<RangeView>& views, const std::filesystem::path& path,
+                       double metres_per_unit) {
   if (views.empty()) return cannot_write(path, "a PTX file holds at least one scan");
   for (const RangeView& view : views)
     if (view.range.empty())
       return cannot_write(path, "view '" + view.name + "' has no grid to write");
-  return write_file(path, encode_ptx(views));
+  return write_file(path, encode_ptx(views, metres_per_unit));
 }
 
 }  // namespace relief

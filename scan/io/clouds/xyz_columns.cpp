@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include <Eigen/Core>
+
 namespace relief {
 
 namespace {
@@ -130,6 +132,21 @@ std::optional<XyzColumns> columns_by_name(std::string_view line, std::size_t& na
   if (const auto intensity = columns.find(Role::kIntensity); intensity != columns.end())
     found.intensity = intensity->second;
   return found;
+}
+
+bool is_trajectory(const NumberTable& table) {
+  if (table.columns != 7 && table.columns != 8) return false;
+  constexpr double kTolerance = 1e-3;  // Of numbers with four digits.
+  // The last three alone have unit length where they are a normal behind an intensity of 0.
+  bool normals = true;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    Eigen::Vector4d last;
+    for (Eigen::Index k = 0; k < 4; ++k)
+      last[k] = table.at(row, table.columns - 4 + static_cast<std::size_t>(k));
+    if (!(std::abs(last.norm() - 1.0) < kTolerance)) return false;
+    normals = normals && std::abs(last.tail<3>().norm() - 1.0) < kTolerance;
+  }
+  return table.rows() > 0 && !normals;
 }
 
 std::optional<XyzColumns> columns_by_content(const NumberTable& table) {

@@ -38,6 +38,9 @@ std::string_view next_field(std::string_view& line);
 std::optional<XyzColumns> columns_by_name(std::string_view line, std::size_t& names,
                                           std::size_t& unknown);
 
+/// Whether the rows are poses: `[time] x y z qx qy qz qw` with unit quaternions.
+bool is_trajectory(const NumberTable& table);
+
 /// The columns that the numbers suggest, see parse_xyz; nothing when they do not.
 std::optional<XyzColumns> columns_by_content(const NumberTable& table);
 

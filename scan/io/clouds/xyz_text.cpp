@@ -131,6 +131,10 @@ class XyzParser {
 
   Result<XyzColumns> find_columns() const {
     if (named_) return *named_;
+    if (is_trajectory(table_))
+      return bad_input(path_,
+                       "holds poses (each line ends in a unit quaternion), not points; give "
+                       "it beside the folder of depth maps that it belongs to");
     if (const auto columns = columns_by_content(table_)) return *columns;
     return bad_input(path_, "the meaning of its " + std::to_string(table_.columns) +
                                 " columns is not clear: behind x y z there are neither unit "

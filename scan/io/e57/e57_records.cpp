@@ -148,7 +148,8 @@ class RecordReader {
     const auto length = e57_number_at<std::uint64_t>(header->data() + 8);
     const auto data = e57_number_at<std::uint64_t>(header->data() + 16);
     if (id != kSectionId)
-      return damaged(*start, "a section of points begins with 1, not with " + std::to_string(id));
+      return damaged(*start, "a section of points begins with 1, not with " + std::to_string(id) +
+                                 "; export the file again");
     if (length > pages_.payload_bytes() - *start)
       return damaged(*start, "the section of points has a length of " + std::to_string(length) +
                                  " bytes, more than the file has left");

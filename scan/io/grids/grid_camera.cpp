@@ -176,7 +176,8 @@ std::optional<RationalProjection> fit_affine(const Samples& samples) {
   return projection;
 }
 
-// pixel = centre + focal * (P[axis] / depth) by linear regression.
+// pixel = centre + focal * (P[axis] / depth) by linear regression. The focal length is negative
+// where the axis of the frame points against the rows or columns.
 std::optional<std::pair<double, double>> fit_focal(const Samples& samples, int axis, double sign) {
   double n = 0, s = 0, p = 0, ss = 0, sp = 0;
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
@@ -188,7 +189,7 @@ std::optional<std::pair<double, double>> fit_focal(const Samples& samples, int a
   const double variance = n * ss - s * s;
   if (!(variance > 0.0)) return std::nullopt;
   const double focal = (n * sp - s * p) / variance;
-  if (!(focal > 0.0)) return std::nullopt;
+  if (focal == 0.0 || !std::isfinite(focal)) return std::nullopt;
   return std::pair{focal, (p - focal * s) / n};
 }
 

@@ -38,6 +38,20 @@ void append_vector(std::string& bytes, const Eigen::Vector3f& vector) {
   for (const float value : vector) append_little_endian(bytes, value);
 }
 
+// STL holds 32-bit numbers. Far from the origin these cannot tell near vertices apart.
+Result<void> check_stl_corners(const TriangleMesh& mesh) {
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d a = mesh.corner(f, k), b = mesh.corner(f, (k + 1) % 3);
+      if (a == b || a.cast<float>() != b.cast<float>()) continue;
+      return Error{ErrorKind::kCannotWrite,
+                   "STL holds 32-bit numbers, which cannot tell the corners of face " +
+                       std::to_string(f) +
+                       " apart so far from the origin; write .ply, .obj or .vtp"};
+    }
+  return {};
+}
+
 }  // namespace
 
 Result<std::string> encode_obj_mesh(const TriangleMesh& mesh) {
@@ -62,6 +76,7 @@ Result<std::string> encode_obj_mesh(const TriangleMesh& mesh) {
 }
 
 Result<std::string> encode_stl_mesh(const TriangleMesh& mesh) {
+  if (const auto checked = check_stl_corners(mesh); !checked) return checked.error();
   std::string bytes = "binary STL, written by relief";
   bytes.resize(80, ' ');
   bytes.reserve(84 + mesh.faces.size() * 50);

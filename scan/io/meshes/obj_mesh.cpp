@@ -10,8 +10,8 @@ namespace relief {
 
 namespace {
 
-// Reads the geometry of a Wavefront OBJ: `v` and `f` lines. Texture, normals, groups and materials
-// are skipped.
+// Reads a Wavefront OBJ: `v` lines, with colours from 0 to 1 behind the coordinates where every
+// vertex has one, and `f` lines. Texture, normals, groups and materials are skipped.
 class ObjParser {
  public:
   ObjParser(std::string_view content, const std::filesystem::path& path)
@@ -28,6 +28,7 @@ class ObjParser {
       if (!parsed) return parsed.error();
     }
     if (mesh_.faces.empty()) return bad_input(path_, "no face in the file");
+    if (mesh_.colours.size() != mesh_.vertices.size()) mesh_.colours.clear();
     return std::move(mesh_);
   }
 
@@ -42,7 +43,19 @@ class ObjParser {
       if (!parse_number(next_word(line), value) || !std::isfinite(value))
         return at_line("a vertex needs three finite numbers");
     mesh_.vertices.push_back(vertex);
+    add_colour(line);
     return {};
+  }
+
+  // Three numbers and nothing else; one number would be a weight.
+  void add_colour(std::string_view line) {
+    Colour colour{};
+    for (std::uint8_t& level : colour) {
+      double value = 0.0;
+      if (!parse_number(next_word(line), value) || !(value >= 0.0 && value <= 1.0)) return;
+      level = static_cast<std::uint8_t>(std::lround(255.0 * value));
+    }
+    if (next_word(line).empty()) mesh_.colours.push_back(colour);
   }
 
   // Corners are `index`, `index/texture`, `index//normal` or `index/texture/normal`, counted from

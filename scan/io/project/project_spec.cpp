@@ -160,8 +160,17 @@ Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOpti
   if (content->grids.empty() && content->points.empty())
     return bad_input(folder,
                      "no scan.json, no file of scans (.ply .pcd .ptx .e57 .xyz .pts .obj .stl "
-                     ".vtp), no depth maps and no COLMAP workspace in it");
+                     ".vtp), no depth maps with their lists or poses and no COLMAP workspace in "
+                     "it; name the folder above if these lie there, or try 'relief init'");
   auto project = spec_of_scans(content->grids.empty() ? content->points : content->grids, options);
+  if (project && !content->projects.empty()) {
+    std::string names;
+    for (const fs::path& path : content->projects) names += " " + path.filename().string();
+    project->notes.push_back(folder.string() +
+                             ": poses of none of its projects are taken, since "
+                             "there are several; name one of them:" +
+                             names);
+  }
   if (!project || content->grids.empty())
     return read_as("points and meshes without sensor grids", folder, std::move(project));
   for (const fs::path& path : content->points)

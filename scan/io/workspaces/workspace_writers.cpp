@@ -23,11 +23,12 @@ void put_number(double number, std::string& text) {
   text.append(digits, end.ptr);
 }
 
-void put_matrix_rows(const RigidMotion& motion, std::string& text) {
+// `row_end` follows the last number of each row.
+void put_matrix_rows(const RigidMotion& motion, const char* row_end, std::string& text) {
   for (Eigen::Index r = 0; r < 4; ++r)
     for (Eigen::Index c = 0; c < 4; ++c) {
       put_number(motion.matrix()(r, c), text);
-      text += c < 3 ? ' ' : '\n';
+      text += c < 3 ? " " : row_end;
     }
 }
 
@@ -118,7 +119,8 @@ std::string meshlab_mlp_text(const std::vector<RangeView>& views,
   for (std::size_t i = 0; i < views.size(); ++i) {
     text += "  <MLMesh label=" + xml_attribute(views[i].name) +
             " filename=" + xml_attribute(files[i]) + " visible=\"1\">\n   <MLMatrix44>\n";
-    put_matrix_rows(views[i].world_from_view, text);
+    // MeshLab 2020.09 reads past the end of a row without a blank behind it.
+    put_matrix_rows(views[i].world_from_view, " \n", text);
     text += "</MLMatrix44>\n  </MLMesh>\n";
   }
   return text + " </MeshGroup>\n <RasterGroup/>\n</MeshLabProject>\n";
@@ -129,7 +131,7 @@ Result<void> write_xf_folder(const std::vector<RangeView>& views, const fs::path
   if (auto made = make_folder(folder); !made) return made;
   for (const RangeView& view : views) {
     std::string text;
-    put_matrix_rows(view.world_from_view, text);
+    put_matrix_rows(view.world_from_view, "\n", text);
     if (auto written = write_file(folder / (view.name + ".xf"), text); !written) return written;
   }
   return {};

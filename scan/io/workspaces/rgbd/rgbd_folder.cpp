@@ -162,7 +162,7 @@ Result<CameraSpec> camera_of_frame(const fs::path& folder, const RgbdSetting& se
   const auto size = own ? pose->size : setting.size;
   if (!intrinsics)
     return bad_input(folder,
-                     "depth maps without intrinsics: give --fx --fy --cx --cy, or put a "
+                     "depth maps without intrinsics: give --intrinsics FX FY CX CY, or put a "
                      "calibration file (camera.txt with 'fx fy cx cy', or a camera .json of "
                      "Open3D) beside them");
   camera.intrinsics = *intrinsics;

@@ -136,6 +136,20 @@ TEST(XyzText, NamesTheLineAndTheRemedy) {
   EXPECT_THAT(xyz_error(many), HasSubstr("line 1: more than 64 numbers"));
 }
 
+TEST(XyzText, PosesAreNoPoints) {
+  const std::string poses = "1 2 3 0.5 0.5 0.5 0.5\n1 2 4 0 0.6 0 0.8\n";
+  for (const char* time : {"", "12.5 "}) {
+    std::string content;
+    for (std::size_t begin = 0; begin < poses.size(); begin = poses.find('\n', begin) + 1)
+      content += time + poses.substr(begin, poses.find('\n', begin) + 1 - begin);
+    const auto cloud = parse_xyz(content, "a.xyz");
+    ASSERT_FALSE(cloud.ok());
+    EXPECT_THAT(cloud.error().message, HasSubstr("holds poses"));
+  }
+  EXPECT_TRUE(parse_xyz("1 2 3 0 0 0.6 0.8\n1 2 4 0 0 0 1\n", "a.xyz").ok())
+      << "normals behind an intensity of 0";
+}
+
 TEST(XyzText, DamagedFilesNeverCrash) {
   const std::string content =
       "3\n//X,Y,Z,R,G,B,Nx,Ny,Nz\n1 2 3 4 5 6 0 0 1\n1,2,3,4,5,6,0,1,0\n1 2 3 255 5 6 1 0 0\n";

@@ -207,6 +207,25 @@ TEST(PtxFile, WritesWhatItReads) {
   }
 }
 
+TEST(PtxFile, WritesMetres) {
+  const TemporaryFolder folder;
+  const RangeView view = sphere_view(0.1);
+  ASSERT_TRUE(write_ptx({view}, folder / "a.ptx", 1e-3).ok());
+  const auto grid = read_ptx_scan(folder / "a.ptx", 0);
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  std::size_t samples = 0;
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u) {
+      if (!view.has_sample(u, v)) continue;
+      ++samples;
+      EXPECT_LT((1e3 * grid->points(u, v) - view.point(u, v)).norm(), 1e-12);
+    }
+  EXPECT_GT(samples, 100u);
+  EXPECT_LT(
+      (1e3 * grid->world_from_view->translation() - view.world_from_view.translation()).norm(),
+      1e-12);
+}
+
 TEST(PtxFile, WritesWholeFilesOrNone) {
   const TemporaryFolder folder;
   EXPECT_FALSE(write_ptx({}, folder / "a.ptx").ok());

@@ -55,6 +55,14 @@ TEST(GridCamera, FindsPinholes) {
   }
 }
 
+TEST(GridCamera, FindsPinholesOfMirroredFrames) {
+  const PinholeIntrinsics k{90, -95, 30.5, 24};
+  const RangeView view = render(sphere({0, 0, 10}, 3), Camera::pinhole(64, 48, k));
+  const FittedCamera fitted = fit_camera(grid_of(view));
+  EXPECT_EQ(fitted.model.model(), Camera::Model::kPinhole) << fitted.description;
+  EXPECT_NEAR(fitted.model.intrinsics().fy, k.fy, 1e-6);
+}
+
 TEST(GridCamera, FindsAnOrthographicDirection) {
   const Eigen::Vector3d direction = Eigen::Vector3d(0.3, -0.2, -1).normalized();
   const Eigen::Vector3d across = direction.unitOrthogonal();

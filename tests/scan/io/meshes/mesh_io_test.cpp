@@ -131,7 +131,23 @@ TEST(MeshIo, ObjHasColours) {
   mesh.colours.assign(mesh.vertices.size(), Colour{255, 0, 51});
   ASSERT_TRUE(write_mesh(mesh, folder / "a.obj").ok());
   EXPECT_THAT(*read_file(folder / "a.obj"), HasSubstr(" 1 0 0.2\n"));
-  EXPECT_EQ(read_mesh(folder / "a.obj")->vertices.size(), mesh.vertices.size());
+  EXPECT_EQ(read_mesh(folder / "a.obj")->colours, mesh.colours);
+  folder.write("weights.obj", "v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n");
+  EXPECT_TRUE(read_mesh(folder / "weights.obj")->colours.empty());
+  folder.write("some.obj", "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_TRUE(read_mesh(folder / "some.obj")->colours.empty()) << "not of every vertex";
+}
+
+TEST(MeshIo, StlIsNotWrittenWhereItsNumbersAreTooShort) {
+  const TemporaryFolder folder;
+  TriangleMesh mesh = tetrahedron();
+  for (auto& vertex : mesh.vertices) vertex += Eigen::Vector3d::Constant(1e9);
+  const auto written = write_mesh(mesh, folder / "far.stl");
+  ASSERT_FALSE(written.ok());
+  EXPECT_THAT(written.error().message, HasSubstr("far.stl"));
+  EXPECT_THAT(written.error().message, HasSubstr("far from the origin"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "far.stl"));
+  EXPECT_TRUE(write_mesh(mesh, folder / "far.obj").ok());
 }
 
 TEST(MeshIo, ThreeMfIsAnArchiveWithTheModel) {

@@ -41,6 +41,18 @@ TEST(WorkspaceWriters, PosesSurviveMlp) {
     EXPECT_LT(difference(spec->views[i].world_from_view, views[i].world_from_view), 1e-12);
 }
 
+// MeshLab 2020.09 ends with a fault on rows that end in a number.
+TEST(WorkspaceWriters, RowsOfMlpEndInABlank) {
+  const std::string text = meshlab_mlp_text(three_posed_views(), {"a.ply", "b.ply", "c.ply"});
+  const std::size_t rows = text.find("<MLMatrix44>") + std::string("<MLMatrix44>").size();
+  const std::string matrix = text.substr(rows, text.find("</MLMatrix44>") - rows);
+  std::size_t ends = 0;
+  for (std::size_t at = matrix.find(" \n"); at != std::string::npos;
+       at = matrix.find(" \n", at + 1))
+    ++ends;
+  EXPECT_EQ(ends, 4u);
+}
+
 TEST(WorkspaceWriters, PosesSurviveXf) {
   const TemporaryFolder folder;
   const auto views = three_posed_views();
