@@ -187,6 +187,12 @@ Result<void> fair_fill(const FairFillOptions& options, const std::vector<ViewSam
                            (fair.unsolved == 1 ? " filled region stays" : " filled regions stay") +
                            " as membranes: no plate that continues the slope of the surface around "
                            "was found for them");
+  if (fair.too_large > 0)
+    result.notes.push_back(
+        std::to_string(fair.too_large) +
+        (fair.too_large == 1 ? " filled region is" : " filled regions are") +
+        " too large to be faired and closed by the shortest surface; if they are no part of the "
+        "object, leave them open (--holes keep, --largest-fill)");
   if (fair.places.empty()) return {};
   result.mesh.vertices.swap(fair.places);
   evict_pages(options.memory, kMeshCheck * result.mesh.vertices.size());

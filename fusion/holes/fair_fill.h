@@ -15,7 +15,8 @@ namespace relief::fusion {
 
 struct FairFill {
   std::vector<Eigen::Vector3d> places;  ///< Of all vertices; empty when none moves.
-  std::size_t unsolved = 0;  ///< Regions that stay as they are since no plate was found for them.
+  std::size_t unsolved = 0;   ///< Regions that stay as they are since no plate was found for them.
+  std::size_t too_large = 0;  ///< Regions that stay as they are since they are too large for one.
 };
 
 /// Places for the filled vertices of a merged mesh (`filled` and `normals` set), with which the

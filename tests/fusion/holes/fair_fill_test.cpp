@@ -101,6 +101,16 @@ TEST(FairFill, LargeRegionsEndNearTheirRest) {
   }
 }
 
+TEST(FairFill, TooLargeRegionsStayAsTheyAre) {
+  const Merged sphere = merged(sphere_from(3, 14));
+  FairFillOptions options = options_of();
+  options.most_solved = 0;
+  const FairFill fair = fair_filled_regions(sphere.mesh, sphere.samplers, options).value();
+  EXPECT_GT(fair.too_large, 0u);
+  EXPECT_EQ(fair.unsolved, 0u);
+  EXPECT_EQ(fair.places, sphere.mesh.vertices);
+}
+
 TEST(FairFill, LargeRegionsAskWhetherToGoOn) {
   const Merged sphere = merged(sphere_from(3, 14));
   FairFillOptions options = options_of();
