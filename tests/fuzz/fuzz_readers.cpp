@@ -55,6 +55,16 @@ const std::map<std::string, FuzzedReader>& fuzzed_readers() {
       {"pfm", {"image.pfm", image}},
       {"jpeg", {"image.jpg", image}},
       {"pnm", {"image.pgm", image}},
+      {"bmp", {"image.bmp", image}},
+      {"tga", {"image.tga", image}},
+      {"hdr", {"image.hdr", image}},
+      {"webp", {"image.webp", image}},
+      {"npy", {"image.npy", image}},
+      {"raw",
+       {"image.raw",
+        [](const fs::path& path) {
+          (void)relief::read_image(path, {{5, 4}});
+        }}},
       {"colmap_array", {"image.bin", image}},
       {"ply_mesh", {"mesh.ply", mesh}},
       {"obj", {"mesh.obj", mesh}},

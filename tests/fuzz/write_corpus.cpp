@@ -57,6 +57,17 @@ void write_images(const fs::path& corpus) {
   const std::string raw(5 * 4 * 4, 'A');
   (void)write_file(file_of(corpus, "pfm", "a.pfm"), "Pf\n5 4\n-1\n" + raw);
   (void)write_file(file_of(corpus, "colmap_array", "a.bin"), "5&4&1&" + raw);
+  (void)write_file(file_of(corpus, "raw", "a.raw"), raw);
+  (void)write_file(file_of(corpus, "hdr", "a.hdr"),
+                   "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 5\n" + raw);
+  const std::string tga_head("\0\0\3\0\0\0\0\0\0\0\0\0\5\0\4\0\10\0", 18);
+  (void)write_file(file_of(corpus, "tga", "a.tga"), tga_head + raw);
+  const std::string bmp_head("BM\x86\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\5\0\0\0\4\0\0\0\1\0\x20\0",
+                             30);
+  (void)write_file(file_of(corpus, "bmp", "a.bmp"), bmp_head + std::string(24, '\0') + raw);
+  const std::string array = "{'descr': '<f4', 'fortran_order': False, 'shape': (4, 5)}";
+  const std::string npy_head("\x93NUMPY\1\0\x39\0", 10);
+  (void)write_file(file_of(corpus, "npy", "a.npy"), npy_head + array + raw);
 }
 
 void write_projects(const fs::path& corpus, const RangeView& view) {

@@ -1,97 +1,68 @@
 #include "scan/io/images/image_io.h"
 
-#include <algorithm>
-#include <bit>
-#include <cctype>
-#include <charconv>
-#include <cmath>
-#include <cstdint>
-#include <cstring>
+#include <array>
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/images/colmap_array.h"
-#include "scan/io/images/image_limits.h"
+#include "scan/io/images/codecs/colmap_array.h"
+#include "scan/io/images/codecs/raw_floats.h"
 
 namespace relief {
 
 namespace {
 
-// The next token of a PFM header; the one byte of white space after it is consumed too.
-std::string_view next_token(std::string_view& rest) {
-  const auto is_space = [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; };
-  while (!rest.empty() && is_space(rest.front())) rest.remove_prefix(1);
-  const auto end = std::find_if(rest.begin(), rest.end(), is_space);
-  const std::string_view token = rest.substr(0, static_cast<std::size_t>(end - rest.begin()));
-  rest.remove_prefix(std::min(rest.size(), token.size() + 1));
-  return token;
+using Decoder = Result<Image> (*)(std::string_view content, const std::filesystem::path& path);
+
+struct ImageFormat {
+  const char* ending;
+  Decoder decode;
+};
+
+constexpr std::array kImageFormats{
+    ImageFormat{".png", decode_png},   ImageFormat{".tif", decode_tiff},
+    ImageFormat{".tiff", decode_tiff}, ImageFormat{".exr", decode_exr},
+    ImageFormat{".pfm", decode_pfm},   ImageFormat{".jpg", decode_jpeg},
+    ImageFormat{".jpeg", decode_jpeg}, ImageFormat{".pgm", decode_pnm},
+    ImageFormat{".ppm", decode_pnm},   ImageFormat{".pnm", decode_pnm},
+    ImageFormat{".bmp", decode_bmp},   ImageFormat{".tga", decode_tga},
+    ImageFormat{".hdr", decode_hdr},   ImageFormat{".webp", decode_webp},
+    ImageFormat{".npy", decode_npy},   ImageFormat{".bin", decode_colmap_array}};
+
+Decoder decoder_of(const std::string& ending) {
+  for (const ImageFormat& format : kImageFormats)
+    if (ending == format.ending) return format.decode;
+  return nullptr;
 }
 
-template <typename T>
-bool parse_all(std::string_view token, T& value) {
-  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
-  return error == std::errc() && end == token.data() + token.size();
-}
-
-float load_float(const char* bytes, bool little_endian) {
-  std::uint32_t bits;
-  std::memcpy(&bits, bytes, sizeof bits);
-  if (little_endian != (std::endian::native == std::endian::little)) bits = __builtin_bswap32(bits);
-  return std::bit_cast<float>(bits);
-}
-
-bool is_pnm_ending(std::string_view ending) {
-  return ending == ".pgm" || ending == ".ppm" || ending == ".pnm";
+Result<Image> read_raw_floats(const std::filesystem::path& path,
+                              const std::optional<ImageSize>& size) {
+  if (!size)
+    return bad_input(path,
+                     "a file of bare floats does not tell its size; name it in a scan.json and add "
+                     "\"size\": [WIDTH, HEIGHT] beside \"file\"");
+  const auto content = read_file(path);
+  if (!content) return content.error();
+  return decode_raw_floats(*content, *size, path);
 }
 
 }  // namespace
 
-Result<Image> decode_pfm(std::string_view content, const std::filesystem::path& path) {
-  std::string_view rest = content;
-  const std::string_view magic = next_token(rest);
-  if (magic != "PF" && magic != "Pf") return bad_input(path, "not a PFM file (no PF or Pf)");
-  std::size_t width = 0, height = 0;
-  double scale = 0.0;
-  if (!parse_all(next_token(rest), width) || !parse_all(next_token(rest), height) ||
-      !parse_all(next_token(rest), scale) || !std::isfinite(scale) || scale == 0.0)
-    return bad_input(path, "bad PFM header; expected width, height and a scale that is not 0");
-  const std::size_t channels = magic == "PF" ? 3 : 1;
-  const ImageHeader header{width, height, channels * 32, channels};
-  if (auto checked = check_image_header(header, content.size(), path); !checked)
-    return checked.error();
-  const std::size_t row_values = width * channels;
-  if (rest.size() < row_values * height * 4)
-    return bad_input(path, "truncated: " + std::to_string(row_values * height * 4) +
-                               " bytes of pixels expected, " + std::to_string(rest.size()) +
-                               " found");
-  Image image(static_cast<int>(width), static_cast<int>(height), static_cast<int>(channels));
-  for (std::size_t v = 0; v < height; ++v) {
-    const char* row = rest.data() + (height - 1 - v) * row_values * 4;  // rows go up
-    for (std::size_t i = 0; i < row_values; ++i)
-      image.samples[v * row_values + i] = load_float(row + 4 * i, scale < 0.0);
-  }
-  return image;
-}
-
-Result<Image> read_image(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto decode = ending == ".png"                        ? decode_png
-                      : ending == ".tif" || ending == ".tiff" ? decode_tiff
-                      : ending == ".exr"                      ? decode_exr
-                      : ending == ".pfm"                      ? decode_pfm
-                      : ending == ".bin"                      ? decode_colmap_array
-                      : ending == ".jpg" || ending == ".jpeg" ? decode_jpeg
-                      : is_pnm_ending(ending)                 ? decode_pnm
-                                                              : nullptr;
+Result<Image> read_image(const std::filesystem::path& path, const std::optional<ImageSize>& size) {
+  if (has_raw_ending(path)) return read_raw_floats(path, size);
+  const std::string ending = image_ending(path);
+  const Decoder decode = decoder_of(ending);
   if (!decode)
-    return bad_input(path,
-                     "unknown image format '" + ending +
-                         "'; use .png, .tiff, .exr, .pfm, .jpg, .pgm, .ppm, or the .bin of COLMAP");
-  auto content = read_file(path);
+    return bad_input(path, "unknown image format '" + ending +
+                               "'; use .png, .tiff, .exr, .pfm, .jpg, .pgm, .ppm, .bmp, .tga, "
+                               ".hdr, .webp, .npy, .raw, or the .bin of COLMAP");
+  const auto content = read_file(path);
   if (!content) return content.error();
-  return decode(*content, path);
+  auto image = decode(*content, path);
+  if (image && size && *size != ImageSize{image->width, image->height})
+    return bad_input(path, "is " + std::to_string(image->width) + "x" +
+                               std::to_string(image->height) + " pixels, but its \"size\" is " +
+                               std::to_string(size->width) + "x" + std::to_string(size->height));
+  return image;
 }
 
 }  // namespace relief

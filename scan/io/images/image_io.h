@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "relief/scan/result.h"
+#include "scan/io/images/image_size.h"
 
 namespace relief {
 
@@ -37,10 +39,13 @@ struct Image {
 };
 
 /// Reads an image by its ending: .png (8 or 16 bit), .tif/.tiff (8 or 16 bit integer; 16, 32 or 64
-/// bit float), .exr (half or float), .pfm, .jpg, .pgm/.ppm/.pnm, .bin of COLMAP. Alpha channels are
-/// dropped, palettes resolved. Truncated and corrupt files are errors (kBadInput). Nothing is
-/// allocated that check_image_header() (see image_limits.h) does not allow.
-Result<Image> read_image(const std::filesystem::path& path);
+/// bit float), .exr (half or float), .pfm, .jpg, .pgm/.ppm/.pnm, .bmp, .tga, .hdr, .webp, .npy,
+/// .bin of COLMAP, .raw/.f32 (bare floats, which need `size`). A `size` given for another ending
+/// must be that of the image. Alpha channels are dropped, palettes resolved. Truncated and corrupt
+/// files are errors (kBadInput). Nothing is allocated that check_image_header() (see
+/// image_limits.h) does not allow.
+Result<Image> read_image(const std::filesystem::path& path,
+                         const std::optional<ImageSize>& size = std::nullopt);
 
 /// The bytes of a 32-bit float TIFF, deflated, of a real image.
 Result<std::string> encode_tiff(const Image& image);
@@ -55,5 +60,10 @@ Result<Image> decode_exr(std::string_view content, const std::filesystem::path& 
 Result<Image> decode_pfm(std::string_view content, const std::filesystem::path& path);
 Result<Image> decode_jpeg(std::string_view content, const std::filesystem::path& path);
 Result<Image> decode_pnm(std::string_view content, const std::filesystem::path& path);
+Result<Image> decode_bmp(std::string_view content, const std::filesystem::path& path);
+Result<Image> decode_tga(std::string_view content, const std::filesystem::path& path);
+Result<Image> decode_hdr(std::string_view content, const std::filesystem::path& path);
+Result<Image> decode_webp(std::string_view content, const std::filesystem::path& path);
+Result<Image> decode_npy(std::string_view content, const std::filesystem::path& path);
 
 }  // namespace relief

@@ -4,10 +4,15 @@
 #include <cctype>
 #include <charconv>
 #include <cstddef>
+#include <cstdint>
 #include <fstream>
 #include <initializer_list>
 #include <string>
 #include <string_view>
+
+#include "scan/io/images/codecs/hdr_header.h"
+#include "scan/io/images/codecs/little_endian.h"
+#include "scan/io/images/codecs/npy_header.h"
 
 namespace relief {
 
@@ -84,35 +89,92 @@ std::optional<ImageSize> array_size(std::string_view bytes) {
   return checked_size(width, height);
 }
 
-std::string lower_ending(const std::filesystem::path& path) {
+std::optional<ImageSize> bmp_size(std::string_view bytes) {
+  constexpr std::uint32_t kOldHeader = 12;
+  if (bytes.size() < 26) return std::nullopt;
+  if (little_endian_at<std::uint32_t>(bytes, 14) == kOldHeader)
+    return checked_size(little_endian_at<std::uint16_t>(bytes, 18),
+                        little_endian_at<std::uint16_t>(bytes, 20));
+  const auto height = little_endian_at<std::int32_t>(bytes, 22);  // Negative: from the top down.
+  return checked_size(
+      little_endian_at<std::uint32_t>(bytes, 18),
+      height < 0 ? 0u - static_cast<std::uint32_t>(height) : static_cast<std::uint32_t>(height));
+}
+
+std::optional<ImageSize> tga_size(std::string_view bytes) {
+  if (bytes.size() < 18) return std::nullopt;
+  return checked_size(little_endian_at<std::uint16_t>(bytes, 12),
+                      little_endian_at<std::uint16_t>(bytes, 14));
+}
+
+// The first part of the file is the header of an extended one, or pixels of either kind.
+std::optional<ImageSize> webp_size(std::string_view bytes) {
+  constexpr unsigned kSideBits = 0x3fff;
+  if (bytes.size() < 30) return std::nullopt;
+  const std::string_view part = bytes.substr(12, 4);
+  if (part == "VP8X")
+    return checked_size((little_endian_at<std::uint32_t>(bytes, 24) & 0xffffff) + 1,
+                        (little_endian_at<std::uint32_t>(bytes, 26) >> 8) + 1);
+  if (part == "VP8L") {
+    const auto bits = little_endian_at<std::uint32_t>(bytes, 21);
+    return checked_size((bits & kSideBits) + 1, (bits >> 14 & kSideBits) + 1);
+  }
+  return checked_size(little_endian_at<std::uint16_t>(bytes, 26) & kSideBits,
+                      little_endian_at<std::uint16_t>(bytes, 28) & kSideBits);
+}
+
+std::optional<ImageSize> hdr_size(std::string_view bytes) {
+  const auto header = read_hdr_header(bytes);
+  if (!header || header->width > kMaxImageSide || header->height > kMaxImageSide)
+    return std::nullopt;
+  const auto width = static_cast<unsigned>(header->width);
+  const auto height = static_cast<unsigned>(header->height);
+  return header->lines_are_columns() ? checked_size(height, width) : checked_size(width, height);
+}
+
+std::optional<ImageSize> npy_size(std::string_view bytes) {
+  const auto header = read_npy_header(bytes, "");
+  if (!header || header->shape.size() < 2 || header->shape[0] > kMaxImageSide ||
+      header->shape[1] > kMaxImageSide)
+    return std::nullopt;
+  return checked_size(static_cast<unsigned>(header->shape[1]),
+                      static_cast<unsigned>(header->shape[0]));
+}
+
+std::string read_head(std::ifstream& file, std::size_t bytes) {
+  std::string head(bytes, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
+  return head;
+}
+
+bool ends_like(const std::filesystem::path& path, std::initializer_list<const char*> endings) {
+  const std::string ending = image_ending(path);
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+}  // namespace
+
+std::string image_ending(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return ending;
 }
 
-bool ends_like(const std::filesystem::path& path, std::initializer_list<const char*> endings) {
-  const std::string ending = lower_ending(path);
-  return std::find(endings.begin(), endings.end(), ending) != endings.end();
-}
-
-}  // namespace
-
 std::optional<ImageSize> image_size(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  std::string head(64, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(file.gcount()));
+  const std::string head = read_head(file, 64);
+  const auto more = [&] { return head + read_head(file, kHeaderBytes); };
   if (head.starts_with("\x89PNG")) return png_size(head);
-  if (head.starts_with("\xff\xd8")) {
-    std::string more(kHeaderBytes, '\0');
-    file.read(more.data(), static_cast<std::streamsize>(more.size()));
-    more.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
-    return jpeg_size(head + more);
-  }
+  if (head.starts_with("\xff\xd8")) return jpeg_size(more());
+  if (head.starts_with("BM")) return bmp_size(head);
+  if (head.starts_with("RIFF") && head.substr(8, 4) == "WEBP") return webp_size(head);
+  if (head.starts_with("#?")) return hdr_size(more());
+  if (head.starts_with("\x93NUMPY")) return npy_size(more());
   if (head.size() > 2 && head[0] == 'P' && std::string_view("2356").find(head[1]) < 4)
     return pnm_size(head);
-  return array_size(head);
+  return image_ending(path) == ".tga" ? tga_size(head) : array_size(head);  // No mark of its own.
 }
 
 bool has_depth_image_ending(const std::filesystem::path& path) {
@@ -120,7 +182,8 @@ bool has_depth_image_ending(const std::filesystem::path& path) {
 }
 
 bool has_photograph_ending(const std::filesystem::path& path) {
-  return ends_like(path, {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".ppm", ".bmp", ".webp"});
+  return ends_like(path,
+                   {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".ppm", ".bmp", ".tga", ".webp"});
 }
 
 }  // namespace relief

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace relief {
 
@@ -10,9 +11,13 @@ struct ImageSize {
   bool operator==(const ImageSize&) const = default;
 };
 
-/// The size that the header of a PNG, JPEG, PNM (P2, P3, P5, P6) or COLMAP array says. Nothing is
-/// decoded. Nothing for other formats and for damaged headers.
+/// The size that the header of a PNG, JPEG, PNM (P2, P3, P5, P6), BMP, TGA, HDR, WebP, NPY or
+/// COLMAP array says, upright. Nothing is decoded. Nothing for other formats and for damaged
+/// headers.
 std::optional<ImageSize> image_size(const std::filesystem::path& path);
+
+/// The ending of a file name in lower case, with its dot.
+std::string image_ending(const std::filesystem::path& path);
 
 /// Whether a file name ends like an image that can hold depths.
 bool has_depth_image_ending(const std::filesystem::path& path);

@@ -189,13 +189,13 @@ ViewSpec guessed_view(const std::string& name, const std::vector<NamedImage>& im
         view.normals = NormalSpec{image.file, {}, {}, {}};
         break;
       case ImageRole::kMask:
-        view.mask = image.file;
+        view.mask = ImageFile{image.file};
         break;
       case ImageRole::kConfidence:
-        view.confidence = image.file;
+        view.confidence = ImageFile{image.file};
         break;
       case ImageRole::kColour:
-        view.colour = image.file;
+        view.colour = ImageFile{image.file};
         break;
     }
   }

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/codecs/raw_floats.h"
 #include "scan/io/project/json_object_private.h"
 #include "scan/io/project/view_spec.h"
 
@@ -19,10 +20,31 @@ std::filesystem::path resolve(const std::string& file, const std::filesystem::pa
   return project.parent_path() / file;  // an absolute name stays as it is
 }
 
-std::filesystem::path read_file_name(JsonObject object, const std::filesystem::path& project) {
-  auto file = resolve(object.text("file"), project, object.place("file"));
+ImageSize read_size(JsonObject& image) {
+  constexpr int kLargestSide = 1 << 16;  // pixels
+  const Eigen::VectorXd sides = image.numbers("size", 2);
+  for (const double side : sides)
+    if (side < 1.0 || side > kLargestSide || side != std::floor(side))
+      throw JsonError(image.place("size") +
+                      ": expected [width, height], two whole numbers from 1 to 65536");
+  return {static_cast<int>(sides[0]), static_cast<int>(sides[1])};
+}
+
+// The file and the size of an image. Those without a header of their own need the size.
+ImageFile take_image(JsonObject& image, const std::filesystem::path& project) {
+  ImageFile taken{resolve(image.text("file"), project, image.place("file"))};
+  if (image.has("size")) taken.size = read_size(image);
+  if (!taken.size && has_raw_ending(taken.file))
+    throw JsonError(image.place("size") +
+                    ": missing; a file of bare floats needs \"size\": [WIDTH, HEIGHT] beside "
+                    "\"file\"");
+  return taken;
+}
+
+ImageFile read_image_file(JsonObject object, const std::filesystem::path& project) {
+  ImageFile image = take_image(object, project);
   object.finish();
-  return file;
+  return image;
 }
 
 void read_grid(JsonObject grid, const std::filesystem::path& project, ViewSpec& spec) {
@@ -121,8 +143,10 @@ CameraSpec read_camera(JsonObject camera) {
 }
 
 DepthSpec read_depth(JsonObject depth, const std::filesystem::path& project) {
+  const ImageFile image = take_image(depth, project);
   DepthSpec spec;
-  spec.file = resolve(depth.text("file"), project, depth.place("file"));
+  spec.file = image.file;
+  spec.size = image.size;
   if (depth.has("scale")) spec.scale = depth.positive("scale");
   if (depth.has("kind")) spec.along_ray = depth.choice<bool>("kind", {{"z", false}, {"ray", true}});
   depth.finish();
@@ -130,16 +154,20 @@ DepthSpec read_depth(JsonObject depth, const std::filesystem::path& project) {
 }
 
 DeviationSpec read_deviation(JsonObject deviation, const std::filesystem::path& project) {
+  const ImageFile image = take_image(deviation, project);
   DeviationSpec spec;
-  spec.file = resolve(deviation.text("file"), project, deviation.place("file"));
+  spec.file = image.file;
+  spec.size = image.size;
   if (deviation.has("scale")) spec.scale = deviation.positive("scale");
   deviation.finish();
   return spec;
 }
 
 NormalSpec read_normals(JsonObject normals, const std::filesystem::path& project) {
+  const ImageFile image = take_image(normals, project);
   NormalSpec spec;
-  spec.file = resolve(normals.text("file"), project, normals.place("file"));
+  spec.file = image.file;
+  spec.size = image.size;
   if (normals.has("encoding"))
     spec.encoding = normals.choice<NormalEncoding>(
         "encoding", {{"rgb", NormalEncoding::kRgb}, {"unit", NormalEncoding::kUnit}});
@@ -187,9 +215,9 @@ ViewSpec read_view(JsonObject view, const std::filesystem::path& project) {
                     ": missing; an orthographic depth map needs "
                     "origin, step_u, step_v and view_direction");
   if (view.has("normals")) spec.normals = read_normals(view.object("normals"), project);
-  if (view.has("mask")) spec.mask = read_file_name(view.object("mask"), project);
-  if (view.has("confidence")) spec.confidence = read_file_name(view.object("confidence"), project);
-  if (view.has("color")) spec.colour = read_file_name(view.object("color"), project);
+  if (view.has("mask")) spec.mask = read_image_file(view.object("mask"), project);
+  if (view.has("confidence")) spec.confidence = read_image_file(view.object("confidence"), project);
+  if (view.has("color")) spec.colour = read_image_file(view.object("color"), project);
   if (view.has("deviation")) spec.deviation = read_deviation(view.object("deviation"), project);
   read_pose(view, spec);
   view.finish();

@@ -8,10 +8,17 @@ namespace {
 namespace fs = std::filesystem;
 using SpecJson = nlohmann::ordered_json;
 
+SpecJson image_json(const ImageFile& image, const fs::path& folder) {
+  SpecJson json = {{"file", path_from(image.file, folder).string()}};
+  if (image.size) json["size"] = {image.size->width, image.size->height};
+  return json;
+}
+
 SpecJson depth_json(const DepthSpec& depth, const fs::path& folder) {
-  return {{"file", path_from(depth.file, folder).string()},
-          {"scale", depth.scale},
-          {"kind", depth.along_ray ? "ray" : "z"}};
+  SpecJson json = image_json({depth.file, depth.size}, folder);
+  json["scale"] = depth.scale;
+  json["kind"] = depth.along_ray ? "ray" : "z";
+  return json;
 }
 
 SpecJson grid_json(const ViewSpec& spec, const fs::path& folder) {
@@ -23,7 +30,7 @@ SpecJson grid_json(const ViewSpec& spec, const fs::path& folder) {
 }
 
 SpecJson normals_json(const NormalSpec& normals, const fs::path& folder) {
-  SpecJson json = {{"file", path_from(normals.file, folder).string()}};
+  SpecJson json = image_json({normals.file, normals.size}, folder);
   if (normals.encoding)
     json["encoding"] = *normals.encoding == NormalEncoding::kRgb ? "rgb" : "unit";
   if (normals.axes) json["axes"] = *normals.axes == NormalAxes::kOpencv ? "opencv" : "opengl";
@@ -59,15 +66,16 @@ SpecJson view_json(const ViewSpec& spec, const fs::path& folder) {
   if (spec.grid) entry["grid"] = grid_json(spec, folder);
   if (spec.camera) entry["camera"] = camera_json(*spec.camera);
   if (spec.normals) entry["normals"] = normals_json(*spec.normals, folder);
-  const auto set_file = [&](const char* key, const std::optional<fs::path>& file) {
-    if (file) entry[key] = {{"file", path_from(*file, folder).string()}};
+  const auto set_image = [&](const char* key, const std::optional<ImageFile>& image) {
+    if (image) entry[key] = image_json(*image, folder);
   };
-  set_file("mask", spec.mask);
-  set_file("confidence", spec.confidence);
-  set_file("color", spec.colour);
-  if (spec.deviation)
-    entry["deviation"] = {{"file", path_from(spec.deviation->file, folder).string()},
-                          {"scale", spec.deviation->scale}};
+  set_image("mask", spec.mask);
+  set_image("confidence", spec.confidence);
+  set_image("color", spec.colour);
+  if (spec.deviation) {
+    entry["deviation"] = image_json({spec.deviation->file, spec.deviation->size}, folder);
+    entry["deviation"]["scale"] = spec.deviation->scale;
+  }
   set_pose_json(entry, spec.world_from_view, spec.pose);
   return entry;
 }

@@ -25,13 +25,13 @@ const fs::path& main_file(const ViewSpec& spec) {
   return spec.depth ? spec.depth->file : *spec.grid;
 }
 
-Result<Image> read_matching(const fs::path& path, const ViewSpec& spec, const RangeView& view) {
-  auto image = read_image(path);
+Result<Image> read_matching(const ImageFile& file, const ViewSpec& spec, const RangeView& view) {
+  auto image = read_image(file.file, file.size);
   if (!image) return image;
   if (image->width != view.width() || image->height != view.height())
-    return bad_input(path, "is " + size_text(image->width, image->height) + " pixels, but " +
-                               main_file(spec).string() + " of the same view is " +
-                               size_text(view.width(), view.height()));
+    return bad_input(file.file, "is " + size_text(image->width, image->height) + " pixels, but " +
+                                    main_file(spec).string() + " of the same view is " +
+                                    size_text(view.width(), view.height()));
   return image;
 }
 
@@ -82,7 +82,7 @@ Result<void> claim_memory(const ViewSpec& spec, int width, int height, MemoryBud
 }
 
 Result<void> load_depth(const ViewSpec& spec, MemoryBudget& memory, LoadedView& loaded) {
-  const auto image = read_image(spec.depth->file);
+  const auto image = read_image(spec.depth->file, spec.depth->size);
   if (!image) return image.error();
   if (image->channels != 1)
     return bad_input(spec.depth->file, "a depth map has one channel, this image has three");
@@ -172,7 +172,7 @@ Result<void> apply_mask(const ViewSpec& spec, RangeView& view) {
 Result<void> load_confidence(const ViewSpec& spec, RangeView& view) {
   const auto image = read_matching(*spec.confidence, spec, view);
   if (!image) return image.error();
-  if (image->channels != 1) return bad_input(*spec.confidence, "a confidence has one channel");
+  if (image->channels != 1) return bad_input(spec.confidence->file, "a confidence has one channel");
   const double scale = image->max_value > 0.0 ? 1.0 / image->max_value : 1.0;
   view.confidence = Grid<float>(view.width(), view.height());
   for (std::size_t i = 0; i < view.confidence.size(); ++i)
@@ -185,7 +185,8 @@ Result<void> load_colours(const ViewSpec& spec, RangeView& view) {
   const auto image = read_matching(*spec.colour, spec, view);
   if (!image) return image.error();
   if (!(image->max_value > 0.0))
-    return bad_input(*spec.colour, "colours need an image of integers, 8 or 16 bits a channel");
+    return bad_input(spec.colour->file,
+                     "colours need an image of integers, 8 or 16 bits a channel");
   const double scale = 255.0 / image->max_value;
   view.colours = Grid<Colour>(view.width(), view.height());
   for (int v = 0; v < view.height(); ++v)
@@ -198,7 +199,7 @@ Result<void> load_colours(const ViewSpec& spec, RangeView& view) {
 
 // What is no positive number is unknown.
 Result<void> load_deviation(const ViewSpec& spec, RangeView& view) {
-  const auto image = read_matching(spec.deviation->file, spec, view);
+  const auto image = read_matching({spec.deviation->file, spec.deviation->size}, spec, view);
   if (!image) return image.error();
   if (image->channels != 1) return bad_input(spec.deviation->file, "a deviation has one channel");
   view.deviation = Grid<float>(view.width(), view.height(), static_cast<float>(kNoSample));
@@ -211,7 +212,7 @@ Result<void> load_deviation(const ViewSpec& spec, RangeView& view) {
 }
 
 Result<void> load_normals(const ViewSpec& spec, LoadedView& loaded) {
-  const auto image = read_matching(spec.normals->file, spec, loaded.view);
+  const auto image = read_matching({spec.normals->file, spec.normals->size}, spec, loaded.view);
   if (!image) return image.error();
   auto stored = stored_in_image(*image, *spec.normals, loaded.view);
   if (!stored) return stored.error();

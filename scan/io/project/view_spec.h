@@ -15,18 +15,27 @@
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
 #include "relief/scan/spherical_projection.h"
+#include "scan/io/images/image_size.h"
 
 namespace relief {
+
+/// An image of a view. `size` is needed for bare floats, and checked for others.
+struct ImageFile {
+  std::filesystem::path file;
+  std::optional<ImageSize> size = {};
+};
 
 struct DepthSpec {
   std::filesystem::path file;
   double scale = 1.0;      ///< Value times scale is in the project's unit.
   bool along_ray = false;  ///< `kind` `ray`: distance along the ray; else `z`.
+  std::optional<ImageSize> size = {};
 };
 
 struct DeviationSpec {
   std::filesystem::path file;
   double scale = 1.0;  ///< Value times scale is in the project's unit.
+  std::optional<ImageSize> size = {};
 };
 
 /// The `camera` of a view. Which members are set depends on `model`.
@@ -50,6 +59,7 @@ struct NormalSpec {
   std::optional<NormalEncoding> encoding;  ///< What is left out is found from the data.
   std::optional<NormalAxes> axes;
   std::optional<NormalSpace> space;
+  std::optional<ImageSize> size = {};
 };
 
 /// What a file of scans leaves open.
@@ -68,7 +78,7 @@ struct ViewSpec {
   GridOptions grid_options;
   std::optional<CameraSpec> camera;
   std::optional<NormalSpec> normals;
-  std::optional<std::filesystem::path> mask, confidence, colour;
+  std::optional<ImageFile> mask, confidence, colour;
   std::optional<DeviationSpec> deviation;
   RigidMotion world_from_view = RigidMotion::Identity();
   PoseKind pose = PoseKind::kAbsent;

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "scan/io/images/colmap_array.h"
+#include "scan/io/images/codecs/colmap_array.h"
 #include "scan/io/images/image_size.h"
 #include "scan/io/workspaces/colmap/colmap_model.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -140,7 +140,7 @@ void attach_files(const ColmapSource& source, const ColmapImage& image, const Co
   if (!photograph) return;
   const auto size = image_size(*photograph);
   if (size && size->width == *view.camera->width && size->height == *view.camera->height)
-    view.colour = *photograph;
+    view.colour = ImageFile{*photograph};
   else
     ++findings.sizes_differ;
 }

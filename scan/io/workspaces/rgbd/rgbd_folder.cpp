@@ -191,7 +191,7 @@ Result<void> add_frame(const fs::path& folder, const RgbdFrame& frame,
   view.depth = DepthSpec{frame.depth, 1.0 / setting.depth_scale, false};
   view.camera = *camera;
   if (frame.colour && colours_fit(frame))
-    view.colour = frame.colour;
+    view.colour = ImageFile{*frame.colour};
   else if (frame.colour)
     ++misfits;
   if (pose) {

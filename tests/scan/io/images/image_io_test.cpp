@@ -284,9 +284,9 @@ TEST(ImageIo, ALyingHeaderIsRefusedBeforeMemoryIsTaken) {
 }
 
 TEST(ImageIo, UnknownAndMissingFilesAreNamed) {
-  const auto unknown = read_image("depth.bmp");
+  const auto unknown = read_image("depth.gif");
   ASSERT_FALSE(unknown.ok());
-  EXPECT_THAT(unknown.error().message, HasSubstr("depth.bmp"));
+  EXPECT_THAT(unknown.error().message, HasSubstr("depth.gif"));
   const auto missing = read_image("/no/such/depth.png");
   ASSERT_FALSE(missing.ok());
   EXPECT_THAT(missing.error().message, HasSubstr("/no/such/depth.png"));

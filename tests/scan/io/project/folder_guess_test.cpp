@@ -33,9 +33,9 @@ TEST(FolderGuess, PutsImagesOfOneViewTogether) {
   const ViewSpec &first = guess->project.views[0], &second = guess->project.views[1];
   EXPECT_EQ(first.depth->file.filename(), "owl_01_depth.png");
   EXPECT_EQ(first.normals->file.filename(), "owl_01_normals.png");
-  EXPECT_EQ(first.mask->filename(), "owl_01_mask.png");
+  EXPECT_EQ(first.mask->file.filename(), "owl_01_mask.png");
   EXPECT_FALSE(first.colour);
-  EXPECT_EQ(second.colour->filename(), "owl_02_RGB.png");
+  EXPECT_EQ(second.colour->file.filename(), "owl_02_RGB.png");
   EXPECT_EQ(first.camera->width, 12);
   EXPECT_DOUBLE_EQ(first.camera->intrinsics.cx, 5.5);
   EXPECT_THAT(guess->findings, ::testing::Contains(HasSubstr("notes_mask.png")));
@@ -128,7 +128,7 @@ TEST(ViewJson, IsReadBack) {
   view.camera->height = 2;
   view.camera->angles = {{0.1, 0.25, 0.3}, {0.5, 0.25}};
   view.normals = NormalSpec{folder / "n.png", NormalEncoding::kRgb, NormalAxes::kOpengl, {}};
-  view.mask = folder / "m.png";
+  view.mask = ImageFile{folder / "m.png"};
   view.deviation = DeviationSpec{folder / "d.tiff", 0.5};
   view.world_from_view.translation() = Eigen::Vector3d(0.1, 0.2, 0.3);
   view.pose = PoseKind::kKnown;

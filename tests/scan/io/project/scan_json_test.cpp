@@ -43,7 +43,7 @@ TEST(ScanJson, ReadsAView) {
   EXPECT_EQ(view.normals->file, "data/sub/n.png");
   EXPECT_EQ(view.normals->axes, NormalAxes::kOpengl);
   EXPECT_FALSE(view.normals->space.has_value());
-  EXPECT_EQ(*view.mask, "/m.png");
+  EXPECT_EQ(view.mask->file, "/m.png");
   EXPECT_EQ(view.pose, PoseKind::kGuess);
   EXPECT_EQ(view.world_from_view.translation(), Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(view.camera->intrinsics.fy, 8);

@@ -193,7 +193,7 @@ TEST_F(RgbdFolder, TumSequence) {
   ASSERT_EQ(spec->views.size(), 2u);
   EXPECT_EQ(spec->views[0].name, "1.00");
   EXPECT_EQ(spec->views[0].depth->scale, 1.0 / 5000.0);
-  EXPECT_EQ(spec->views[0].colour->filename(), "a.png");
+  EXPECT_EQ(spec->views[0].colour->file.filename(), "a.png");
   EXPECT_NEAR(spec->views[0].world_from_view.translation().x(), 0.5, 1e-12);
   EXPECT_EQ(spec->views[0].pose, PoseKind::kGuess);
   EXPECT_FALSE(spec->views[1].colour);

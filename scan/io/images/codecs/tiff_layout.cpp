@@ -1,4 +1,4 @@
-#include "scan/io/images/tiff_layout.h"
+#include "scan/io/images/codecs/tiff_layout.h"
 
 #include <string>
 

@@ -9,8 +9,8 @@
 #include <tiffio.h>
 
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/codecs/tiff_layout.h"
 #include "scan/io/images/image_io.h"
-#include "scan/io/images/tiff_layout.h"
 
 namespace relief {
 

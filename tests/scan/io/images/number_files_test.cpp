@@ -1,0 +1,196 @@
+// NumPy arrays and files of bare floats as images.
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include <Eigen/Core>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scan/io/files/binary_writer.h"
+#include "scan/io/images/codecs/raw_floats.h"
+#include "scan/io/images/image_io.h"
+#include "scan/io/project/view_spec.h"
+#include "tests/support/limited_memory.h"
+#include "tests/support/temporary_folder.h"
+
+namespace relief {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::LimitedMemory;
+using testing::TemporaryFolder;
+
+std::string error_of(const Result<Image>& read) {
+  return read.ok() ? "no error" : read.error().message;
+}
+
+std::string npy(const std::string& dictionary, const std::string& numbers, int version = 1) {
+  std::string file("\x93NUMPY", 6);
+  file += {static_cast<char>(version), '\0'};
+  if (version == 1)
+    append_little_endian(file, static_cast<std::uint16_t>(dictionary.size()));
+  else
+    append_little_endian(file, static_cast<std::uint32_t>(dictionary.size()));
+  return file + dictionary + numbers;
+}
+
+std::string array_of(const std::string& type, const std::string& shape, const std::string& numbers,
+                     bool columns_first = false) {
+  return npy("{'descr': '" + type + "', 'fortran_order': " + (columns_first ? "True" : "False") +
+                 ", 'shape': " + shape + ", }      \n",
+             numbers);
+}
+
+template <typename T>
+std::string numbers_of(std::initializer_list<double> values, bool big = false) {
+  std::string bytes;
+  for (const double value : values) {
+    std::string one;
+    append_little_endian(one, static_cast<T>(value));
+    if (big) std::reverse(one.begin(), one.end());
+    bytes += one;
+  }
+  return bytes;
+}
+
+template <typename T>
+void expect_type(const std::string& type, double max_value) {
+  for (const bool big : {false, true}) {
+    const auto read = decode_npy(
+        array_of((big ? ">" : "<") + type, "(2, 3)", numbers_of<T>({1, 2, 3, 4, 5, 100}, big)),
+        "a.npy");
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_EQ(read->width, 3);
+    EXPECT_EQ(read->height, 2);
+    EXPECT_EQ(read->channels, 1);
+    EXPECT_EQ(read->max_value, max_value) << type;
+    EXPECT_EQ(read->samples, (std::vector<float>{1, 2, 3, 4, 5, 100})) << type;
+  }
+}
+
+TEST(NpyImage, ReadsEveryTypeInBothOrdersOfBytes) {
+  expect_type<std::uint8_t>("u1", 255.0);
+  expect_type<std::uint16_t>("u2", 65535.0);
+  expect_type<std::uint32_t>("u4", 0.0);
+  expect_type<std::int8_t>("i1", 0.0);
+  expect_type<std::int16_t>("i2", 0.0);
+  expect_type<std::int32_t>("i4", 0.0);
+  expect_type<Eigen::half>("f2", 0.0);
+  expect_type<float>("f4", 0.0);
+  expect_type<double>("f8", 0.0);
+  const auto truth = decode_npy(array_of("|b1", "(1, 2)", std::string("\1\0", 2)), "a.npy");
+  ASSERT_TRUE(truth.ok());
+  EXPECT_EQ(truth->samples, (std::vector<float>{1, 0}));
+}
+
+TEST(NpyImage, ReadsBothOrdersOfAxesAndChannelsBehind) {
+  const std::string numbers = numbers_of<float>({1, 2, 3, 4, 5, 6});
+  const auto samples = [&](const char* shape, bool columns_first) {
+    const auto read = decode_npy(array_of("<f4", shape, numbers, columns_first), "a.npy");
+    EXPECT_TRUE(read.ok()) << error_of(read);
+    return read.ok() ? read->samples : std::vector<float>();
+  };
+  EXPECT_EQ(samples("(2, 3)", true), (std::vector<float>{1, 3, 5, 2, 4, 6}));
+  EXPECT_EQ(samples("(3, 2, 1)", false), (std::vector<float>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(samples("(1, 2, 3)", false), (std::vector<float>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(samples("(1, 2, 3)", true), (std::vector<float>{1, 3, 5, 2, 4, 6}));
+}
+
+TEST(NpyImage, KeepsWhatIsNoNumber) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto read = decode_npy(
+      array_of("<f8", "(1, 3)", numbers_of<double>({std::nan(""), infinity, 0.1})), "a.npy");
+  ASSERT_TRUE(read.ok());
+  EXPECT_TRUE(std::isnan(read->samples[0]));
+  EXPECT_EQ(read->samples[1], std::numeric_limits<float>::infinity());
+  EXPECT_EQ(read->samples[2], 0.1f);
+}
+
+TEST(NpyImage, ReadsVersions1To3) {
+  const std::string dictionary = "{'shape':(1,1),'fortran_order':False,'descr':'<f4'}";
+  for (const int version : {1, 2, 3})
+    EXPECT_TRUE(decode_npy(npy(dictionary, "abcd", version), "a.npy").ok()) << version;
+  EXPECT_THAT(error_of(decode_npy(npy(dictionary, "abcd", 4), "a.npy")), HasSubstr("version 4"));
+}
+
+TEST(NpyImage, NamesWhatIsWrong) {
+  const auto error = [](const char* type, const char* shape, std::size_t bytes) {
+    return error_of(decode_npy(array_of(type, shape, std::string(bytes, 'a')), "a.npy"));
+  };
+  EXPECT_THAT(error("<f4", "(3, 4, 5)", 240), HasSubstr("its shape is (3,4,5,)"));
+  EXPECT_THAT(error("<f4", "(3, 4, 5)", 240), HasSubstr("numpy.moveaxis"));
+  EXPECT_THAT(error("<f4", "(6,)", 24), HasSubstr("an image has (rows, columns)"));
+  EXPECT_THAT(error("<c8", "(1, 1)", 8), HasSubstr("numbers of type '<c8'"));
+  EXPECT_THAT(error("<i8", "(1, 1)", 8), HasSubstr("array.astype('f4')"));
+  EXPECT_THAT(error("<f4", "(2, 2)", 17), HasSubstr("takes 16 bytes, 17 follow"));
+  EXPECT_THAT(error("<f4", "(2, 0)", 0), HasSubstr("is empty"));
+  EXPECT_THAT(error_of(decode_npy(npy("{'descr': [('x', '<f4')], ", ""), "a.npy")),
+              HasSubstr("byte 20: expected {'descr'"));
+}
+
+TEST(NpyImage, DamagedFilesAreErrors) {
+  const std::string whole = array_of("<f4", "(2, 3)", std::string(24, 'a'));
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    EXPECT_THAT(error_of(decode_npy(whole.substr(0, size), "a.npy")), HasSubstr("a.npy: ")) << size;
+  for (std::size_t at = 0; at < whole.size(); ++at)
+    for (const char byte : {'\0', '9', '(', '\'', '\xff'}) {
+      std::string changed = whole;
+      changed[at] = byte;
+      (void)decode_npy(changed, "a.npy");
+    }
+  const LimitedMemory limit(std::size_t{1} << 28);
+  EXPECT_FALSE(decode_npy(array_of("<f4", "(65535, 65535)", "abcd"), "a.npy").ok());
+  EXPECT_FALSE(decode_npy(array_of("<f4", "(4294967296, 4294967297)", "abcd"), "a.npy").ok());
+}
+
+TEST(RawFloats, NeedTheirSize) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("a.raw", numbers_of<float>({1, 2, 3, 4, 5, 6}));
+  EXPECT_THAT(error_of(read_image(path)), HasSubstr("add \"size\": [WIDTH, HEIGHT]"));
+  const auto grey = read_image(path, ImageSize{3, 2});
+  ASSERT_TRUE(grey.ok()) << grey.error().message;
+  EXPECT_EQ(grey->samples, (std::vector<float>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ((*grey)(0, 1), 4.0f);
+  const auto colour = read_image(path, ImageSize{2, 1});
+  ASSERT_TRUE(colour.ok());
+  EXPECT_EQ(colour->channels, 3);
+  for (const ImageSize size :
+       {ImageSize{3, 1}, ImageSize{4, 2}, ImageSize{0, 2}, ImageSize{-3, -2}})
+    EXPECT_FALSE(read_image(path, size).ok()) << size.width;
+  EXPECT_THAT(error_of(read_image(path, ImageSize{3, 1})), HasSubstr("this file has 24"));
+}
+
+TEST(RawFloats, OtherImagesAreHeldAgainstTheSize) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("a.pgm", std::string("P5 2 1 255\nab", 13));
+  EXPECT_TRUE(read_image(path, ImageSize{2, 1}).ok());
+  EXPECT_THAT(error_of(read_image(path, ImageSize{1, 2})),
+              HasSubstr("is 2x1 pixels, but its \"size\" is 1x2"));
+}
+
+std::string scan_json(const std::string& depth, const std::string& more = "") {
+  return R"({"format":"relief-scan","version":1,"views":[{"name":"a","depth":{)" + depth +
+         R"(},"camera":{"model":"pinhole","fx":9,"fy":9,"cx":3,"cy":2})" + more + "}]}";
+}
+
+TEST(RawFloats, HaveTheirSizeInScanJson) {
+  const auto parsed = parse_scan_json(
+      scan_json(R"("file":"a.f32","size":[6,4])", R"(,"mask":{"file":"m.png","size":[6,4]})"),
+      "scan.json");
+  ASSERT_TRUE(parsed.ok()) << parsed.error().message;
+  EXPECT_EQ(parsed->views[0].depth->size, (ImageSize{6, 4}));
+  EXPECT_EQ(parsed->views[0].mask->size, (ImageSize{6, 4}));
+  const auto error = [](const char* depth) {
+    const auto wrong = parse_scan_json(scan_json(depth), "scan.json");
+    return wrong.ok() ? "no error" : wrong.error().message;
+  };
+  EXPECT_THAT(error(R"("file":"a.raw")"), HasSubstr("views[0].depth.size: missing"));
+  EXPECT_THAT(error(R"("file":"a.raw","size":[6])"), HasSubstr("expected 2 numbers"));
+  EXPECT_THAT(error(R"("file":"a.raw","size":[6,1.5])"), HasSubstr("two whole numbers"));
+  EXPECT_THAT(error(R"("file":"a.raw","size":[0,4])"), HasSubstr("two whole numbers"));
+}
+
+}  // namespace
+}  // namespace relief
