@@ -133,7 +133,9 @@ Result<int> scans_in_file(const fs::path& path) {
   if (ending != ".e57") return 1;
   const auto scans = list_e57_scans(path);
   if (!scans) return scans.error();
-  if (scans->empty()) return bad_input(path, "holds no scan (data3D is empty), only other data; export it with its point clouds");
+  if (scans->empty())
+    return bad_input(
+        path, "holds no scan (data3D is empty), only other data; export it with its point clouds");
   return static_cast<int>(scans->size());
 }
 
