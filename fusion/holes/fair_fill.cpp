@@ -65,13 +65,7 @@ class Fairing {
         changed_(mesh.vertices.size(), 0) {}
 
   Result<FairFill> run() {
-    if (work_.empty()) return FairFill();
-    std::size_t too_large = 0;
-    for (std::size_t r = 0; r < work_.size(); ++r) {
-      if (regions_.all()[r].vertices.size() <= options_.most_solved) continue;
-      work_[r].stays = work_[r].settled = true;
-      ++too_large;
-    }
+    if (work_.empty() && regions_.too_large() == 0) return FairFill();
     for (int round = 0; round <= kRounds; ++round) settle_all(round == kRounds);
     for (std::size_t v = 0; v < places_.size(); ++v) changed_[v] = places_[v] != mesh_.vertices[v];
     for (int round = 0; !stopped_ && resolve_intersections(round); ++round) {
@@ -79,7 +73,7 @@ class Fairing {
     if (stopped_) return Error{ErrorKind::kInterrupted, "closing holes was interrupted"};
     const auto unsolved = static_cast<std::size_t>(std::count_if(
         work_.begin(), work_.end(), [](const Settling& work) { return work.unsolved; }));
-    return FairFill{std::move(places_), unsolved, too_large};
+    return FairFill{std::move(places_), unsolved, regions_.too_large()};
   }
 
  private:

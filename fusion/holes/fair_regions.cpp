@@ -71,14 +71,14 @@ FairRegions::FairRegions(const TriangleMesh& mesh, const std::vector<ViewSampler
       rings_(rings_around_filled(mesh, kMargin + 1 + kApproach)),
       around_(mesh, up_to(kMargin + kApproach, rings_)),
       normals_(mesh, rings_, kMargin + 1) {
-  find();
+  find(options.most_solved);
   parallel_for(regions_.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     evict_pages(options.memory);
     for (std::size_t r = begin; r < end; ++r) prepare(regions_[r], views, options);
   });
 }
 
-void FairRegions::find() {
+void FairRegions::find(std::size_t most_solved) {
   const std::vector<std::uint32_t> first = regions_of(mesh_, up_to(kMargin, rings_));
   std::map<std::uint32_t, FairRegion> candidates;
   for (std::uint32_t v = 0; v < first.size(); ++v)
@@ -87,6 +87,10 @@ void FairRegions::find() {
   for (auto& [start, region] : candidates) {
     add_border(region);
     if (region.border.empty() || !is_deep(region) || is_crevice(region)) continue;
+    if (region.vertices.size() > most_solved) {
+      ++too_large_;
+      continue;
+    }
     for (const PlateVertex& free : region.vertices)
       region_of_[free.vertex] = static_cast<std::uint32_t>(regions_.size());
     regions_.push_back(std::move(region));

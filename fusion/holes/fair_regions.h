@@ -45,12 +45,14 @@ class FairRegions {
               const FairFillOptions& options);
 
   const std::vector<FairRegion>& all() const { return regions_; }
+  /// Regions of more than `most_solved` vertices, which are not among these.
+  std::size_t too_large() const { return too_large_; }
   std::uint32_t region_of(std::uint32_t vertex) const { return region_of_[vertex]; }  ///< Or kNone.
   const FacesAround& around() const { return around_; }
   const SideNormals& normals() const { return normals_; }
 
  private:
-  void find();
+  void find(std::size_t most_solved);
   bool is_crevice(const FairRegion& region) const;
   bool is_deep(const FairRegion& region) const;
   void add_border(FairRegion& region) const;
@@ -66,6 +68,7 @@ class FairRegions {
   FacesAround around_;
   SideNormals normals_;
   std::vector<FairRegion> regions_;
+  std::size_t too_large_ = 0;
   std::vector<std::uint32_t> region_of_;
 };
 
