@@ -39,7 +39,8 @@ std::string_view to_string(PoseKind pose) {
 std::size_t normal_count(const RangeView& view) {
   std::size_t count = 0;
   for (int v = 0; v < view.height(); ++v)
-    for (int u = 0; u < view.width(); ++u) count += view.has_normal(u, v) ? 1 : 0;
+    for (int u = 0; u < view.width(); ++u)
+      count += view.has_sample(u, v) && view.has_normal(u, v) ? 1 : 0;
   return count;
 }
 

@@ -22,14 +22,19 @@ struct Deviation {
   float own = 0.0f, typical = 0.0f;  // distance from it, and the median one of the neighbours
 };
 
+// Normals of pixels without a range are no part of the surface.
+bool has_both(const RangeView& view, int u, int v) {
+  return view.has_sample(u, v) && view.has_normal(u, v);
+}
+
 class Neighbourhood {
  public:
-  // The normals within the radius of (u, v).
+  // The normals of samples within the radius of (u, v).
   void gather(const RangeView& view, int u, int v) {
     size_ = 0;
     for (int y = std::max(0, v - kRadius); y <= std::min(view.height() - 1, v + kRadius); ++y)
       for (int x = std::max(0, u - kRadius); x <= std::min(view.width() - 1, u + kRadius); ++x)
-        if (view.has_normal(x, y)) members_[size_++] = view.normals(x, y);
+        if (has_both(view, x, y)) members_[size_++] = view.normals(x, y);
   }
 
   // Whether most members are so close to `normal` that their median cannot be further than
@@ -82,7 +87,7 @@ float typical_distance(const RangeView& view, int threads) {
   std::vector<std::vector<float>> of_row(static_cast<std::size_t>(view.height()));
   each_row(view, stride, threads, [&](int v, Neighbourhood& neighbourhood) {
     for (int u = 0; u < view.width(); u += stride) {
-      if (!view.has_normal(u, v)) continue;
+      if (!has_both(view, u, v)) continue;
       neighbourhood.gather(view, u, v);
       const float typical = neighbourhood.deviation_of(view.normals(u, v)).typical;
       if (typical > 0.0f) of_row[static_cast<std::size_t>(v)].push_back(typical);
@@ -102,7 +107,7 @@ ScreenedNormals screen_normals(const RangeView& view, int threads) {
   if (!(typical > 0.0f)) return screened;
   each_row(view, 1, threads, [&](int v, Neighbourhood& neighbourhood) {
     for (int u = 0; u < view.width(); ++u) {
-      if (!view.has_normal(u, v)) continue;
+      if (!has_both(view, u, v)) continue;
       const Eigen::Vector3f& normal = view.normals(u, v);
       neighbourhood.gather(view, u, v);
       if (neighbourhood.surely_within(normal, kTypicalToLimit * typical)) continue;

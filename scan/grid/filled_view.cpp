@@ -59,13 +59,13 @@ struct GapEnds {
 
 class Filling {
  public:
-  Filling(const Grid<std::uint8_t>& filled, int widest, RangeView& view)
-      : filled_(filled), widest_(widest), view_(view) {}
+  Filling(const Grid<std::uint8_t>& filled, const GridEdges& edges, int widest, RangeView& view)
+      : filled_(filled), edges_(edges), widest_(widest), view_(view) {}
 
   // All but the range, which is there already.
   void fill(int u, int v) {
     find_sources(u, v);
-    if (view_.has_normals() && !view_.has_normal(u, v)) view_.normals(u, v) = mean_normal();
+    if (view_.has_normals() && !view_.has_normal(u, v)) view_.normals(u, v) = interpolated_normal();
     if (!view_.confidence.empty())
       view_.confidence(u, v) = mean([&](int x, int y) { return view_.confidence(x, y); });
     if (!view_.deviation.empty())
@@ -82,6 +82,7 @@ class Filling {
   // Of the row and the column, those that the range follows from.
   void find_sources(int u, int v) {
     sources_.clear();
+    normal_sources_.clear();
     const GapEnds row = ends(u, v, 1, 0), column = ends(u, v, 0, 1);
     const bool both = row.weight > 0.0 && column.weight > 0.0;
     const auto makes = [&](const GapEnds& one) {
@@ -95,6 +96,27 @@ class Filling {
     if (!(gap.weight > 0.0)) return;
     sources_.push_back({gap.a[0], gap.a[1], gap.weight * (1.0 - gap.share_of_b)});
     sources_.push_back({gap.b[0], gap.b[1], gap.weight * gap.share_of_b});
+    add_normals(gap);
+  }
+
+  // Across one missing sample normals follow a cubic through two on either side, if these are on
+  // one surface: their mean would flatten fine relief. The noise is that of a measured normal.
+  void add_normals(const GapEnds& gap) {
+    const Pixel step{(gap.b[0] - gap.a[0]) / 2, (gap.b[1] - gap.a[1]) / 2};
+    const Pixel before{gap.a[0] - step[0], gap.a[1] - step[1]};
+    const Pixel after{gap.b[0] + step[0], gap.b[1] + step[1]};
+    const bool cubic = step[0] + step[1] == 1 && measured(before[0], before[1]) &&
+                       measured(after[0], after[1]) &&
+                       edges_.connected(gap.a[0], gap.a[1], -step[0], -step[1]) &&
+                       edges_.connected(gap.b[0], gap.b[1], step[0], step[1]);
+    if (!cubic) {
+      normal_sources_.insert(normal_sources_.end(), sources_.end() - 2, sources_.end());
+      return;
+    }
+    normal_sources_.push_back({gap.a[0], gap.a[1], gap.weight * 4.0 / 6.0});
+    normal_sources_.push_back({gap.b[0], gap.b[1], gap.weight * 4.0 / 6.0});
+    normal_sources_.push_back({before[0], before[1], -gap.weight / 6.0});
+    normal_sources_.push_back({after[0], after[1], -gap.weight / 6.0});
   }
 
   // Of weight 0 where the gap is too wide.
@@ -115,9 +137,9 @@ class Filling {
     return 0;
   }
 
-  Eigen::Vector3f mean_normal() const {
+  Eigen::Vector3f interpolated_normal() const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const auto& [u, v, weight] : sources_)
+    for (const auto& [u, v, weight] : normal_sources_)
       if (view_.has_normal(u, v)) sum += weight * view_.normals(u, v).cast<double>();
     const double length = sum.norm();
     if (!(length > 0.0)) return Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
@@ -147,9 +169,10 @@ class Filling {
   }
 
   const Grid<std::uint8_t>& filled_;
+  const GridEdges& edges_;
   int widest_;
   RangeView& view_;
-  std::vector<Source> sources_;
+  std::vector<Source> sources_, normal_sources_;
 };
 
 // Whether most pixels around have samples: where most have none a gap is no gap.
@@ -230,7 +253,7 @@ FilledView fill_small_gaps(const RangeView& view, const GridEdges& edges,
     result.view.range[i] = bridged.range[i];
     ++result.filled_count;
   }
-  Filling filling(result.filled, options.widest_gap, result.view);
+  Filling filling(result.filled, edges, options.widest_gap, result.view);
   for (int v = 0; v < view.height(); ++v)
     for (int u = 0; u < view.width(); ++u)
       if (result.filled(u, v)) filling.fill(u, v);

@@ -137,12 +137,12 @@ std::vector<std::string> apply_convention(const StoredNormals& stored,
   std::size_t averted = 0, undirected = 0;
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
-      if (!view.has_sample(u, v)) continue;
+      const std::size_t sample = view.has_sample(u, v) ? 1 : 0;
       const Eigen::Vector3d vector = to_view * stored.components(u, v).cast<double>();
       if (!is_direction(vector))
-        ++undirected;
+        undirected += sample;
       else if (!(vector.dot(view.camera.ray(u, v).direction) < 0.0))
-        ++averted;
+        averted += sample;
       else
         view.normals(u, v) = vector.normalized().cast<float>();
     }

@@ -23,8 +23,9 @@ StoredNormals stored_in_grid(Grid<Eigen::Vector3f> normals, const std::filesyste
                              const RangeView& view);
 
 /// Turns stored normals into those of `view`: unit vectors in its frame. Pixels that hold no
-/// direction (length outside [0.5, 1.5]), face away from the sensor or have no
-/// sample get NaN. No normals at all if they are not usable. Returns notes on what was dropped.
+/// direction (length outside [0.5, 1.5]) or face away from the sensor get NaN. Pixels without a
+/// sample keep their normals: small gaps of the range are filled with them. No normals at all if
+/// they are not usable. Returns notes on what was dropped.
 std::vector<std::string> apply_convention(const StoredNormals& stored,
                                           const ChosenConvention& chosen, RangeView& view);
 

@@ -156,17 +156,26 @@ Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& l
   return {};
 }
 
-Result<void> apply_mask(const ViewSpec& spec, RangeView& view) {
+// Notes in `masked` what is not the object.
+Result<void> apply_mask(const ViewSpec& spec, RangeView& view, Grid<std::uint8_t>& masked) {
   const auto mask = read_matching(*spec.mask, spec, view);
   if (!mask) return mask.error();
+  masked = {view.width(), view.height(), 0};
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
       bool object = false;
       for (int c = 0; c < mask->channels; ++c) object |= (*mask)(u, v, c) > 0.0f;
-      if (!object) view.range(u, v) = kNoSample;
+      if (object) continue;
+      view.range(u, v) = kNoSample;
+      masked(u, v) = 1;
     }
   }
   return {};
+}
+
+void mask_normals(const Grid<std::uint8_t>& masked, StoredNormals& normals) {
+  for (std::size_t i = 0; i < masked.size(); ++i)
+    if (masked[i]) normals.components[i].setConstant(static_cast<float>(kNoSample));
 }
 
 Result<void> load_confidence(const ViewSpec& spec, RangeView& view) {
@@ -251,7 +260,8 @@ Result<LoadedView> load_view(const ViewSpec& spec, MemoryBudget& memory) {
   loaded.view.pose = spec.pose;
   Result<void> step =
       spec.depth ? load_depth(spec, memory, loaded) : load_grid(spec, memory, loaded);
-  if (step && spec.mask) step = apply_mask(spec, loaded.view);
+  Grid<std::uint8_t> masked;
+  if (step && spec.mask) step = apply_mask(spec, loaded.view, masked);
   if (step && spec.confidence) step = load_confidence(spec, loaded.view);
   if (step && spec.colour) step = load_colours(spec, loaded.view);
   if (step && spec.deviation) step = load_deviation(spec, loaded.view);
@@ -267,7 +277,10 @@ Result<LoadedView> load_view(const ViewSpec& spec, MemoryBudget& memory) {
   } else if (loaded.normals) {
     loaded.normals = stored_in_grid(std::move(loaded.normals->components), *spec.grid, loaded.view);
   }
-  if (loaded.normals) append(loaded.notes, loaded.normals->notes);
+  if (loaded.normals) {
+    mask_normals(masked, *loaded.normals);
+    append(loaded.notes, loaded.normals->notes);
+  }
   clean_confidence(loaded.view.confidence);
   return loaded;
 }

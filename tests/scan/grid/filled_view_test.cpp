@@ -135,5 +135,46 @@ TEST(FilledView, FillsWhatElseIsKnown) {
   EXPECT_EQ(filled.normals(60, 60), view.normals(60, 60));
 }
 
+// Normals that turn along the rows as the cube of the column.
+RangeView rippled() {
+  RangeView view = ball(0.0);
+  for (int v = 0; v < kSide; ++v) {
+    for (int u = 0; u < kSide; ++u) {
+      const double x = 0.05 * (u - 60);
+      view.normals(u, v) = Eigen::Vector3d(0.1 * x * x * x - 0.2 * x, 0.0, -1.0).cast<float>();
+    }
+  }
+  return view;
+}
+
+TEST(FilledView, NormalsFollowACubicAcrossOneMissingSample) {
+  const RangeView truth = rippled();
+  RangeView view = truth;
+  for (const int du : {-1, 0, 1}) {  // Nothing above nor below: the row alone tells.
+    for (const int dv : {-1, 1}) view.range(60 + du, 60 + dv) = kNoSample;
+  }
+  view.range(60, 60) = kNoSample;
+  view.normals(60, 60).setConstant(static_cast<float>(kNoSample));
+  const RangeView filled = fill_small_gaps(view).view;
+  ASSERT_TRUE(filled.has_normal(60, 60));
+  const Eigen::Vector3f expected = truth.normals(60, 60).normalized();
+  EXPECT_LT((filled.normals(60, 60) - expected).norm(), 1e-5);
+}
+
+TEST(FilledView, NormalsBeyondAStepTakeNoPart) {
+  RangeView view = rippled();
+  for (int v = 0; v < kSide; ++v) {
+    for (int u = 62; u < kSide; ++u) {
+      if (view.has_sample(u, v)) view.range(u, v) += 80.0;
+      view.normals(u, v) = Eigen::Vector3f(0.6f, 0.0f, -0.8f);
+    }
+  }
+  view.range(60, 60) = kNoSample;
+  view.normals(60, 60).setConstant(static_cast<float>(kNoSample));
+  const RangeView filled = fill_small_gaps(view).view;
+  ASSERT_TRUE(filled.has_normal(60, 60));
+  EXPECT_LT((filled.normals(60, 60) - rippled().normals(60, 60).normalized()).norm(), 0.01);
+}
+
 }  // namespace
 }  // namespace relief

@@ -30,7 +30,7 @@ struct RangeView {
   std::string name;
   Camera camera;
   Grid<double> range;             ///< t of equation (V1) [unit]; NaN where there is no sample.
-  Grid<Eigen::Vector3f> normals;  ///< Measured unit normals, view frame, N . d < 0; NaN where none.
+  Grid<Eigen::Vector3f> normals;  ///< Unit, view frame, N . d < 0; NaN: none. Some without range.
   Grid<float> confidence;         ///< >= 0, 1 nominal; empty: 1 everywhere.
   /// Standard deviation of each sample's position along its ray [unit], confidence included; NaN
   /// where unknown; empty: unknown everywhere.

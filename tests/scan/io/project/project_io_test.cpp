@@ -292,6 +292,30 @@ TEST_F(DepthProject, MasksAndConfidencesApply) {
   EXPECT_EQ(project->views[0].confidence_at(4, 3), 0.0f);
 }
 
+// A camera that measures normals sees what the range sensor misses. Masked pixels are no object.
+TEST_F(DepthProject, NormalsStayWhereTheRangeIsMissing) {
+  Image normals(8, 6, 3), depth(8, 6, 1), mask(8, 6, 1, 255);
+  for (int v = 0; v < 6; ++v) {
+    for (int u = 0; u < 8; ++u) {
+      normals(u, v, 2) = -1.0f;
+      depth(u, v) = u == 3 ? 0.0f : 1000.0f;
+      mask(u, v) = v == 5 ? 0.0f : 255.0f;
+    }
+  }
+  folder_.write("n.tiff", *encode_tiff(normals));
+  folder_.write("f.tiff", *encode_tiff(depth));
+  folder_.write("m.png", *encode_png(mask));
+  const auto project = read(
+      R"(,"mask":{"file":"m.png"},"normals":{"file":"n.tiff","encoding":"unit","axes":"opencv","space":"camera"})",
+      "f.tiff");
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  const RangeView& view = project->views[0];
+  EXPECT_FALSE(view.has_sample(3, 2));
+  EXPECT_TRUE(view.has_normal(3, 2));
+  EXPECT_TRUE(view.has_normal(2, 2));
+  EXPECT_FALSE(view.has_normal(2, 5));
+}
+
 TEST_F(DepthProject, DeviationsAreScaledAndUnknownWhereNotPositive) {
   Image deviation(8, 6, 1);
   deviation.samples.assign(deviation.samples.size(), 5.0f);
