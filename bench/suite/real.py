@@ -18,7 +18,9 @@ def measure(case, context):
     grids = folder / "grids"
     grids.mkdir(parents=True, exist_ok=True)
     run(relief.command("convert", "-q", "--grids", *case.input(), "-o", grids), folder / "grids.log")
-    published = {name: pose for name, pose in poses_with(case.truth_poses or grids / "scan.json").items() if pose}
+    # Files without poses may hold identities.
+    given = poses_with(case.truth_poses or grids / "scan.json") if "given" in case.starts else {}
+    published = {name: pose for name, pose in given.items() if pose}
     case.reference = write_poses(folder / "published.json", published) if published and not case.single else None
     rows = []
     for kind in case.starts:
