@@ -84,6 +84,8 @@ std::string_view to_string(Stage stage) {
   switch (stage) {
     case Stage::kAlign:
       return "align";
+    case Stage::kCompare:
+      return "compare";
     case Stage::kRefine:
       return "refine";
     case Stage::kAlignAgain:

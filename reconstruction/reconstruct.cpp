@@ -20,7 +20,7 @@ class Reconstructor {
       result_.background = find_static_background(result_.views, options_.threads);
       ::relief::remove_background(result_.background, result_.views);
     }
-    for (const auto stage : {&Reconstructor::align, &Reconstructor::refine,
+    for (const auto stage : {&Reconstructor::align, &Reconstructor::compare, &Reconstructor::refine,
                              &Reconstructor::align_again, &Reconstructor::merge}) {
       const Result<void> done = (this->*stage)();
       if (!done) return done.error();
@@ -40,6 +40,31 @@ class Reconstructor {
     if (result_.views.empty())
       return Error{ErrorKind::kUnsolvable, "no view could be aligned: nothing to merge"};
     return {};
+  }
+
+  // The pairs of the first alignment among the views that are left.
+  std::vector<registration::PairFit> remaining_pairs() const {
+    const registration::Alignment& first = result_.first_alignment;
+    std::vector<std::size_t> index(first.views.size(), 0);
+    for (std::size_t i = 0, next = 0; i < index.size(); ++i)
+      if (first.views[i].aligned) index[i] = next++;
+    std::vector<registration::PairFit> remaining;
+    for (const registration::PairFit& pair : first.pairs) {
+      if (!first.views[pair.a].aligned || !first.views[pair.b].aligned) continue;
+      remaining.push_back(pair);
+      remaining.back().a = index[pair.a];
+      remaining.back().b = index[pair.b];
+    }
+    return remaining;
+  }
+
+  Result<void> compare() {
+    if (!options_.weigh_by_consistency) return {};
+    auto found = weigh_by_consistency(remaining_pairs(), options_.threads, result_.views,
+                                      progress_of(Stage::kCompare));
+    if (!found) return found.error();
+    result_.consistency = std::move(*found);
+    return tell(callbacks_.compared, result_.consistency, result_.views);
   }
 
   // Views that fit nowhere would only spoil the model.

@@ -10,6 +10,7 @@
 #include "apps/console/output.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/alignment_report.h"
+#include "apps/reports/consistency_report.h"
 #include "apps/reports/model_report.h"
 #include "apps/reports/refinement_report.h"
 #include "relief/io/mesh_io.h"
@@ -24,6 +25,7 @@ struct RunCommand {
   CommonOptions common;
   ProjectInput input;
   registration::AlignOptions align;
+  bool keep_contradicted = false;
   RefineFlags refine;
   MergeFlags merge;
   std::filesystem::path output;
@@ -53,6 +55,7 @@ class Run {
     reconstruction::ReconstructionOptions options;
     options.remove_background = false;  // read_with_notes() did.
     options.align = command_.align;
+    options.weigh_by_consistency = !command_.keep_contradicted;
     options.refine = command_.refine.resolved();
     options.refine_memory = command_.refine.memory();
     options.model = command_.merge.resolved();
@@ -66,6 +69,10 @@ class Run {
     callbacks.progress = console_stage_progress();
     callbacks.aligned = [this](const registration::Alignment& alignment) {
       return keep_alignment(alignment);
+    };
+    callbacks.compared = [this](const std::vector<reconstruction::ViewConsistency>& consistency,
+                                const std::vector<RangeView>& views) {
+      return keep_consistency(consistency, views);
     };
     callbacks.refined = [this](const std::vector<hybrid::RefineSummary>& refinements,
                                const std::vector<RangeView>& views) {
@@ -86,6 +93,14 @@ class Run {
     log_alignment(alignment, project_.unit, report["seconds"]);
     warn_of_unverified(alignment);
     return keep("align", report);
+  }
+
+  Result<void> keep_consistency(const std::vector<reconstruction::ViewConsistency>& consistency,
+                                const std::vector<RangeView>& views) {
+    Json report = consistency_report(consistency, views);
+    report["seconds"] = watch_.seconds();
+    log_consistency(consistency, views, project_.unit, report["seconds"]);
+    return keep("compare", report);
   }
 
   Result<void> keep_refinement(const std::vector<hybrid::RefineSummary>& refinements,
@@ -151,6 +166,12 @@ void add_run(CLI::App& app, Action& action) {
       ->required();
   add_export_option(*sub, command->exports);
   add_align_options(*sub, command->align);
+  sub->add_option_function<std::string>(
+         "--contradicted",
+         [command](const std::string& what) { command->keep_contradicted = what == "keep"; },
+         "Ranges that several other views contradict: weigh (they count less) or keep")
+      ->check(CLI::IsMember({"weigh", "keep"}))
+      ->default_str("weigh");
   add_refine_options(*sub, command->refine);
   add_merge_options(*sub, command->merge);
   add_common_options(*sub, command->common);

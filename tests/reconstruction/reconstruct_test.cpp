@@ -36,6 +36,7 @@ TEST(Reconstruct, GivesOneClosedModelOfAllViews) {
 
 TEST(Reconstruct, ReportsEveryStage) {
   EXPECT_EQ(reconstruction().first_alignment.views.size(), scans().size());
+  EXPECT_EQ(reconstruction().consistency.size(), scans().size());
   EXPECT_EQ(reconstruction().refinements.size(), scans().size());
   ASSERT_TRUE(reconstruction().second_alignment);
   EXPECT_GT(reconstruction().second_alignment->gain.first_pose_std, 0.0);
@@ -58,6 +59,12 @@ TEST(Reconstruct, TellsOfTheStagesInOrder) {
     told.push_back("aligned");
     return Result<void>{};
   };
+  callbacks.compared = [&](const std::vector<ViewConsistency>& consistency,
+                           const std::vector<RangeView>& views) {
+    EXPECT_EQ(consistency.size(), views.size());
+    told.push_back("compared");
+    return Result<void>{};
+  };
   callbacks.refined = [&](const std::vector<hybrid::RefineSummary>& refinements,
                           const std::vector<RangeView>& views) {
     EXPECT_EQ(refinements.size(), views.size());
@@ -73,13 +80,14 @@ TEST(Reconstruct, TellsOfTheStagesInOrder) {
     return Result<void>{Error{ErrorKind::kCannotWrite, "no room"}};
   };
   const auto result = reconstruct(scans(), {}, callbacks);
-  EXPECT_THAT(told, ElementsAre("aligned", "refined", "aligned again", "views finished"));
+  EXPECT_THAT(told,
+              ElementsAre("aligned", "compared", "refined", "aligned again", "views finished"));
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().message, "no room");
 }
 
 TEST(Reconstruct, StopsInEveryStage) {
-  for (const Stage last : {Stage::kAlign, Stage::kRefine, Stage::kMerge}) {
+  for (const Stage last : {Stage::kAlign, Stage::kCompare, Stage::kRefine, Stage::kMerge}) {
     ReconstructionCallbacks callbacks;
     callbacks.progress = [last](Stage stage, double, std::string_view) { return stage < last; };
     const auto result = reconstruct(scans(), {}, callbacks);

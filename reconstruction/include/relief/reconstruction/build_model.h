@@ -16,9 +16,9 @@
 
 namespace relief::reconstruction {
 
-enum class Stage { kAlign, kRefine, kAlignAgain, kMerge, kPolish };
+enum class Stage { kAlign, kCompare, kRefine, kAlignAgain, kMerge, kPolish };
 
-/// `align`, `refine`, `align again`, `merge` or `polish`.
+/// `align`, `compare`, `refine`, `align again`, `merge` or `polish`.
 std::string_view to_string(Stage stage);
 
 /// Told how far a stage is: `fraction` in [0, 1] of its step named `step`. Returning false asks to

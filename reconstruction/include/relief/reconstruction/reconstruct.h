@@ -9,6 +9,7 @@
 #include "relief/hybrid/refine_views.h"
 #include "relief/reconstruction/alignment_gain.h"
 #include "relief/reconstruction/build_model.h"
+#include "relief/reconstruction/cross_view_consistency.h"
 #include "relief/registration/align_views.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
@@ -20,6 +21,7 @@ struct ReconstructionOptions {
   /// Leave out what stands still in the camera's frame while the object turns.
   bool remove_background = true;
   registration::AlignOptions align;
+  bool weigh_by_consistency = true;  ///< Whether ranges that other views contradict count less.
   hybrid::RefineOptions refine;
   std::size_t refine_memory = 0;  ///< See hybrid::refine_views [bytes].
   ModelOptions model;
@@ -38,8 +40,9 @@ struct Reconstruction {
   std::vector<RangeView> views;
   Model model;
 
-  StaticBackground background;              ///< What was left out; `masks` by the views given.
-  registration::Alignment first_alignment;  ///< Of the views given.
+  StaticBackground background;               ///< What was left out; `masks` by the views given.
+  registration::Alignment first_alignment;   ///< Of the views given.
+  std::vector<ViewConsistency> consistency;  ///< Of `views`; empty where it was not asked for.
   std::vector<hybrid::RefineSummary> refinements;   ///< Of `views`.
   std::optional<SecondAlignment> second_alignment;  ///< Nothing when no view could be refined.
 
@@ -53,6 +56,9 @@ struct Reconstruction {
 struct ReconstructionCallbacks {
   StageProgress progress;
   std::function<Result<void>(const registration::Alignment& first)> aligned;
+  std::function<Result<void>(const std::vector<ViewConsistency>& consistency,
+                             const std::vector<RangeView>& views)>
+      compared;
   std::function<Result<void>(const std::vector<hybrid::RefineSummary>& refinements,
                              const std::vector<RangeView>& views)>
       refined;
@@ -62,7 +68,8 @@ struct ReconstructionCallbacks {
 };
 
 /// The whole way from range views to one closed model: removes the static background, aligns the
-/// views, refines each of them with its normals, aligns them again, and builds the model. The poses
+/// views, lowers the confidence of ranges that other views contradict, refines each view with its
+/// normals, aligns them again, and builds the model. The poses
 /// of the second alignment are taken only when they are expected to be no worse. Views that cannot
 /// be aligned are left out; views that cannot be refined take part as measured. Positions are in
 /// the unit of the views, the model in their world frame.

@@ -1,0 +1,220 @@
+#include "relief/reconstruction/cross_view_consistency.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "relief/scan/discontinuities.h"
+#include "relief/scan/range_noise.h"
+#include "scan/base/median.h"
+#include "scan/base/parallel.h"
+#include "scan/grid/grid_normals.h"
+#include "scan/views/view_projection.h"
+
+namespace relief::reconstruction {
+
+namespace {
+
+constexpr std::size_t kFewestOthers = 2;  // One alone may be the one that is wrong.
+constexpr double kReach = 10.0;           // Beyond so many sample spacings lies another surface.
+constexpr double kSteepest = 0.3;         // Cosine of incidence: ranges tell little at 73 degrees.
+constexpr double kCoarsest = 2.0;         // Sampling of another view against the view's own.
+constexpr int kHalfWindow = 2;            // [samples]
+constexpr int kFewestInWindow = 13;       // Half of 5 x 5: fewer are far off by chance.
+constexpr double kTypical = 4.0;          // Mean squares up to two deviations are left alone.
+
+// A view with all that comparing needs to know of it, in its own frame.
+struct Side {
+  const RangeView* view = nullptr;
+  std::optional<ViewProjection> projection;  // None: points cannot be found in it.
+  RangeNoise noise;
+  GridEdges edges;
+  Grid<Eigen::Vector3f> estimated_normals;  // Of views without measured ones.
+  double spacing = 0.0;
+  RigidMotion view_from_world;
+
+  Side(const RangeView& of, int threads) : view(&of) {
+    if (auto created = ViewProjection::create(of)) projection = std::move(*created);
+    noise = estimate_range_noise(of, threads);
+    edges = connect_samples(of, noise, {}, threads);
+    spacing = sample_spacing(of);
+    view_from_world = of.world_from_view.inverse();
+    if (!of.has_normals()) {
+      GridNormalOptions options;
+      options.threads = threads;
+      estimated_normals = estimate_normals(of, edges, options);
+    }
+  }
+
+  const Grid<Eigen::Vector3f>& normals() const {
+    return view->has_normals() ? view->normals : estimated_normals;
+  }
+  // Noise at a pixel against that of a typical one.
+  double relative_noise(int u, int v) const {
+    return noise.map.empty() ? 1.0 : noise.sigma_at(u, v) / noise.sigma;
+  }
+  // The longest step from a sample to its neighbours on the surface; 0 where there is none.
+  double sampling(int u, int v) const {
+    double longest = 0.0;
+    for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+      if (edges.connected(u, v, du, dv))
+        longest = std::max(longest, (view->point(u + du, v + dv) - view->point(u, v)).norm());
+    return longest;
+  }
+};
+
+struct Place {
+  Eigen::Vector3d point, normal;  // World frame.
+  double sampling = 0.0;          // [unit]
+};
+
+// How far in front of the surface of `other` a place lies along the place's normal [unit], negative
+// behind; nothing where `other` does not tell.
+std::optional<double> distance_to(const Side& other, const Place& place, double reach) {
+  const Eigen::Vector3d point = other.view_from_world * place.point;
+  const auto pixel = other.projection->pixel_of(point);
+  if (!pixel) return std::nullopt;
+  const int u = static_cast<int>(std::floor(pixel->x()));
+  const int v = static_cast<int>(std::floor(pixel->y()));
+  if (!other.edges.connected_quad(u, v)) return std::nullopt;
+  const double s = pixel->x() - u, t = pixel->y() - v;
+  const Grid<double>& range = other.view->range;
+  const double seen = (1.0 - t) * ((1.0 - s) * range(u, v) + s * range(u + 1, v)) +
+                      t * ((1.0 - s) * range(u, v + 1) + s * range(u + 1, v + 1));
+  const Ray ray = other.view->camera.ray_at(pixel->x(), pixel->y());
+  const double own = (point - ray.origin).dot(ray.direction) / ray.direction.squaredNorm();
+  const double facing = -(other.view_from_world.linear() * place.normal).dot(ray.direction);
+  if (facing < kSteepest * ray.direction.norm()) return std::nullopt;
+  const double distance = (seen - own) * facing;
+  if (std::abs(distance) > reach) return std::nullopt;
+  const bool finer = other.sampling(u, v) <= kCoarsest * place.sampling;
+  return finer ? std::optional(distance) : std::nullopt;
+}
+
+// The least that half of the distances agree on; 0 where they do not agree on the side.
+double agreed(std::vector<double>& distances) {
+  const std::size_t half = distances.size() / 2;
+  std::sort(distances.begin(), distances.end());
+  if (distances.size() % 2 == 1) return distances[half];
+  const double below = distances[half - 1], above = distances[half];
+  if (below * above <= 0.0) return 0.0;
+  return std::abs(below) < std::abs(above) ? below : above;
+}
+
+// In units of the noise map; NaN where too few other views tell.
+Grid<float> distances_to_others(const Side& side, const std::vector<const Side*>& others,
+                                int threads) {
+  const RangeView& view = *side.view;
+  Grid<float> result(view.width(), view.height(), static_cast<float>(kNoSample));
+  parallel_rows(view.height(), threads, [&](int v) {
+    std::vector<double> distances;
+    for (int u = 0; u < view.width(); ++u) {
+      const Eigen::Vector3d normal = side.normals()(u, v).cast<double>();
+      if (!view.has_sample(u, v) || !(normal.x() == normal.x())) continue;
+      const Place place{view.world_from_view * view.point(u, v),
+                        view.world_from_view.linear() * normal, side.sampling(u, v)};
+      distances.clear();
+      for (const Side* other : others)
+        if (const auto distance = distance_to(*other, place, kReach * side.spacing))
+          distances.push_back(*distance);
+      if (distances.size() >= kFewestOthers)
+        result(u, v) = static_cast<float>(agreed(distances) / side.relative_noise(u, v));
+    }
+  });
+  return result;
+}
+
+// Of the distances that are not 0; at least the noise of the ranges.
+double robust_deviation(const Grid<float>& distances, const RangeNoise& noise) {
+  constexpr double kOfMedian = 1.4826;
+  std::vector<float> sizes;
+  for (const float distance : distances)
+    if (std::abs(distance) > 0.0f) sizes.push_back(std::abs(distance));
+  return std::max(kOfMedian * double{median(sizes)}, noise.sigma);
+}
+
+// The square of the distances in deviations, averaged over the window round a pixel; 0 where too
+// few are known.
+double mean_square(const Grid<float>& distances, int u, int v, double deviation) {
+  double sum = 0.0;
+  int count = 0;
+  for (int y = v - kHalfWindow; y <= v + kHalfWindow; ++y) {
+    for (int x = u - kHalfWindow; x <= u + kHalfWindow; ++x) {
+      if (!distances.contains(x, y) || !(distances(x, y) == distances(x, y))) continue;
+      const double ratio = double{distances(x, y)} / deviation;
+      sum += ratio * ratio;
+      ++count;
+    }
+  }
+  return count >= kFewestInWindow ? sum / count : 0.0;
+}
+
+struct Verdict {
+  ViewConsistency consistency;
+  Grid<float> factor;  // Of the confidence, equation (H16).
+};
+
+Verdict compare(const Side& side, const std::vector<const Side*>& others, int threads) {
+  Verdict verdict;
+  const RangeView& view = *side.view;
+  verdict.factor = {view.width(), view.height(), 1.0f};
+  if (others.size() < kFewestOthers) return verdict;
+  const Grid<float> distances = distances_to_others(side, others, threads);
+  ViewConsistency& consistency = verdict.consistency;
+  consistency.compared = static_cast<std::size_t>(
+      std::count_if(distances.begin(), distances.end(), [](float x) { return x == x; }));
+  const double deviation = robust_deviation(distances, side.noise);
+  if (consistency.compared == 0 || !(deviation > 0.0)) return verdict;
+  consistency.deviation = deviation;
+  parallel_rows(view.height(), threads, [&](int v) {
+    for (int u = 0; u < view.width(); ++u) {
+      if (!view.has_sample(u, v)) continue;
+      const double square = mean_square(distances, u, v, deviation);
+      if (square > kTypical) verdict.factor(u, v) = static_cast<float>(kTypical / square);
+    }
+  });
+  consistency.contradicted = static_cast<std::size_t>(std::count_if(
+      verdict.factor.begin(), verdict.factor.end(), [](float x) { return x < 1.0f; }));
+  return verdict;
+}
+
+// Deviations hold the confidence.
+void lower_confidence(const Grid<float>& factor, RangeView& view) {
+  if (view.confidence.empty()) view.confidence = {view.width(), view.height(), 1.0f};
+  for (std::size_t i = 0; i < factor.size(); ++i) {
+    view.confidence[i] *= factor[i];
+    if (!view.deviation.empty()) view.deviation[i] /= std::sqrt(factor[i]);
+  }
+}
+
+}  // namespace
+
+Result<std::vector<ViewConsistency>> weigh_by_consistency(
+    const std::vector<registration::PairFit>& pairs, int threads, std::vector<RangeView>& views,
+    const Progress& progress) {
+  std::vector<Side> sides;
+  sides.reserve(views.size());
+  for (const RangeView& view : views) sides.emplace_back(view, threads);
+  std::vector<std::vector<const Side*>> others(views.size());
+  for (const registration::PairFit& pair : pairs) {
+    if (sides[pair.b].projection) others[pair.a].push_back(&sides[pair.b]);
+    if (sides[pair.a].projection) others[pair.b].push_back(&sides[pair.a]);
+  }
+  std::vector<Verdict> verdicts;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double done = static_cast<double>(i) / static_cast<double>(views.size());
+    if (!report_progress(progress, done, "comparing views"))
+      return Error{ErrorKind::kInterrupted, "comparing views: stopped on request"};
+    verdicts.push_back(compare(sides[i], others[i], threads));
+  }
+  std::vector<ViewConsistency> found;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    found.push_back(verdicts[i].consistency);
+    if (found.back().contradicted > 0) lower_confidence(verdicts[i].factor, views[i]);
+  }
+  return found;
+}
+
+}  // namespace relief::reconstruction
