@@ -32,6 +32,7 @@ struct Side {
   RangeNoise noise;
   GridEdges edges;
   Grid<Eigen::Vector3f> estimated_normals;  // Of views without measured ones.
+  Grid<float> sampling;  // Longest step to a neighbour on the surface; 0 where there is none.
   double spacing = 0.0;
   RigidMotion view_from_world;
 
@@ -39,7 +40,9 @@ struct Side {
     if (auto created = ViewProjection::create(of)) projection = std::move(*created);
     noise = estimate_range_noise(of, threads);
     edges = connect_samples(of, noise, {}, threads);
-    spacing = sample_spacing(of);
+    const Grid<Eigen::Vector3d> points = points_of(of);
+    spacing = sample_spacing(points, edges);
+    measure_sampling(points, threads);
     view_from_world = of.world_from_view.inverse();
     if (!of.has_normals()) {
       GridNormalOptions options;
@@ -55,13 +58,19 @@ struct Side {
   double relative_noise(int u, int v) const {
     return noise.map.empty() ? 1.0 : noise.sigma_at(u, v) / noise.sigma;
   }
-  // The longest step from a sample to its neighbours on the surface; 0 where there is none.
-  double sampling(int u, int v) const {
-    double longest = 0.0;
-    for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
-      if (edges.connected(u, v, du, dv))
-        longest = std::max(longest, (view->point(u + du, v + dv) - view->point(u, v)).norm());
-    return longest;
+
+ private:
+  void measure_sampling(const Grid<Eigen::Vector3d>& points, int threads) {
+    sampling = {points.width(), points.height(), 0.0f};
+    parallel_rows(points.height(), threads, [&](int v) {
+      for (int u = 0; u < points.width(); ++u) {
+        double longest = 0.0;
+        for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+          if (edges.connected(u, v, du, dv))
+            longest = std::max(longest, (points(u + du, v + dv) - points(u, v)).squaredNorm());
+        sampling(u, v) = static_cast<float>(std::sqrt(longest));
+      }
+    });
   }
 };
 
@@ -78,7 +87,8 @@ std::optional<double> distance_to(const Side& other, const Place& place, double 
   if (!pixel) return std::nullopt;
   const int u = static_cast<int>(std::floor(pixel->x()));
   const int v = static_cast<int>(std::floor(pixel->y()));
-  if (!other.edges.connected_quad(u, v)) return std::nullopt;
+  if (!other.edges.connected_quad(u, v) || other.sampling(u, v) > kCoarsest * place.sampling)
+    return std::nullopt;
   const double s = pixel->x() - u, t = pixel->y() - v;
   const Grid<double>& range = other.view->range;
   const double seen = (1.0 - t) * ((1.0 - s) * range(u, v) + s * range(u + 1, v)) +
@@ -89,8 +99,7 @@ std::optional<double> distance_to(const Side& other, const Place& place, double 
   if (facing < kSteepest * ray.direction.norm()) return std::nullopt;
   const double distance = (seen - own) * facing;
   if (std::abs(distance) > reach) return std::nullopt;
-  const bool finer = other.sampling(u, v) <= kCoarsest * place.sampling;
-  return finer ? std::optional(distance) : std::nullopt;
+  return distance;
 }
 
 // The least that half of the distances agree on; 0 where they do not agree on the side.
