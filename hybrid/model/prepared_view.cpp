@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "hybrid/normals/explained_steps.h"
 #include "scan/base/median.h"
 #include "scan/grid/filled_view.h"
 
@@ -33,6 +34,33 @@ std::vector<Shown> changes_of(const RangeSteps& steps, const Grid<float>& map) {
   collect(steps.along_rows.discrepancy, 1, 0);
   collect(steps.along_columns.discrepancy, 0, 1);
   return shown;
+}
+
+// Whether a sample beside (u, v) lies nearer to the range measured there than to `other`.
+bool agrees_with_a_neighbour(const RangeView& measured, int u, int v, double other) {
+  const double own = measured.range(u, v);
+  for (int y = v - 1; y <= v + 1; ++y) {
+    for (int x = u - 1; x <= u + 1; ++x) {
+      if ((x == u && y == v) || !measured.has_sample(x, y)) continue;
+      const double range = measured.range(x, y);
+      if (std::abs(range - own) < std::abs(range - other)) return true;
+    }
+  }
+  return false;
+}
+
+// Flying samples at an occlusion edge may be the rim of the one surface: the other surface does not
+// take their place.
+void leave_rims_open(const RangeView& measured, FilledView& filled) {
+  for (int v = 0; v < measured.height(); ++v) {
+    for (int u = 0; u < measured.width(); ++u) {
+      if (!filled.filled(u, v) || !measured.has_sample(u, v)) continue;
+      if (!agrees_with_a_neighbour(measured, u, v, filled.view.range(u, v))) continue;
+      filled.view.range(u, v) = kNoSample;
+      filled.filled(u, v) = 0;
+      --filled.filled_count;
+    }
+  }
 }
 
 }  // namespace
@@ -80,17 +108,22 @@ void count_by_noise(PreparedView& prepared) {
 PreparedView prepare_view(const RangeView& view, const DiscontinuityOptions& options, int threads) {
   PreparedView prepared;
   prepared.noise = estimate_range_noise(view, threads);
-  prepared.edges = connect_samples(view, prepared.noise, options, threads);
+  const auto connect = [&](const RangeView& samples, GridEdges edges) {
+    connect_explained_steps(samples, prepared.noise.sigma, threads, edges);
+    return edges;
+  };
+  prepared.edges = connect(view, connect_samples(view, prepared.noise, options, threads));
   FillOptions fill;
   fill.sigma = prepared.noise.sigma;
   fill.threads = threads;
   FilledView filled = fill_small_gaps(view, prepared.edges, fill);
+  leave_rims_open(view, filled);
   prepared.view = std::move(filled.view);
   prepared.flying = filled.flying;
   prepared.filled = filled.filled_count;
   prepared.measured_edges = prepared.edges;
   if (prepared.flying + prepared.filled > 0)
-    prepared.edges = connect_samples(prepared.view, options, threads);
+    prepared.edges = connect(prepared.view, connect_samples(prepared.view, options, threads));
   prepared.confidence = prepared.view.confidence;
   prepared.deviation = prepared.view.deviation;
   if (prepared.filled > 0) take_confidence(filled.filled, prepared.view);

@@ -1,0 +1,46 @@
+#include "hybrid/model/prepared_view.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace relief::hybrid {
+namespace {
+
+constexpr int kSide = 40;
+constexpr double kNear = 80.0, kFar = 100.0;
+
+// A step of 20 spacings between columns 19 and 20.
+RangeView two_walls() {
+  RangeView view;
+  view.camera =
+      Camera::orthographic(kSide, kSide, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(),
+                           Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ());
+  view.range = {kSide, kSide, kFar};
+  for (int v = 0; v < kSide; ++v)  // Not so even as to look rounded.
+    for (int u = 0; u < kSide; ++u)
+      view.range(u, v) = (u < 20 ? kNear : kFar) + 0.1 * std::sin(0.7 * u + 1.3 * v + 0.01 * u * v);
+  return view;
+}
+
+TEST(PreparedView, FillsFlyingSamplesInsideASurface) {
+  RangeView view = two_walls();
+  view.range(30, 20) = 86.0;
+  const PreparedView prepared = prepare_view(view, {}, 1);
+  EXPECT_EQ(prepared.flying, 1u);
+  EXPECT_EQ(prepared.filled, 1u);
+  EXPECT_NEAR(prepared.view.range(30, 20), kFar, 0.3);
+}
+
+// The farther wall would fill the gap.
+TEST(PreparedView, LeavesFlyingSamplesAtTheRimOfANearerSurfaceOpen) {
+  RangeView view = two_walls();
+  view.range(20, 20) = 86.0;
+  const PreparedView prepared = prepare_view(view, {}, 1);
+  EXPECT_EQ(prepared.flying, 1u);
+  EXPECT_EQ(prepared.filled, 0u);
+  EXPECT_FALSE(prepared.view.has_sample(20, 20));
+}
+
+}  // namespace
+}  // namespace relief::hybrid
