@@ -16,25 +16,32 @@ RangeSteps::Direction empty_direction(const RangeView& view) {
 
 void measure_edge(const RangeView& view, int u, int v, int du, int dv,
                   RangeSteps::Direction& steps) {
-  if (!view.has_normal(u, v) || !view.has_normal(u + du, v + dv)) return;
+  const std::optional<RangeStep> step = range_step(view, u, v, du, dv);
+  if (!step) return;
+  steps.expected(u, v) = static_cast<float>(step->expected);
+  steps.discrepancy(u, v) = static_cast<float>(step->discrepancy);
+  steps.sensitivity(u, v) = static_cast<float>(step->sensitivity);
+}
+
+}  // namespace
+
+std::optional<RangeStep> range_step(const RangeView& view, int u, int v, int du, int dv) {
+  if (!view.has_normal(u, v) || !view.has_normal(u + du, v + dv)) return std::nullopt;
   const Eigen::Vector3d normal =
       0.5 * (view.normals(u, v) + view.normals(u + du, v + dv)).cast<double>();
   const Ray tail = view.camera.ray(u, v), head = view.camera.ray(u + du, v + dv);
   const double t_tail = view.range(u, v), t_head = view.range(u + du, v + dv);
   const Eigen::Vector3d viewing = (tail.direction + head.direction).normalized();
   const double cosine = -normal.dot(viewing);
-  if (!(cosine > kEdgeOnCosine)) return;
+  if (!(cosine > kEdgeOnCosine)) return std::nullopt;
 
   const double t = 0.5 * (t_tail + t_head);
   const Eigen::Vector3d across = head.at(t) - tail.at(t);
   const double metric = 0.5 * (tail.direction.norm() + head.direction.norm());
   const double expected = normal.dot(across) / cosine;
-  steps.expected(u, v) = static_cast<float>(expected);
-  steps.discrepancy(u, v) = static_cast<float>(metric * (t_head - t_tail) - expected);
-  steps.sensitivity(u, v) = static_cast<float>(surface_step(tail, head, t, normal).norm() / cosine);
+  return RangeStep{expected, metric * (t_head - t_tail) - expected,
+                   surface_step(tail, head, t, normal).norm() / cosine, cosine / normal.norm()};
 }
-
-}  // namespace
 
 RangeSteps range_steps(const RangeView& view, const GridEdges& edges, int threads) {
   RangeSteps steps{empty_direction(view), empty_direction(view)};

@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 
+#include "hybrid/model/range_steps.h"
 #include "scan/base/parallel.h"
 
 namespace relief::hybrid {
@@ -14,20 +16,10 @@ constexpr double kDeviations = 3.0;
 constexpr double kEdgeOn = 0.14;  // The 8 degrees of DiscontinuityOptions::grazing_angle_deg.
 
 bool explained(const RangeView& view, int u, int v, int du, int dv, double sigma) {
-  const int x = u + du, y = v + dv;
-  if (!view.has_sample(u, v) || !view.has_sample(x, y)) return false;
-  if (!view.has_normal(u, v) || !view.has_normal(x, y)) return false;
-  const Ray tail = view.camera.ray(u, v), head = view.camera.ray(x, y);
-  const double t_tail = view.range(u, v), t_head = view.range(x, y), t = 0.5 * (t_tail + t_head);
-  const Eigen::Vector3d viewing = (tail.direction + head.direction).normalized();
-  const Eigen::Vector3d across = head.at(t) - tail.at(t);
-  const Eigen::Vector3d normal = (view.normals(u, v) + view.normals(x, y)).cast<double>();
-  const double cosine = -normal.normalized().dot(viewing);
-  if (!(cosine > kEdgeOn)) return false;
-  const double expected = -normal.dot(across) / normal.dot(viewing);
-  const double step = 0.5 * (tail.direction.norm() + head.direction.norm()) * (t_head - t_tail);
-  const double noise = kDeviations * std::numbers::sqrt2 * sigma;
-  return std::abs(step - expected) <= noise;
+  if (!view.has_sample(u, v) || !view.has_sample(u + du, v + dv)) return false;
+  const std::optional<RangeStep> step = range_step(view, u, v, du, dv);
+  if (!step || !(step->incidence > kEdgeOn)) return false;
+  return std::abs(step->discrepancy) <= kDeviations * std::numbers::sqrt2 * sigma;
 }
 
 }  // namespace

@@ -23,21 +23,24 @@ RangeView two_walls() {
   return view;
 }
 
-TEST(PreparedView, FillsFlyingSamplesInsideASurface) {
+// One sample is off the farther wall, by most of the way to the nearer one.
+PreparedView with_a_flying_sample(int u, int v) {
   RangeView view = two_walls();
-  view.range(30, 20) = 86.0;
-  const PreparedView prepared = prepare_view(view, {}, 1);
+  view.range(u, v) = 86.0;
+  PreparedView prepared = prepare_view(view, {}, 1);
   EXPECT_EQ(prepared.flying, 1u);
+  return prepared;
+}
+
+TEST(PreparedView, FillsFlyingSamplesInsideASurface) {
+  const PreparedView prepared = with_a_flying_sample(30, 20);
   EXPECT_EQ(prepared.filled, 1u);
   EXPECT_NEAR(prepared.view.range(30, 20), kFar, 0.3);
 }
 
 // The farther wall would fill the gap.
 TEST(PreparedView, LeavesFlyingSamplesAtTheRimOfANearerSurfaceOpen) {
-  RangeView view = two_walls();
-  view.range(20, 20) = 86.0;
-  const PreparedView prepared = prepare_view(view, {}, 1);
-  EXPECT_EQ(prepared.flying, 1u);
+  const PreparedView prepared = with_a_flying_sample(20, 20);
   EXPECT_EQ(prepared.filled, 0u);
   EXPECT_FALSE(prepared.view.has_sample(20, 20));
 }

@@ -29,7 +29,7 @@ std::size_t count(const GridEdges& edges) {
   return ones(edges.right) + ones(edges.down);
 }
 
-// Turned off, all edges have to come from the normals.
+// Every edge that is there afterwards comes from the normals.
 GridEdges no_edges() {
   const Grid<std::uint8_t> none(kSide, kSide, 0);
   return {none, none};
