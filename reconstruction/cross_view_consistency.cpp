@@ -20,29 +20,29 @@ namespace {
 constexpr std::size_t kFewestOthers = 2;  // One alone may be the one that is wrong.
 constexpr double kReach = 10.0;           // Beyond so many sample spacings lies another surface.
 constexpr double kSteepest = 0.3;         // Cosine of incidence: ranges tell little at 73 degrees.
-constexpr double kCoarsest = 2.0;         // Sampling of another view against the view's own.
+constexpr double kCoarsest = 2.0;         // Local spacing of another view against its own.
 constexpr int kHalfWindow = 2;            // [samples]
 constexpr int kFewestInWindow = 13;       // Half of 5 x 5: fewer are far off by chance.
 constexpr double kTypical = 4.0;          // Mean squares up to two deviations are left alone.
 
 // A view with all that comparing needs to know of it, in its own frame.
-struct Side {
+struct ComparedView {
   const RangeView* view = nullptr;
   std::optional<ViewProjection> projection;  // None: points cannot be found in it.
   RangeNoise noise;
   GridEdges edges;
   Grid<Eigen::Vector3f> estimated_normals;  // Of views without measured ones.
-  Grid<float> sampling;  // Longest step to a neighbour on the surface; 0 where there is none.
+  Grid<float> local_spacing;  // Longest step to a neighbour on the surface; 0 where there is none.
   double spacing = 0.0;
   RigidMotion view_from_world;
 
-  Side(const RangeView& of, int threads) : view(&of) {
+  ComparedView(const RangeView& of, int threads) : view(&of) {
     if (auto created = ViewProjection::create(of)) projection = std::move(*created);
     noise = estimate_range_noise(of, threads);
     edges = connect_samples(of, noise, {}, threads);
     const Grid<Eigen::Vector3d> points = points_of(of);
     spacing = sample_spacing(points, edges);
-    measure_sampling(points, threads);
+    measure_local_spacing(points, threads);
     view_from_world = of.world_from_view.inverse();
     if (!of.has_normals()) {
       GridNormalOptions options;
@@ -60,34 +60,36 @@ struct Side {
   }
 
  private:
-  void measure_sampling(const Grid<Eigen::Vector3d>& points, int threads) {
-    sampling = {points.width(), points.height(), 0.0f};
+  void measure_local_spacing(const Grid<Eigen::Vector3d>& points, int threads) {
+    local_spacing = {points.width(), points.height(), 0.0f};
     parallel_rows(points.height(), threads, [&](int v) {
       for (int u = 0; u < points.width(); ++u) {
         double longest = 0.0;
         for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
           if (edges.connected(u, v, du, dv))
             longest = std::max(longest, (points(u + du, v + dv) - points(u, v)).squaredNorm());
-        sampling(u, v) = static_cast<float>(std::sqrt(longest));
+        local_spacing(u, v) = static_cast<float>(std::sqrt(longest));
       }
     });
   }
 };
 
-struct Place {
+struct SurfaceSample {
   Eigen::Vector3d point, normal;  // World frame.
-  double sampling = 0.0;          // [unit]
+  double local_spacing = 0.0;     // [unit]
 };
 
-// How far in front of the surface of `other` a place lies along the place's normal [unit], negative
-// behind; nothing where `other` does not tell.
-std::optional<double> distance_to(const Side& other, const Place& place, double reach) {
-  const Eigen::Vector3d point = other.view_from_world * place.point;
+// How far in front of the surface of `other` a sample lies along the sample's normal [unit],
+// negative behind; nothing where `other` does not tell.
+std::optional<double> distance_to(const ComparedView& other, const SurfaceSample& sample,
+                                  double reach) {
+  const Eigen::Vector3d point = other.view_from_world * sample.point;
   const auto pixel = other.projection->pixel_of(point);
   if (!pixel) return std::nullopt;
   const int u = static_cast<int>(std::floor(pixel->x()));
   const int v = static_cast<int>(std::floor(pixel->y()));
-  if (!other.edges.connected_quad(u, v) || other.sampling(u, v) > kCoarsest * place.sampling)
+  if (!other.edges.connected_quad(u, v) ||
+      other.local_spacing(u, v) > kCoarsest * sample.local_spacing)
     return std::nullopt;
   const double s = pixel->x() - u, t = pixel->y() - v;
   const Grid<double>& range = other.view->range;
@@ -95,14 +97,14 @@ std::optional<double> distance_to(const Side& other, const Place& place, double 
                       t * ((1.0 - s) * range(u, v + 1) + s * range(u + 1, v + 1));
   const Ray ray = other.view->camera.ray_at(pixel->x(), pixel->y());
   const double own = (point - ray.origin).dot(ray.direction) / ray.direction.squaredNorm();
-  const double facing = -(other.view_from_world.linear() * place.normal).dot(ray.direction);
+  const double facing = -(other.view_from_world.linear() * sample.normal).dot(ray.direction);
   if (facing < kSteepest * ray.direction.norm()) return std::nullopt;
   const double distance = (seen - own) * facing;
   if (std::abs(distance) > reach) return std::nullopt;
   return distance;
 }
 
-// The least that half of the distances agree on; 0 where they do not agree on the side.
+// The least that half of the distances agree on; 0 where they do not agree on the sign.
 double agreed(std::vector<double>& distances) {
   const std::size_t half = distances.size() / 2;
   std::sort(distances.begin(), distances.end());
@@ -113,23 +115,24 @@ double agreed(std::vector<double>& distances) {
 }
 
 // In units of the noise map; NaN where too few other views tell.
-Grid<float> distances_to_others(const Side& side, const std::vector<const Side*>& others,
-                                int threads) {
-  const RangeView& view = *side.view;
+Grid<float> distances_to_others(const ComparedView& own_view,
+                                const std::vector<const ComparedView*>& others, int threads) {
+  const RangeView& view = *own_view.view;
   Grid<float> result(view.width(), view.height(), static_cast<float>(kNoSample));
   parallel_rows(view.height(), threads, [&](int v) {
     std::vector<double> distances;
     for (int u = 0; u < view.width(); ++u) {
-      const Eigen::Vector3d normal = side.normals()(u, v).cast<double>();
+      const Eigen::Vector3d normal = own_view.normals()(u, v).cast<double>();
       if (!view.has_sample(u, v) || !(normal.x() == normal.x())) continue;
-      const Place place{view.world_from_view * view.point(u, v),
-                        view.world_from_view.linear() * normal, side.sampling(u, v)};
+      const SurfaceSample sample{view.world_from_view * view.point(u, v),
+                                 view.world_from_view.linear() * normal,
+                                 own_view.local_spacing(u, v)};
       distances.clear();
-      for (const Side* other : others)
-        if (const auto distance = distance_to(*other, place, kReach * side.spacing))
+      for (const ComparedView* other : others)
+        if (const auto distance = distance_to(*other, sample, kReach * own_view.spacing))
           distances.push_back(*distance);
       if (distances.size() >= kFewestOthers)
-        result(u, v) = static_cast<float>(agreed(distances) / side.relative_noise(u, v));
+        result(u, v) = static_cast<float>(agreed(distances) / own_view.relative_noise(u, v));
     }
   });
   return result;
@@ -160,33 +163,34 @@ double mean_square(const Grid<float>& distances, int u, int v, double deviation)
   return count >= kFewestInWindow ? sum / count : 0.0;
 }
 
-struct Verdict {
+struct Comparison {
   ViewConsistency consistency;
   Grid<float> factor;  // Of the confidence, equation (H16).
 };
 
-Verdict compare(const Side& side, const std::vector<const Side*>& others, int threads) {
-  Verdict verdict;
-  const RangeView& view = *side.view;
-  verdict.factor = {view.width(), view.height(), 1.0f};
-  if (others.size() < kFewestOthers) return verdict;
-  const Grid<float> distances = distances_to_others(side, others, threads);
-  ViewConsistency& consistency = verdict.consistency;
+Comparison compare(const ComparedView& own_view, const std::vector<const ComparedView*>& others,
+                   int threads) {
+  Comparison comparison;
+  const RangeView& view = *own_view.view;
+  comparison.factor = {view.width(), view.height(), 1.0f};
+  if (others.size() < kFewestOthers) return comparison;
+  const Grid<float> distances = distances_to_others(own_view, others, threads);
+  ViewConsistency& consistency = comparison.consistency;
   consistency.compared = static_cast<std::size_t>(
       std::count_if(distances.begin(), distances.end(), [](float x) { return x == x; }));
-  const double deviation = robust_deviation(distances, side.noise);
-  if (consistency.compared == 0 || !(deviation > 0.0)) return verdict;
+  const double deviation = robust_deviation(distances, own_view.noise);
+  if (consistency.compared == 0 || !(deviation > 0.0)) return comparison;
   consistency.deviation = deviation;
   parallel_rows(view.height(), threads, [&](int v) {
     for (int u = 0; u < view.width(); ++u) {
       if (!view.has_sample(u, v)) continue;
       const double square = mean_square(distances, u, v, deviation);
-      if (square > kTypical) verdict.factor(u, v) = static_cast<float>(kTypical / square);
+      if (square > kTypical) comparison.factor(u, v) = static_cast<float>(kTypical / square);
     }
   });
   consistency.contradicted = static_cast<std::size_t>(std::count_if(
-      verdict.factor.begin(), verdict.factor.end(), [](float x) { return x < 1.0f; }));
-  return verdict;
+      comparison.factor.begin(), comparison.factor.end(), [](float x) { return x < 1.0f; }));
+  return comparison;
 }
 
 // Deviations hold the confidence.
@@ -203,25 +207,25 @@ void lower_confidence(const Grid<float>& factor, RangeView& view) {
 Result<std::vector<ViewConsistency>> weigh_by_consistency(
     const std::vector<registration::PairFit>& pairs, int threads, std::vector<RangeView>& views,
     const Progress& progress) {
-  std::vector<Side> sides;
-  sides.reserve(views.size());
-  for (const RangeView& view : views) sides.emplace_back(view, threads);
-  std::vector<std::vector<const Side*>> others(views.size());
+  std::vector<ComparedView> compared;
+  compared.reserve(views.size());
+  for (const RangeView& view : views) compared.emplace_back(view, threads);
+  std::vector<std::vector<const ComparedView*>> others(views.size());
   for (const registration::PairFit& pair : pairs) {
-    if (sides[pair.b].projection) others[pair.a].push_back(&sides[pair.b]);
-    if (sides[pair.a].projection) others[pair.b].push_back(&sides[pair.a]);
+    if (compared[pair.b].projection) others[pair.a].push_back(&compared[pair.b]);
+    if (compared[pair.a].projection) others[pair.b].push_back(&compared[pair.a]);
   }
-  std::vector<Verdict> verdicts;
+  std::vector<Comparison> comparisons;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double done = static_cast<double>(i) / static_cast<double>(views.size());
     if (!report_progress(progress, done, "comparing views"))
       return Error{ErrorKind::kInterrupted, "comparing views: stopped on request"};
-    verdicts.push_back(compare(sides[i], others[i], threads));
+    comparisons.push_back(compare(compared[i], others[i], threads));
   }
   std::vector<ViewConsistency> found;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    found.push_back(verdicts[i].consistency);
-    if (found.back().contradicted > 0) lower_confidence(verdicts[i].factor, views[i]);
+    found.push_back(comparisons[i].consistency);
+    if (found.back().contradicted > 0) lower_confidence(comparisons[i].factor, views[i]);
   }
   return found;
 }

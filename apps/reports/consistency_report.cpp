@@ -1,6 +1,5 @@
 #include "apps/reports/consistency_report.h"
 
-#include <algorithm>
 #include <cstddef>
 
 #include <fmt/format.h>
@@ -32,21 +31,20 @@ Json consistency_report(const std::vector<reconstruction::ViewConsistency>& cons
 void log_consistency(const std::vector<reconstruction::ViewConsistency>& consistency,
                      const std::vector<RangeView>& views, const std::string& unit, double seconds) {
   constexpr double kWorthSaying = 1.0;  // [%]
-  std::size_t contradicted = 0, compared = 0;
+  reconstruction::ViewConsistency all;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    contradicted += consistency[i].contradicted;
-    compared += consistency[i].compared;
+    all.contradicted += consistency[i].contradicted;
+    all.compared += consistency[i].compared;
     const std::string line = fmt::format(
         "{}: other views contradict {:.2g} % of its ranges, which count less (typical deviation "
         "{:.3g} {})",
         views[i].name, percentage(consistency[i]), consistency[i].deviation, unit);
     if (percentage(consistency[i]) >= kWorthSaying) Console::detail(line);
   }
-  if (compared == 0) return;
+  if (all.compared == 0) return;
   Console::info(fmt::format(
       "compared {} samples with other views in {:.1f} s: {:.2g} % are contradicted and count less",
-      compared, seconds,
-      100.0 * static_cast<double>(contradicted) / static_cast<double>(compared)));
+      all.compared, seconds, percentage(all)));
 }
 
 }  // namespace relief

@@ -69,10 +69,10 @@ struct ReconstructionCallbacks {
 
 /// The whole way from range views to one closed model: removes the static background, aligns the
 /// views, lowers the confidence of ranges that other views contradict, refines each view with its
-/// normals, aligns them again, and builds the model. The poses
-/// of the second alignment are taken only when they are expected to be no worse. Views that cannot
-/// be aligned are left out; views that cannot be refined take part as measured. Positions are in
-/// the unit of the views, the model in their world frame.
+/// normals, aligns them again, and builds the model. The poses of the second alignment are taken
+/// only when they are expected to be no worse. Views that cannot be aligned are left out; views
+/// that cannot be refined take part as measured. Positions are in the unit of the views, the model
+/// in their world frame.
 ///
 /// Errors: those of registration::align_views, hybrid::refine_views and build_model; kUnsolvable
 /// when no view can be aligned; kInterrupted when `callbacks.progress` asks to stop.
