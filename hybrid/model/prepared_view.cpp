@@ -49,16 +49,46 @@ bool agrees_with_a_neighbour(const RangeView& measured, int u, int v, double oth
   return false;
 }
 
+void leave_open(int u, int v, FilledView& filled) {
+  filled.view.range(u, v) = kNoSample;
+  filled.filled(u, v) = 0;
+  --filled.filled_count;
+}
+
 // Flying samples at an occlusion edge may be the rim of the one surface: the other surface does not
 // take their place.
 void leave_rims_open(const RangeView& measured, FilledView& filled) {
   for (int v = 0; v < measured.height(); ++v) {
     for (int u = 0; u < measured.width(); ++u) {
       if (!filled.filled(u, v) || !measured.has_sample(u, v)) continue;
-      if (!agrees_with_a_neighbour(measured, u, v, filled.view.range(u, v))) continue;
-      filled.view.range(u, v) = kNoSample;
-      filled.filled(u, v) = 0;
-      --filled.filled_count;
+      if (agrees_with_a_neighbour(measured, u, v, filled.view.range(u, v)))
+        leave_open(u, v, filled);
+    }
+  }
+}
+
+bool beside_occlusion_edge(const RangeView& view, const GridEdges& edges, int u, int v) {
+  constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+  return std::any_of(kSides.begin(), kSides.end(), [&](const auto& side) {
+    const auto [du, dv] = side;
+    return view.has_sample(u + du, v + dv) && !edges.connected(u, v, du, dv);
+  });
+}
+
+// A gap beside an occlusion edge may be of either surface.
+void leave_gaps_at_occlusions_open(FilledView& filled, GridEdges& edges) {
+  const RangeView whole = filled.view;
+  for (int v = 0; v < whole.height(); ++v) {
+    for (int u = 0; u < whole.width(); ++u) {
+      if (filled.filled(u, v) && beside_occlusion_edge(whole, edges, u, v))
+        leave_open(u, v, filled);
+    }
+  }
+  for (int v = 0; v < whole.height(); ++v) {
+    for (int u = 0; u < whole.width(); ++u) {
+      const auto open = [&](int x, int y) { return !filled.view.has_sample(x, y); };
+      if (open(u, v) || open(u + 1, v)) edges.right(u, v) = 0;
+      if (open(u, v) || open(u, v + 1)) edges.down(u, v) = 0;
     }
   }
 }
@@ -118,12 +148,14 @@ PreparedView prepare_view(const RangeView& view, const DiscontinuityOptions& opt
   fill.threads = threads;
   FilledView filled = fill_small_gaps(view, prepared.edges, fill);
   leave_rims_open(view, filled);
-  prepared.view = std::move(filled.view);
   prepared.flying = filled.flying;
-  prepared.filled = filled.filled_count;
   prepared.measured_edges = prepared.edges;
-  if (prepared.flying + prepared.filled > 0)
-    prepared.edges = connect(prepared.view, connect_samples(prepared.view, options, threads));
+  if (filled.flying + filled.filled_count > 0) {
+    prepared.edges = connect(filled.view, connect_samples(filled.view, options, threads));
+    leave_gaps_at_occlusions_open(filled, prepared.edges);
+  }
+  prepared.filled = filled.filled_count;
+  prepared.view = std::move(filled.view);
   prepared.confidence = prepared.view.confidence;
   prepared.deviation = prepared.view.deviation;
   if (prepared.filled > 0) take_confidence(filled.filled, prepared.view);

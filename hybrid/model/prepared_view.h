@@ -12,8 +12,8 @@
 namespace relief::hybrid {
 
 /// A view as refining it needs it: without flying samples, small gaps filled, and with how much
-/// each range counts. Flying samples that lie with one of their neighbours leave a gap: they may be
-/// the rim of another surface than the one that would fill it.
+/// each range counts. Flying samples that lie with one of their neighbours leave a gap, and gaps
+/// beside an occlusion edge stay: they may be of another surface than the one that would fill them.
 struct PreparedView {
   /// Filled samples have no confidence: they follow their neighbours and normals. The others'
   /// confidence, or their deviation where known, is as measured until count_by_noise.

@@ -45,5 +45,27 @@ TEST(PreparedView, LeavesFlyingSamplesAtTheRimOfANearerSurfaceOpen) {
   EXPECT_FALSE(prepared.view.has_sample(20, 20));
 }
 
+TEST(PreparedView, FillsGapsInsideASurface) {
+  RangeView view = two_walls();
+  view.range(30, 20) = kNoSample;
+  const PreparedView prepared = prepare_view(view, {}, 1);
+  EXPECT_EQ(prepared.filled, 1u);
+  EXPECT_NEAR(prepared.view.range(30, 20), kFar, 0.3);
+  EXPECT_TRUE(prepared.edges.connected(30, 20, 1, 0));
+}
+
+// The last column of the nearer wall and the first of the farther one.
+TEST(PreparedView, LeavesGapsBesideOcclusionEdgesOpen) {
+  for (const int u : {19, 20}) {
+    RangeView view = two_walls();
+    view.range(u, 20) = kNoSample;
+    const PreparedView prepared = prepare_view(view, {}, 1);
+    EXPECT_EQ(prepared.filled, 0u);
+    EXPECT_FALSE(prepared.view.has_sample(u, 20));
+    for (const int du : {-1, 1}) EXPECT_FALSE(prepared.edges.connected(u, 20, du, 0));
+    for (const int dv : {-1, 1}) EXPECT_FALSE(prepared.edges.connected(u, 20, 0, dv));
+  }
+}
+
 }  // namespace
 }  // namespace relief::hybrid
