@@ -1,10 +1,16 @@
 // The one file that meets PCL's readers.
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstring>
 #include <exception>
+#include <fstream>
 #include <mutex>
+#include <vector>
 
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/console/print.h>
+#include <pcl/io/lzf.h>
 #include <pcl/io/pcd_io.h>
 
 #include "relief/scan/range_view.h"
@@ -36,18 +42,67 @@ class SilentPcl {
   pcl::console::VERBOSITY_LEVEL level_;
 };
 
-// Whether PCL, which trusts what it reads, reads the header alike.
-bool reads_alike(const std::filesystem::path& path, const PcdHeader& header) {
+// Points as PCL describes them. Their values lie point after point, or field after field as they
+// were compressed.
+struct PcdCloud {
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f origin;
   Eigen::Quaternionf orientation;
+  bool by_field = false;
+
+  std::size_t points() const { return std::size_t{cloud.width} * cloud.height; }
+
+  template <typename Value>
+  Value value(std::size_t point, const pcl::PCLPointField& field) const {
+    const std::size_t start = by_field
+                                  ? field.offset * points() + point * sizeof(Value) * field.count
+                                  : field.offset + point * cloud.point_step;
+    Value value;
+    std::memcpy(&value, cloud.data.data() + start, sizeof value);
+    return value;
+  }
+};
+
+// Whether PCL, which trusts what it reads, reads the header alike. Makes room for the values.
+bool reads_alike(const std::filesystem::path& path, const PcdHeader& header, PcdCloud& to) {
+  pcl::PCLPointCloud2& cloud = to.cloud;
   int version = 0, data_type = 0;
   unsigned int data_start = 0;
-  return pcl::PCDReader().readHeader(path.string(), cloud, origin, orientation, version, data_type,
-                                     data_start) >= 0 &&
+  return pcl::PCDReader().readHeader(path.string(), cloud, to.origin, to.orientation, version,
+                                     data_type, data_start) >= 0 &&
          cloud.width == header.width && cloud.height == header.height &&
          cloud.fields.size() == header.fields && cloud.point_step == header.point_bytes &&
          data_type == static_cast<int>(header.data) && data_start == header.data_start;
+}
+
+bool read_bytes(std::ifstream& file, std::vector<std::uint8_t>& bytes) {
+  return bool(
+      file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())));
+}
+
+bool unpack(std::ifstream& file, std::vector<std::uint8_t>& values) {
+  std::array<std::uint32_t, 2> sizes{};  // Compressed and not.
+  if (!file.read(reinterpret_cast<char*>(sizes.data()), sizeof sizes)) return false;
+  std::vector<std::uint8_t> compressed(sizes[0]);
+  const auto size = static_cast<unsigned int>(values.size());
+  return sizes[1] == values.size() && read_bytes(file, compressed) &&
+         pcl::lzfDecompress(compressed.data(), sizes[0], values.data(), size) == size;
+}
+
+// PCL's own way copies binary values twice more, which takes as long as reading them.
+bool read_values(const std::filesystem::path& path, const PcdHeader& header, PcdCloud& to) {
+  // PCL leaves padding out of what it compresses.
+  const bool padded = std::any_of(to.cloud.fields.begin(), to.cloud.fields.end(),
+                                  [](const auto& field) { return field.name == "_"; });
+  if (header.data == PcdHeader::Data::kAscii || padded) {
+    int version = 0;
+    return pcl::PCDReader().read(path.string(), to.cloud, to.origin, to.orientation, version) >= 0;
+  }
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(header.data_start));
+  to.cloud.data.resize(header.points * header.point_bytes);
+  to.by_field = header.data == PcdHeader::Data::kCompressed;
+  return to.by_field ? unpack(file, to.cloud.data) : read_bytes(file, to.cloud.data);
 }
 
 const pcl::PCLPointField* find_field(const pcl::PCLPointCloud2& cloud, const std::string& name) {
@@ -59,17 +114,9 @@ const pcl::PCLPointField* find_field(const pcl::PCLPointCloud2& cloud, const std
   return nullptr;
 }
 
-double value_at(const pcl::PCLPointCloud2& cloud, std::size_t point,
-                const pcl::PCLPointField& field) {
-  const std::uint8_t* bytes = cloud.data.data() + point * cloud.point_step + field.offset;
-  if (field.datatype == pcl::PCLPointField::FLOAT64) {
-    double value;
-    std::memcpy(&value, bytes, sizeof value);
-    return value;
-  }
-  float value;
-  std::memcpy(&value, bytes, sizeof value);
-  return value;
+double value_at(const PcdCloud& cloud, std::size_t point, const pcl::PCLPointField& field) {
+  return field.datatype == pcl::PCLPointField::FLOAT64 ? cloud.value<double>(point, field)
+                                                       : cloud.value<float>(point, field);
 }
 
 // PCL packs colours into the bits of a float or of an integer.
@@ -83,10 +130,8 @@ const pcl::PCLPointField* find_colour(const pcl::PCLPointCloud2& cloud) {
   return nullptr;
 }
 
-Colour colour_at(const pcl::PCLPointCloud2& cloud, std::size_t point,
-                 const pcl::PCLPointField& field) {
-  std::uint32_t packed;
-  std::memcpy(&packed, cloud.data.data() + point * cloud.point_step + field.offset, sizeof packed);
+Colour colour_at(const PcdCloud& cloud, std::size_t point, const pcl::PCLPointField& field) {
+  const auto packed = cloud.value<std::uint32_t>(point, field);
   return {static_cast<std::uint8_t>(packed >> 16), static_cast<std::uint8_t>(packed >> 8),
           static_cast<std::uint8_t>(packed)};
 }
@@ -94,13 +139,13 @@ Colour colour_at(const pcl::PCLPointCloud2& cloud, std::size_t point,
 struct VectorField {
   const pcl::PCLPointField *x, *y, *z;
   bool complete() const { return x && y && z; }
-  Eigen::Vector3d at(const pcl::PCLPointCloud2& cloud, std::size_t point) const {
+  Eigen::Vector3d at(const PcdCloud& cloud, std::size_t point) const {
     return {value_at(cloud, point, *x), value_at(cloud, point, *y), value_at(cloud, point, *z)};
   }
 };
 
-Result<GridFile> grid_from_cloud(const pcl::PCLPointCloud2& cloud,
-                                 const std::filesystem::path& path) {
+Result<GridFile> grid_from_cloud(const PcdCloud& from, const std::filesystem::path& path) {
+  const pcl::PCLPointCloud2& cloud = from.cloud;
   const VectorField position{find_field(cloud, "x"), find_field(cloud, "y"),
                              find_field(cloud, "z")};
   if (!position.complete()) return bad_input(path, "the PCD has no real fields x, y and z");
@@ -118,12 +163,12 @@ Result<GridFile> grid_from_cloud(const pcl::PCLPointCloud2& cloud,
   if (confidence) grid.confidence = Grid<float>(width, height, 0.0f);
   if (colour) grid.colours = Grid<Colour>(width, height, Colour{});
   for (std::size_t i = 0; i < grid.points.size(); ++i) {
-    const Eigen::Vector3d point = position.at(cloud, i);
+    const Eigen::Vector3d point = position.at(from, i);
     if (!point.allFinite()) continue;
     grid.points[i] = point;
-    if (normal.complete()) grid.normals[i] = normal.at(cloud, i).cast<float>();
-    if (confidence) grid.confidence[i] = static_cast<float>(value_at(cloud, i, *confidence));
-    if (colour) grid.colours[i] = colour_at(cloud, i, *colour);
+    if (normal.complete()) grid.normals[i] = normal.at(from, i).cast<float>();
+    if (confidence) grid.confidence[i] = static_cast<float>(value_at(from, i, *confidence));
+    if (colour) grid.colours[i] = colour_at(from, i, *colour);
   }
   return grid;
 }
@@ -135,14 +180,10 @@ Result<GridFile> read_pcd(const std::filesystem::path& path, bool organized) {
   if (!header) return header.error();
   const SilentPcl silence;
   try {
-    if (!reads_alike(path, *header)) return bad_input(path, "damaged PCD header");
-    pcl::PCLPointCloud2 cloud;
-    Eigen::Vector4f origin;
-    Eigen::Quaternionf orientation;
-    int version = 0;
-    if (pcl::PCDReader().read(path.string(), cloud, origin, orientation, version) < 0)
-      return bad_input(path, "damaged or truncated PCD");
-    const auto pose = pose_from_viewpoint(origin.head<3>(), orientation);
+    PcdCloud cloud;
+    if (!reads_alike(path, *header, cloud)) return bad_input(path, "damaged PCD header");
+    if (!read_values(path, *header, cloud)) return bad_input(path, "damaged or truncated PCD");
+    const auto pose = pose_from_viewpoint(cloud.origin.head<3>(), cloud.orientation);
     if (!pose) return bad_input(path, "VIEWPOINT: " + pose.error().message);
     auto grid = grid_from_cloud(cloud, path);
     if (grid) grid->world_from_view = *pose;

@@ -1,5 +1,7 @@
 #include <cstring>
 #include <random>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -46,6 +48,65 @@ TEST(PcdGrid, ReadsAsciiAndBinary) {
       read_grid_file(folder.write("b.pcd", header(kSize, "binary") + binary_points()));
   ASSERT_TRUE(binary.ok()) << binary.error().message;
   EXPECT_EQ(binary->points(0, 1), Eigen::Vector3d(18, 19, 20));
+}
+
+// As LZF keeps what it cannot shorten: up to 32 bytes behind their number less one.
+std::string compressed(const std::string& bytes) {
+  std::string packed;
+  for (std::size_t at = 0; at < bytes.size(); at += 32) {
+    const std::string run = bytes.substr(at, 32);
+    packed += static_cast<char>(run.size() - 1) + run;
+  }
+  const std::uint32_t sizes[] = {static_cast<std::uint32_t>(packed.size()),
+                                 static_cast<std::uint32_t>(bytes.size())};
+  return std::string(reinterpret_cast<const char*>(sizes), sizeof sizes) + packed;
+}
+
+// All values of a field, then those of the next.
+std::string field_by_field(const std::string& points, const std::vector<std::size_t>& sizes) {
+  std::size_t step = 0;
+  for (const std::size_t size : sizes) step += size;
+  std::string bytes;
+  std::size_t offset = 0;
+  for (const std::size_t size : sizes) {
+    for (std::size_t at = offset; at < points.size(); at += step) bytes += points.substr(at, size);
+    offset += size;
+  }
+  return bytes;
+}
+
+TEST(PcdGrid, ReadsCompressedPoints) {
+  const TemporaryFolder folder;
+  const auto binary =
+      read_grid_file(folder.write("b.pcd", header(kSize, "binary") + binary_points()));
+  const std::string bytes = field_by_field(binary_points(), std::vector<std::size_t>(6, 4));
+  const auto packed =
+      read_grid_file(folder.write("c.pcd", header(kSize, "binary_compressed") + compressed(bytes)));
+  ASSERT_TRUE(binary.ok() && packed.ok());
+  for (std::size_t i = 0; i < binary->points.size(); ++i) {
+    EXPECT_EQ(binary->points[i], packed->points[i]);
+    EXPECT_EQ(binary->normals[i], packed->normals[i]);
+  }
+}
+
+// Doubles behind three bytes of something else, and colours behind them.
+TEST(PcdGrid, ReadsCompressedFieldsOfSeveralSizes) {
+  const TemporaryFolder folder;
+  std::string points;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const double xyz[] = {0.1 * (i % 2), 0.1 * (i / 2), 1.0 + i};
+    const std::uint32_t colour = 0x0a141e + i;
+    points += std::string(3, '?') + std::string(reinterpret_cast<const char*>(xyz), 24) +
+              std::string(reinterpret_cast<const char*>(&colour), 4);
+  }
+  const std::string fields =
+      "VERSION 0.7\nFIELDS label x y z rgb\nSIZE 1 8 8 8 4\nTYPE U F F F U\nCOUNT 3 1 1 1 1\n"
+      "WIDTH 2\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA binary_compressed\n";
+  const auto grid = read_grid_file(
+      folder.write("c.pcd", fields + compressed(field_by_field(points, {3, 8, 8, 8, 4}))));
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_EQ(grid->points(1, 1), Eigen::Vector3d(0.1, 0.1, 4.0));
+  EXPECT_EQ(grid->colours(1, 1), (Colour{10, 20, 33}));
 }
 
 TEST(PcdGrid, UnpacksColours) {
