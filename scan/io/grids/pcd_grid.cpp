@@ -6,6 +6,8 @@
 #include <exception>
 #include <fstream>
 #include <mutex>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include <pcl/PCLPointCloud2.h>
@@ -48,6 +50,7 @@ struct PcdCloud {
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f origin;
   Eigen::Quaternionf orientation;
+  int version = 0;
   bool by_field = false;
 
   std::size_t points() const { return std::size_t{cloud.width} * cloud.height; }
@@ -63,12 +66,16 @@ struct PcdCloud {
   }
 };
 
-// Whether PCL, which trusts what it reads, reads the header alike. Makes room for the values.
-bool reads_alike(const std::filesystem::path& path, const PcdHeader& header, PcdCloud& to) {
+// Whether PCL, which trusts what it reads, reads the header alike. It gets the header alone: it
+// would read on in data that begin with a keyword. Makes room for the values.
+bool reads_alike(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
+  std::string text(header.data_start, ' ');
+  if (!file.read(text.data(), static_cast<std::streamsize>(text.size()))) return false;
+  std::istringstream stream(text);
   pcl::PCLPointCloud2& cloud = to.cloud;
-  int version = 0, data_type = 0;
+  int data_type = 0;
   unsigned int data_start = 0;
-  return pcl::PCDReader().readHeader(path.string(), cloud, to.origin, to.orientation, version,
+  return pcl::PCDReader().readHeader(stream, cloud, to.origin, to.orientation, to.version,
                                      data_type, data_start) >= 0 &&
          cloud.width == header.width && cloud.height == header.height &&
          cloud.fields.size() == header.fields && cloud.point_step == header.point_bytes &&
@@ -80,29 +87,32 @@ bool read_bytes(std::ifstream& file, std::vector<std::uint8_t>& bytes) {
       file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())));
 }
 
-bool unpack(std::ifstream& file, std::vector<std::uint8_t>& values) {
+// Field by field.
+bool unpack(std::ifstream& file, PcdCloud& to) {
   std::array<std::uint32_t, 2> sizes{};  // Compressed and not.
   if (!file.read(reinterpret_cast<char*>(sizes.data()), sizeof sizes)) return false;
   std::vector<std::uint8_t> compressed(sizes[0]);
+  std::vector<std::uint8_t>& values = to.cloud.data;
   const auto size = static_cast<unsigned int>(values.size());
-  return sizes[1] == values.size() && read_bytes(file, compressed) &&
-         pcl::lzfDecompress(compressed.data(), sizes[0], values.data(), size) == size;
+  if (sizes[1] != values.size() || !read_bytes(file, compressed) ||
+      pcl::lzfDecompress(compressed.data(), sizes[0], values.data(), size) != size)
+    return false;
+  to.by_field = true;
+  return true;
 }
 
 // PCL's own way copies binary values twice more, which takes as long as reading them.
-bool read_values(const std::filesystem::path& path, const PcdHeader& header, PcdCloud& to) {
-  // PCL leaves padding out of what it compresses.
-  const bool padded = std::any_of(to.cloud.fields.begin(), to.cloud.fields.end(),
-                                  [](const auto& field) { return field.name == "_"; });
-  if (header.data == PcdHeader::Data::kAscii || padded) {
-    int version = 0;
-    return pcl::PCDReader().read(path.string(), to.cloud, to.origin, to.orientation, version) >= 0;
-  }
-  std::ifstream file(path, std::ios::binary);
-  file.seekg(static_cast<std::streamoff>(header.data_start));
+bool read_values(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
   to.cloud.data.resize(header.points * header.point_bytes);
-  to.by_field = header.data == PcdHeader::Data::kCompressed;
-  return to.by_field ? unpack(file, to.cloud.data) : read_bytes(file, to.cloud.data);
+  switch (header.data) {
+    case PcdHeader::Data::kAscii:
+      return pcl::PCDReader().readBodyASCII(file, to.cloud, to.version) >= 0;
+    case PcdHeader::Data::kBinary:
+      return read_bytes(file, to.cloud.data);
+    case PcdHeader::Data::kCompressed:
+      return unpack(file, to);
+  }
+  return false;
 }
 
 const pcl::PCLPointField* find_field(const pcl::PCLPointCloud2& cloud, const std::string& name) {
@@ -181,8 +191,9 @@ Result<GridFile> read_pcd(const std::filesystem::path& path, bool organized) {
   const SilentPcl silence;
   try {
     PcdCloud cloud;
-    if (!reads_alike(path, *header, cloud)) return bad_input(path, "damaged PCD header");
-    if (!read_values(path, *header, cloud)) return bad_input(path, "damaged or truncated PCD");
+    std::ifstream file(path, std::ios::binary);
+    if (!reads_alike(file, *header, cloud)) return bad_input(path, "damaged PCD header");
+    if (!read_values(file, *header, cloud)) return bad_input(path, "damaged or truncated PCD");
     const auto pose = pose_from_viewpoint(cloud.origin.head<3>(), cloud.orientation);
     if (!pose) return bad_input(path, "VIEWPOINT: " + pose.error().message);
     auto grid = grid_from_cloud(cloud, path);

@@ -178,6 +178,17 @@ TEST(PcdGrid, AHeaderAloneTakesNoMemory) {
   }
 }
 
+TEST(PcdGrid, DataThatBeginWithAKeywordAreData) {
+  const TemporaryFolder folder;
+  std::string bytes = binary_points();
+  const std::string keyword = "COLUMNS x\nPOINTS 4294967295\n";
+  bytes.replace(0, keyword.size(), keyword);
+  const LimitedMemory limit(std::size_t{1} << 30);
+  const auto grid = read_grid_file(folder.write("a.pcd", header(kSize, "binary") + bytes));
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_EQ(grid->points(0, 1), Eigen::Vector3d(18, 19, 20));
+}
+
 TEST(PcdGrid, HoldsCompressedSizesAgainstTheFile) {
   const TemporaryFolder folder;
   const auto error = [&](std::uint32_t compressed, std::uint32_t whole) {
