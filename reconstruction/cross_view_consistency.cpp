@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "reconstruction/range_correction.h"
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/range_noise.h"
 #include "scan/base/median.h"
@@ -104,7 +105,7 @@ std::optional<double> distance_to(const ComparedView& other, const SurfaceSample
   return distance;
 }
 
-// The least that half of the distances agree on; 0 where they do not agree on the sign.
+// The least that half of the distances agree on; 0 where they do not agree on the sign. Sorts them.
 double agreed(std::vector<double>& distances) {
   const std::size_t half = distances.size() / 2;
   std::sort(distances.begin(), distances.end());
@@ -114,11 +115,22 @@ double agreed(std::vector<double>& distances) {
   return std::abs(below) < std::abs(above) ? below : above;
 }
 
-// In units of the noise map; NaN where too few other views tell.
-Grid<float> distances_to_others(const ComparedView& own_view,
-                                const std::vector<const ComparedView*>& others, int threads) {
+double middle(const std::vector<double>& sorted) {
+  const std::size_t half = sorted.size() / 2;
+  return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+}
+
+// NaN where too few other views tell.
+struct Distances {
+  Grid<float> agreed;      // In units of the noise map.
+  Grid<float> correction;  // Of the range, to the middle of the others.
+};
+
+Distances distances_to_others(const ComparedView& own_view,
+                              const std::vector<const ComparedView*>& others, int threads) {
   const RangeView& view = *own_view.view;
-  Grid<float> result(view.width(), view.height(), static_cast<float>(kNoSample));
+  const Grid<float> unknown(view.width(), view.height(), static_cast<float>(kNoSample));
+  Distances result{unknown, unknown};
   parallel_rows(view.height(), threads, [&](int v) {
     std::vector<double> distances;
     for (int u = 0; u < view.width(); ++u) {
@@ -131,8 +143,12 @@ Grid<float> distances_to_others(const ComparedView& own_view,
       for (const ComparedView* other : others)
         if (const auto distance = distance_to(*other, sample, kReach * own_view.spacing))
           distances.push_back(*distance);
-      if (distances.size() >= kFewestOthers)
-        result(u, v) = static_cast<float>(agreed(distances) / own_view.relative_noise(u, v));
+      if (distances.size() < kFewestOthers) continue;
+      result.agreed(u, v) = static_cast<float>(agreed(distances) / own_view.relative_noise(u, v));
+      const Eigen::Vector3d direction = view.camera.ray(u, v).direction;
+      const double facing = -normal.dot(direction);
+      if (facing > kSteepest * direction.norm())
+        result.correction(u, v) = static_cast<float>(middle(distances) / facing);
     }
   });
   return result;
@@ -165,7 +181,8 @@ double mean_square(const Grid<float>& distances, int u, int v, double deviation)
 
 struct Comparison {
   ViewConsistency consistency;
-  Grid<float> factor;  // Of the confidence, equation (H16).
+  Grid<float> factor;      // Of the confidence, equation (H16).
+  Grid<float> correction;  // Of the range; NaN: none.
 };
 
 Comparison compare(const ComparedView& own_view, const std::vector<const ComparedView*>& others,
@@ -174,7 +191,8 @@ Comparison compare(const ComparedView& own_view, const std::vector<const Compare
   const RangeView& view = *own_view.view;
   comparison.factor = {view.width(), view.height(), 1.0f};
   if (others.size() < kFewestOthers) return comparison;
-  const Grid<float> distances = distances_to_others(own_view, others, threads);
+  Distances found = distances_to_others(own_view, others, threads);
+  const Grid<float>& distances = found.agreed;
   ViewConsistency& consistency = comparison.consistency;
   consistency.compared = static_cast<std::size_t>(
       std::count_if(distances.begin(), distances.end(), [](float x) { return x == x; }));
@@ -186,8 +204,12 @@ Comparison compare(const ComparedView& own_view, const std::vector<const Compare
       if (!view.has_sample(u, v)) continue;
       const double square = mean_square(distances, u, v, deviation);
       if (square > kTypical) comparison.factor(u, v) = static_cast<float>(kTypical / square);
+      const double ratio = double{distances(u, v)} / deviation;
+      if (!(square > kTypical && ratio * ratio > kTypical))
+        found.correction(u, v) = static_cast<float>(kNoSample);
     }
   });
+  comparison.correction = std::move(found.correction);
   consistency.contradicted = static_cast<std::size_t>(std::count_if(
       comparison.factor.begin(), comparison.factor.end(), [](float x) { return x < 1.0f; }));
   return comparison;
@@ -205,11 +227,11 @@ void lower_confidence(const Grid<float>& factor, RangeView& view) {
 }  // namespace
 
 Result<std::vector<ViewConsistency>> weigh_by_consistency(
-    const std::vector<registration::PairFit>& pairs, int threads, std::vector<RangeView>& views,
-    const Progress& progress) {
+    const std::vector<registration::PairFit>& pairs, const CrossViewOptions& options,
+    std::vector<RangeView>& views, const Progress& progress) {
   std::vector<ComparedView> compared;
   compared.reserve(views.size());
-  for (const RangeView& view : views) compared.emplace_back(view, threads);
+  for (const RangeView& view : views) compared.emplace_back(view, options.threads);
   std::vector<std::vector<const ComparedView*>> others(views.size());
   for (const registration::PairFit& pair : pairs) {
     if (compared[pair.b].projection) others[pair.a].push_back(&compared[pair.b]);
@@ -220,12 +242,15 @@ Result<std::vector<ViewConsistency>> weigh_by_consistency(
     const double done = static_cast<double>(i) / static_cast<double>(views.size());
     if (!report_progress(progress, done, "comparing views"))
       return Error{ErrorKind::kInterrupted, "comparing views: stopped on request"};
-    comparisons.push_back(compare(compared[i], others[i], threads));
+    comparisons.push_back(compare(compared[i], others[i], options.threads));
   }
   std::vector<ViewConsistency> found;
   for (std::size_t i = 0; i < views.size(); ++i) {
     found.push_back(comparisons[i].consistency);
-    if (found.back().contradicted > 0) lower_confidence(comparisons[i].factor, views[i]);
+    if (found.back().contradicted == 0) continue;
+    lower_confidence(comparisons[i].factor, views[i]);
+    if (options.correct)
+      found.back().corrected = correct_ranges(comparisons[i].correction, views[i]);
   }
   return found;
 }

@@ -59,8 +59,11 @@ class Reconstructor {
   }
 
   Result<void> compare() {
-    if (!options_.weigh_by_consistency) return {};
-    auto found = weigh_by_consistency(remaining_pairs(), options_.threads, result_.views,
+    if (options_.contradicted == ContradictedRanges::kKeep) return {};
+    CrossViewOptions compare;
+    compare.correct = options_.contradicted == ContradictedRanges::kCorrect;
+    compare.threads = options_.threads;
+    auto found = weigh_by_consistency(remaining_pairs(), compare, result_.views,
                                       progress_of(Stage::kCompare));
     if (!found) return found.error();
     result_.consistency = std::move(*found);

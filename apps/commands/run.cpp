@@ -21,11 +21,17 @@ namespace relief {
 
 namespace {
 
+reconstruction::ContradictedRanges contradicted_ranges(const std::string& word) {
+  using reconstruction::ContradictedRanges;
+  if (word == "keep") return ContradictedRanges::kKeep;
+  return word == "weigh" ? ContradictedRanges::kWeigh : ContradictedRanges::kCorrect;
+}
+
 struct RunCommand {
   CommonOptions common;
   ProjectInput input;
   registration::AlignOptions align;
-  bool keep_contradicted = false;
+  reconstruction::ContradictedRanges contradicted = reconstruction::ContradictedRanges::kCorrect;
   RefineFlags refine;
   MergeFlags merge;
   std::filesystem::path output;
@@ -55,7 +61,7 @@ class Run {
     reconstruction::ReconstructionOptions options;
     options.remove_background = false;  // read_with_notes() did.
     options.align = command_.align;
-    options.weigh_by_consistency = !command_.keep_contradicted;
+    options.contradicted = command_.contradicted;
     options.refine = command_.refine.resolved();
     options.refine_memory = command_.refine.memory();
     options.model = command_.merge.resolved();
@@ -168,10 +174,11 @@ void add_run(CLI::App& app, Action& action) {
   add_align_options(*sub, command->align);
   sub->add_option_function<std::string>(
          "--contradicted",
-         [command](const std::string& what) { command->keep_contradicted = what == "keep"; },
-         "Ranges that several other views contradict: weigh (they count less) or keep")
-      ->check(CLI::IsMember({"weigh", "keep"}))
-      ->default_str("weigh");
+         [command](const std::string& what) { command->contradicted = contradicted_ranges(what); },
+         "Ranges that several other views contradict: correct (they count less, and those far off "
+         "move onto the surface of the other views), weigh (they count less) or keep")
+      ->check(CLI::IsMember({"correct", "weigh", "keep"}))
+      ->default_str("correct");
   add_refine_options(*sub, command->refine);
   add_merge_options(*sub, command->merge);
   add_common_options(*sub, command->common);

@@ -24,6 +24,7 @@ Json consistency_report(const std::vector<reconstruction::ViewConsistency>& cons
     list.push_back({{"name", views[i].name},
                     {"samples_compared", consistency[i].compared},
                     {"samples_contradicted", consistency[i].contradicted},
+                    {"samples_corrected", consistency[i].corrected},
                     {"deviation", consistency[i].deviation}});
   return {{"views", list}};
 }
@@ -34,6 +35,7 @@ void log_consistency(const std::vector<reconstruction::ViewConsistency>& consist
   reconstruction::ViewConsistency all;
   for (std::size_t i = 0; i < views.size(); ++i) {
     all.contradicted += consistency[i].contradicted;
+    all.corrected += consistency[i].corrected;
     all.compared += consistency[i].compared;
     const std::string line = fmt::format(
         "{}: other views contradict {:.2g} % of its ranges, which count less (typical deviation "
@@ -43,8 +45,9 @@ void log_consistency(const std::vector<reconstruction::ViewConsistency>& consist
   }
   if (all.compared == 0) return;
   Console::info(fmt::format(
-      "compared {} samples with other views in {:.1f} s: {:.2g} % are contradicted and count less",
-      all.compared, seconds, percentage(all)));
+      "compared {} samples with other views in {:.1f} s: {:.2g} % are contradicted and count less, "
+      "{} of them are corrected",
+      all.compared, seconds, percentage(all), all.corrected));
 }
 
 }  // namespace relief

@@ -102,23 +102,29 @@ TEST(Program, DoesNotLoseAccuracyByAligningAgain) {
 }
 
 TEST(Program, ComparesViewsUnlessToldNotTo) {
-  const TemporaryFolder scans, weighed, kept;
+  const TemporaryFolder scans, corrected, weighed, kept;
   ASSERT_EQ(run_relief({"simulate", "-q", "--views", "12", "--width", "96", "--height", "96",
                         "--mesh-divisions", "0", "--poses", "exact", "-o", scans.path().string()})
                 .exit_status,
             0);
-  for (const auto& [out, choice] : {std::pair(&weighed, "weigh"), std::pair(&kept, "keep")}) {
+  for (const auto& [out, choice] :
+       {std::pair(&corrected, "correct"), std::pair(&weighed, "weigh"), std::pair(&kept, "keep")}) {
     const ProgramRun run = run_relief({"run", scans / "scan.json", "--no-polish", "--contradicted",
                                        choice, "-o", out->path().string()});
     ASSERT_EQ(run.exit_status, 0) << run.standard_error;
   }
-  const json views = report_of(weighed.path())["compare"]["views"];
-  ASSERT_EQ(views.size(), 12u);
-  for (const json& view : views) {
-    EXPECT_GT(view["samples_compared"].get<int>(), 0);
-    EXPECT_GT(view["deviation"].get<double>(), 0.0);
-    EXPECT_LT(view["samples_contradicted"].get<int>(), view["samples_compared"].get<int>() / 2);
+  for (const TemporaryFolder* out : {&corrected, &weighed}) {
+    const json views = report_of(out->path())["compare"]["views"];
+    ASSERT_EQ(views.size(), 12u);
+    for (const json& view : views) {
+      EXPECT_GT(view["samples_compared"].get<int>(), 0);
+      EXPECT_GT(view["deviation"].get<double>(), 0.0);
+      EXPECT_LT(view["samples_contradicted"].get<int>(), view["samples_compared"].get<int>() / 2);
+      EXPECT_LE(view["samples_corrected"].get<int>(), view["samples_contradicted"].get<int>());
+    }
   }
+  for (const json& view : report_of(weighed.path())["compare"]["views"])
+    EXPECT_EQ(view["samples_corrected"], 0);
   EXPECT_FALSE(report_of(kept.path()).contains("compare"));
 }
 

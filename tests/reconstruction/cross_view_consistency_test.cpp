@@ -60,7 +60,7 @@ void spoil_patch(RangeView& view) {
 }
 
 std::vector<ViewConsistency> weigh(std::vector<RangeView>& views, int threads = 2) {
-  auto found = weigh_by_consistency(all_pairs(views.size()), threads, views);
+  auto found = weigh_by_consistency(all_pairs(views.size()), {.threads = threads}, views);
   EXPECT_TRUE(found);
   return *found;
 }
@@ -99,6 +99,38 @@ TEST(CrossViewConsistency, LowersTheConfidenceOfAWrongPatchOnly) {
     EXPECT_LT(found[other].contradicted, found[other].compared / 50) << other;
 }
 
+double rms_in_patch(const RangeView& view, const RangeView& truth) {
+  double sum = 0.0, count = 0.0;
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      if (!in_patch(u, v)) continue;
+      sum += std::pow(view.range(u, v) - truth.range(u, v), 2);
+      count += 1.0;
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+TEST(CrossViewConsistency, CorrectsRangesThatStandApart) {
+  const RangeView truth = view_from(0, 0);  // Of another seed: with noise of its own.
+  std::vector<RangeView> views = views_from({-30, -15, 0, 15, 30});
+  const RangeView good = views[2];
+  spoil_patch(views[2]);
+  const RangeView spoiled = views[2];
+  std::vector<RangeView> weighed = views;
+  const auto found = weigh(views);
+  EXPECT_GT(found[2].corrected, 50u);
+  EXPECT_LE(found[2].corrected, found[2].contradicted);
+  EXPECT_LT(rms_in_patch(views[2], truth), 0.5 * rms_in_patch(spoiled, truth));
+  for (int v = 0; v < kSize; ++v)
+    for (int u = 0; u < kSize; ++u)
+      if (std::hypot(u - kSize / 2, v - kSize / 2) > 12.0 && good.has_sample(u, v)) {
+        EXPECT_EQ(views[2].range(u, v), good.range(u, v));
+      }
+  ASSERT_TRUE(weigh_by_consistency(all_pairs(5), {.correct = false}, weighed));
+  EXPECT_EQ(rms_in_patch(weighed[2], truth), rms_in_patch(spoiled, truth));
+}
+
 TEST(CrossViewConsistency, OneOtherViewDoesNotDecide) {
   std::vector<RangeView> views = views_from({-10, 10});
   spoil_patch(views[0]);
@@ -111,7 +143,7 @@ TEST(CrossViewConsistency, OneOtherViewDoesNotDecide) {
 TEST(CrossViewConsistency, ViewsOutsideOfThePairsSayNothing) {
   std::vector<RangeView> views = views_from({-20, 0, 20});
   spoil_patch(views[1]);
-  const auto found = weigh_by_consistency({all_pairs(3)[0]}, 1, views);
+  const auto found = weigh_by_consistency({all_pairs(3)[0]}, {}, views);
   ASSERT_TRUE(found);
   EXPECT_EQ((*found)[1].compared, 0u);
 }
@@ -163,7 +195,7 @@ TEST(CrossViewConsistency, StopsOnRequest) {
   std::vector<RangeView> views = views_from({-15, 0, 15});
   spoil_patch(views[1]);
   const auto stopped =
-      weigh_by_consistency(all_pairs(3), 1, views, [](double, std::string_view) { return false; });
+      weigh_by_consistency(all_pairs(3), {}, views, [](double, std::string_view) { return false; });
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
   EXPECT_TRUE(views[1].confidence.empty());

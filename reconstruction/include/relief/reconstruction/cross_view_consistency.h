@@ -14,8 +14,14 @@ namespace relief::reconstruction {
 struct ViewConsistency {
   std::size_t compared = 0;      ///< Samples that two other views or more measured as well.
   std::size_t contradicted = 0;  ///< Those that count less now.
+  std::size_t corrected = 0;     ///< Those whose range has changed, too.
   /// Robust standard deviation of the distance to the others' surfaces [unit]; 0: none compared.
   double deviation = 0.0;
+};
+
+struct CrossViewOptions {
+  bool correct = true;  ///< Whether ranges change; else they only count less.
+  int threads = 0;      ///< 0: one per core. Never changes the result.
 };
 
 /// Lowers the confidence of patches where one view's ranges are wrong: in highlights, for instance,
@@ -24,14 +30,18 @@ struct ViewConsistency {
 /// It is compared with its robust deviation in the whole view, which holds all smooth errors of
 /// calibration and poses. Where its mean square z^2 over 5 x 5 samples, at least half of them
 /// compared, is beyond 4, the confidence is multiplied by 4 / z^2, equation (H16) of
-/// docs/hybrid.md. No sample is removed.
+/// docs/hybrid.md.
+///
+/// Samples of such patches that are themselves more than two deviations off are moved along their
+/// rays to the median of the other views' surfaces, where this halves the squared steps between
+/// them and beside them. Wrong ranges often stand apart like other surfaces do, and confidence
+/// alone would not connect them. No sample is removed.
 ///
 /// Views need poses; `pairs` tells which views see the same surface, by their indices. A view says
 /// nothing of samples that it sees steeply or resolves less than half as finely. Entries are in the
-/// order of `views`. The same for any number of `threads`; 0: one per core. Only error:
-/// kInterrupted, and the views are as they were.
+/// order of `views`. Only error: kInterrupted, and the views are as they were.
 Result<std::vector<ViewConsistency>> weigh_by_consistency(
-    const std::vector<registration::PairFit>& pairs, int threads, std::vector<RangeView>& views,
-    const Progress& progress = {});
+    const std::vector<registration::PairFit>& pairs, const CrossViewOptions& options,
+    std::vector<RangeView>& views, const Progress& progress = {});
 
 }  // namespace relief::reconstruction

@@ -17,11 +17,18 @@
 
 namespace relief::reconstruction {
 
+/// What becomes of ranges that several other views contradict, see weigh_by_consistency.
+enum class ContradictedRanges {
+  kCorrect,  ///< They count less; those far off move onto the surface of the other views.
+  kWeigh,    ///< They count less.
+  kKeep,     ///< Nothing: views are not compared.
+};
+
 struct ReconstructionOptions {
   /// Leave out what stands still in the camera's frame while the object turns.
   bool remove_background = true;
   registration::AlignOptions align;
-  bool weigh_by_consistency = true;  ///< Whether ranges that other views contradict count less.
+  ContradictedRanges contradicted = ContradictedRanges::kCorrect;
   hybrid::RefineOptions refine;
   std::size_t refine_memory = 0;  ///< See hybrid::refine_views [bytes].
   ModelOptions model;
