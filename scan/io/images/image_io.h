@@ -12,7 +12,8 @@
 
 namespace relief {
 
-/// An image of one or three channels as it stands in its file.
+/// An image of one or three channels as it stands in its file; four, the last one the opacity,
+/// where it is to be written.
 struct Image {
   int width = 0, height = 0, channels = 0;
   /// 255 or 65535 when the samples are integers; 0 when they are real numbers.
@@ -50,8 +51,13 @@ Result<Image> read_image(const std::filesystem::path& path,
 /// The bytes of a 32-bit float TIFF, deflated, of a real image.
 Result<std::string> encode_tiff(const Image& image);
 
+/// A remark in a PNG: a keyword of 1 to 79 Latin letters, such as `Description`, and its text.
+struct PngText {
+  std::string keyword, text;
+};
+
 /// The bytes of a PNG of an integer image: 8 bits a sample when `max_value` is 255, 16 when 65535.
-Result<std::string> encode_png(const Image& image);
+Result<std::string> encode_png(const Image& image, const std::vector<PngText>& texts = {});
 
 /// The codecs behind read_image, on the content of `path`.
 Result<Image> decode_png(std::string_view content, const std::filesystem::path& path);

@@ -70,13 +70,19 @@ bool read_rows(png_structp png, png_bytepp rows) {
   return true;
 }
 
-bool write_rows(png_structp png, png_infop info, const Image& image, png_bytepp rows) {
+int colour_type(int channels) {
+  if (channels == 4) return PNG_COLOR_TYPE_RGB_ALPHA;
+  return channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY;
+}
+
+bool write_rows(png_structp png, png_infop info, const Image& image, png_textp texts,
+                int text_count, png_bytepp rows) {
   if (setjmp(png_jmpbuf(png))) return false;
   const int depth = image.max_value > 255.0 ? 16 : 8;
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width),
-               static_cast<png_uint_32>(image.height), depth,
-               image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+               static_cast<png_uint_32>(image.height), depth, colour_type(image.channels),
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  if (text_count > 0) png_set_text(png, info, texts, text_count);
   png_write_info(png, info);
   if (depth == 16) png_set_swap(png);
   png_write_image(png, rows);
@@ -87,6 +93,19 @@ bool write_rows(png_structp png, png_infop info, const Image& image, png_bytepp 
 std::vector<png_bytep> row_pointers(std::vector<png_byte>& bytes, std::size_t rows) {
   std::vector<png_bytep> pointers(rows);
   for (std::size_t v = 0; v < rows; ++v) pointers[v] = bytes.data() + v * (bytes.size() / rows);
+  return pointers;
+}
+
+// libpng's view of `texts`, which must outlive it. libpng does not change what it points to.
+std::vector<png_text> text_pointers(const std::vector<PngText>& texts) {
+  std::vector<png_text> pointers;
+  for (const PngText& text : texts) {
+    png_text pointer{};
+    pointer.compression = PNG_ITXT_COMPRESSION_NONE;
+    pointer.key = const_cast<char*>(text.keyword.c_str());
+    pointer.text = const_cast<char*>(text.text.c_str());
+    pointers.push_back(pointer);
+  }
   return pointers;
 }
 
@@ -163,7 +182,7 @@ Result<Image> decode_png(std::string_view content, const std::filesystem::path& 
   return PngReader(content).read(content.size(), path);
 }
 
-Result<std::string> encode_png(const Image& image) {
+Result<std::string> encode_png(const Image& image, const std::vector<PngText>& texts) {
   std::string encoded;
   PngState state;
   state.output = &encoded;
@@ -172,7 +191,9 @@ Result<std::string> encode_png(const Image& image) {
   std::vector<png_byte> bytes = integer_samples(image);
   std::vector<png_bytep> rows = row_pointers(bytes, static_cast<std::size_t>(image.height));
   if (info) png_set_write_fn(png, &state, on_write, on_flush);
-  const bool written = info && write_rows(png, info, image, rows.data());
+  std::vector<png_text> remarks = text_pointers(texts);
+  const bool written = info && write_rows(png, info, image, remarks.data(),
+                                          static_cast<int>(remarks.size()), rows.data());
   png_destroy_write_struct(&png, &info);
   if (!written) return Error{ErrorKind::kCannotWrite, std::string("PNG: ") + state.message};
   return encoded;

@@ -51,6 +51,20 @@ TEST(ImageIo, PngKeepsAllIntegers) {
   }
 }
 
+TEST(ImageIo, PngIsWrittenWithOpacityAndRemarks) {
+  const TemporaryFolder folder;
+  const Image image = ramp(7, 5, 4, 255, 1.0f);
+  const std::string bytes =
+      *encode_png(image, {{"Software", "relief"}, {"Description", "range: 1 to 2"}});
+  EXPECT_EQ(bytes[25], 6);  // IHDR: colours with opacity
+  EXPECT_THAT(bytes, HasSubstr("Description"));
+  EXPECT_THAT(bytes, HasSubstr("range: 1 to 2"));
+  const auto read = read_image(folder.write("a.png", bytes));
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->channels, 3);  // the opacity is dropped
+  for (int k = 0; k < 3; ++k) EXPECT_EQ((*read)(3, 2, k), image(3, 2, k));
+}
+
 TEST(ImageIo, TiffKeepsAllFloats) {
   const TemporaryFolder folder;
   for (const int channels : {1, 3}) {
