@@ -1,5 +1,6 @@
 # VTK comes before PCL: PCL's own search for VTK switches PNG off.
-set(RELIEF_VTK_COMPONENTS CommonCore CommonDataModel CommonExecutionModel FiltersCore IOXML IOXMLParser)
+set(RELIEF_VTK_COMPONENTS CommonCore CommonDataModel CommonExecutionModel FiltersCore IOXML IOXMLParser
+                          RenderingCore RenderingFreeType)
 if(RELIEF_BUILD_VTK)
   list(APPEND RELIEF_VTK_COMPONENTS CommonMath)
 endif()
@@ -19,6 +20,7 @@ find_path(RELIEF_WEBP_INCLUDE_DIR webp/decode.h REQUIRED)
 find_package(pugixml REQUIRED)
 find_package(TinyGLTF REQUIRED)
 find_package(LibArchive REQUIRED)
+find_package(embree 3.13 REQUIRED)
 find_package(Ceres 2.1 REQUIRED)
 # CHOLMOD has no CMake package of its own in SuiteSparse 5.
 find_library(RELIEF_CHOLMOD_LIBRARY cholmod REQUIRED)

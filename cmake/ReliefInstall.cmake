@@ -1,10 +1,10 @@
 # Installs the libraries and a CMake package: find_package(relief) gives relief::scan, relief::io, relief::simulation,
-# relief::evaluation, relief::registration, relief::hybrid, relief::fusion and relief::reconstruction; its components pcl and
-# vtk give relief::pcl and relief::vtk. Headers: see relief_library().
+# relief::evaluation, relief::rendering, relief::registration, relief::hybrid, relief::fusion and relief::reconstruction; its
+# components pcl and vtk give relief::pcl and relief::vtk. Headers: see relief_library().
 include(CMakePackageConfigHelpers)
 
-set(relief_libraries relief_scan relief_io relief_simulation relief_evaluation relief_registration relief_hybrid
-                     relief_fusion relief_reconstruction)
+set(relief_libraries relief_scan relief_io relief_simulation relief_evaluation relief_rendering relief_registration
+                     relief_hybrid relief_fusion relief_reconstruction)
 install(TARGETS ${relief_libraries} EXPORT relief_targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT relief_targets NAMESPACE relief:: FILE reliefTargets.cmake
