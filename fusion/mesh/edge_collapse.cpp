@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <iterator>
@@ -32,6 +33,49 @@ struct Candidate {
   }
 };
 
+// Candidates by their cost, the least first. The dear ones wait unsorted until the cheap ones are
+// used up: most never come that far, and the heap stays small enough for the cache.
+class CandidateQueue {
+ public:
+  void push(const Candidate& candidate) {
+    if (candidate.cost > limit_)
+      waiting_.push_back(candidate);
+    else
+      heap_.push(candidate);
+  }
+
+  bool empty() const { return heap_.empty() && waiting_.empty(); }
+
+  /// Must not be empty.
+  Candidate pop() {
+    if (heap_.empty()) admit();
+    const Candidate next = heap_.top();
+    heap_.pop();
+    return next;
+  }
+
+ private:
+  // The cheapest of those that wait, and all of the same cost.
+  void admit() {
+    const std::size_t count =
+        std::min(std::max(kLeastAdmitted, waiting_.size() / 16), waiting_.size());
+    const auto last = waiting_.begin() + static_cast<std::ptrdiff_t>(count - 1);
+    std::nth_element(waiting_.begin(), last, waiting_.end(),
+                     [](const Candidate& a, const Candidate& b) { return b > a; });
+    limit_ = last->cost;
+    const auto dear = std::partition(waiting_.begin(), waiting_.end(),
+                                     [this](const Candidate& c) { return c.cost > limit_; });
+    for (auto candidate = dear; candidate != waiting_.end(); ++candidate) heap_.push(*candidate);
+    waiting_.erase(dear, waiting_.end());
+  }
+
+  static constexpr std::size_t kLeastAdmitted = 50000;
+
+  double limit_ = -1.0;  // The largest cost in the heap; costs are not negative.
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> heap_;
+  std::vector<Candidate> waiting_;
+};
+
 class Collapser {
  public:
   Collapser(TriangleMesh& mesh, const EdgeCollapseOptions& options)
@@ -53,8 +97,7 @@ class Collapser {
 
   void run() {
     while (left_ > options_.faces && !queue_.empty()) {
-      const Candidate next = queue_.top();
-      queue_.pop();
+      const Candidate next = queue_.pop();
       if (next.from_stamp == stamp_[next.from] && next.to_stamp == stamp_[next.to] &&
           allowed(next.from, next.to))
         collapse(next.from, next.to);
@@ -86,6 +129,7 @@ class Collapser {
   // Vertices round v, in ascending order.
   std::vector<std::uint32_t> neighbours(std::uint32_t v) const {
     std::vector<std::uint32_t> around;
+    around.reserve(2 * faces_of_[v].size());
     for (const std::uint32_t f : faces_of_[v])
       for (const std::uint32_t w : mesh_.faces[f])
         if (w != v) around.push_back(w);
@@ -172,7 +216,7 @@ class Collapser {
   std::vector<std::uint32_t> stamp_;     // Renewed when the planes of a vertex change.
   std::vector<std::uint8_t> fixed_, gone_;
   std::size_t left_;
-  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
+  CandidateQueue queue_;
 };
 
 }  // namespace
