@@ -36,6 +36,7 @@ void add_evaluate(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_init(CLI::App& app, Action& action);
 void add_render(CLI::App& app, Action& action);
+void add_report(CLI::App& app, Action& action);
 
 /// Adds -q, -v, --json, --threads, --seed and --report to a command.
 void add_common_options(CLI::App& command, CommonOptions& options);

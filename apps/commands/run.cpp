@@ -11,8 +11,10 @@
 #include "apps/options/stage_options.h"
 #include "apps/reports/alignment_report.h"
 #include "apps/reports/consistency_report.h"
+#include "apps/reports/html/html_report.h"
 #include "apps/reports/model_report.h"
 #include "apps/reports/refinement_report.h"
+#include "apps/reports/run_record.h"
 #include "relief/io/mesh_io.h"
 #include "relief/reconstruction/reconstruct.h"
 #include "scan/base/stopwatch.h"
@@ -36,6 +38,9 @@ struct RunCommand {
   MergeFlags merge;
   std::filesystem::path output;
   std::vector<std::filesystem::path> exports;
+  bool no_html_report = false;
+  HtmlReportOptions html;
+  Json record;  // The section `run` of the report.
 };
 
 class Run {
@@ -48,11 +53,13 @@ class Run {
     if (!project) return fail(project.error());
     if (const auto ready = prepare_folder(command_.output); !ready) return fail(ready.error());
     project_ = std::move(*project);
+    if (const auto kept = keep("run", command_.record); !kept) return fail(kept.error());
     watch_ = Stopwatch();
     auto result = reconstruction::reconstruct(std::move(project_.views), options(), callbacks());
     if (!result) return fail(result.error());
     if (const auto written = write_model(result->model); !written) return fail(written.error());
     Console::info("wrote " + (command_.output / "model.ply").string() + " and report.json");
+    if (const auto written = write_page(result->model.mesh); !written) return fail(written.error());
     return result->complete() ? kDone : kDataDoesNotAllow;
   }
 
@@ -146,6 +153,14 @@ class Run {
                         report, command_.common);
   }
 
+  Result<void> write_page(const TriangleMesh& mesh) {
+    if (command_.no_html_report) return {};
+    return write_html_report({.page = command_.output / "report.html",
+                              .report = report_path(command_.common, command_.output / "scan.json"),
+                              .folder = command_.output},
+                             &mesh, command_.html);
+  }
+
   // Into the report file; standard output gets the whole report once, at the end.
   Result<void> keep(const std::string& section, const Json& report) {
     watch_ = Stopwatch();
@@ -167,8 +182,9 @@ void add_run(CLI::App& app, Action& action) {
   auto* sub = app.add_subcommand("run", "Align, refine, align again and merge: the whole way");
   add_project_input(*sub, command->input);
   add_background_option(*sub, command->input);
-  sub->add_option("-o,--output", command->output,
-                  "Folder for model.ply, the refined project (scan.json) and report.json")
+  sub->add_option(
+         "-o,--output", command->output,
+         "Folder for model.ply, the refined project (scan.json), report.json and report.html")
       ->required();
   add_export_option(*sub, command->exports);
   add_align_options(*sub, command->align);
@@ -181,8 +197,13 @@ void add_run(CLI::App& app, Action& action) {
       ->default_str("correct");
   add_refine_options(*sub, command->refine);
   add_merge_options(*sub, command->merge);
+  sub->add_flag("--no-html-report", command->no_html_report, "Do not write report.html");
+  add_html_report_options(*sub, command->html);
   add_common_options(*sub, command->common);
-  sub->callback([command, &action] { action = [command] { return Run(*command)(); }; });
+  sub->callback([command, sub, &action] {
+    command->record = run_record(command->input.path, *sub);
+    action = [command] { return Run(*command)(); };
+  });
 }
 
 }  // namespace relief

@@ -42,7 +42,7 @@ TEST(Program, AnswersHelpAndVersion) {
   const ProgramRun help = run_relief({"--help"});
   EXPECT_EQ(help.exit_status, 0);
   for (const char* command :
-       {"info", "align", "refine", "merge", "run", "simulate", "evaluate", "convert"}) {
+       {"info", "align", "refine", "merge", "run", "simulate", "evaluate", "convert", "report"}) {
     EXPECT_THAT(help.standard_output, HasSubstr(command));
     EXPECT_EQ(run_relief({command, "--help"}).exit_status, 0) << command;
   }

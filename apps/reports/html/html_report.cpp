@@ -1,0 +1,220 @@
+#include "apps/reports/html/html_report.h"
+
+#include <utility>
+
+#include "apps/console/console.h"
+#include "apps/reports/html/html_text.h"
+#include "apps/reports/html/page_assets.h"
+#include "apps/version.h"
+#include "scan/io/files/atomic_file.h"
+
+namespace relief {
+
+namespace {
+
+bool is_pose(const Json& pose) {
+  if (!pose.is_array() || pose.size() != 4) return false;
+  for (const Json& row : pose) {
+    if (!row.is_array() || row.size() != 4) return false;
+    for (const Json& entry : row)
+      if (!entry.is_number()) return false;
+  }
+  return true;
+}
+
+double number_in(const Json& object, const char* key, double fallback) {
+  return object.contains(key) && object[key].is_number() ? object[key].get<double>() : fallback;
+}
+
+void put_pinhole(const Json& camera, ViewCamera& drawn) {
+  const double fx = number_in(camera, "fx", 0.0), fy = number_in(camera, "fy", 0.0);
+  const double width = number_in(camera, "width", 0.0), height = number_in(camera, "height", 0.0);
+  if (camera.value("model", Json()) == "pinhole_gl") drawn.forward = -1.0;
+  if (fx == 0.0 || fy == 0.0 || width <= 0.0 || height <= 0.0) return;
+  const double cx = number_in(camera, "cx", 0.5 * (width - 1.0));
+  const double cy = number_in(camera, "cy", 0.5 * (height - 1.0));
+  drawn.left = -cx / fx;
+  drawn.right = (width - 1.0 - cx) / fx;
+  drawn.top = -cy / fy;
+  drawn.bottom = (height - 1.0 - cy) / fy;
+}
+
+// Views whose camera is no pinhole are drawn with a nominal opening.
+std::optional<ViewCamera> camera_of(const Json& view) {
+  if (!view.is_object() || !view.contains("world_from_view") || !is_pose(view["world_from_view"]))
+    return std::nullopt;
+  ViewCamera drawn;
+  if (view.contains("name") && view["name"].is_string()) drawn.name = view["name"];
+  drawn.world_from_view = view["world_from_view"];
+  if (view.contains("camera") && view["camera"].is_object()) put_pinhole(view["camera"], drawn);
+  return drawn;
+}
+
+bool in_the_model(const ReportFigures& report, const std::string& name) {
+  const std::string entry = report.entry_of(report.alignment() + "/views", name);
+  return entry.empty() || report.truth(entry + "/aligned").value_or(true);
+}
+
+std::vector<ViewCamera> cameras_of(const Json* views, const ReportFigures& report) {
+  std::vector<ViewCamera> cameras;
+  if (!views || !views->is_array()) return cameras;
+  for (const Json& view : *views)
+    if (auto camera = camera_of(view); camera && in_the_model(report, camera->name))
+      cameras.push_back(std::move(*camera));
+  return cameras;
+}
+
+void put_model(const TriangleMesh* mesh, std::size_t faces, ReportContent& content) {
+  if (!mesh) {
+    content.no_viewer = "the folder has no model";
+    return;
+  }
+  if (!mesh->vertices.empty() && !mesh->faces.empty()) content.model = measure_model(*mesh);
+  if (faces == 0) {
+    content.no_viewer = "the page was made without a model";
+    return;
+  }
+  auto viewer = make_viewer_model(*mesh, faces);
+  if (viewer)
+    content.viewer = std::move(*viewer);
+  else
+    content.no_viewer = viewer.error().message;
+}
+
+std::string script_data(const char* id, const std::string& base64) {
+  return std::string(R"(<script type="application/octet-stream" id=")") + id + "\">" + base64 +
+         "</script>\n";
+}
+
+std::string viewer_data(const ReportContent& content) {
+  if (!content.viewer) return "";
+  const ViewerModel& model = *content.viewer;
+  Json json = to_json(model);
+  json["unit"] = content.unit;
+  Json& cameras = json["cameras"] = Json::array();
+  for (const ViewCamera& camera : content.cameras)
+    cameras.push_back({{"name", camera.name},
+                       {"world_from_view", camera.world_from_view},
+                       {"left", camera.left},
+                       {"right", camera.right},
+                       {"top", camera.top},
+                       {"bottom", camera.bottom},
+                       {"forward", camera.forward}});
+  return R"(<script type="application/json" id="viewer-data">)" +
+         escape_script_json(json.dump(-1, ' ', true, Json::error_handler_t::replace)) +
+         "</script>\n" + script_data("viewer-positions", base64_of(model.positions)) +
+         script_data("viewer-faces", base64_of(model.faces)) +
+         script_data("viewer-errors", base64_of(model.errors)) +
+         script_data("viewer-views", base64_of(model.views)) +
+         script_data("viewer-filled", base64_of(model.filled)) +
+         script_data("viewer-colours", base64_of(model.colours));
+}
+
+std::string script(std::string_view source) {
+  return "<script>" + std::string(source) + "</script>\n";
+}
+
+std::string viewer_section(const ReportContent& content) {
+  if (!content.viewer)
+    return "<section id=\"viewer\"><h2>Model in 3-D</h2>\n<p class=\"no-viewer\">There is no model "
+           "to look at: " +
+           escape_html(content.no_viewer) + ".</p></section>\n";
+  return std::string(page_assets::viewer_html());
+}
+
+std::string viewer_scripts(const ReportContent& content) {
+  if (!content.viewer) return "";
+  return viewer_data(content) + script(page_assets::three_js()) +
+         script(page_assets::orbit_controls_js()) + script(page_assets::model_js()) +
+         script(page_assets::scene_js()) + script(page_assets::viewer_js());
+}
+
+std::string name_of(const std::filesystem::path& folder) {
+  // The dot stands for no name: a folder may be given as `.` or with a slash at its end.
+  return (std::filesystem::absolute(folder) / ".").lexically_normal().parent_path().filename();
+}
+
+// three.js says in its source which release it is.
+std::string three_release() {
+  constexpr std::string_view kName = "REVISION=\"";
+  const std::string_view source = page_assets::three_js();
+  const std::size_t start = source.find(kName);
+  if (start == std::string_view::npos) return "";
+  const std::string_view rest = source.substr(start + kName.size());
+  return " r" + std::string(rest.substr(0, rest.find('"')));
+}
+
+std::string credit(const ReportContent& content) {
+  if (!content.viewer) return "";
+  const std::size_t bytes =
+      page_assets::three_js().size() + page_assets::orbit_controls_js().size();
+  return " The viewer is drawn with three.js" + three_release() + " (MIT licence, " +
+         std::to_string((bytes + 500) / 1000) + " kB of this page; its source has the licence).";
+}
+
+}  // namespace
+
+ReportContent report_content(Json report, const Json& project, const TriangleMesh* mesh,
+                             const HtmlReportOptions& options) {
+  ReportContent content{ReportFigures(std::move(report))};
+  const bool has_project = project.is_object();
+  if (has_project && project.contains("unit") && project["unit"].is_string())
+    content.unit = project["unit"];
+  content.views = grade_views(content.report);
+  if (has_project && project.contains("views"))
+    content.cameras = cameras_of(&project["views"], content.report);
+  if (content.cameras.empty())
+    content.cameras =
+        cameras_of(content.report.find(content.report.alignment() + "/views"), content.report);
+  put_model(mesh, options.viewer_faces, content);
+  content.pictures = options.pictures;
+  return content;
+}
+
+std::string html_page(const ReportContent& content) {
+  const std::string report =
+      content.report.json().dump(-1, ' ', true, Json::error_handler_t::replace);
+  return fill_template(page_assets::page_html(), {{"title", escape_html(content.name)},
+                                                  {"style", std::string(page_assets::style_css())},
+                                                  {"summary", summary_section(content)},
+                                                  {"viewer", viewer_section(content)},
+                                                  {"pictures", pictures_section(content)},
+                                                  {"views", views_section(content)},
+                                                  {"alignment", alignment_section(content)},
+                                                  {"model", model_section(content)},
+                                                  {"provenance", provenance_section(content)},
+                                                  {"version", kVersion},
+                                                  {"credit", credit(content)},
+                                                  {"report", escape_script_json(report)},
+                                                  {"scripts", viewer_scripts(content)}});
+}
+
+Result<void> write_html_report(const HtmlReportFiles& files, const TriangleMesh* mesh,
+                               const HtmlReportOptions& options) {
+  const auto text = read_file(files.report);
+  if (!text) return text.error();
+  Json report = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
+  if (!report.is_object() || !report.contains("relief"))
+    return Error{ErrorKind::kBadInput,
+                 files.report.string() + ": this is no report of relief: `relief run` writes one"};
+  Json project;
+  if (const auto scan = read_file(files.folder / "scan.json"))
+    project = Json::parse(*scan, nullptr, /*allow_exceptions=*/false);
+  ReportContent content = report_content(std::move(report), project, mesh, options);
+  content.name = name_of(files.folder);
+  if (mesh && options.viewer_faces > 0 && !content.viewer)
+    Console::warning("report.html has no model to look at: " + content.no_viewer);
+  if (auto written = write_file(files.page, html_page(content)); !written) return written;
+  Console::info("wrote " + files.page.string());
+  return {};
+}
+
+void add_html_report_options(CLI::App& command, HtmlReportOptions& options) {
+  command
+      .add_option("--viewer-faces", options.viewer_faces,
+                  "Faces of the model in report.html, at most; 0: no model in it")
+      ->check(CLI::Range(std::size_t{0}, std::size_t{5000000}))
+      ->capture_default_str();
+}
+
+}  // namespace relief

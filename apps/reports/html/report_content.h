@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/reports/html/report_figures.h"
+#include "apps/reports/html/view_grades.h"
+#include "apps/reports/html/viewer/model_statistics.h"
+#include "apps/reports/html/viewer/viewer_model.h"
+
+namespace relief {
+
+/// Where a view looked from, to draw it. Slopes are x/z and y/z of its outermost pixels.
+struct ViewCamera {
+  std::string name;
+  Json world_from_view;  ///< Row-major 4x4 nested arrays; camera frame x right, y down.
+  double left = -0.25, right = 0.25, top = -0.25, bottom = 0.25;
+  double forward = 1.0;  ///< Sign of z in front of the camera.
+};
+
+/// A picture for the page.
+struct ReportPicture {
+  std::string title;
+  std::string png;  ///< The bytes of the file.
+};
+
+/// All that the page of a report shows.
+struct ReportContent {
+  ReportFigures report;
+  std::string name;           ///< Of the folder.
+  std::string unit = "unit";  ///< Of the lengths.
+  std::vector<GradedView> views;
+  std::vector<ViewCamera> cameras;
+  std::optional<ModelStatistics> model;
+  std::optional<ViewerModel> viewer;
+  std::string no_viewer;  ///< Why there is no model to look at.
+  std::vector<ReportPicture> pictures;
+};
+
+/// The sections of the page, each a <section> of HTML. A section that has nothing to say is empty.
+std::string summary_section(const ReportContent& content);
+std::string pictures_section(const ReportContent& content);
+std::string views_section(const ReportContent& content);
+std::string alignment_section(const ReportContent& content);
+std::string model_section(const ReportContent& content);
+std::string provenance_section(const ReportContent& content);
+
+}  // namespace relief

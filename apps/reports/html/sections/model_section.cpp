@@ -1,0 +1,151 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "apps/reports/html/html_text.h"
+#include "apps/reports/html/report_content.h"
+
+namespace relief {
+
+namespace {
+
+struct Bar {
+  double value = 0.0;
+  std::string title;  ///< Plain text.
+  std::string label;  ///< Below the bar; may be empty.
+};
+
+std::string bar_chart(const std::vector<Bar>& bars, const std::string& caption,
+                      const std::string& axis) {
+  constexpr double kWidth = 480.0, kHeight = 160.0;
+  double most = 0.0;
+  for (const Bar& bar : bars) most = std::max(most, bar.value);
+  const double step = kWidth / static_cast<double>(bars.size());
+  std::string svg;
+  for (std::size_t i = 0; i < bars.size(); ++i) {
+    const double x = step * static_cast<double>(i);
+    const double height = most > 0.0 ? kHeight * bars[i].value / most : 0.0;
+    svg += fmt::format(
+        R"(<rect class="bar" x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}"><title>{}</title></rect>)"
+        "\n",
+        x + 0.5, kHeight - height, step - 1.0, height, escape_html(bars[i].title));
+    if (!bars[i].label.empty())
+      svg += fmt::format(R"(<text x="{:.1f}" y="176" text-anchor="middle">{}</text>)"
+                         "\n",
+                         x + 0.5 * step, escape_html(bars[i].label));
+  }
+  return fmt::format(
+      "<figure><figcaption>{}</figcaption><svg viewBox=\"-12 -6 504 212\" role=\"img\" "
+      "aria-label=\"{}\">\n{}<line class=\"axis\" x1=\"0\" y1=\"160\" x2=\"480\" y2=\"160\"/><text "
+      "x=\"240\" y=\"198\" text-anchor=\"middle\">{}</text></svg></figure>\n",
+      escape_html(caption), escape_html(caption), svg, escape_html(axis));
+}
+
+std::string error_chart(const Histogram& histogram, const std::string& unit) {
+  std::vector<Bar> bars;
+  const std::size_t count = histogram.counts.size();
+  const double step = (histogram.high - histogram.low) / static_cast<double>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double low = histogram.low + step * static_cast<double>(i);
+    const std::string to = i + 1 == count ? "and more" : "to " + three_digits(low + step);
+    bars.push_back({static_cast<double>(histogram.counts[i]),
+                    fmt::format("{} {} {}: {} vertices", three_digits(low), to, unit,
+                                grouped(histogram.counts[i])),
+                    i % 10 == 0 ? three_digits(low) : ""});
+  }
+  return bar_chart(bars, "Expected error of the measured vertices",
+                   "expected error [" + unit + "]");
+}
+
+std::string views_chart(const std::vector<std::size_t>& counts) {
+  constexpr std::size_t kMost = 24;  // All further ones are the last bar.
+  std::vector<Bar> bars(std::min(counts.size(), kMost + 1));
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    bars[std::min(i, kMost)].value += static_cast<double>(counts[i]);
+  for (std::size_t i = 0; i < bars.size(); ++i) {
+    const std::string views =
+        std::to_string(i) + (i == kMost && counts.size() > kMost + 1 ? "+" : "");
+    bars[i].label = views;
+    bars[i].title = fmt::format("{} views: {} vertices", views,
+                                grouped(static_cast<std::uint64_t>(bars[i].value)));
+  }
+  return bar_chart(bars, "Number of views that measured a vertex", "views (0: filled)");
+}
+
+std::string entry(const char* term, const std::string& html) {
+  return fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", term, html);
+}
+
+std::string yes_or_no(const ReportFigures& report, const char* place) {
+  const auto truth = report.truth(place);
+  return !truth ? "–" : *truth ? "yes" : "no";
+}
+
+std::string size_entries(const ReportContent& content) {
+  const ReportFigures& report = content.report;
+  const std::string unit = escape_html(content.unit);
+  std::string html =
+      entry("Vertices", report.shown("/merge/vertices", Rounding::kCount)) +
+      entry("Faces", report.shown("/merge/faces", Rounding::kCount)) +
+      entry("Volume", report.shown("/merge/volume", Rounding::kThreeDigits, content.unit + "³"));
+  if (content.model) {
+    const double filled = report.number("/merge/filled_area_fraction").value_or(0.0);
+    html += entry("Area", three_digits(content.model->area) + "&nbsp;" + unit + "²");
+    html += entry("Area measured",
+                  three_digits(content.model->area * (1.0 - filled)) + "&nbsp;" + unit + "²");
+  }
+  return html +
+         entry("Area filled", report.shown("/merge/filled_area_fraction", Rounding::kPercent)) +
+         entry("Voxel size",
+               report.shown("/merge/voxel_size", Rounding::kThreeDigits, content.unit)) +
+         entry("Truncation",
+               report.shown("/merge/truncation", Rounding::kThreeDigits, content.unit));
+}
+
+std::string topology_entries(const ReportFigures& report) {
+  return entry("Watertight", yes_or_no(report, "/merge/watertight")) +
+         entry("Manifold edges", yes_or_no(report, "/merge/manifold_edges")) +
+         entry("Manifold vertices", yes_or_no(report, "/merge/manifold_vertices")) +
+         entry("Oriented", yes_or_no(report, "/merge/oriented")) +
+         entry("Boundary edges", report.shown("/merge/boundary_edges", Rounding::kCount)) +
+         entry("Components", report.shown("/merge/components", Rounding::kCount)) +
+         entry("Genus (handles)", report.shown("/merge/genus", Rounding::kCount)) +
+         entry("Components removed", report.shown("/merge/components_removed", Rounding::kCount));
+}
+
+std::string polish_entries(const ReportContent& content) {
+  const ReportFigures& report = content.report;
+  if (!report.find("/merge/polish")) return "";
+  const std::string at = "/merge/polish";
+  return "<h3>Polishing</h3>\n<dl>" + entry("Result", escape_html(report.text(at + "/status"))) +
+         entry("Vertices with normal",
+               report.shown(at + "/vertices_with_normal", Rounding::kCount)) +
+         entry("Scatter of a view's normals", report.shown(at + "/sigma_view_deg") + "°") +
+         entry("Vertices moved, RMS",
+               report.shown(at + "/rms_move", Rounding::kThreeDigits, content.unit)) +
+         entry("At most", report.shown(at + "/max_move", Rounding::kThreeDigits, content.unit)) +
+         entry("Vertices held back", report.shown(at + "/vertices_damped", Rounding::kCount)) +
+         "</dl>\n";
+}
+
+std::string charts(const ReportContent& content) {
+  if (!content.model) return "";
+  std::string html;
+  if (content.model->expected_error)
+    html += error_chart(*content.model->expected_error, content.unit);
+  if (!content.model->vertices_by_views.empty())
+    html += views_chart(content.model->vertices_by_views);
+  return html.empty() ? "" : "<div class=\"columns\">\n" + html + "</div>\n";
+}
+
+}  // namespace
+
+std::string model_section(const ReportContent& content) {
+  if (!content.report.find("/merge")) return "";
+  return "<section id=\"model\"><h2>Model</h2>\n" + charts(content) +
+         "<div class=\"columns\"><div><h3>Size</h3>\n<dl>" + size_entries(content) +
+         "</dl></div>\n<div><h3>Topology</h3>\n<dl>" + topology_entries(content.report) +
+         "</dl></div>\n<div>" + polish_entries(content) + "</div></div></section>\n";
+}
+
+}  // namespace relief

@@ -1,0 +1,19 @@
+#include <fmt/format.h>
+
+#include "apps/reports/html/html_text.h"
+#include "apps/reports/html/report_content.h"
+
+namespace relief {
+
+std::string pictures_section(const ReportContent& content) {
+  if (content.pictures.empty()) return "";
+  std::string html = "<section id=\"pictures\"><h2>Pictures</h2>\n<div class=\"pictures\">\n";
+  for (const ReportPicture& picture : content.pictures)
+    html += fmt::format(
+        "<figure><img src=\"data:image/png;base64,{}\" alt=\"{}\" "
+        "loading=\"lazy\"><figcaption>{}</figcaption></figure>\n",
+        base64(picture.png), escape_html(picture.title), escape_html(picture.title));
+  return html + "</div></section>\n";
+}
+
+}  // namespace relief

@@ -1,0 +1,21 @@
+# Writes OUTPUT, a C++ source that holds files as text: cmake -DOUTPUT=... "-DFILES=name=path;name=path" -P embed_files.cmake
+# Each is a function `std::string_view name()` of namespace relief::page_assets. Several paths of one name, as in
+# name=path,path, are joined.
+set(source "#include \"apps/reports/html/page_assets.h\"\n\nnamespace relief::page_assets {\n")
+foreach(entry IN LISTS FILES)
+  string(REGEX MATCH "^([a-z_]+)=(.+)$" entry "${entry}")
+  set(name ${CMAKE_MATCH_1})
+  string(REPLACE "," ";" paths "${CMAKE_MATCH_2}")
+  set(literals "")
+  foreach(path IN LISTS paths)
+    file(READ "${path}" text)
+    string(FIND "${text}" ")embedded\"" end)
+    if(NOT end EQUAL -1)
+      message(FATAL_ERROR "${path}: has the text that ends a literal")
+    endif()
+    string(APPEND literals "\n    R\"embedded(${text})embedded\"")
+  endforeach()
+  string(APPEND source "\nstd::string_view ${name}() {\n  return ${literals};\n}\n")
+endforeach()
+string(APPEND source "\n}  // namespace relief::page_assets\n")
+file(WRITE "${OUTPUT}" "${source}")
