@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <pcl/PCLPointCloud2.h>
+#include <pcl/common/io.h>
 #include <pcl/console/print.h>
 #include <pcl/io/lzf.h>
 #include <pcl/io/pcd_io.h>
@@ -66,6 +67,16 @@ struct PcdCloud {
   }
 };
 
+// Whether the fields lie one after the other, each as long as its type says.
+bool fields_fit(const pcl::PCLPointCloud2& cloud) {
+  std::size_t end = 0;
+  for (const auto& field : cloud.fields) {
+    if (field.offset != end) return false;
+    end += std::size_t{field.count} * static_cast<std::size_t>(pcl::getFieldSize(field.datatype));
+  }
+  return end == cloud.point_step;
+}
+
 // Whether PCL, which trusts what it reads, reads the header alike. It gets the header alone: it
 // would read on in data that begin with a keyword. Makes room for the values.
 bool reads_alike(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
@@ -79,7 +90,8 @@ bool reads_alike(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
                                      data_type, data_start) >= 0 &&
          cloud.width == header.width && cloud.height == header.height &&
          cloud.fields.size() == header.fields && cloud.point_step == header.point_bytes &&
-         data_type == static_cast<int>(header.data) && data_start == header.data_start;
+         fields_fit(cloud) && data_type == static_cast<int>(header.data) &&
+         data_start == header.data_start;
 }
 
 bool read_bytes(std::ifstream& file, std::vector<std::uint8_t>& bytes) {

@@ -189,6 +189,17 @@ TEST(PcdGrid, DataThatBeginWithAKeywordAreData) {
   EXPECT_EQ(grid->points(0, 1), Eigen::Vector3d(18, 19, 20));
 }
 
+// PCL takes fields without a TYPE for floats, whatever their size.
+TEST(PcdGrid, RefusesFieldsOfAnotherSizeThanTheirType) {
+  const TemporaryFolder folder;
+  std::string text = header(kSize, "binary");
+  text.erase(text.find("TYPE"), std::string("TYPE F F F F F F\n").size());
+  text.replace(text.find("SIZE 4 4 4 4 4 4"), 16, "SIZE 4 4 4 4 1 1");
+  const auto grid = read_grid_file(folder.write("a.pcd", text + binary_points()));
+  ASSERT_FALSE(grid.ok());
+  EXPECT_THAT(grid.error().message, HasSubstr("damaged PCD header"));
+}
+
 TEST(PcdGrid, HoldsCompressedSizesAgainstTheFile) {
   const TemporaryFolder folder;
   const auto error = [&](std::uint32_t compressed, std::uint32_t whole) {
