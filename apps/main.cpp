@@ -7,6 +7,7 @@
 #include "apps/commands/command.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
+#include "apps/console/progress_display.h"
 #include "apps/version.h"
 
 int main(int argc, char** argv) {

@@ -154,7 +154,7 @@ Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views,
     result.notes.push_back("the surface between the views is not final: in " +
                            std::to_string(field->moving_blocks) +
                            " blocks of voxels it still moved when its sweeps ended");
-  if (!report_progress(progress, 0.85, "extract"))
+  if (!report_progress(progress, 0.7, "extract"))
     return Error{ErrorKind::kInterrupted, "merging was interrupted"};
   return extract_isosurface(field->finest(), options.threads, memory);
 }
@@ -177,7 +177,7 @@ Error failed_check(const MeshCheck& check) {
 Result<void> fair_fill(const FairFillOptions& options, const std::vector<ViewSampler>& views,
                        MergeResult& result, const Progress& progress) {
   const auto report = [&](double, std::string_view step) {
-    return report_progress(progress, 0.93, step);
+    return report_progress(progress, 0.9, step);
   };
   auto found = fair_filled_regions(result.mesh, views, options, report);
   if (!found) return found.error();
@@ -243,7 +243,7 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
   result.check = check_mesh(result.mesh);
   if (!result.check.watertight()) return failed_check(result.check);
 
-  if (!report_progress(progress, 0.9, "measure the surface")) return interrupted;
+  if (!report_progress(progress, 0.85, "measure the surface")) return interrupted;
   evict_pages(memory.get(), kVertexAttributes * result.mesh.vertices.size());
   const VertexAttributeOptions measure{result.truncation, result.voxel_size, result.view_noise,
                                        options.threads, memory.get()};

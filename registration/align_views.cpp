@@ -159,6 +159,8 @@ class Aligning {
       for (std::size_t i = 0; i < roles_.size(); ++i)
         if (misfits[i]) roles_[i] = ViewRole::kExcluded;
     }
+    if (!report_progress(progress_, 0.0, "verifying poses"))
+      return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
     verified_ =
         verify_poses(surfaces_, refined_.world_from_view, roles_, verification_options(starting_));
     return {};

@@ -7,6 +7,7 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
+#include "apps/console/progress_display.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/alignment_report.h"
 #include "relief/registration/align_views.h"

@@ -1,17 +1,39 @@
 #include "apps/commands/command.h"
 
+#include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
+#include "apps/console/progress_display.h"
 #include "relief/scan/static_background.h"
 
 namespace relief {
+
+namespace {
+
+std::map<std::string, ProgressFormat> progress_formats() {
+  return {{"auto", ProgressFormat::kAuto},
+          {"bar", ProgressFormat::kBar},
+          {"lines", ProgressFormat::kLines},
+          {"json", ProgressFormat::kJson},
+          {"off", ProgressFormat::kOff}};
+}
+
+}  // namespace
 
 void add_common_options(CLI::App& command, CommonOptions& options) {
   auto* quiet = command.add_flag("-q,--quiet", options.quiet, "Only errors on standard error");
   command.add_flag("-v,--verbose", options.verbose, "More detail on standard error")
       ->excludes(quiet);
+  command
+      .add_option("--progress", options.progress,
+                  "Progress on standard error: bar, lines, json (an object a line, messages as "
+                  "well), off; auto: a bar on a terminal, else lines")
+      ->transform(CLI::CheckedTransformer(progress_formats()))
+      ->default_str("auto");
   command.add_flag("--json", options.json, "Print the report to standard output");
   command.add_option("--threads", options.threads, "Number of threads; 0: one per core")
       ->check(CLI::Range(0, 1024))
@@ -23,6 +45,7 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
     Console::set_verbosity(options.quiet     ? Verbosity::kQuiet
                            : options.verbose ? Verbosity::kVerbose
                                              : Verbosity::kNormal);
+    set_progress_format(options.progress);
   });
 }
 

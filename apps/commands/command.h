@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "apps/console/progress_format.h"
 #include "relief/io/project_io.h"
 
 namespace relief {
@@ -14,6 +15,7 @@ namespace relief {
 struct CommonOptions {
   bool quiet = false;
   bool verbose = false;
+  ProgressFormat progress = ProgressFormat::kAuto;
   bool json = false;  ///< Print the report to standard output.
   int threads = 0;    ///< 0: one per core.
   std::uint64_t seed = 1;
@@ -38,7 +40,7 @@ void add_init(CLI::App& app, Action& action);
 void add_render(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 
-/// Adds -q, -v, --json, --threads, --seed and --report to a command.
+/// Adds -q, -v, --progress, --json, --threads, --seed and --report to a command.
 void add_common_options(CLI::App& command, CommonOptions& options);
 
 /// The input project of a command and how to read it.

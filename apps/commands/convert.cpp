@@ -7,6 +7,7 @@
 #include "apps/commands/export_views.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
+#include "apps/console/progress_display.h"
 #include "apps/options/input_kind.h"
 #include "relief/io/mesh_io.h"
 #include "relief/scan/triangle_mesh.h"

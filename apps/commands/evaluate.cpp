@@ -11,6 +11,7 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
+#include "apps/console/progress_display.h"
 #include "apps/options/input_kind.h"
 #include "apps/reports/evaluation_plots.h"
 #include "apps/reports/evaluation_report.h"

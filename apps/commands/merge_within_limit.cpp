@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/console.h"
+#include "apps/console/progress_display.h"
 #include "relief/io/project_io.h"
 #include "relief/scan/static_background.h"
 #include "scan/base/parallel.h"

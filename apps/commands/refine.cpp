@@ -8,6 +8,7 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
+#include "apps/console/progress_display.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/refinement_report.h"
 #include "relief/hybrid/refine_views.h"

@@ -12,6 +12,7 @@
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
 #include "apps/console/picture_file.h"
+#include "apps/console/progress_display.h"
 #include "apps/options/input_kind.h"
 #include "apps/options/render_flags.h"
 #include "apps/reports/report.h"

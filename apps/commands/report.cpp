@@ -39,7 +39,9 @@ int write_report_page(const ReportCommand& command) {
   const auto mesh = model_of(command);
   if (!mesh) return fail(mesh.error());
   if (const auto ready = prepare_folder_of(files.page); !ready) return fail(ready.error());
-  const auto written = write_html_report(files, *mesh ? &**mesh : nullptr, command.html);
+  HtmlReportOptions options = command.html;
+  options.threads = command.common.threads;
+  const auto written = write_html_report(files, *mesh ? &**mesh : nullptr, options);
   if (!written) return fail(written.error());
   if (command.common.json) std::cout << read_file(files.report).value() << std::flush;
   return kDone;

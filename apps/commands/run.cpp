@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
+#include "apps/console/progress_display.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/alignment_report.h"
 #include "apps/reports/consistency_report.h"
@@ -54,6 +56,9 @@ class Run {
     if (const auto ready = prepare_folder(command_.output); !ready) return fail(ready.error());
     project_ = std::move(*project);
     if (const auto kept = keep("run", command_.record); !kept) return fail(kept.error());
+    const bool with_normals = std::any_of(project_.views.begin(), project_.views.end(),
+                                          [](const RangeView& view) { return view.has_normals(); });
+    plan_progress(stages_of_run(with_normals));
     watch_ = Stopwatch();
     auto result = reconstruction::reconstruct(std::move(project_.views), options(), callbacks());
     if (!result) return fail(result.error());
@@ -155,10 +160,12 @@ class Run {
 
   Result<void> write_page(const TriangleMesh& mesh) {
     if (command_.no_html_report) return {};
+    HtmlReportOptions options = command_.html;
+    options.threads = command_.common.threads;
     return write_html_report({.page = command_.output / "report.html",
                               .report = report_path(command_.common, command_.output / "scan.json"),
                               .folder = command_.output},
-                             &mesh, command_.html);
+                             &mesh, options);
   }
 
   // Into the report file; standard output gets the whole report once, at the end.

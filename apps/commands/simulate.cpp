@@ -10,6 +10,7 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
+#include "apps/console/progress_display.h"
 #include "apps/options/simulation_defects.h"
 #include "apps/options/simulation_options.h"
 #include "apps/options/simulation_record.h"

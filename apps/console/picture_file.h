@@ -13,4 +13,8 @@ namespace relief {
 Result<void> write_picture(const rendering::Picture& picture, rendering::Background background,
                            const std::string& description, const std::filesystem::path& path);
 
+/// The bytes of a picture as PNG, likewise.
+Result<std::string> png_of(const rendering::Picture& picture, rendering::Background background,
+                           const std::string& description);
+
 }  // namespace relief

@@ -261,6 +261,8 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
     return result;
   }
   release_freed_memory();  // What solving took; the last steps grow as large.
+  if (!report_progress(progress, 0.0, "computing covariances"))
+    return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
   finish(surfaces, pairs, levels.back(), sliding, options, result);
   if (result.termination == RefinementTermination::kSolverFailed) return result;
   const SearchLevel& last = levels.back();

@@ -69,6 +69,8 @@ Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& sur
   for (;;) {
     auto refined = refine_jointly(surfaces, poses, roles, refinement, progress);
     if (!refined) return refined.error();
+    if (!report_progress(progress, 0.0, "verifying poses"))
+      return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
     auto verified =
         verify_poses(surfaces, refined->world_from_view, roles, verification_options(options));
     bool changed = false;

@@ -151,6 +151,8 @@ TEST(HtmlReport, HasTheNumbersOfTheReport) {
         align + "/views/5/pose_std/5", std::string("/merge/peak_memory_mb")})
     EXPECT_TRUE(places.contains(place)) << place;
   EXPECT_GT(places.size(), 100u);
+  for (const char* title : {"Lit from the front", "Grazing light", "Measured and filled"})
+    EXPECT_THAT(page, HasSubstr("<figcaption>" + std::string(title)));
   EXPECT_EQ(page.find("http://"), page.find("http://www.w3.org"));  // Names of formats only.
 }
 

@@ -4,6 +4,7 @@
 
 #include "apps/console/console.h"
 #include "apps/reports/html/html_text.h"
+#include "apps/reports/html/model_pictures.h"
 #include "apps/reports/html/page_assets.h"
 #include "apps/version.h"
 #include "scan/io/files/atomic_file.h"
@@ -152,6 +153,14 @@ std::string credit(const ReportContent& content) {
          std::to_string((bytes + 500) / 1000) + " kB of this page; its source has the licence).";
 }
 
+void put_pictures(const TriangleMesh& mesh, int threads, ReportContent& content) {
+  auto pictures = pictures_of_model(mesh, content.unit, threads);
+  if (pictures)
+    content.pictures = std::move(*pictures);
+  else
+    Console::warning("report.html has no pictures: " + pictures.error().message);
+}
+
 }  // namespace
 
 ReportContent report_content(Json report, const Json& project, const TriangleMesh* mesh,
@@ -167,7 +176,6 @@ ReportContent report_content(Json report, const Json& project, const TriangleMes
     content.cameras =
         cameras_of(content.report.find(content.report.alignment() + "/views"), content.report);
   put_model(mesh, options.viewer_faces, content);
-  content.pictures = options.pictures;
   return content;
 }
 
@@ -202,6 +210,7 @@ Result<void> write_html_report(const HtmlReportFiles& files, const TriangleMesh*
     project = Json::parse(*scan, nullptr, /*allow_exceptions=*/false);
   ReportContent content = report_content(std::move(report), project, mesh, options);
   content.name = name_of(files.folder);
+  if (mesh) put_pictures(*mesh, options.threads, content);
   if (mesh && options.viewer_faces > 0 && !content.viewer)
     Console::warning("report.html has no model to look at: " + content.no_viewer);
   if (auto written = write_file(files.page, html_page(content)); !written) return written;
