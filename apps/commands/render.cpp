@@ -29,7 +29,7 @@ struct RenderCommand {
   RenderFlags flags;
 };
 
-Json to_json(const RenderCell& cell) {
+Json cell_report(const RenderCell& cell) {
   Json json = {{"caption", cell.caption},
                {"width", cell.picture.width()},
                {"height", cell.picture.height()}};
@@ -48,7 +48,7 @@ Result<void> write_sheet(const RenderSheet& sheet, const RenderFlags& flags,
   Console::info(
       fmt::format("wrote {}: {} x {} pixels", file.string(), picture.width(), picture.height()));
   Json cells = Json::array();
-  for (const RenderCell& cell : sheet.cells) cells.push_back(to_json(cell));
+  for (const RenderCell& cell : sheet.cells) cells.push_back(cell_report(cell));
   report["pictures"].push_back({{"file", file.string()}, {"cells", cells}});
   return {};
 }
