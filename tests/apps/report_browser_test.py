@@ -237,7 +237,8 @@ def check_start(browser, faces):
     pixels = browser.evaluate(PIXELS)
     solid = sum(p[3] > 200 for p in pixels)
     check(pixels[40 + 30 * 80][3] > 200 and pixels[0][3] == 0 and 300 < solid < 4000, f"the model covers {solid} of {len(pixels)} pixels, not the corner")
-    check(browser.evaluate("document.querySelector('.badge') !== null && document.querySelector('img') === null"), "names of views are text")
+    check(browser.evaluate("document.querySelector('.badge') !== null && document.querySelector('img:not(#pictures img)') === null"), "names of views are text")
+    check(browser.evaluate("[...document.querySelectorAll('#pictures img')].length > 1"), "the model has pictures")
 
 
 def check_colourings(browser):
