@@ -75,21 +75,25 @@ bool beside_occlusion_edge(const RangeView& view, const GridEdges& edges, int u,
   });
 }
 
-// A gap beside an occlusion edge may be of either surface.
-void leave_gaps_at_occlusions_open(FilledView& filled, GridEdges& edges) {
-  const RangeView whole = filled.view;
-  for (int v = 0; v < whole.height(); ++v) {
-    for (int u = 0; u < whole.width(); ++u) {
-      if (filled.filled(u, v) && beside_occlusion_edge(whole, edges, u, v))
-        leave_open(u, v, filled);
+std::vector<std::array<int, 2>> fills_beside_occlusions(const FilledView& filled,
+                                                        const GridEdges& edges) {
+  std::vector<std::array<int, 2>> fills;
+  for (int v = 0; v < filled.view.height(); ++v) {
+    for (int u = 0; u < filled.view.width(); ++u) {
+      if (filled.filled(u, v) && beside_occlusion_edge(filled.view, edges, u, v))
+        fills.push_back({u, v});
     }
   }
-  for (int v = 0; v < whole.height(); ++v) {
-    for (int u = 0; u < whole.width(); ++u) {
-      const auto open = [&](int x, int y) { return !filled.view.has_sample(x, y); };
-      if (open(u, v) || open(u + 1, v)) edges.right(u, v) = 0;
-      if (open(u, v) || open(u, v + 1)) edges.down(u, v) = 0;
-    }
+  return fills;
+}
+
+// A gap beside an occlusion edge may be of either surface.
+void leave_gaps_at_occlusions_open(FilledView& filled, GridEdges& edges) {
+  for (const auto& [u, v] : fills_beside_occlusions(filled, edges)) {
+    leave_open(u, v, filled);
+    edges.right(u, v) = edges.down(u, v) = 0;
+    if (u > 0) edges.right(u - 1, v) = 0;
+    if (v > 0) edges.down(u, v - 1) = 0;
   }
 }
 
