@@ -105,20 +105,22 @@ std::optional<double> distance_to(const ComparedView& other, const SurfaceSample
   return distance;
 }
 
-// The least that half of the distances agree on; 0 where they do not agree on the sign. Sorts them.
-double agreed(std::vector<double>& distances) {
-  const std::size_t half = distances.size() / 2;
-  std::sort(distances.begin(), distances.end());
-  if (distances.size() % 2 == 1) return distances[half];
-  const double below = distances[half - 1], above = distances[half];
-  if (below * above <= 0.0) return 0.0;
-  return std::abs(below) < std::abs(above) ? below : above;
-}
+// The two middle distances; the one in the middle twice where their number is odd. Sorts them.
+struct MiddleDistances {
+  double below, above;
 
-double middle(const std::vector<double>& sorted) {
-  const std::size_t half = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
-}
+  explicit MiddleDistances(std::vector<double>& distances) {
+    std::sort(distances.begin(), distances.end());
+    below = distances[(distances.size() - 1) / 2];
+    above = distances[distances.size() / 2];
+  }
+  double median() const { return 0.5 * (below + above); }
+  // The least that half of the distances agree on; 0 where they do not agree on the sign.
+  double agreed() const {
+    if (below * above <= 0.0) return 0.0;
+    return std::abs(below) < std::abs(above) ? below : above;
+  }
+};
 
 // NaN where too few other views tell.
 struct Distances {
@@ -144,11 +146,12 @@ Distances distances_to_others(const ComparedView& own_view,
         if (const auto distance = distance_to(*other, sample, kReach * own_view.spacing))
           distances.push_back(*distance);
       if (distances.size() < kFewestOthers) continue;
-      result.agreed(u, v) = static_cast<float>(agreed(distances) / own_view.relative_noise(u, v));
+      const MiddleDistances middle(distances);
+      result.agreed(u, v) = static_cast<float>(middle.agreed() / own_view.relative_noise(u, v));
       const Eigen::Vector3d direction = view.camera.ray(u, v).direction;
       const double facing = -normal.dot(direction);
       if (facing > kSteepest * direction.norm())
-        result.correction(u, v) = static_cast<float>(middle(distances) / facing);
+        result.correction(u, v) = static_cast<float>(middle.median() / facing);
     }
   });
   return result;
