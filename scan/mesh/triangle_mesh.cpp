@@ -8,6 +8,12 @@
 
 namespace relief {
 
+Eigen::AlignedBox3d bounding_box(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& vertex : mesh.vertices) box.extend(vertex);
+  return box;
+}
+
 Eigen::Vector3d face_cross(const TriangleMesh& mesh, std::size_t face) {
   const Eigen::Vector3d a = mesh.corner(face, 0);
   return (mesh.corner(face, 1) - a).cross(mesh.corner(face, 2) - a);

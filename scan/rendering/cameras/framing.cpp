@@ -29,11 +29,10 @@ Eigen::Matrix3d camera_axes(const ViewingDirection& direction, const Eigen::Vect
          Eigen::AngleAxisd(radians(direction.roll_deg), Eigen::Vector3d::UnitZ());
 }
 
-Eigen::AlignedBox3d box_of(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const auto& vertex : mesh.vertices) box.extend(vertex);
-  if (box.isEmpty()) box.extend(Eigen::Vector3d::Zero());
-  return box;
+// Of the bounding box; the origin for a mesh without vertices.
+Eigen::Vector3d middle_of(const TriangleMesh& mesh) {
+  const Eigen::AlignedBox3d box = bounding_box(mesh);
+  return box.isEmpty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(box.center());
 }
 
 // Half the picture at range 1, without the margin.
@@ -117,7 +116,7 @@ PictureCamera frame_mesh(const TriangleMesh& mesh, const ViewingDirection& direc
                          const FramingOptions& options) {
   assert(options.width >= 1 && options.height >= 1);
   const Eigen::Matrix3d axes = camera_axes(direction, options.up);
-  const Eigen::Vector3d middle = box_of(mesh).center();
+  const Eigen::Vector3d middle = middle_of(mesh);
   const Reach reach = reach_of(mesh, axes, middle, options);
   const Eigen::Array2d shift = 0.5 * (reach.after - reach.before);
   return camera_at(axes, middle, shift, distance_for(reach, options), reach.front, options);
@@ -126,7 +125,7 @@ PictureCamera frame_mesh(const TriangleMesh& mesh, const ViewingDirection& direc
 std::vector<PictureCamera> frame_series(const TriangleMesh& mesh,
                                         const std::vector<ViewingDirection>& directions,
                                         const FramingOptions& options) {
-  const Eigen::Vector3d middle = box_of(mesh).center();
+  const Eigen::Vector3d middle = middle_of(mesh);
   double distance = 0.0, front = 0.0;
   for (const ViewingDirection& direction : directions) {
     Reach reach = reach_of(mesh, camera_axes(direction, options.up), middle, options);

@@ -101,8 +101,7 @@ struct RayCaster::Embree {
 
 Result<RayCaster> RayCaster::of(const TriangleMesh& mesh, int threads) {
   if (auto valid = check(mesh); !valid) return valid.error();
-  Eigen::AlignedBox3d box;
-  for (const auto& vertex : mesh.vertices) box.extend(vertex);
+  const Eigen::AlignedBox3d box = bounding_box(mesh);
   RayCaster caster;
   caster.centre_ = box.center();
   caster.radius_ = 0.5 * box.diagonal().norm();

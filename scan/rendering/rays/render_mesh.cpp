@@ -25,12 +25,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-double diagonal_of(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const auto& vertex : mesh.vertices) box.extend(vertex);
-  return box.diagonal().norm();
-}
-
 // Traces the rays of one picture.
 class PictureRays {
  public:
@@ -139,7 +133,7 @@ Result<MeshScene> MeshScene::of(TriangleMesh mesh, int threads) {
   auto caster = RayCaster::of(mesh, threads);
   if (!caster) return caster.error();
   auto normals = vertex_normals(mesh);
-  const double diagonal = diagonal_of(mesh);
+  const double diagonal = bounding_box(mesh).diagonal().norm();
   return MeshScene(std::make_shared<const Parts>(
       Parts{std::move(mesh), *std::move(caster), std::move(normals), diagonal}));
 }

@@ -25,13 +25,9 @@ struct Cluster {
 class Clusters {
  public:
   Clusters(const TriangleMesh& mesh, double cell) : mesh_(mesh) {
-    low_ = mesh.vertices.front();
-    Eigen::Vector3d high = low_;
-    for (const Eigen::Vector3d& vertex : mesh.vertices) {
-      low_ = low_.cwiseMin(vertex);
-      high = high.cwiseMax(vertex);
-    }
-    cell_ = std::max(cell, (high - low_).maxCoeff() / kMostCells);
+    const Eigen::AlignedBox3d box = bounding_box(mesh);
+    low_ = box.min();
+    cell_ = std::max(cell, box.sizes().maxCoeff() / kMostCells);
     gather();
     choose();
     for (int round = 0; round < kRounds && unfold(); ++round) choose();

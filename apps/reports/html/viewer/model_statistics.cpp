@@ -102,11 +102,9 @@ float quantile(std::vector<float>& values, double fraction) {
 
 ModelStatistics measure_model(const TriangleMesh& mesh) {
   ModelStatistics statistics;
-  statistics.low = statistics.high = mesh.vertices.front();
-  for (const Eigen::Vector3d& vertex : mesh.vertices) {
-    statistics.low = statistics.low.cwiseMin(vertex);
-    statistics.high = statistics.high.cwiseMax(vertex);
-  }
+  const Eigen::AlignedBox3d box = bounding_box(mesh);
+  statistics.low = box.min();
+  statistics.high = box.max();
   statistics.area = surface_area(mesh);
   measure_errors(mesh, statistics);
   count_views(mesh, statistics);

@@ -19,12 +19,10 @@ std::uint8_t to_byte(double value) {
 }
 
 void put_positions(const TriangleMesh& mesh, ViewerModel& model) {
-  model.low = model.high = mesh.vertices.front();
-  for (const Eigen::Vector3d& vertex : mesh.vertices) {
-    model.low = model.low.cwiseMin(vertex);
-    model.high = model.high.cwiseMax(vertex);
-  }
-  const Eigen::Vector3d extent = model.high - model.low;
+  const Eigen::AlignedBox3d box = bounding_box(mesh);
+  model.low = box.min();
+  model.high = box.max();
+  const Eigen::Vector3d extent = box.sizes();
   model.positions.reserve(mesh.vertices.size());
   for (const Eigen::Vector3d& vertex : mesh.vertices) {
     auto& position = model.positions.emplace_back();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "relief/scan/colour.h"
 #include "relief/scan/range_view.h"
@@ -26,6 +27,9 @@ struct TriangleMesh {
 
   Eigen::Vector3d corner(std::size_t face, int k) const { return vertices[faces[face][k]]; }
 };
+
+/// Of all vertices; empty for a mesh without any.
+Eigen::AlignedBox3d bounding_box(const TriangleMesh& mesh);
 
 /// Unnormalised normal of a face: its length is twice the area.
 Eigen::Vector3d face_cross(const TriangleMesh& mesh, std::size_t face);
