@@ -4,6 +4,8 @@
 #include <bit>
 #include <cassert>
 
+#include <fmt/format.h>
+
 namespace relief {
 
 static_assert(std::endian::native == std::endian::little, "base64_of() takes values as they lie");
@@ -79,6 +81,16 @@ std::string fill_template(std::string_view page,
     filled += value->second;
     page.remove_prefix(end + 2);
   }
+}
+
+std::string list_entry(std::string_view term, std::string_view html) {
+  return fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", term, html);
+}
+
+std::string scrolling_region(std::string_view label, std::string_view html) {
+  return fmt::format(
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">{}</div>\n", label,
+      html);
 }
 
 std::string grouped(std::uint64_t count) {

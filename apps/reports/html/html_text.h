@@ -28,6 +28,13 @@ std::string base64_of(const std::vector<T>& values) {
 std::string fill_template(std::string_view page,
                           const std::map<std::string, std::string, std::less<>>& values);
 
+/// A term and what it is, as an entry of a <dl>.
+std::string list_entry(std::string_view term, std::string_view html);
+
+/// HTML that scrolls sideways where the page is too narrow. `label` tells a screen reader what it
+/// is.
+std::string scrolling_region(std::string_view label, std::string_view html);
+
 /// A count with narrow spaces between its groups of three digits.
 std::string grouped(std::uint64_t count);
 

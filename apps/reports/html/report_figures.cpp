@@ -62,17 +62,20 @@ std::size_t ReportFigures::size(const std::string& place) const {
   return found && found->is_array() ? found->size() : 0;
 }
 
+std::vector<std::string> ReportFigures::entries(const std::string& place) const {
+  std::vector<std::string> places(size(place));
+  for (std::size_t i = 0; i < places.size(); ++i) places[i] = place + "/" + std::to_string(i);
+  return places;
+}
+
 std::string ReportFigures::alignment() const {
   return truth("/align_again/gain/kept").value_or(false) ? "/align_again" : "/align";
 }
 
 std::string ReportFigures::entry_of(const std::string& place, const std::string& name) const {
-  const Json* list = find(place);
-  if (!list || !list->is_array()) return "";
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    const auto& entry = (*list)[i];
-    if (entry.is_object() && entry.contains("name") && entry["name"] == name)
-      return place + "/" + std::to_string(i);
+  for (const std::string& entry : entries(place)) {
+    const Json* found = find(entry + "/name");
+    if (found && *found == name) return entry;
   }
   return "";
 }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/reports/report.h"
 
@@ -30,6 +31,8 @@ class ReportFigures {
   std::optional<bool> truth(const std::string& place) const;
   /// How many entries the array at `place` has; 0 if there is none.
   std::size_t size(const std::string& place) const;
+  /// The places of the entries of the array at `place`: `place/0`, `place/1` and so on.
+  std::vector<std::string> entries(const std::string& place) const;
   /// The section of the alignment whose poses the model has: `/align_again` or `/align`.
   std::string alignment() const;
   /// Where the entry of view `name` is in the array at `place`, as `place/3`; empty if it has none.

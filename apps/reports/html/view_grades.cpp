@@ -66,9 +66,7 @@ using FirmPairs = std::map<std::string, std::size_t>;
 
 FirmPairs count_firm_pairs(const ReportFigures& report) {
   FirmPairs count;
-  const std::string pairs = report.alignment() + "/pairs";
-  for (std::size_t i = 0; i < report.size(pairs); ++i) {
-    const std::string pair = pairs + "/" + std::to_string(i);
+  for (const std::string& pair : report.entries(report.alignment() + "/pairs")) {
     if (report.text(pair + "/grade") != "firm") continue;
     ++count[report.text(pair + "/a")];
     ++count[report.text(pair + "/b")];
@@ -94,10 +92,10 @@ std::vector<GradedView> grade_views(const ReportFigures& report) {
   std::string list = report.alignment() + "/views";
   if (report.size(list) == 0) list = "/refine/views";
   const FirmPairs firm_pairs = count_firm_pairs(report);
-  std::vector<GradedView> views(report.size(list));
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    GradedView& view = views[i];
-    view.name = report.text(list + "/" + std::to_string(i) + "/name");
+  std::vector<GradedView> views;
+  for (const std::string& entry : report.entries(list)) {
+    GradedView& view = views.emplace_back();
+    view.name = report.text(entry + "/name");
     const auto firm = firm_pairs.find(view.name);
     view.firm_pairs = firm == firm_pairs.end() ? 0 : firm->second;
     grade_pose(report, view);

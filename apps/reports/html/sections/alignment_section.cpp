@@ -16,36 +16,20 @@ namespace {
 constexpr std::size_t kLargestMatrix = 40;  // Views; more cells than a page can take.
 constexpr std::size_t kMostPairs = 400;     // Rows of the table of pairs.
 
-std::string scrolling(const char* label, const std::string& table) {
-  return fmt::format(
-      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">{}</div>\n", label,
-      table);
-}
-
 // The cells of the matrix, by the positions of both views.
 using PairPlaces = std::map<std::pair<std::size_t, std::size_t>, std::string>;
 
 PairPlaces places_of_pairs(const ReportContent& content) {
-  std::map<std::string, std::size_t> position;
-  for (std::size_t i = 0; i < content.views.size(); ++i) position[content.views[i].name] = i;
   PairPlaces places;
-  const std::string pairs = content.report.alignment() + "/pairs";
-  for (std::size_t i = 0; i < content.report.size(pairs); ++i) {
-    const std::string pair = pairs + "/" + std::to_string(i);
-    const auto a = position.find(content.report.text(pair + "/a"));
-    const auto b = position.find(content.report.text(pair + "/b"));
-    if (a == position.end() || b == position.end()) continue;
-    places[std::minmax(a->second, b->second)] = pair;
-  }
+  for (const PlacedPair& pair : placed_pairs(content))
+    places[std::minmax(pair.a, pair.b)] = pair.place;
   return places;
 }
 
 double median_residual(const ReportContent& content) {
   std::vector<double> residuals;
-  const std::string pairs = content.report.alignment() + "/pairs";
-  for (std::size_t i = 0; i < content.report.size(pairs); ++i)
-    if (const auto rms = content.report.number(pairs + "/" + std::to_string(i) + "/rms"))
-      residuals.push_back(*rms);
+  for (const std::string& pair : content.report.entries(content.report.alignment() + "/pairs"))
+    if (const auto rms = content.report.number(pair + "/rms")) residuals.push_back(*rms);
   return median(residuals);
 }
 
@@ -105,31 +89,26 @@ std::string matrix(const ReportContent& content) {
              "stronger the colour, the larger it is beside the median of {}. Below the diagonal: "
              "overlap.</p>\n",
              escape_html(content.unit), three_digits(median)) +
-         scrolling("Matrix of pairs", html + "</tbody></table>");
+         scrolling_region("Matrix of pairs", html + "</tbody></table>");
 }
 
 std::string free_directions(const ReportFigures& report, const std::string& pair) {
   std::string text;
-  for (std::size_t i = 0; i < report.size(pair + "/degenerate_directions"); ++i) {
-    const std::string place = pair + "/degenerate_directions/" + std::to_string(i);
-    text += (i == 0 ? "" : "; ") + report.text(place);
-  }
+  for (const std::string& place : report.entries(pair + "/degenerate_directions"))
+    text += (text.empty() ? "" : "; ") + report.text(place);
   return text;
 }
 
 // The largest residuals first.
 std::vector<std::string> sorted_pairs(const ReportFigures& report) {
-  const std::string list = report.alignment() + "/pairs";
-  std::vector<std::pair<double, std::string>> pairs;
-  for (std::size_t i = 0; i < report.size(list); ++i) {
-    const std::string pair = list + "/" + std::to_string(i);
-    pairs.emplace_back(report.number(pair + "/rms").value_or(0.0), pair);
-  }
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
-  std::vector<std::string> places;
-  for (auto& [residual, place] : pairs) places.push_back(std::move(place));
-  return places;
+  std::vector<std::string> pairs = report.entries(report.alignment() + "/pairs");
+  const auto residual = [&](const std::string& pair) {
+    return report.number(pair + "/rms").value_or(0.0);
+  };
+  std::stable_sort(pairs.begin(), pairs.end(), [&](const std::string& a, const std::string& b) {
+    return residual(a) > residual(b);
+  });
+  return pairs;
 }
 
 std::string pair_table(const ReportContent& content) {
@@ -161,7 +140,7 @@ std::string pair_table(const ReportContent& content) {
   return fmt::format(
       "<details><summary>All {} pairs, the largest residual first</summary>\n{}{}"
       "</details>\n",
-      pairs.size(), scrolling("Table of pairs", head + rows + "</tbody></table>"), rest);
+      pairs.size(), scrolling_region("Table of pairs", head + rows + "</tbody></table>"), rest);
 }
 
 std::string degenerate_directions(const ReportContent& content) {
@@ -181,10 +160,8 @@ std::string degenerate_directions(const ReportContent& content) {
 
 std::string deviations(const ReportContent& content) {
   const ReportFigures& report = content.report;
-  const std::string views = report.alignment() + "/views";
   std::string rows;
-  for (std::size_t i = 0; i < report.size(views); ++i) {
-    const std::string view = views + "/" + std::to_string(i);
+  for (const std::string& view : report.entries(report.alignment() + "/views")) {
     rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>",
                         escape_html(report.text(view + "/name")),
                         escape_html(report.text(view + "/status")));
@@ -199,7 +176,7 @@ std::string deviations(const ReportContent& content) {
       escape_html(content.unit));
   return "<h3>Standard deviations of the poses</h3>\n<p>A view whose pose is known, or that holds "
          "the others in place, has none.</p>\n" +
-         scrolling("Standard deviations of the poses", head + rows + "</tbody></table>");
+         scrolling_region("Standard deviations of the poses", head + rows + "</tbody></table>");
 }
 
 std::string introduction(const ReportContent& content) {

@@ -72,10 +72,6 @@ std::string views_chart(const std::vector<std::size_t>& counts) {
   return bar_chart(bars, "Number of views that measured a vertex", "views (0: filled)");
 }
 
-std::string entry(const char* term, const std::string& html) {
-  return fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", term, html);
-}
-
 std::string yes_or_no(const ReportFigures& report, const char* place) {
   const auto truth = report.truth(place);
   return !truth ? "–" : *truth ? "yes" : "no";
@@ -84,47 +80,51 @@ std::string yes_or_no(const ReportFigures& report, const char* place) {
 std::string size_entries(const ReportContent& content) {
   const ReportFigures& report = content.report;
   const std::string unit = escape_html(content.unit);
-  std::string html =
-      entry("Vertices", report.shown("/merge/vertices", Rounding::kCount)) +
-      entry("Faces", report.shown("/merge/faces", Rounding::kCount)) +
-      entry("Volume", report.shown("/merge/volume", Rounding::kThreeDigits, content.unit + "³"));
+  std::string html = list_entry("Vertices", report.shown("/merge/vertices", Rounding::kCount)) +
+                     list_entry("Faces", report.shown("/merge/faces", Rounding::kCount)) +
+                     list_entry("Volume", report.shown("/merge/volume", Rounding::kThreeDigits,
+                                                       content.unit + "³"));
   if (content.model) {
     const double filled = report.number("/merge/filled_area_fraction").value_or(0.0);
-    html += entry("Area", three_digits(content.model->area) + "&nbsp;" + unit + "²");
-    html += entry("Area measured",
-                  three_digits(content.model->area * (1.0 - filled)) + "&nbsp;" + unit + "²");
+    html += list_entry("Area", three_digits(content.model->area) + "&nbsp;" + unit + "²");
+    html += list_entry("Area measured",
+                       three_digits(content.model->area * (1.0 - filled)) + "&nbsp;" + unit + "²");
   }
   return html +
-         entry("Area filled", report.shown("/merge/filled_area_fraction", Rounding::kPercent)) +
-         entry("Voxel size",
-               report.shown("/merge/voxel_size", Rounding::kThreeDigits, content.unit)) +
-         entry("Truncation",
-               report.shown("/merge/truncation", Rounding::kThreeDigits, content.unit));
+         list_entry("Area filled",
+                    report.shown("/merge/filled_area_fraction", Rounding::kPercent)) +
+         list_entry("Voxel size",
+                    report.shown("/merge/voxel_size", Rounding::kThreeDigits, content.unit)) +
+         list_entry("Truncation",
+                    report.shown("/merge/truncation", Rounding::kThreeDigits, content.unit));
 }
 
 std::string topology_entries(const ReportFigures& report) {
-  return entry("Watertight", yes_or_no(report, "/merge/watertight")) +
-         entry("Manifold edges", yes_or_no(report, "/merge/manifold_edges")) +
-         entry("Manifold vertices", yes_or_no(report, "/merge/manifold_vertices")) +
-         entry("Oriented", yes_or_no(report, "/merge/oriented")) +
-         entry("Boundary edges", report.shown("/merge/boundary_edges", Rounding::kCount)) +
-         entry("Components", report.shown("/merge/components", Rounding::kCount)) +
-         entry("Genus (handles)", report.shown("/merge/genus", Rounding::kCount)) +
-         entry("Components removed", report.shown("/merge/components_removed", Rounding::kCount));
+  return list_entry("Watertight", yes_or_no(report, "/merge/watertight")) +
+         list_entry("Manifold edges", yes_or_no(report, "/merge/manifold_edges")) +
+         list_entry("Manifold vertices", yes_or_no(report, "/merge/manifold_vertices")) +
+         list_entry("Oriented", yes_or_no(report, "/merge/oriented")) +
+         list_entry("Boundary edges", report.shown("/merge/boundary_edges", Rounding::kCount)) +
+         list_entry("Components", report.shown("/merge/components", Rounding::kCount)) +
+         list_entry("Genus (handles)", report.shown("/merge/genus", Rounding::kCount)) +
+         list_entry("Components removed",
+                    report.shown("/merge/components_removed", Rounding::kCount));
 }
 
 std::string polish_entries(const ReportContent& content) {
   const ReportFigures& report = content.report;
   if (!report.find("/merge/polish")) return "";
   const std::string at = "/merge/polish";
-  return "<h3>Polishing</h3>\n<dl>" + entry("Result", escape_html(report.text(at + "/status"))) +
-         entry("Vertices with normal",
-               report.shown(at + "/vertices_with_normal", Rounding::kCount)) +
-         entry("Scatter of a view's normals", report.shown(at + "/sigma_view_deg") + "°") +
-         entry("Vertices moved, RMS",
-               report.shown(at + "/rms_move", Rounding::kThreeDigits, content.unit)) +
-         entry("At most", report.shown(at + "/max_move", Rounding::kThreeDigits, content.unit)) +
-         entry("Vertices held back", report.shown(at + "/vertices_damped", Rounding::kCount)) +
+  return "<h3>Polishing</h3>\n<dl>" +
+         list_entry("Result", escape_html(report.text(at + "/status"))) +
+         list_entry("Vertices with normal",
+                    report.shown(at + "/vertices_with_normal", Rounding::kCount)) +
+         list_entry("Scatter of a view's normals", report.shown(at + "/sigma_view_deg") + "°") +
+         list_entry("Vertices moved, RMS",
+                    report.shown(at + "/rms_move", Rounding::kThreeDigits, content.unit)) +
+         list_entry("At most",
+                    report.shown(at + "/max_move", Rounding::kThreeDigits, content.unit)) +
+         list_entry("Vertices held back", report.shown(at + "/vertices_damped", Rounding::kCount)) +
          "</dl>\n";
 }
 

@@ -37,17 +37,9 @@ std::string edge(const ReportContent& content, const std::string& pair, const Ei
 
 std::string edges(const ReportContent& content) {
   const std::size_t count = content.views.size();
-  std::map<std::string, std::size_t> position;
-  for (std::size_t i = 0; i < count; ++i) position[content.views[i].name] = i;
   std::string svg;
-  const std::string pairs = content.report.alignment() + "/pairs";
-  for (std::size_t i = 0; i < content.report.size(pairs); ++i) {
-    const std::string pair = pairs + "/" + std::to_string(i);
-    const auto a = position.find(content.report.text(pair + "/a"));
-    const auto b = position.find(content.report.text(pair + "/b"));
-    if (a == position.end() || b == position.end()) continue;
-    svg += edge(content, pair, place(a->second, count, kRadius), place(b->second, count, kRadius));
-  }
+  for (const PlacedPair& pair : placed_pairs(content))
+    svg += edge(content, pair.place, place(pair.a, count, kRadius), place(pair.b, count, kRadius));
   return svg;
 }
 
@@ -67,6 +59,18 @@ std::string node(const GradedView& view, std::size_t i, std::size_t count) {
 }
 
 }  // namespace
+
+std::vector<PlacedPair> placed_pairs(const ReportContent& content) {
+  std::map<std::string, std::size_t> position;
+  for (std::size_t i = 0; i < content.views.size(); ++i) position[content.views[i].name] = i;
+  std::vector<PlacedPair> placed;
+  for (const std::string& pair : content.report.entries(content.report.alignment() + "/pairs")) {
+    const auto a = position.find(content.report.text(pair + "/a"));
+    const auto b = position.find(content.report.text(pair + "/b"));
+    if (a != position.end() && b != position.end()) placed.push_back({a->second, b->second, pair});
+  }
+  return placed;
+}
 
 std::string pair_graph(const ReportContent& content) {
   std::string svg = edges(content);

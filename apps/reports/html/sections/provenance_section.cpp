@@ -7,13 +7,9 @@ namespace relief {
 
 namespace {
 
-std::string entry(const std::string& term, const std::string& html) {
-  return fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", term, html);
-}
-
 std::string text_entry(const ReportFigures& report, const char* term, const char* place) {
   const std::string text = report.text(place);
-  return text.empty() ? "" : entry(term, escape_html(text));
+  return text.empty() ? "" : list_entry(term, escape_html(text));
 }
 
 std::string options(const ReportFigures& report) {
@@ -23,7 +19,7 @@ std::string options(const ReportFigures& report) {
   for (const auto& [name, value] : given->items())
     list += fmt::format("<code>{} {}</code> ", escape_html(name),
                         escape_html(value.is_string() ? value.get<std::string>() : value.dump()));
-  return entry("Options given", list.empty() ? "none: all have their defaults" : list);
+  return list_entry("Options given", list.empty() ? "none: all have their defaults" : list);
 }
 
 std::string times(const ReportFigures& report) {
@@ -39,15 +35,15 @@ std::string times(const ReportFigures& report) {
   for (const Stage& stage : kStages) {
     const std::string place = std::string(stage.section) + "/seconds";
     if (report.number(place))
-      html += entry(stage.name, report.shown(place, Rounding::kThreeDigits, "s"));
+      html += list_entry(stage.name, report.shown(place, Rounding::kThreeDigits, "s"));
   }
   return html;
 }
 
 std::string memory(const ReportFigures& report) {
   if (!report.number("/merge/peak_memory_mb")) return "";
-  return entry("Largest memory",
-               report.shown("/merge/peak_memory_mb", Rounding::kThreeDigits, "MB"));
+  return list_entry("Largest memory",
+                    report.shown("/merge/peak_memory_mb", Rounding::kThreeDigits, "MB"));
 }
 
 }  // namespace

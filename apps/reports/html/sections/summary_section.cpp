@@ -70,15 +70,15 @@ double fraction_seen_twice(const ModelStatistics& model) {
 
 std::string good_poses(const ReportContent& content) {
   const ReportFigures& report = content.report;
-  const std::string views = report.alignment() + "/views";
-  const std::size_t count = report.size(views);
-  std::size_t verified = 0;
-  for (std::size_t i = 0; i < count; ++i)
-    verified += report.text(views + "/" + std::to_string(i) + "/status") == "verified";
-  if (count == 0 || verified == 0) return "";
-  return item(fmt::format("{} {} at poses that other views confirm.",
-                          verified == count ? "All views" : fmt::format("{} views", verified),
-                          verified == 1 ? "stands" : "stand"));
+  const std::vector<std::string> views = report.entries(report.alignment() + "/views");
+  const auto verified = std::count_if(views.begin(), views.end(), [&](const std::string& view) {
+    return report.text(view + "/status") == "verified";
+  });
+  if (verified == 0) return "";
+  return item(
+      fmt::format("{} {} at poses that other views confirm.",
+                  verified == std::ssize(views) ? "All views" : fmt::format("{} views", verified),
+                  verified == 1 ? "stands" : "stand"));
 }
 
 std::string good_refinement(const ReportContent& content) {

@@ -45,8 +45,7 @@ std::string row(const ReportContent& content, const GradedView& view) {
 std::string table(const ReportContent& content) {
   const std::string unit = escape_html(content.unit);
   std::string html = fmt::format(
-      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Table of "
-      "views\"><table><thead><tr>"
+      "<table><thead><tr>"
       "<th>View</th><th>Grade</th><th>Firm pairs</th>"
       "<th>Noise of ranges [{0}]</th><th>Noise of normals [°]</th><th>Normal bias [°]</th>"
       "<th>Moved by refining [{0}]</th><th>Expected error after [{0}]</th>"
@@ -54,7 +53,7 @@ std::string table(const ReportContent& content) {
       "<th>Samples contradicted</th></tr></thead><tbody>\n",
       unit);
   for (const GradedView& view : content.views) html += row(content, view);
-  return html + "</tbody></table></div>\n";
+  return scrolling_region("Table of views", html + "</tbody></table>");
 }
 
 std::string noise_in_words(const ReportContent& content, const std::string& entry) {
