@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "tests/support/program.h"
+#include "tests/support/simulated_scans.h"
 
 namespace relief {
 namespace {
@@ -23,22 +24,15 @@ using testing::TemporaryFolder;
 using testing::write_text;
 
 // A good project of three small simulated views, made once, that each test copies and spoils.
-class BadInput : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    original_ = new TemporaryFolder;
-    const ProgramRun run =
-        run_relief({"simulate", "-q", "--views", "3", "--width", "64", "--height", "64",
-                    "--mesh-divisions", "0", "-o", original_->path().string()});
-    ASSERT_EQ(run.exit_status, 0) << run.standard_error;
-  }
-  static void TearDownTestSuite() {
-    delete original_;
-    original_ = nullptr;
+class BadInput : public testing::SimulatedScans<BadInput> {
+ public:
+  static std::vector<std::string> simulation() {
+    return {"--views", "3", "--width", "64", "--height", "64", "--mesh-divisions", "0"};
   }
 
+ protected:
   void SetUp() override {
-    std::filesystem::copy(original_->path(), project_.path(),
+    std::filesystem::copy(scans().path(), project_.path(),
                           std::filesystem::copy_options::recursive);
     scan_ = json::parse(read_text(project_ / "scan.json"));
   }
@@ -66,12 +60,9 @@ class BadInput : public ::testing::Test {
     }
   }
 
-  static TemporaryFolder* original_;
   TemporaryFolder project_;
   json scan_;
 };
-
-TemporaryFolder* BadInput::original_ = nullptr;
 
 TEST_F(BadInput, MissingProject) {
   std::filesystem::remove(project_ / "scan.json");

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/simulated_scans.h"
 
 namespace relief {
 namespace {
@@ -18,31 +19,17 @@ using testing::read_text;
 using testing::run_relief;
 using testing::TemporaryFolder;
 
-class Evaluate : public ::testing::Test {
+class Evaluate : public testing::SimulatedScans<Evaluate> {
+ public:
+  static std::vector<std::string> simulation() {
+    return {"--views", "2", "--width", "128", "--height", "128", "--mesh-divisions", "20"};
+  }
+
  protected:
-  static void SetUpTestSuite() {
-    scans_ = new TemporaryFolder;
-    const ProgramRun run =
-        run_relief({"simulate", "-q", "--views", "2", "--width", "128", "--height", "128",
-                    "--mesh-divisions", "20", "-o", scans_->path().string()});
-    ASSERT_EQ(run.exit_status, 0) << run.standard_error;
-  }
-  static void TearDownTestSuite() {
-    delete scans_;
-    scans_ = nullptr;
-  }
-
-  static std::string scan() { return *scans_ / "scan.json"; }
-  static std::string truth() { return *scans_ / "truth/scan.json"; }
-  static std::string model() { return *scans_ / "truth/model.ply"; }
-
   static bool have_gnuplot() { return std::system("gnuplot --version > /dev/null 2>&1") == 0; }
 
-  static TemporaryFolder* scans_;
   const TemporaryFolder out_;
 };
-
-TemporaryFolder* Evaluate::scans_ = nullptr;
 
 TEST_F(Evaluate, ReportsSpectraOfViews) {
   const ProgramRun run = run_relief({"evaluate", scan(), "--truth", truth(), "--json", "-q"});

@@ -8,6 +8,7 @@
 
 #include "scan/io/images/image_io.h"
 #include "tests/support/program.h"
+#include "tests/support/simulated_scans.h"
 
 namespace relief {
 namespace {
@@ -22,24 +23,13 @@ using testing::read_text;
 using testing::run_relief;
 using testing::TemporaryFolder;
 
-class Render : public ::testing::Test {
+class Render : public testing::SimulatedScans<Render> {
+ public:
+  static std::vector<std::string> simulation() {
+    return {"--views", "3", "--width", "96", "--height", "96", "--mesh-divisions", "20"};
+  }
+
  protected:
-  static void SetUpTestSuite() {
-    scans_ = new TemporaryFolder;
-    const ProgramRun run =
-        run_relief({"simulate", "-q", "--views", "3", "--width", "96", "--height", "96",
-                    "--mesh-divisions", "20", "-o", scans_->path().string()});
-    ASSERT_EQ(run.exit_status, 0) << run.standard_error;
-  }
-  static void TearDownTestSuite() {
-    delete scans_;
-    scans_ = nullptr;
-  }
-
-  static std::string scan() { return *scans_ / "scan.json"; }
-  static std::string truth() { return *scans_ / "truth/scan.json"; }
-  static std::string model() { return *scans_ / "truth/model.ply"; }
-
   // Renders to out.png, and gives the picture and the report.
   std::pair<Image, json> render(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), {"render"});
@@ -71,11 +61,8 @@ class Render : public ::testing::Test {
     return count;
   }
 
-  static TemporaryFolder* scans_;
   const TemporaryFolder out_;
 };
-
-TemporaryFolder* Render::scans_ = nullptr;
 
 TEST_F(Render, AModelFillsThePicture) {
   const auto [image, report] = render({model(), "--size", "120x100"});
