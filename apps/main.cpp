@@ -7,8 +7,32 @@
 #include "apps/commands/command.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
-#include "apps/console/progress_display.h"
+#include "apps/console/interruption.h"
 #include "apps/version.h"
+#include "relief/scan/context.h"
+
+namespace relief {
+namespace {
+
+// Of the chosen command, whose option it is.
+int threads_of(const CLI::App& app) {
+  const CLI::Option* threads = app.get_subcommands().front()->get_option_no_throw("--threads");
+  return threads ? threads->as<int>() : 0;
+}
+
+// On its threads, until a signal asks it to stop.
+int carry_out(const Action& action, int threads) {
+  Context context;
+  context.threads = threads;
+  context.stop = interruption();
+  int status = kDone;
+  if (!run_until_stopped(context, [&] { status = action(); }))
+    return fail({ErrorKind::kInterrupted, "stopped on request"});
+  return status;
+}
+
+}  // namespace
+}  // namespace relief
 
 int main(int argc, char** argv) {
   using namespace relief;
@@ -36,7 +60,7 @@ int main(int argc, char** argv) {
 
   catch_interrupts();
   try {
-    return action();
+    return carry_out(action, threads_of(app));
   } catch (const std::bad_alloc&) {
     return fail({ErrorKind::kUnsolvable,
                  "out of memory: reduce the number or the resolution of the views, or give a "

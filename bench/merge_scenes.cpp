@@ -61,8 +61,7 @@ bool admesh_agrees(const TriangleMesh& mesh, const std::filesystem::path& folder
 
 std::string faults_of(const TriangleMesh& mesh, const SceneOptions& options,
                       const std::filesystem::path& folder, Tally& tally) {
-  const MeshCheck check =
-      check_mesh(mesh, {.self_intersections = true, .threads = options.threads});
+  const MeshCheck check = check_mesh(mesh, {.self_intersections = true});
   std::string faults;
   if (!check.watertight()) faults += " not watertight;";
   if (!check.self_intersections->pairs.empty())
@@ -78,9 +77,7 @@ std::string faults_of(const TriangleMesh& mesh, const SceneOptions& options,
 
 void run_scene(const std::vector<RangeView>& views, std::uint32_t seed, const SceneOptions& options,
                const std::filesystem::path& folder, Tally& tally) {
-  fusion::MergeOptions merge;
-  merge.threads = options.threads;
-  const auto merged = fusion::merge_views(views, merge);
+  const auto merged = fusion::merge_views(views);
   if (!merged) {
     ++tally.errors[merged.error().message];
     return;
@@ -89,7 +86,6 @@ void run_scene(const std::vector<RangeView>& views, std::uint32_t seed, const Sc
   tally.faces += merged->mesh.faces.size();
   std::string faults = faults_of(merged->mesh, options, folder, tally);
   hybrid::PolishOptions polish;
-  polish.threads = options.threads;
   polish.normals.max_distance = merged->truncation;
   const auto polished = hybrid::polish_mesh(merged->mesh, views, polish);
   if (polished && polished->rounds > 0) {
@@ -134,5 +130,5 @@ int main(int argc, char** argv) {
   app.add_flag("!--no-admesh", options.admesh, "Do not ask admesh");
   app.add_option("--threads", options.threads, "0: one per core")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  return relief::run(options);
+  return relief::on_threads(options.threads, [&] { return relief::run(options); });
 }

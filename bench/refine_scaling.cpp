@@ -68,7 +68,7 @@ struct Timed {
 Timed solve(const hybrid::ViewProblem& problem, hybrid::Solver kind) {
   Timed timed;
   const double wall = wall_seconds(), start = processor_seconds();
-  const auto solver = hybrid::make_view_solver(problem, true, kind, kThreads);
+  const auto solver = hybrid::make_view_solver(problem, true, kind);
   if (!solver->set_weights(wavy_weights(problem, kWavyNormalNoise, kBiasStep))) std::abort();
   const double ready = processor_seconds();
   timed.y = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(problem.size()));
@@ -80,8 +80,8 @@ Timed solve(const hybrid::ViewProblem& problem, hybrid::Solver kind) {
 }
 
 void measure_solvers(const RangeView& view, double pixels) {
-  const hybrid::ViewProblem problem = hybrid::make_view_problem(
-      view, connect_samples(view), hybrid::Stencil::kCompactEdge, kThreads);
+  const hybrid::ViewProblem problem =
+      hybrid::make_view_problem(view, connect_samples(view), hybrid::Stencil::kCompactEdge);
   const Timed fast = solve(problem, hybrid::Solver::kMultigrid);
   std::printf(
       "%9.2f  multigrid   setup %6.2f us/pixel, %2d steps %6.2f us/pixel, %.3f s, %.3f s wall\n",
@@ -99,7 +99,6 @@ void measure_solvers(const RangeView& view, double pixels) {
 void measure_refinement(const RangeView& view, bool deviation) {
   const auto pixels = static_cast<double>(view.range.size());
   hybrid::RefineOptions options;
-  options.threads = kThreads;
   options.deviation = deviation;
   const PeakMemory memory_used;
   const double wall = wall_seconds(), start = processor_seconds();
@@ -125,6 +124,19 @@ RangeView object_view() {
   return std::move(simulation->scans.views.front());
 }
 
+void measure(const std::vector<int>& sides) {
+  std::printf("megapixels\n");
+  for (const int side : sides) {
+    const RangeView view = wavy_view(side);
+    measure_solvers(view, static_cast<double>(side) * side);
+    for (const bool deviation : {false, true}) measure_refinement(view, deviation);
+    std::fflush(stdout);
+  }
+  const RangeView view = object_view();
+  std::printf("built-in object, %zu samples\n", view.sample_count());
+  for (const bool deviation : {false, true}) measure_refinement(view, deviation);
+}
+
 }  // namespace
 }  // namespace relief
 
@@ -132,15 +144,5 @@ int main(int argc, char** argv) {
   std::vector<int> sides;
   for (int k = 1; k < argc; ++k) sides.push_back(std::atoi(argv[k]));
   if (sides.empty()) sides = {512, 1024, 2048, 4096};
-  std::printf("megapixels\n");
-  for (const int side : sides) {
-    const relief::RangeView view = relief::wavy_view(side);
-    const double pixels = static_cast<double>(side) * side;
-    relief::measure_solvers(view, pixels);
-    for (const bool deviation : {false, true}) relief::measure_refinement(view, deviation);
-    std::fflush(stdout);
-  }
-  const relief::RangeView view = relief::object_view();
-  std::printf("built-in object, %zu samples\n", view.sample_count());
-  for (const bool deviation : {false, true}) relief::measure_refinement(view, deviation);
+  relief::on_threads(relief::kThreads, [&] { relief::measure(sides); });
 }

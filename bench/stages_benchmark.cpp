@@ -37,23 +37,21 @@ void align(benchmark::State& state) {
   const auto& views = scans(static_cast<int>(state.range(0))).scans.views;
   for (auto _ : state)
     benchmark::DoNotOptimize(
-        registration::align_views(views, {.threads = static_cast<int>(state.range(1))}));
+        registration::align_views(views, {}, {.threads = static_cast<int>(state.range(1))}));
   count_samples(state, views);
 }
 
 void refine(benchmark::State& state) {
   const RangeView& view = scans(static_cast<int>(state.range(0))).scans.views.front();
-  hybrid::RefineOptions options;
-  options.threads = static_cast<int>(state.range(1));
-  for (auto _ : state) benchmark::DoNotOptimize(hybrid::refine_view(view, options));
+  const Context context{.threads = static_cast<int>(state.range(1))};
+  for (auto _ : state) benchmark::DoNotOptimize(hybrid::refine_view(view, {}, context));
   count_samples(state, {view});
 }
 
 void merge(benchmark::State& state) {
   const auto& views = scans(static_cast<int>(state.range(0))).truth.views;
-  fusion::MergeOptions options;
-  options.threads = static_cast<int>(state.range(1));
-  for (auto _ : state) benchmark::DoNotOptimize(fusion::merge_views(views, options));
+  const Context context{.threads = static_cast<int>(state.range(1))};
+  for (auto _ : state) benchmark::DoNotOptimize(fusion::merge_views(views, {}, context));
   count_samples(state, views);
 }
 

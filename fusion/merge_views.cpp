@@ -43,7 +43,6 @@ class Preparation {
  public:
   Preparation(const MergeOptions& options, double nominal_deviation, MemoryLimit* memory) {
     options_.silhouette_ramp = options.silhouette_ramp;
-    options_.threads = options.threads;
     options_.nominal_deviation = nominal_deviation;
     options_.memory = memory;
   }
@@ -52,8 +51,7 @@ class Preparation {
                                               std::vector<std::string>& notes) {
     if (views.count == 0) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
     // Side by side as many as there are threads; under a limit one after the other.
-    const auto at_once =
-        options_.memory ? 1 : static_cast<std::size_t>(thread_count(options_.threads));
+    const auto at_once = options_.memory ? 1 : static_cast<std::size_t>(thread_count());
     for (std::size_t i = 0; i < views.count; i += at_once)
       if (const auto added = add(views, i, std::min(i + at_once, views.count), notes); !added)
         return added.error();
@@ -79,7 +77,7 @@ class Preparation {
     }
     for (const auto& view : used) evict_pages(options_.memory, kPreparation * view->range.size());
     using Prepared = std::optional<Result<ViewSampler>>;
-    auto samplers = parallel_map<Prepared>(used.size(), options_.threads, [&](std::size_t k) {
+    auto samplers = parallel_map<Prepared>(used.size(), [&](std::size_t k) {
       return Prepared(ViewSampler::create(*used[k], options_));
     });
     for (std::size_t k = 0; k < used.size(); ++k) {
@@ -128,10 +126,9 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
 constexpr std::size_t kMeshCheck = 120;
 constexpr std::size_t kVertexAttributes = 80;
 
-std::unique_ptr<MemoryLimit> limit_of(const MergeOptions& options,
-                                      std::vector<std::string>& notes) {
-  if (options.memory == 0) return nullptr;
-  auto limit = std::make_unique<MemoryLimit>(options.memory, options.scratch_folder);
+std::unique_ptr<MemoryLimit> limit_of(const Context& context, std::vector<std::string>& notes) {
+  if (context.memory == 0) return nullptr;
+  auto limit = std::make_unique<MemoryLimit>(context.memory, context.temporary_folder);
   if (limit->folder_is_memory())
     notes.push_back("temporary files in " + limit->folder().string() +
                     " lie in memory themselves: the limit spares the machine nothing");
@@ -145,7 +142,6 @@ Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views,
   ClosedFieldOptions field_options;
   field_options.voxel_size = result.voxel_size;
   field_options.truncation = result.truncation;
-  field_options.threads = options.threads;
   field_options.memory = memory;
   const auto field = compute_closed_field(views, field_options, progress);
   if (!field) return field.error();
@@ -156,7 +152,7 @@ Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views,
                            " blocks of voxels it still moved when its sweeps ended");
   if (!report_progress(progress, 0.7, "extract"))
     return Error{ErrorKind::kInterrupted, "merging was interrupted"};
-  return extract_isosurface(field->finest(), options.threads, memory);
+  return extract_isosurface(field->finest(), memory);
 }
 
 bool opens_holes(const MergeOptions& options) {
@@ -208,14 +204,12 @@ Result<void> fair_fill(const FairFillOptions& options, const std::vector<ViewSam
   return {};
 }
 
-}  // namespace
-
-Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOptions& options,
-                                      const Progress& progress) {
+Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
+                          const Context& context) {
   const Error interrupted{ErrorKind::kInterrupted, "merging was interrupted"};
   MergeResult result;
-  if (!report_progress(progress, 0.0, "merge")) return interrupted;
-  const std::unique_ptr<MemoryLimit> memory = limit_of(options, result.notes);
+  if (!report_progress(context.progress, 0.0, "merge")) return interrupted;
+  const std::unique_ptr<MemoryLimit> memory = limit_of(context, result.notes);
   const auto deviation = typical_deviation(views, memory.get());
   if (!deviation) return deviation.error();
   const auto samplers = Preparation(options, *deviation, memory.get())(views, result.notes);
@@ -224,7 +218,7 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
   count_samples(*samplers, result);
   choose_scales(*samplers, options, *deviation > 0.0, result);
 
-  auto mesh = closed_surface(*samplers, options, result, memory.get(), progress);
+  auto mesh = closed_surface(*samplers, options, result, memory.get(), context.progress);
   if (!mesh) return mesh.error();
   result.mesh = std::move(mesh).value();
   release_freed_memory();
@@ -236,20 +230,19 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
   if (result.mesh.faces.empty())
     return Error{ErrorKind::kUnsolvable,
                  "no surface was found: the voxel size is too large for the object"};
-  align_edges_with_creases(result.mesh,
-                           {result.voxel_size, result.view_noise, options.threads, memory.get()});
+  align_edges_with_creases(result.mesh, {result.voxel_size, result.view_noise, memory.get()});
   evict_pages(memory.get(), kMeshCheck * result.mesh.vertices.size());
   if (const auto kept = check(memory.get()); !kept) return kept.error();
   result.check = check_mesh(result.mesh);
   if (!result.check.watertight()) return failed_check(result.check);
 
-  if (!report_progress(progress, 0.85, "measure the surface")) return interrupted;
+  if (!report_progress(context.progress, 0.85, "measure the surface")) return interrupted;
   evict_pages(memory.get(), kVertexAttributes * result.mesh.vertices.size());
   const VertexAttributeOptions measure{result.truncation, result.voxel_size, result.view_noise,
-                                       options.threads, memory.get()};
+                                       memory.get()};
   set_vertex_attributes(result.mesh, *samplers, measure);
-  const FairFillOptions fair{result.truncation, result.voxel_size, options.threads, memory.get()};
-  if (const auto faired = fair_fill(fair, *samplers, result, progress); !faired)
+  const FairFillOptions fair{result.truncation, result.voxel_size, memory.get()};
+  if (const auto faired = fair_fill(fair, *samplers, result, context.progress); !faired)
     return faired.error();
   set_filled_quality(result.mesh);
   set_vertex_colours(result.mesh, *samplers, measure);
@@ -259,17 +252,24 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
     result.check = check_mesh(result.mesh);
   }
   if (const auto kept = check(memory.get()); !kept) return kept.error();
-  report_progress(progress, 1.0, "merge");
+  report_progress(context.progress, 1.0, "merge");
   return result;
 }
 
+}  // namespace
+
+Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOptions& options,
+                                      const Context& context) {
+  return run_in(context, [&] { return merge(views, options, context); });
+}
+
 Result<MergeResult> merge_views(const std::vector<RangeView>& views, const MergeOptions& options,
-                                const Progress& progress) {
+                                const Context& context) {
   // Pointers that own nothing.
   const auto load = [&](std::size_t i) -> Result<std::shared_ptr<const RangeView>> {
     return std::shared_ptr<const RangeView>(std::shared_ptr<void>(), &views[i]);
   };
-  return merge_from_source({views.size(), load}, options, progress);
+  return merge_from_source({views.size(), load}, options, context);
 }
 
 }  // namespace relief::fusion

@@ -54,9 +54,8 @@ Grid<float> deviations(const RangeView& view, const ViewProblem& problem, double
   return deviation;
 }
 
-void move_samples(const ViewProblem& problem, const Eigen::VectorXd& y, int threads,
-                  RangeView& view) {
-  for_each_sample(problem, threads, [&](Eigen::Index k, std::uint32_t pixel) {
+void move_samples(const ViewProblem& problem, const Eigen::VectorXd& y, RangeView& view) {
+  for_each_sample(problem, [&](Eigen::Index k, std::uint32_t pixel) {
     const int u = problem.grid.u(pixel), v = problem.grid.v(pixel);
     view.range(u, v) += y[k] / view.camera.ray(u, v).direction.norm();
   });
@@ -99,14 +98,14 @@ class Refinement {
 
   // Whether there is something to solve; if not, the status says why.
   bool prepare() {
-    ranges_ = prepare_view(measured_, options_.discontinuities, options_.threads);
+    ranges_ = prepare_view(measured_, options_.discontinuities);
     edges_ = ranges_.edges;
     const RangeView trusted = screen(ranges_.view);
-    const RangeSteps steps = range_steps(trusted, edges_, options_.threads);
+    const RangeSteps steps = range_steps(trusted, edges_);
     const NoiseEstimate estimate = estimate_errors(trusted, steps);
     RangeView& view = result_.view = std::move(ranges_.view);
     if (estimate.sigma_local > 0.0) cut_steps(trusted, steps, estimate);
-    problem_ = make_view_problem(view, edges_, options_.stencil, options_.threads);
+    problem_ = make_view_problem(view, edges_, options_.stencil);
     if (problem_.empty()) return stop(why_empty());
     noise_ = make_noise_model(options_, estimate, problem_);
     if (!noise_.usable()) return stop(RefineStatus::kNoiseUnknown);
@@ -116,8 +115,8 @@ class Refinement {
   }
 
   // False when interrupted.
-  bool solve(const Progress& progress) {
-    const RobustSolve solved = solve_robustly(problem_, noise_, options_, progress);
+  bool solve(const Context& context) {
+    const RobustSolve solved = solve_robustly(problem_, noise_, options_, context);
     if (solved.interrupted) return false;
     result_.status = solved.status;
     result_.rounds = solved.rounds;
@@ -148,9 +147,8 @@ class Refinement {
   // rounding leaves. Where the noise changes over the view, that of a typical sample.
   NoiseEstimate estimate_errors(const RangeView& trusted, const RangeSteps& steps) {
     const bool all_measured = ranges_.flying + ranges_.filled == 0;
-    NoiseEstimate estimate = estimate_noise(
-        all_measured ? steps : range_steps(trusted, ranges_.measured_edges, options_.threads),
-        options_.threads);
+    NoiseEstimate estimate =
+        estimate_noise(all_measured ? steps : range_steps(trusted, ranges_.measured_edges));
     const double sigma = ranges_.noise.sigma;
     if (options_.sigma_position) {
       estimate.sigma_position = estimate.sigma_local = *options_.sigma_position;
@@ -175,8 +173,8 @@ class Refinement {
   void for_wild_samples(const RangeView& trusted, const NoiseEstimate& estimate,
                         const Visit& visit) const {
     const Grid<std::uint8_t> all(trusted.width(), trusted.height(), 1);
-    const RangeSteps steps = range_steps(trusted, {all, all}, options_.threads);
-    const auto wild = range_outliers(steps, estimate, ranges_.variance, options_.threads);
+    const RangeSteps steps = range_steps(trusted, {all, all});
+    const auto wild = range_outliers(steps, estimate, ranges_.variance);
     for (int v = 0; v < wild.height(); ++v)
       for (int u = 0; u < wild.width(); ++u)
         if (wild(u, v)) visit(u, v);
@@ -191,7 +189,7 @@ class Refinement {
   // themselves: they follow their neighbours and normals.
   void cut_steps(const RangeView& trusted, const RangeSteps& steps, const NoiseEstimate& estimate) {
     const GridEdges all = edges_;
-    edges_ = cut_unexplained_steps(all, steps, estimate, ranges_.variance, options_.threads);
+    edges_ = cut_unexplained_steps(all, steps, estimate, ranges_.variance);
     auto flying = flying_samples(result_.view, edges_);
     for_wild_samples(trusted, estimate, [&](int u, int v) {
       if (joined(all, u, v))
@@ -216,7 +214,7 @@ class Refinement {
   // Replaces wild normals; gives the view without them.
   RangeView screen(RangeView& view) {
     if (options_.robust_rounds == 0) return view;
-    ScreenedNormals screened = screen_normals(view, options_.threads);
+    ScreenedNormals screened = screen_normals(view);
     RangeView trusted = without(view, screened.isolated);
     view.normals = std::move(screened.normals);
     result_.replaced_normals = screened.count;
@@ -224,12 +222,11 @@ class Refinement {
   }
 
   void turn_contradicted_normals(const NoiseEstimate& estimate) {
-    const CoherentErrors errors =
-        coherent_errors(problem_, estimate, noise_.spacing, options_.threads);
+    const CoherentErrors errors = coherent_errors(problem_, estimate, noise_.spacing);
     if (errors.samples == 0) return;
     result_.outlier_normals = errors.samples;
-    result_.view.normals = subtract_bias(result_.view, problem_, errors.slopes, options_.threads);
-    problem_ = make_view_problem(result_.view, edges_, options_.stencil, options_.threads);
+    result_.view.normals = subtract_bias(result_.view, problem_, errors.slopes);
+    problem_ = make_view_problem(result_.view, edges_, options_.stencil);
   }
 
   RefineStatus why_empty() const {
@@ -242,7 +239,7 @@ class Refinement {
     TwoStepResult corrected = two_step_correction(result_.view, edges_, problem_, scale);
     if (!corrected.solved) return stop(RefineStatus::kSolverFailed);
     result_.view.normals = std::move(corrected.normals);
-    problem_ = make_view_problem(result_.view, edges_, options_.stencil, options_.threads);
+    problem_ = make_view_problem(result_.view, edges_, options_.stencil);
     return true;
   }
 
@@ -257,10 +254,10 @@ class Refinement {
   void finish(const RobustSolve& solved) {
     const Eigen::VectorXd& y = solved.y;
     const auto count = static_cast<Eigen::Index>(problem_.size());
-    move_samples(problem_, y, options_.threads, result_.view);
+    move_samples(problem_, y, result_.view);
     if (y.size() > count) {
       const Eigen::VectorXd bias = y.tail(2 * count);
-      result_.view.normals = subtract_bias(result_.view, problem_, bias, options_.threads);
+      result_.view.normals = subtract_bias(result_.view, problem_, bias);
       result_.bias_rms = rms(bias);
     }
     Grid<float> deviation;
@@ -310,15 +307,17 @@ std::string_view to_string(RefineStatus status) {
 }
 
 Result<RefinedView> refine_view(const RangeView& view, const RefineOptions& options,
-                                const Progress& progress) {
+                                const Context& context) {
   const Stopwatch watch;
   if (const Result<void> valid = validate(options); !valid) return valid.error();
-  Refinement refinement(view, options);
-  if (refinement.prepare() && !refinement.solve(progress))
-    return Error{ErrorKind::kInterrupted, "refine: stopped on request"};
-  RefinedView& result = refinement.result();
-  result.seconds = watch.seconds();
-  return std::move(result);
+  return run_in(context, [&]() -> Result<RefinedView> {
+    Refinement refinement(view, options);
+    if (refinement.prepare() && !refinement.solve(context))
+      return Error{ErrorKind::kInterrupted, "refine: stopped on request"};
+    RefinedView& result = refinement.result();
+    result.seconds = watch.seconds();
+    return std::move(result);
+  });
 }
 
 }  // namespace relief::hybrid

@@ -26,49 +26,61 @@ int views_at_once(const std::vector<RangeView>& views, const RefineOptions& opti
   for (const RangeView& view : views)
     needs.push_back(view.range.size() * bytes_per_pixel(options.solver));
   std::sort(needs.begin(), needs.end(), std::greater<>());
-  const std::size_t most =
-      std::min(needs.size(), static_cast<std::size_t>(thread_count(options.threads)));
+  const std::size_t most = std::min(needs.size(), static_cast<std::size_t>(thread_count()));
   std::size_t count = 0, used = 0;
   while (count < most && used + needs[count] <= budget) used += needs[count++];
   return std::max(1, static_cast<int>(count));
 }
 
-Result<std::vector<RefinedView>> refine_views(const std::vector<RangeView>& views,
-                                              const RefineOptions& options,
-                                              const Progress& progress, std::size_t memory) {
-  const int threads = thread_count(options.threads);
-  const int at_once = views_at_once(views, options, memory);
-  RefineOptions view_options = options;
-  view_options.threads = std::max(1, threads / at_once);
+namespace {
 
+// Some views at a time, each on its part of the threads.
+std::vector<std::optional<Result<RefinedView>>> refine_some_at_once(
+    const std::vector<RangeView>& views, const RefineOptions& options, const Context& context) {
+  const int at_once = views_at_once(views, options, context.memory);
+  Context of_view = context;
+  of_view.threads = std::max(1, thread_count() / at_once);
   std::vector<std::optional<Result<RefinedView>>> results(views.size());
   std::atomic<std::size_t> done{0};
   std::atomic<bool> stop{false};
   const auto caller = std::this_thread::get_id();
   // Only the caller's thread may report; the others stop when it was told to.
-  const Progress tick = [&](double, std::string_view) {
+  of_view.progress = [&](double, std::string_view) {
     if (std::this_thread::get_id() == caller) {
       const double fraction = static_cast<double>(done) / static_cast<double>(views.size());
-      if (!report_progress(progress, fraction, "solving for positions and normals")) stop = true;
+      if (!report_progress(context.progress, fraction, "solving for positions and normals"))
+        stop = true;
     }
     return !stop;
   };
-  parallel_for(views.size(), 1, at_once, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end && tick(0.0, {}); ++i) {
-      results[i] = refine_view(views[i], view_options, tick);
-      ++done;
-    }
+  on_threads(at_once, [&] {
+    parallel_for(views.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end && of_view.progress(0.0, {}); ++i) {
+        results[i] = refine_view(views[i], options, of_view);
+        ++done;
+      }
+    });
   });
+  return results;
+}
 
-  if (stop) return Error{ErrorKind::kInterrupted, "refinement was interrupted"};
-  report_progress(progress, 1.0, "done");
-  std::vector<RefinedView> refined;
-  refined.reserve(views.size());
-  for (auto& result : results) {
-    if (!*result) return result->error();
-    refined.push_back(std::move(*result).value());
-  }
-  return refined;
+}  // namespace
+
+Result<std::vector<RefinedView>> refine_views(const std::vector<RangeView>& views,
+                                              const RefineOptions& options,
+                                              const Context& context) {
+  return run_in(context, [&]() -> Result<std::vector<RefinedView>> {
+    auto results = refine_some_at_once(views, options, context);
+    std::vector<RefinedView> refined;
+    refined.reserve(views.size());
+    for (auto& result : results) {
+      if (!result) return Error{ErrorKind::kInterrupted, "refinement was interrupted"};
+      if (!*result) return result->error();
+      refined.push_back(std::move(*result).value());
+    }
+    report_progress(context.progress, 1.0, "done");
+    return refined;
+  });
 }
 
 }  // namespace relief::hybrid

@@ -6,7 +6,7 @@
 #include <vtkDataObject.h>
 #include <vtkInformation.h>
 
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 
 namespace relief::interop {
 
@@ -16,13 +16,18 @@ inline void accept_range_views(vtkInformation& port) {
   port.Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
 }
 
-/// Reports to the observers of a filter, and stops when one has set AbortExecute.
-inline Progress progress_of(vtkAlgorithm& filter) {
-  return [&filter](double fraction, std::string_view step) {
+/// The threads of a filter, and a progress that tells its observers and stops when one has set
+/// AbortExecute.
+template <typename Filter>
+Context context_of(Filter& filter) {
+  Context context;
+  context.threads = filter.GetNumberOfThreads();
+  context.progress = [&filter](double fraction, std::string_view step) {
     filter.SetProgressText(std::string(step).c_str());
     filter.UpdateProgress(fraction);
     return filter.GetAbortExecute() == 0;
   };
+  return context;
 }
 
 }  // namespace relief::interop

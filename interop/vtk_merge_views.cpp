@@ -24,7 +24,6 @@ relief::fusion::MergeOptions options_of(vtkReliefMergeViews& filter) {
   options.keep_holes = filter.GetKeepHoles();
   options.largest_fill = filter.GetLargestFill();
   options.keep_components = filter.GetKeepComponents();
-  options.threads = filter.GetNumberOfThreads();
   return options;
 }
 
@@ -58,7 +57,7 @@ int vtkReliefMergeViews::RequestData(vtkInformation*, vtkInformationVector** inp
     return 0;
   }
   const auto merged =
-      relief::fusion::merge_views(*views, options_of(*this), relief::interop::progress_of(*this));
+      relief::fusion::merge_views(*views, options_of(*this), relief::interop::context_of(*this));
   if (!merged) {
     if (merged.error().kind == relief::ErrorKind::kInterrupted) return 1;
     vtkErrorMacro(<< merged.error().message);

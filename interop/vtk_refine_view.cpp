@@ -20,7 +20,6 @@ relief::hybrid::RefineOptions options_of(vtkReliefRefineView& filter) {
   if (filter.GetLambda() != 0.0) options.lambda = filter.GetLambda();
   options.bias = static_cast<relief::hybrid::BiasModel>(filter.GetBiasModel());
   options.robust_rounds = filter.GetRobustRounds();
-  options.threads = filter.GetNumberOfThreads();
   return options;
 }
 
@@ -43,7 +42,7 @@ int vtkReliefRefineView::RequestData(vtkInformation*, vtkInformationVector** inp
     return 0;
   }
   const auto refined =
-      relief::hybrid::refine_view(*view, options_of(*this), relief::interop::progress_of(*this));
+      relief::hybrid::refine_view(*view, options_of(*this), relief::interop::context_of(*this));
   if (!refined) {
     if (refined.error().kind == relief::ErrorKind::kInterrupted) return 1;
     vtkErrorMacro(<< refined.error().message);

@@ -2,35 +2,20 @@
 
 #include <utility>
 
-#include "relief/scan/progress.h"
+#include "reconstruction/stage_context.h"
 #include "scan/base/parallel.h"
 
 namespace relief::reconstruction {
 
 namespace {
 
-Progress progress_of(const StageProgress& progress, Stage stage) {
-  if (!progress) return {};
-  return [&progress, stage](double fraction, std::string_view step) {
-    return progress(stage, fraction, step);
-  };
-}
-
-fusion::MergeOptions merge_options_of(const ModelOptions& options) {
-  fusion::MergeOptions merge = options.merge;
-  merge.threads = options.threads;
-  return merge;
-}
-
 // Moving the vertices changes the check of the mesh, and what was closed must still be. After an
 // error the model is as it was.
 Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& options,
-                    const StageProgress& progress, Model& model) {
+                    const StageContext& context, Model& model) {
   hybrid::PolishOptions polish = *options.polish;
-  polish.threads = options.threads;
   if (!(polish.normals.max_distance > 0.0)) polish.normals.max_distance = model.merged.truncation;
-  auto polished =
-      hybrid::polish_mesh(model.mesh, views, polish, progress_of(progress, Stage::kPolish));
+  auto polished = hybrid::polish_mesh(model.mesh, views, polish, context.of(Stage::kPolish));
   if (!polished) return polished.error();
   model.polished = *polished;
   if (polished->rounds == 0) return {};
@@ -55,7 +40,7 @@ Result<void> decimate(const fusion::DecimationOptions& options, Model& model) {
 }
 
 Result<Model> finish(Result<fusion::MergeResult> merged, const LoadAllViews& all,
-                     const ModelOptions& options, const StageProgress& progress) {
+                     const ModelOptions& options, const StageContext& context) {
   if (!merged) return merged.error();
   const std::vector<RangeView>* views = nullptr;
   if (options.polish) {
@@ -69,7 +54,7 @@ Result<Model> finish(Result<fusion::MergeResult> merged, const LoadAllViews& all
   model.check = std::move(merged->check);
   model.merged = std::move(*merged);
   if (options.polish) {
-    if (const auto done = polish(*views, options, progress, model); !done) {
+    if (const auto done = polish(*views, options, context, model); !done) {
       if (done.error().kind != ErrorKind::kUnsolvable) return done.error();
       model.merged.notes.push_back("the model is not polished: " + done.error().message);
     }
@@ -99,20 +84,25 @@ std::string_view to_string(Stage stage) {
 }
 
 Result<Model> build_model(const std::vector<RangeView>& views, const ModelOptions& options,
-                          const StageProgress& progress) {
+                          const Context& context, const StageProgress& progress) {
   const LoadAllViews all = [&](const fusion::MergeResult&) {
     return Result<const std::vector<RangeView>*>(&views);
   };
-  return finish(
-      fusion::merge_views(views, merge_options_of(options), progress_of(progress, Stage::kMerge)),
-      all, options, progress);
+  return run_in(context, [&] {
+    const StageContext stages{context, progress};
+    return finish(fusion::merge_views(views, options.merge, stages.of(Stage::kMerge)), all, options,
+                  stages);
+  });
 }
 
 Result<Model> build_model_from_source(const fusion::ViewSource& views, const LoadAllViews& all,
-                                      const ModelOptions& options, const StageProgress& progress) {
-  return finish(fusion::merge_from_source(views, merge_options_of(options),
-                                          progress_of(progress, Stage::kMerge)),
-                all, options, progress);
+                                      const ModelOptions& options, const Context& context,
+                                      const StageProgress& progress) {
+  return run_in(context, [&] {
+    const StageContext stages{context, progress};
+    return finish(fusion::merge_from_source(views, options.merge, stages.of(Stage::kMerge)), all,
+                  options, stages);
+  });
 }
 
 }  // namespace relief::reconstruction

@@ -37,18 +37,16 @@ struct ComparedView {
   double spacing = 0.0;
   RigidMotion view_from_world;
 
-  ComparedView(const RangeView& of, int threads) : view(&of) {
+  explicit ComparedView(const RangeView& of) : view(&of) {
     if (auto created = ViewProjection::create(of)) projection = std::move(*created);
-    noise = estimate_range_noise(of, threads);
-    edges = connect_samples(of, noise, {}, threads);
+    noise = estimate_range_noise(of);
+    edges = connect_samples(of, noise);
     const Grid<Eigen::Vector3d> points = points_of(of);
     spacing = sample_spacing(points, edges);
-    measure_local_spacing(points, threads);
+    measure_local_spacing(points);
     view_from_world = of.world_from_view.inverse();
     if (!of.has_normals()) {
-      GridNormalOptions options;
-      options.threads = threads;
-      estimated_normals = estimate_normals(of, edges, options);
+      estimated_normals = estimate_normals(of, edges, {});
     }
   }
 
@@ -61,9 +59,9 @@ struct ComparedView {
   }
 
  private:
-  void measure_local_spacing(const Grid<Eigen::Vector3d>& points, int threads) {
+  void measure_local_spacing(const Grid<Eigen::Vector3d>& points) {
     local_spacing = {points.width(), points.height(), 0.0f};
-    parallel_rows(points.height(), threads, [&](int v) {
+    parallel_rows(points.height(), [&](int v) {
       for (int u = 0; u < points.width(); ++u) {
         double longest = 0.0;
         for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
@@ -129,11 +127,11 @@ struct Distances {
 };
 
 Distances distances_to_others(const ComparedView& own_view,
-                              const std::vector<const ComparedView*>& others, int threads) {
+                              const std::vector<const ComparedView*>& others) {
   const RangeView& view = *own_view.view;
   const Grid<float> unknown(view.width(), view.height(), static_cast<float>(kNoSample));
   Distances result{unknown, unknown};
-  parallel_rows(view.height(), threads, [&](int v) {
+  parallel_rows(view.height(), [&](int v) {
     std::vector<double> distances;
     for (int u = 0; u < view.width(); ++u) {
       const Eigen::Vector3d normal = own_view.normals()(u, v).cast<double>();
@@ -188,13 +186,12 @@ struct Comparison {
   Grid<float> correction;  // Of the range; NaN: none.
 };
 
-Comparison compare(const ComparedView& own_view, const std::vector<const ComparedView*>& others,
-                   int threads) {
+Comparison compare(const ComparedView& own_view, const std::vector<const ComparedView*>& others) {
   Comparison comparison;
   const RangeView& view = *own_view.view;
   comparison.factor = {view.width(), view.height(), 1.0f};
   if (others.size() < kFewestOthers) return comparison;
-  Distances found = distances_to_others(own_view, others, threads);
+  Distances found = distances_to_others(own_view, others);
   const Grid<float>& distances = found.agreed;
   ViewConsistency& consistency = comparison.consistency;
   consistency.compared = static_cast<std::size_t>(
@@ -202,7 +199,7 @@ Comparison compare(const ComparedView& own_view, const std::vector<const Compare
   const double deviation = robust_deviation(distances, own_view.noise);
   if (consistency.compared == 0 || !(deviation > 0.0)) return comparison;
   consistency.deviation = deviation;
-  parallel_rows(view.height(), threads, [&](int v) {
+  parallel_rows(view.height(), [&](int v) {
     for (int u = 0; u < view.width(); ++u) {
       if (!view.has_sample(u, v)) continue;
       const double square = mean_square(distances, u, v, deviation);
@@ -227,14 +224,13 @@ void lower_confidence(const Grid<float>& factor, RangeView& view) {
   }
 }
 
-}  // namespace
-
-Result<std::vector<ViewConsistency>> weigh_by_consistency(
-    const std::vector<registration::PairFit>& pairs, const CrossViewOptions& options,
-    std::vector<RangeView>& views, const Progress& progress) {
+Result<std::vector<ViewConsistency>> weigh(const std::vector<registration::PairFit>& pairs,
+                                           const CrossViewOptions& options,
+                                           std::vector<RangeView>& views,
+                                           const Progress& progress) {
   std::vector<ComparedView> compared;
   compared.reserve(views.size());
-  for (const RangeView& view : views) compared.emplace_back(view, options.threads);
+  for (const RangeView& view : views) compared.emplace_back(view);
   std::vector<std::vector<const ComparedView*>> others(views.size());
   for (const registration::PairFit& pair : pairs) {
     if (compared[pair.b].projection) others[pair.a].push_back(&compared[pair.b]);
@@ -245,7 +241,7 @@ Result<std::vector<ViewConsistency>> weigh_by_consistency(
     const double done = static_cast<double>(i) / static_cast<double>(views.size());
     if (!report_progress(progress, done, "comparing views"))
       return Error{ErrorKind::kInterrupted, "comparing views: stopped on request"};
-    comparisons.push_back(compare(compared[i], others[i], options.threads));
+    comparisons.push_back(compare(compared[i], others[i]));
   }
   std::vector<ViewConsistency> found;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -256,6 +252,14 @@ Result<std::vector<ViewConsistency>> weigh_by_consistency(
       found.back().corrected = correct_ranges(comparisons[i].correction, views[i]);
   }
   return found;
+}
+
+}  // namespace
+
+Result<std::vector<ViewConsistency>> weigh_by_consistency(
+    const std::vector<registration::PairFit>& pairs, const CrossViewOptions& options,
+    std::vector<RangeView>& views, const Context& context) {
+  return run_in(context, [&] { return weigh(pairs, options, views, context.progress); });
 }
 
 }  // namespace relief::reconstruction

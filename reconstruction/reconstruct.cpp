@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "reconstruction/stage_context.h"
+
 namespace relief::reconstruction {
 
 namespace {
@@ -10,14 +12,14 @@ namespace {
 class Reconstructor {
  public:
   Reconstructor(std::vector<RangeView> views, const ReconstructionOptions& options,
-                const ReconstructionCallbacks& callbacks)
-      : options_(options), callbacks_(callbacks) {
+                const Context& context, const ReconstructionCallbacks& callbacks)
+      : options_(options), context_(context), callbacks_(callbacks) {
     result_.views = std::move(views);
   }
 
   Result<Reconstruction> run() {
     if (options_.remove_background) {
-      result_.background = find_static_background(result_.views, options_.threads);
+      result_.background = find_static_background(result_.views);
       ::relief::remove_background(result_.background, result_.views);
     }
     for (const auto stage : {&Reconstructor::align, &Reconstructor::compare, &Reconstructor::refine,
@@ -31,7 +33,7 @@ class Reconstructor {
  private:
   Result<void> align() {
     auto alignment =
-        registration::align_views(result_.views, align_options(), progress_of(Stage::kAlign));
+        registration::align_views(result_.views, options_.align, stages_.of(Stage::kAlign));
     if (!alignment) return alignment.error();
     registration::apply_alignment(*alignment, result_.views);
     if (auto told = tell(callbacks_.aligned, *alignment); !told) return told;
@@ -62,9 +64,8 @@ class Reconstructor {
     if (options_.contradicted == ContradictedRanges::kKeep) return {};
     CrossViewOptions compare;
     compare.correct = options_.contradicted == ContradictedRanges::kCorrect;
-    compare.threads = options_.threads;
     auto found = weigh_by_consistency(remaining_pairs(), compare, result_.views,
-                                      progress_of(Stage::kCompare));
+                                      stages_.of(Stage::kCompare));
     if (!found) return found.error();
     result_.consistency = std::move(*found);
     return tell(callbacks_.compared, result_.consistency, result_.views);
@@ -79,11 +80,7 @@ class Reconstructor {
   }
 
   Result<void> refine() {
-    hybrid::RefineOptions options = options_.refine;
-    options.threads = options_.threads;
-    options.seed = options_.seed;
-    auto refined = hybrid::refine_views(result_.views, options, progress_of(Stage::kRefine),
-                                        options_.refine_memory);
+    auto refined = hybrid::refine_views(result_.views, options_.refine, stages_.of(Stage::kRefine));
     if (!refined) return refined.error();
     for (std::size_t i = 0; i < refined->size(); ++i) {
       hybrid::RefinedView& view = (*refined)[i];
@@ -101,10 +98,10 @@ class Reconstructor {
 
   Result<void> align_again() {
     if (any_refined() && result_.views.size() > 1) {
-      registration::AlignOptions options = align_options();
+      registration::AlignOptions options = options_.align;
       options.surface.normals = registration::NormalSource::kMeasured;
       auto alignment =
-          registration::align_views(result_.views, options, progress_of(Stage::kAlignAgain));
+          registration::align_views(result_.views, options, stages_.of(Stage::kAlignAgain));
       if (!alignment) return alignment.error();
       const AlignmentGain gain =
           compare_alignments(result_.first_alignment, *alignment, result_.views);
@@ -116,25 +113,12 @@ class Reconstructor {
   }
 
   Result<void> merge() {
-    ModelOptions options = options_.model;
-    options.threads = options_.threads;
-    auto model = build_model(result_.views, options, callbacks_.progress);
+    Context context = context_;
+    context.memory = 0;
+    auto model = build_model(result_.views, options_.model, context, callbacks_.progress);
     if (!model) return model.error();
     result_.model = std::move(*model);
     return {};
-  }
-
-  registration::AlignOptions align_options() const {
-    registration::AlignOptions options = options_.align;
-    options.threads = options_.threads;
-    return options;
-  }
-
-  Progress progress_of(Stage stage) const {
-    if (!callbacks_.progress) return {};
-    return [this, stage](double fraction, std::string_view step) {
-      return callbacks_.progress(stage, fraction, step);
-    };
   }
 
   template <typename Callback, typename... Arguments>
@@ -143,7 +127,9 @@ class Reconstructor {
   }
 
   const ReconstructionOptions& options_;
+  const Context& context_;
   const ReconstructionCallbacks& callbacks_;
+  const StageContext stages_{context_, callbacks_.progress};
   Reconstruction result_;
 };
 
@@ -156,9 +142,10 @@ bool Reconstruction::complete() const {
 }
 
 Result<Reconstruction> reconstruct(std::vector<RangeView> views,
-                                   const ReconstructionOptions& options,
+                                   const ReconstructionOptions& options, const Context& context,
                                    const ReconstructionCallbacks& callbacks) {
-  return Reconstructor(std::move(views), options, callbacks).run();
+  return run_in(context,
+                [&] { return Reconstructor(std::move(views), options, context, callbacks).run(); });
 }
 
 }  // namespace relief::reconstruction

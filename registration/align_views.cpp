@@ -49,7 +49,6 @@ Result<std::vector<ViewSurface>> build_surfaces(const std::vector<RangeView>& vi
                                                 const AlignOptions& options,
                                                 const Progress& progress) {
   ViewSurfaceOptions surface = options.surface;
-  surface.threads = options.threads;
   surface.neighbour_index |= options.refinement.association == Association::kNearest ||
                              options.starting_poses.association == Association::kNearest;
   std::vector<ViewSurface> surfaces;
@@ -107,9 +106,7 @@ class Aligning {
         surfaces_(surfaces),
         starting_(options.starting_poses),
         refinement_(options.refinement),
-        progress_(progress) {
-    starting_.threads = refinement_.threads = options.threads;
-  }
+        progress_(progress) {}
 
   Result<Alignment> run() {
     auto given = refine_given_poses(surfaces_, views_, starting_, refinement_, progress_);
@@ -263,7 +260,7 @@ std::vector<RigidMotion> Alignment::world_from_view() const {
 }
 
 Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOptions& options,
-                              const Progress& progress) {
+                              const Context& context) {
   if (views.empty()) return Error{ErrorKind::kBadInput, "there are no views to align"};
   if (const auto why = invalid_option(options); !why.empty())
     return Error{ErrorKind::kBadInput, "alignment options: " + why};
@@ -273,9 +270,11 @@ Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOp
                      ": its camera has no projection of points to pixels; use "
                      "the association auto or nearest"};
 
-  auto surfaces = build_surfaces(views, options, progress);
-  if (!surfaces) return surfaces.error();
-  return Aligning(views, *surfaces, options, progress).run();
+  return run_in(context, [&]() -> Result<Alignment> {
+    auto surfaces = build_surfaces(views, options, context.progress);
+    if (!surfaces) return surfaces.error();
+    return Aligning(views, *surfaces, options, context.progress).run();
+  });
 }
 
 std::string_view to_string(PoseStatus status) {

@@ -7,7 +7,6 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
-#include "apps/console/progress_display.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/alignment_report.h"
 #include "relief/registration/align_views.h"
@@ -30,10 +29,9 @@ int align(const AlignCommand& command) {
   if (!project) return fail(project.error());
   if (const auto ready = prepare_folder_of(command.output); !ready) return fail(ready.error());
   registration::AlignOptions options = command.options;
-  options.threads = command.common.threads;
   const Stopwatch watch;
   const auto alignment =
-      registration::align_views(project->views, options, console_progress("align"));
+      registration::align_views(project->views, options, context_of(command.common, "align"));
   if (!alignment) return fail(alignment.error());
   registration::apply_alignment(*alignment, project->views);
   Json report = to_json(*alignment);

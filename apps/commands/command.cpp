@@ -7,6 +7,7 @@
 
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
+#include "apps/console/interruption.h"
 #include "apps/console/progress_display.h"
 #include "relief/scan/static_background.h"
 
@@ -100,12 +101,10 @@ void add_background_option(CLI::App& command, ProjectInput& input) {
 }
 
 Result<ScanProject> read_with_notes(const ProjectInput& input, const CommonOptions& common) {
-  ReadProjectOptions options = input.options;
-  options.threads = common.threads;
-  auto project = read_project(input.path, options, console_progress("read"));
+  auto project = read_project(input.path, input.options, context_of(common, "read"));
   if (!project) return project;
   if (input.look_for_background) {
-    const StaticBackground background = find_static_background(project->views, common.threads);
+    const StaticBackground background = find_static_background(project->views);
     if (!input.keep_background) remove_background(background, project->views);
     for (std::string& line : describe(background, !input.keep_background))
       project->notes.push_back(std::move(line));
@@ -120,6 +119,14 @@ Result<ScanProject> read_with_notes(const ProjectInput& input, const CommonOptio
                 std::to_string(samples) + " samples, " + std::to_string(with_normals) +
                 " views with normals, unit " + project->unit);
   return project;
+}
+
+Context context_of(const CommonOptions& common, const std::string& stage) {
+  Context context;
+  context.seed = common.seed;
+  context.progress = console_progress(stage);
+  context.stop = interruption();
+  return context;
 }
 
 int fail(const Error& error) {

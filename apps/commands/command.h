@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "apps/console/progress_format.h"
 #include "relief/io/project_io.h"
+#include "relief/scan/context.h"
 
 namespace relief {
 
@@ -63,6 +65,9 @@ void add_background_option(CLI::App& command, ProjectInput& input);
 
 /// Reads the project with progress, and logs what the reader found out by itself.
 Result<ScanProject> read_with_notes(const ProjectInput& input, const CommonOptions& common);
+
+/// The context of one stage of a command. Threads are those of the whole command already.
+Context context_of(const CommonOptions& common, const std::string& stage);
 
 /// Logs the error and gives its exit status.
 int fail(const Error& error);

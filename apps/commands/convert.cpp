@@ -7,7 +7,6 @@
 #include "apps/commands/export_views.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
-#include "apps/console/progress_display.h"
 #include "apps/options/input_kind.h"
 #include "relief/io/mesh_io.h"
 #include "relief/scan/triangle_mesh.h"
@@ -59,7 +58,7 @@ Result<void> write_as(const ScanProject& project, const ConvertCommand& command)
   if (auto folder = check_folder_name(command.output); !folder) return folder;
   WriteProjectOptions options = command.project;
   if (command.pcd) options = {.grids = true, .grid_format = GridFormat::kPcd};
-  return write_project(project, command.output, console_progress("write"), options);
+  return write_project(project, command.output, context_of(command.common, "write"), options);
 }
 
 int convert_project(const ConvertCommand& command) {

@@ -11,7 +11,6 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
-#include "apps/console/progress_display.h"
 #include "apps/options/input_kind.h"
 #include "apps/reports/evaluation_plots.h"
 #include "apps/reports/evaluation_report.h"
@@ -50,8 +49,8 @@ Result<void> deliver(const EvaluateCommand& command, const Json& figures) {
 
 // A mesh with the distances of its vertices to `other` as quality and as colours.
 Result<void> write_errors(TriangleMesh mesh, const TriangleMesh& other, bool with_sign,
-                          double scale, int threads, const std::filesystem::path& file) {
-  auto distances = evaluation::signed_distances(mesh, other, threads);
+                          double scale, const std::filesystem::path& file) {
+  auto distances = evaluation::signed_distances(mesh, other);
   if (!with_sign)
     for (double& distance : distances) distance = std::abs(distance);
   mesh.quality.assign(distances.begin(), distances.end());
@@ -66,18 +65,16 @@ Result<void> write_errors(TriangleMesh mesh, const TriangleMesh& other, bool wit
 
 Result<void> write_both_errors(const EvaluateCommand& command, const TriangleMesh& result,
                                const TriangleMesh& truth, double scale) {
-  const int threads = command.common.threads;
-  if (auto done = write_errors(result, truth, true, scale, threads, command.output / "errors.ply");
-      !done)
+  if (auto done = write_errors(result, truth, true, scale, command.output / "errors.ply"); !done)
     return done;
-  return write_errors(truth, result, false, scale, threads, command.output / "completeness.ply");
+  return write_errors(truth, result, false, scale, command.output / "completeness.ply");
 }
 
 // Brings the result into the frame of the truth and notes how.
 Result<void> move_to_truth(const EvaluateCommand& command, const TriangleMesh& truth,
                            TriangleMesh& result, Json& figures) {
-  const auto fit = evaluation::align_mesh(
-      result, truth, {.seed = command.common.seed, .threads = command.common.threads});
+  const auto fit =
+      evaluation::align_mesh(result, truth, {}, context_of(command.common, "evaluate"));
   if (!fit) return fit.error();
   for (auto& vertex : result.vertices) vertex = fit->truth_from_result * vertex;
   const Eigen::Matrix3f rotation = fit->truth_from_result.linear().cast<float>();
@@ -101,15 +98,11 @@ Result<void> evaluate_mesh(const EvaluateCommand& command) {
   Json alignment = Json::object();
   if (command.align)
     if (auto moved = move_to_truth(command, *truth, *result, alignment); !moved) return moved;
-  evaluation::MeshDistanceOptions options = command.mesh;
-  options.threads = command.common.threads;
-  options.seed = command.common.seed;
-  const auto comparison =
-      evaluation::compare_meshes(*result, *truth, options, console_progress("evaluate"));
+  const auto comparison = evaluation::compare_meshes(*result, *truth, command.mesh,
+                                                     context_of(command.common, "evaluate"));
   if (!comparison) return comparison.error();
 
-  const MeshCheck check =
-      check_mesh(*result, {.self_intersections = true, .threads = command.common.threads});
+  const MeshCheck check = check_mesh(*result, {.self_intersections = true});
   if (!command.common.json) print_table(*comparison, check, "");
   const double p95 = comparison->accuracy.all.distance.p95;
   const double scale = command.colour_scale > 0.0 ? command.colour_scale : p95 > 0.0 ? p95 : 1.0;
@@ -174,11 +167,10 @@ Result<void> evaluate_project(const EvaluateCommand& command) {
   Json figures = Json::object();
   std::optional<evaluation::ViewSpectra> spectra;
   if (with_views) {
-    const evaluation::ViewErrorOptions options{.threads = command.common.threads};
-    const auto views = evaluation::evaluate_views(*result, *truth, options);
+    const Context context = context_of(command.common, "evaluate");
+    const auto views = evaluation::evaluate_views(*result, *truth, {}, context);
     if (!views) return views.error();
-    auto by_frequency =
-        evaluation::evaluate_spectra(*result, *truth, options, console_progress("evaluate"));
+    auto by_frequency = evaluation::evaluate_spectra(*result, *truth, {}, context);
     if (!by_frequency) return by_frequency.error();
     spectra = *std::move(by_frequency);
     figures = to_json(*views);

@@ -53,7 +53,7 @@ std::size_t inner_count(const RangeView& view, const GridEdges& edges) {
 
 // What the ranges alone show, in figures and in words.
 void add_range_noise(const RangeView& view, const std::string& unit, Json& info) {
-  const RangeNoise noise = estimate_range_noise(view, 0);
+  const RangeNoise noise = estimate_range_noise(view);
   info["range_noise"] = describe(noise, view, unit);
   if (noise.known()) info["sigma_range"] = noise.sigma;
   if (noise.quantisation.step > 0.0) info["range_step"] = noise.quantisation.step;

@@ -33,22 +33,25 @@ struct MergedProject {
 };
 
 Result<MergedProject> in_memory(const MergeCommand& command,
-                                const reconstruction::ModelOptions& options) {
+                                const reconstruction::ModelOptions& options,
+                                const Context& context) {
   const auto project = read_with_notes(command.input, command.common);
   if (!project) return project.error();
   if (const auto ready = prepare_folder_of(command.output); !ready) return ready.error();
   const Stopwatch watch;
-  auto model = reconstruction::build_model(project->views, options, console_stage_progress());
+  auto model =
+      reconstruction::build_model(project->views, options, context, console_stage_progress());
   if (!model) return model.error();
   return MergedProject{std::move(*model), project->unit, watch.seconds()};
 }
 
 Result<MergedProject> within_limit(const MergeCommand& command,
-                                   const reconstruction::ModelOptions& options) {
+                                   const reconstruction::ModelOptions& options,
+                                   const Context& context) {
   if (const auto ready = prepare_folder_of(command.output); !ready) return ready.error();
   const Stopwatch watch;
   MergedProject merged;
-  auto model = merge_within_limit(command.input, options, merged.unit);
+  auto model = merge_within_limit(command.input, options, context, merged.unit);
   if (!model) return model.error();
   merged.model = std::move(*model);
   merged.seconds = watch.seconds();
@@ -56,13 +59,13 @@ Result<MergedProject> within_limit(const MergeCommand& command,
 }
 
 int merge(const MergeCommand& command) {
-  reconstruction::ModelOptions options = command.merge.resolved();
-  options.threads = command.common.threads;
-  options.merge.memory = command.memory_mb << 20;
-  options.merge.scratch_folder =
-      command.output.has_parent_path() ? command.output.parent_path() : ".";
-  const auto merged =
-      options.merge.memory > 0 ? within_limit(command, options) : in_memory(command, options);
+  const reconstruction::ModelOptions options = command.merge.resolved();
+  // Stages tell their progress themselves.
+  Context context = context_of(command.common, "").with_progress({});
+  context.memory = command.memory_mb << 20;
+  context.temporary_folder = command.output.has_parent_path() ? command.output.parent_path() : ".";
+  const auto merged = context.memory > 0 ? within_limit(command, options, context)
+                                         : in_memory(command, options, context);
   if (!merged) return fail(merged.error());
   Json report = to_json(merged->model);
   report["seconds"] = merged->seconds;

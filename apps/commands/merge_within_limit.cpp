@@ -74,8 +74,7 @@ constexpr std::size_t kSearchedPixel = 24;
 // The background of views that are read one at a time and of which only the ranges are kept.
 // Nothing where these alone would exceed half of the limit.
 Result<StaticBackground> find_background(const ProjectInput& input,
-                                         const std::vector<ViewSpec>& specs,
-                                         const reconstruction::ModelOptions& options) {
+                                         const std::vector<ViewSpec>& specs, std::size_t limit) {
   StaticBackground none;
   none.masks.resize(specs.size());
   if (!input.look_for_background || input.keep_background) return none;
@@ -91,14 +90,14 @@ Result<StaticBackground> find_background(const ProjectInput& input,
     view.pose = loaded->view.pose;
     pixels += view.range.size();
     views.push_back(std::move(view));
-    if (2 * kSearchedPixel * pixels > options.merge.memory) {
+    if (2 * kSearchedPixel * pixels > limit) {
       Console::warning(
           "background not looked for: the ranges of all views exceed half of the "
           "memory limit; raise it, or give the views masks");
       return none;
     }
   }
-  StaticBackground found = find_static_background(views, options.threads);
+  StaticBackground found = find_static_background(views);
   for (const std::string& line : describe(found, true)) Console::info(line);
   return found;
 }
@@ -107,7 +106,7 @@ Result<StaticBackground> find_background(const ProjectInput& input,
 
 Result<reconstruction::Model> merge_within_limit(const ProjectInput& input,
                                                  const reconstruction::ModelOptions& options,
-                                                 std::string& unit) {
+                                                 const Context& context, std::string& unit) {
   auto spec = read_project_spec(input.path, input.options);
   if (!spec) return spec.error();
   unit = spec->unit;
@@ -116,23 +115,22 @@ Result<reconstruction::Model> merge_within_limit(const ProjectInput& input,
   auto conventions = find_conventions(spec->views);
   if (!conventions) return conventions.error();
   for (const std::string& note : conventions->notes) Console::info(note);
-  auto background = find_background(input, spec->views, options);
+  auto background = find_background(input, spec->views, context.memory);
   if (!background) return background.error();
   release_freed_memory();
   ProjectViews views(std::move(spec->views), std::move(conventions->views), *background);
   ScanProject project;
   const auto load = [&](const fusion::MergeResult& mesh) -> Result<const std::vector<RangeView>*> {
-    const auto room = check_room_to_polish(mesh, count * views.pixels(), options.merge.memory);
+    const auto room = check_room_to_polish(mesh, count * views.pixels(), context.memory);
     if (!room) return room.error();
-    ReadProjectOptions read = input.options;
-    read.threads = options.threads;
-    auto all = read_project(input.path, read, console_progress("read"));
+    auto all =
+        read_project(input.path, input.options, context.with_progress(console_progress("read")));
     if (!all) return all.error();
     project = std::move(*all);
     remove_background(*background, project.views);
     return &project.views;
   };
-  return reconstruction::build_model_from_source(views.source(), load, options,
+  return reconstruction::build_model_from_source(views.source(), load, options, context,
                                                  console_stage_progress());
 }
 

@@ -8,7 +8,6 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
-#include "apps/console/progress_display.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/refinement_report.h"
 #include "relief/hybrid/refine_views.h"
@@ -29,12 +28,10 @@ int refine(const RefineCommand& command) {
   auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
   if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
-  hybrid::RefineOptions options = command.flags.resolved();
-  options.threads = command.common.threads;
-  options.seed = command.common.seed;
+  Context context = context_of(command.common, "refine");
+  context.memory = command.flags.memory();
   const Stopwatch watch;
-  auto refined = hybrid::refine_views(project->views, options, console_progress("refine"),
-                                      command.flags.memory());
+  auto refined = hybrid::refine_views(project->views, command.flags.resolved(), context);
   if (!refined) return fail(refined.error());
   std::vector<hybrid::RefineSummary> refinements(refined->begin(), refined->end());
   for (std::size_t i = 0; i < refined->size(); ++i)
@@ -43,7 +40,8 @@ int refine(const RefineCommand& command) {
   report["seconds"] = watch.seconds();
   log_refinement(refinements, project->views, project->unit, report["seconds"]);
 
-  if (const auto written = write_project(*project, command.output, console_progress("write"));
+  if (const auto written =
+          write_project(*project, command.output, context_of(command.common, "write"));
       !written)
     return fail(written.error());
   const auto reported = write_report(report_path(command.common, command.output / "scan.json"),

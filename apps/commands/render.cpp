@@ -158,7 +158,6 @@ Result<void> render_all(RenderCommand& command, Json& report) {
     return Error{ErrorKind::kBadInput,
                  "meshes and projects are not shown in one picture: give inputs of one kind"};
   choose_size(command.flags, command.inputs.size(), meshes != 0);
-  command.flags.options.threads = command.common.threads;
   command.flags.options.seed = command.common.seed;
   return meshes != 0 ? render_models(command, report) : render_projects(command, report);
 }

@@ -57,11 +57,10 @@ Result<RenderModel> read_model(const std::filesystem::path& file, const Triangle
                                const RenderFlags& flags) {
   auto mesh = read_mesh(file);
   if (!mesh) return mesh.error();
-  auto scene = MeshScene::of(*std::move(mesh), flags.options.threads);
+  auto scene = MeshScene::of(*std::move(mesh));
   if (!scene) return in_file(file, scene.error());
   std::vector<double> distances;
-  if (!truth.faces.empty())
-    distances = evaluation::signed_distances(scene->mesh(), truth, flags.options.threads);
+  if (!truth.faces.empty()) distances = evaluation::signed_distances(scene->mesh(), truth);
   return RenderModel{file, *std::move(scene), std::move(distances)};
 }
 
@@ -117,8 +116,7 @@ Result<std::vector<RenderCell>> view_cells(const RenderProject& project, const R
   if (empty)
     Console::warning(project.file.string() + ": view " + view.name +
                      " has no connected samples, its picture is empty");
-  const auto scene = empty ? Result<MeshScene>(kStopped)
-                           : MeshScene::of(std::move(surface), flags.options.threads);
+  const auto scene = empty ? Result<MeshScene>(kStopped) : MeshScene::of(std::move(surface));
   if (!empty && !scene) return in_file(project.file, scene.error());
   for (const RenderStyle style : flags.styles) {
     const std::string text = joined({caption, style_name(style, flags)});

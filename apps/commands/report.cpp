@@ -40,7 +40,6 @@ int write_report_page(const ReportCommand& command) {
   if (!mesh) return fail(mesh.error());
   if (const auto ready = prepare_folder_of(files.page); !ready) return fail(ready.error());
   HtmlReportOptions options = command.html;
-  options.threads = command.common.threads;
   const auto written = write_html_report(files, *mesh ? &**mesh : nullptr, options);
   if (!written) return fail(written.error());
   if (command.common.json) std::cout << read_file(files.report).value() << std::flush;

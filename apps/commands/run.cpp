@@ -60,7 +60,8 @@ class Run {
                                           [](const RangeView& view) { return view.has_normals(); });
     plan_progress(stages_of_run(with_normals));
     watch_ = Stopwatch();
-    auto result = reconstruction::reconstruct(std::move(project_.views), options(), callbacks());
+    auto result = reconstruction::reconstruct(std::move(project_.views), options(),
+                                              reconstruction_context(), callbacks());
     if (!result) return fail(result.error());
     if (const auto written = write_model(result->model); !written) return fail(written.error());
     Console::info("wrote " + (command_.output / "model.ply").string() + " and report.json");
@@ -75,11 +76,17 @@ class Run {
     options.align = command_.align;
     options.contradicted = command_.contradicted;
     options.refine = command_.refine.resolved();
-    options.refine_memory = command_.refine.memory();
     options.model = command_.merge.resolved();
-    options.threads = command_.common.threads;
-    options.seed = command_.common.seed;
     return options;
+  }
+
+  Context context(const std::string& stage) const { return context_of(command_.common, stage); }
+
+  // Its stages are told apart by the callbacks.
+  Context reconstruction_context() const {
+    Context context = context_of(command_.common, "").with_progress({});
+    context.memory = command_.refine.memory();
+    return context;
   }
 
   reconstruction::ReconstructionCallbacks callbacks() {
@@ -139,7 +146,7 @@ class Run {
   }
 
   Result<void> write_views(const std::vector<RangeView>& views) {
-    auto written = write_project(views, project_.unit, command_.output, console_progress("write"));
+    auto written = write_project(views, project_.unit, command_.output, context("write"));
     if (written && !command_.exports.empty())
       written = export_all({project_.unit, views, {}}, command_.output / "scan.json", {},
                            command_.exports);
@@ -161,7 +168,6 @@ class Run {
   Result<void> write_page(const TriangleMesh& mesh) {
     if (command_.no_html_report) return {};
     HtmlReportOptions options = command_.html;
-    options.threads = command_.common.threads;
     return write_html_report({.page = command_.output / "report.html",
                               .report = report_path(command_.common, command_.output / "scan.json"),
                               .folder = command_.output},

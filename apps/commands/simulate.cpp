@@ -10,7 +10,6 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
-#include "apps/console/progress_display.h"
 #include "apps/options/simulation_defects.h"
 #include "apps/options/simulation_options.h"
 #include "apps/options/simulation_record.h"
@@ -55,20 +54,20 @@ Result<void> write_simulation(const simulation::Simulation& simulation,
   if (auto done = prepare_folder(folder / "truth"); !done) return done;
   if (!simulation.mesh.faces.empty())
     if (auto done = write_mesh(simulation.mesh, folder / "truth/model.ply"); !done) return done;
-  if (auto done = write_project(simulation.truth, folder / "truth", console_progress("write"));
+  if (auto done =
+          write_project(simulation.truth, folder / "truth", context_of(command.common, "write"));
       !done)
     return done;
   const Json record = truth_record(simulation, command);
   if (auto done = write_file(folder / "truth.json", record.dump(1) + "\n"); !done) return done;
   WriteProjectOptions writing;
   writing.declare_normals = !command.defects.undeclared_normals;
-  return write_project(simulation.scans, folder, console_progress("write"), writing);
+  return write_project(simulation.scans, folder, context_of(command.common, "write"), writing);
 }
 
 Result<simulation::SimulationObject> object_to_scan(const SimulateCommand& command) {
   if (command.mesh.empty())
-    return simulation::built_in_simulation_object(command.options.mesh_divisions,
-                                                  command.common.threads);
+    return simulation::built_in_simulation_object(command.options.mesh_divisions);
   auto mesh = read_mesh(command.mesh);
   if (!mesh) return mesh.error();
   if (!check_mesh(*mesh).closed())
@@ -82,7 +81,6 @@ Result<simulation::SimulationObject> object_to_scan(const SimulateCommand& comma
 
 Result<simulation::SimulationOptions> chosen_options(const SimulateCommand& command) {
   simulation::SimulationOptions options = command.options;
-  options.threads = command.common.threads;
   options.seed = command.common.seed;
   if (auto applied = command.sensors.apply(options); !applied) return applied.error();
   auto defects = command.defects.chosen();
@@ -106,7 +104,8 @@ int simulate_scans(const SimulateCommand& command) {
   if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
   const auto object = object_to_scan(command);
   if (!object) return fail(object.error());
-  const auto simulation = simulation::simulate(*object, options, console_progress("simulate"));
+  const auto simulation =
+      simulation::simulate(*object, options, context_of(command.common, "simulate"));
   if (!simulation) return fail(simulation.error());
   SimulateCommand used = command;
   used.options = options;

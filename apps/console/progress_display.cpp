@@ -1,8 +1,6 @@
 #include "apps/console/progress_display.h"
 
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <utility>
 
@@ -11,20 +9,12 @@
 #include <unistd.h>
 
 #include "apps/console/console.h"
+#include "apps/console/interruption.h"
 #include "scan/base/stopwatch.h"
 
 namespace relief {
 
 namespace {
-
-std::atomic<bool> interrupted{false};
-
-void on_signal(int signal) {
-  if (interrupted.exchange(true)) {
-    std::signal(signal, SIG_DFL);
-    std::raise(signal);
-  }
-}
 
 std::string in_minutes(double seconds) {
   const long long whole = std::llround(seconds);
@@ -141,7 +131,7 @@ void plan_progress(std::vector<PlannedStage> stages) {
 
 Progress console_progress(const std::string& stage) {
   return [stage](double fraction, std::string_view step) {
-    if (interrupted) return false;
+    if (interruption().stop_requested()) return false;
     if (!Console::quiet()) ProgressDisplay::instance().show(stage, fraction, step);
     return true;
   };
@@ -151,11 +141,6 @@ reconstruction::StageProgress console_stage_progress() {
   return [](reconstruction::Stage stage, double fraction, std::string_view step) {
     return console_progress(std::string(to_string(stage)))(fraction, step);
   };
-}
-
-void catch_interrupts() {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
 }
 
 }  // namespace relief

@@ -22,8 +22,4 @@ Progress console_progress(const std::string& stage);
 /// The same for a computation of several stages.
 reconstruction::StageProgress console_stage_progress();
 
-/// From now on Ctrl-C and termination ask for an orderly stop; a second one ends the program at
-/// once.
-void catch_interrupts();
-
 }  // namespace relief

@@ -83,11 +83,12 @@ class Fairing {
     for (std::size_t r = 0; r < work_.size() && keep_going(); ++r)
       if (is_large(r) && (!work_[r].settled || (last && work_[r].rough))) settle(r, last);
     if (!keep_going()) return;
-    parallel_for(work_.size(), 1, options_.memory ? 1 : options_.threads,
-                 [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t r = begin; r < end; ++r)
-                     if (!is_large(r) && !work_[r].settled) settle(r, last);
-                 });
+    on_threads(options_.memory ? 1 : 0, [&] {
+      parallel_for(work_.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r)
+          if (!is_large(r) && !work_[r].settled) settle(r, last);
+      });
+    });
   }
 
   bool is_large(std::size_t r) const {
@@ -232,7 +233,7 @@ class Fairing {
   // none.
   bool resolve_intersections(int round) {
     const std::vector<std::uint32_t> invalid =
-        invalid_faces(mesh_, places_, changed_, 2.0 * options_.voxel_size, options_.threads);
+        invalid_faces(mesh_, places_, changed_, 2.0 * options_.voxel_size);
     std::fill(changed_.begin(), changed_.end(), 0);
     TsdfIntegrator collector(views_, options_.truncation, options_.voxel_size);
     bool any = false;

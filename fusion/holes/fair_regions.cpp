@@ -72,7 +72,7 @@ FairRegions::FairRegions(const TriangleMesh& mesh, const std::vector<ViewSampler
       around_(mesh, up_to(kMargin + kApproach, rings_)),
       normals_(mesh, rings_, kMargin + 1) {
   find(options.most_solved);
-  parallel_for(regions_.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(regions_.size(), 1, [&](std::size_t begin, std::size_t end) {
     evict_pages(options.memory);
     for (std::size_t r = begin; r < end; ++r) prepare(regions_[r], views, options);
   });

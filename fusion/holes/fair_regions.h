@@ -13,9 +13,8 @@
 namespace relief::fusion {
 
 struct FairFillOptions {
-  double truncation = 0.0;  ///< As used for the field [unit].
-  double voxel_size = 0.0;  ///< As used for the field [unit].
-  int threads = 0;
+  double truncation = 0.0;        ///< As used for the field [unit].
+  double voxel_size = 0.0;        ///< As used for the field [unit].
   MemoryLimit* memory = nullptr;  ///< May be null.
   /// See PlateOptions.
   std::size_t most_factorised = PlateOptions().most_factorised;

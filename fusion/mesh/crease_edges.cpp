@@ -101,7 +101,7 @@ class CreaseEdges {
     for (std::uint32_t f = 0; f < before.size(); ++f)
       if (mesh_.faces[f] != before[f] || std::binary_search(known.begin(), known.end(), f))
         in_question.push_back(f);
-    return intersecting_faces(mesh_, in_question, 2.0 * options_.voxel_size, options_.threads);
+    return intersecting_faces(mesh_, in_question, 2.0 * options_.voxel_size);
   }
 
   // Only near the vertices of faces that were turned in the pass before is there anything new.
@@ -131,7 +131,7 @@ class CreaseEdges {
   std::vector<EdgeFlip> candidates(const FacesAround& around) const {
     const std::vector<std::uint32_t> faces = faces_at(mesh_, touched_);
     std::vector<std::vector<EdgeFlip>> found((faces.size() + kGrain - 1) / kGrain);
-    parallel_for(faces.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
+    parallel_for(faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         for (std::size_t k = 0; k < 3; ++k) consider(faces[i], k, around, found[begin / kGrain]);
     });

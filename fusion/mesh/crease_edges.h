@@ -8,9 +8,8 @@
 namespace relief::fusion {
 
 struct CreaseEdgeOptions {
-  double voxel_size = 0.0;  ///< About the length of an edge [unit].
-  double noise = 0.0;       ///< Standard deviation of a view's positions [unit].
-  int threads = 0;
+  double voxel_size = 0.0;        ///< About the length of an edge [unit].
+  double noise = 0.0;             ///< Standard deviation of a view's positions [unit].
   MemoryLimit* memory = nullptr;  ///< May be null.
 };
 

@@ -125,11 +125,11 @@ BlockRange next_brick(const SparseField& field, std::size_t begin) {
 
 // The corners of a brick's triangles, three by three, in the order of the blocks.
 std::vector<VertexKey> triangle_corners(const SparseField& field, const BlockRange& brick,
-                                        int threads, MemoryLimit* memory) {
+                                        MemoryLimit* memory) {
   constexpr std::size_t kGrain = 64;
   const std::size_t blocks = brick.end - brick.begin;
   std::vector<std::vector<VertexKey>> by_range((blocks + kGrain - 1) / kGrain);
-  parallel_for(blocks, kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(blocks, kGrain, [&](std::size_t begin, std::size_t end) {
     evict_pages(memory);
     BlockContour contour;
     for (std::size_t b = brick.begin + begin; b < brick.begin + end; ++b)
@@ -157,8 +157,7 @@ Eigen::Vector3d zero_on_edge(const SparseField& field, const VertexKey& key) {
 // brick's faces wait for them.
 class BrickJoiner {
  public:
-  BrickJoiner(const SparseField& field, int threads, MemoryLimit* memory)
-      : field_(field), threads_(threads), memory_(memory) {}
+  BrickJoiner(const SparseField& field, MemoryLimit* memory) : field_(field), memory_(memory) {}
 
   // `top`: the layer of nodes from which on vertices belong to the next brick.
   void add(std::vector<VertexKey> corners, int top) {
@@ -194,7 +193,7 @@ class BrickJoiner {
     const std::size_t first = first_ + keys_.size();
     keys_.insert(keys_.end(), keys.begin(), keys.end());
     extend(mesh_.vertices, keys.size());
-    parallel_for(keys.size(), 4096, threads_, [&](std::size_t begin, std::size_t end) {
+    parallel_for(keys.size(), 4096, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v)
         mesh_.vertices[first + v] = zero_on_edge(field_, keys[v]);
     });
@@ -206,7 +205,7 @@ class BrickJoiner {
   void add_faces() {
     const std::size_t before = mesh_.faces.size(), count = corners_.size() / 3;
     extend(mesh_.faces, count);
-    parallel_for(count, 4096, threads_, [&](std::size_t begin, std::size_t end) {
+    parallel_for(count, 4096, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
         for (std::size_t k = 0; k < 3; ++k) {
           const auto place = std::lower_bound(keys_.begin(), keys_.end(), corners_[3 * f + k]);
@@ -219,7 +218,6 @@ class BrickJoiner {
   }
 
   const SparseField& field_;
-  int threads_;
   MemoryLimit* memory_;
   TriangleMesh mesh_;
   std::vector<VertexKey> open_;     // Vertices of the last brick that the next one numbers.
@@ -230,11 +228,11 @@ class BrickJoiner {
 
 }  // namespace
 
-TriangleMesh extract_isosurface(const SparseField& field, int threads, MemoryLimit* memory) {
-  BrickJoiner joiner(field, threads, memory);
+TriangleMesh extract_isosurface(const SparseField& field, MemoryLimit* memory) {
+  BrickJoiner joiner(field, memory);
   for (BlockRange brick = next_brick(field, 0); brick.begin < brick.end;
        brick = next_brick(field, brick.end))
-    joiner.add(triangle_corners(field, brick, threads, memory),
+    joiner.add(triangle_corners(field, brick, memory),
                kBlockSide * (field.block(brick.end - 1).z() + 1));
   return joiner.finish();
 }

@@ -11,7 +11,6 @@ namespace relief::fusion {
 /// Values closer to zero than a thousandth of the spacing are moved to that distance, so that
 /// vertices never coincide. Beside the mesh, memory is that of a few layers of blocks; `memory` may
 /// be null.
-TriangleMesh extract_isosurface(const SparseField& field, int threads,
-                                MemoryLimit* memory = nullptr);
+TriangleMesh extract_isosurface(const SparseField& field, MemoryLimit* memory = nullptr);
 
 }  // namespace relief::fusion

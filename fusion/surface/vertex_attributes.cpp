@@ -32,7 +32,7 @@ void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& v
   mesh.views.assign(count, 0);
   mesh.filled.assign(count, 0);
   mesh.quality.assign(count, 0.0f);
-  parallel_for(count, 1024, options.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, 1024, [&](std::size_t begin, std::size_t end) {
     evict_pages(options.memory);
     TsdfIntegrator collector(views, options.truncation, options.voxel_size);
     for (std::size_t v = begin; v < end; ++v) {

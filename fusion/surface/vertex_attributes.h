@@ -12,7 +12,6 @@ struct VertexAttributeOptions {
   double voxel_size = 0.0;  ///< As used for the field [unit].
   /// Noise of one view's positions along the normal [unit]: what a vertex seen by one view has.
   double view_noise = 0.0;
-  int threads = 0;
   MemoryLimit* memory = nullptr;  ///< May be null.
 };
 

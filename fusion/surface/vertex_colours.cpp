@@ -30,7 +30,7 @@ Painting measured_colours(const TriangleMesh& mesh, const std::vector<ViewSample
   const std::size_t count = mesh.vertices.size();
   Painting painting{std::vector<Eigen::Vector3f>(count, Eigen::Vector3f::Zero()),
                     std::vector<std::uint8_t>(count, 0)};
-  parallel_for(count, 1024, options.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, 1024, [&](std::size_t begin, std::size_t end) {
     evict_pages(options.memory);
     TsdfIntegrator collector(views, options.truncation, options.voxel_size);
     for (std::size_t v = begin; v < end; ++v) {

@@ -36,7 +36,7 @@ std::vector<NodeKey> blocks_near(const std::vector<ViewSampler>& views, const La
   const auto block_at = [&](const Eigen::Vector3d& p) -> Node {
     return (lattice.coordinates(p) / kBlockSide).array().floor().cast<int>();
   };
-  parallel_for(views.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(views.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       evict_pages(options.memory, 2 * views[i].bytes());
       Node last_low = Node::Constant(INT_MAX), last_high = last_low;
@@ -93,7 +93,7 @@ bool crossed_cell(const SparseField::Padded& padded, const Node& n) {
 std::vector<NodeKey> finer_blocks_near_zero(const SparseField& field,
                                             const ClosedFieldOptions& options) {
   std::vector<std::vector<NodeKey>> found(field.block_count());
-  parallel_for(field.block_count(), 16, options.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(field.block_count(), 16, [&](std::size_t begin, std::size_t end) {
     evict_pages(options.memory);
     SparseField::Padded padded;
     for (std::size_t b = begin; b < end; ++b) {
@@ -165,7 +165,7 @@ bool integrate_views(SparseField& field, const std::vector<ViewSampler>& views, 
   for (std::size_t first = 0; first < count; first += kBlocksAtOnce) {
     if (!progress(static_cast<double>(first) / static_cast<double>(count))) return false;
     const std::size_t blocks = std::min(kBlocksAtOnce, count - first);
-    parallel_for(blocks, 4, options.threads, [&](std::size_t begin, std::size_t end) {
+    parallel_for(blocks, 4, [&](std::size_t begin, std::size_t end) {
       evict_pages(options.memory);
       TsdfIntegrator integrator(views, truncation, field.lattice().spacing);
       for (std::size_t b = first + begin; b < first + end; ++b)
@@ -194,7 +194,6 @@ void fix_outside(SparseField& field, const Node& cells, float outside,
 ObstacleSolverOptions solver_options(bool coarsest, const ClosedFieldOptions& options) {
   ObstacleSolverOptions solver;
   solver.max_sweeps = options.max_sweeps;
-  solver.threads = options.threads;
   solver.memory = options.memory;
   if (coarsest) {
     const double cells = options.coarse_cells + 2.0 * kPaddingCells;
@@ -263,7 +262,7 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
     result.levels[l] =
         std::make_unique<SparseField>(lattice, std::move(blocks), coarser, limit, options.memory);
     SparseField& field = *result.levels[l];
-    field.prolong(limit, options.threads);
+    field.prolong(limit);
     PagedArray<NodeConstraint> constraints(field.block_count() * kBlockNodes, options.memory);
     if (!integrate_views(field, views, truncation, limit, constraints, options, part))
       return interrupted;
@@ -273,7 +272,7 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
     solver.go_on = [&] { return !(stopped = !part(1.0)); };
     result.moving_blocks += solve_obstacle_problem(field, constraints.span(), solver).moving_blocks;
     if (stopped) return interrupted;
-    field.close_zero_set(limit, options.threads);
+    field.close_zero_set(limit);
     if (const auto kept = check(options.memory); !kept) return kept.error();
   }
   return result;

@@ -15,7 +15,6 @@ struct ClosedFieldOptions {
   double truncation = 0.0;  ///< Views measure up to this distance from their surface [unit], > 0.
   int coarse_cells = 40;    ///< Cells of the coarsest lattice along the longest side of the object.
   int max_sweeps = 1000;    ///< Of the solver, on each lattice; it ends when all values rest.
-  int threads = 0;
   MemoryLimit* memory = nullptr;  ///< Of the fields; may be null, else it outlives them.
 };
 

@@ -111,7 +111,7 @@ ObstacleSolution solve_obstacle_problem(SparseField& field,
     if (options.go_on && !options.go_on()) return {sweep, blocks.size()};
     std::vector<float> change(blocks.size(), 0.0f);
     for (const int colour : {0, 1}) {
-      parallel_for(blocks.size(), kBlocksAtOnce, options.threads, [&](auto begin, auto end) {
+      parallel_for(blocks.size(), kBlocksAtOnce, [&](auto begin, auto end) {
         evict_pages(options.memory);
         for (std::size_t k = begin; k < end; ++k)
           change[k] =

@@ -25,7 +25,6 @@ struct ObstacleSolverOptions {
   double tolerance = 1e-3;
   /// Asked before every sweep, from the calling thread; false ends the solve there. May be empty.
   std::function<bool()> go_on;
-  int threads = 0;
   MemoryLimit* memory = nullptr;  ///< Of field and constraints; may be null.
 };
 

@@ -146,9 +146,9 @@ void SparseField::prolong_block(std::size_t b, float limit) {
   }
 }
 
-void SparseField::prolong(float limit, int threads) {
+void SparseField::prolong(float limit) {
   if (!coarser_) return;
-  parallel_for(keys_.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(keys_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     evict_pages(memory_);
     for (std::size_t b = begin; b < end; ++b) prolong_block(b, limit);
   });
@@ -171,9 +171,9 @@ void SparseField::gather(std::size_t b, Padded& padded) const {
   }
 }
 
-std::vector<NodeKey> SparseField::crossed_border_blocks(int threads) const {
+std::vector<NodeKey> SparseField::crossed_border_blocks() const {
   std::vector<std::uint32_t> crossed(keys_.size(), 0);
-  parallel_for(keys_.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(keys_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     evict_pages(memory_);
     Padded padded;
     for (std::size_t b = begin; b < end; ++b) {
@@ -194,15 +194,15 @@ std::vector<NodeKey> SparseField::crossed_border_blocks(int threads) const {
   return blocks;
 }
 
-void SparseField::activate(const std::vector<NodeKey>& blocks, float limit, int threads) {
+void SparseField::activate(const std::vector<NodeKey>& blocks, float limit) {
   for (const NodeKey key : blocks) active_[static_cast<std::size_t>(find(node_of(key)))] = 1;
   const std::vector<NodeKey> old_keys = keys_;
   const PagedArray<float> old_values = std::move(values_);
   add_border();
   clear_values();
   link_neighbours();
-  prolong(limit, threads);
-  parallel_for(old_keys.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  prolong(limit);
+  parallel_for(old_keys.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     evict_pages(memory_);
     for (std::size_t b = begin; b < end; ++b) {
       const auto now = static_cast<std::size_t>(find(node_of(old_keys[b])));
@@ -211,10 +211,9 @@ void SparseField::activate(const std::vector<NodeKey>& blocks, float limit, int 
   });
 }
 
-void SparseField::close_zero_set(float limit, int threads) {
-  for (auto crossed = crossed_border_blocks(threads); !crossed.empty();
-       crossed = crossed_border_blocks(threads))
-    activate(crossed, limit, threads);
+void SparseField::close_zero_set(float limit) {
+  for (auto crossed = crossed_border_blocks(); !crossed.empty(); crossed = crossed_border_blocks())
+    activate(crossed, limit);
 }
 
 }  // namespace relief::fusion

@@ -58,7 +58,7 @@ class SparseField {
   float value_at_finer(const Node& finer_node) const;
 
   /// Fills all stored blocks with the coarser field, clamped to +-`limit`.
-  void prolong(float limit, int threads);
+  void prolong(float limit);
 
   /// The values on the nodes -1 to 8 of an active block: itself and one layer of its neighbours.
   using Padded = std::array<float, 1000>;
@@ -67,14 +67,14 @@ class SparseField {
   /// Makes border blocks active, with the values they hold, until every cell that the zero set
   /// passes through and that touches an active block has all its nodes in active blocks: the zero
   /// set on the active blocks then has no border.
-  void close_zero_set(float limit, int threads);
+  void close_zero_set(float limit);
 
  private:
   void add_border();
   void clear_values();
   void link_neighbours();
-  std::vector<NodeKey> crossed_border_blocks(int threads) const;
-  void activate(const std::vector<NodeKey>& blocks, float limit, int threads);
+  std::vector<NodeKey> crossed_border_blocks() const;
+  void activate(const std::vector<NodeKey>& blocks, float limit);
   void prolong_block(std::size_t b, float limit);
 
   Lattice lattice_;

@@ -17,8 +17,7 @@ namespace relief::fusion {
 namespace {
 
 // The measured normal where there is one, else that of the measured surface.
-Grid<Eigen::Vector3f> surface_normals(const RangeView& view, const ConnectedGrid& grid,
-                                      int threads) {
+Grid<Eigen::Vector3f> surface_normals(const RangeView& view, const ConnectedGrid& grid) {
   const auto lacks_one = [&](int u, int v) {
     return view.has_sample(u, v) && !view.has_normal(u, v);
   };
@@ -27,7 +26,6 @@ Grid<Eigen::Vector3f> surface_normals(const RangeView& view, const ConnectedGrid
     for (int u = 0; u < view.width() && !any; ++u) any = lacks_one(u, v);
   if (!any) return view.normals;
   GridNormalOptions options;
-  options.threads = threads;
   Grid<Eigen::Vector3f> normals = estimate_normals(view, grid, options);
   for (int v = 0; v < view.height(); ++v)
     for (int u = 0; u < view.width(); ++u)
@@ -133,11 +131,11 @@ float sample_weight(const RangeView& view, int u, int v, const Eigen::Vector3f& 
 }  // namespace
 
 QuadSurface surface_of(const RangeView& measured, const QuadSurfaceOptions& options) {
-  const FilledView filled = fill_small_gaps(measured, {.threads = options.threads});
+  const FilledView filled = fill_small_gaps(measured, {});
   const RangeView& view = filled.view;
-  const ConnectedGrid grid = connect_grid(view, options.threads);
+  const ConnectedGrid grid = connect_grid(view);
   const auto& [points, edges, border] = grid;
-  const Grid<Eigen::Vector3f> normals = surface_normals(view, grid, options.threads);
+  const Grid<Eigen::Vector3f> normals = surface_normals(view, grid);
   QuadSurface surface;
   surface.flying = filled.flying;
   surface.filled = filled.filled_count;

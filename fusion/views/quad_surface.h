@@ -34,7 +34,6 @@ struct QuadSurfaceOptions {
   /// Deviation that gives a sample the weight of confidence 1 [unit]; the same for all views. 0:
   /// deviations are ignored.
   double nominal_deviation = 0.0;
-  int threads = 0;
   MemoryLimit* memory = nullptr;  ///< Of the surface's pixels; may be null.
 };
 

@@ -33,11 +33,11 @@ FaceLists faces_at_vertices(const TriangleMesh& mesh) {
 
 }  // namespace
 
-MeshGraph mesh_graph(const TriangleMesh& mesh, int threads) {
+MeshGraph mesh_graph(const TriangleMesh& mesh) {
   const FaceLists lists = faces_at_vertices(mesh);
   const std::size_t count = mesh.vertices.size();
   std::vector<double> third(mesh.faces.size());
-  parallel_for(third.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(third.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) third[f] = face_cross(mesh, f).norm() / 6.0;
   });
 
@@ -66,7 +66,7 @@ MeshGraph mesh_graph(const TriangleMesh& mesh, int threads) {
   MeshGraph graph;
   graph.begin.assign(count + 1, 0);
   graph.vertex_area.assign(count, 0.0f);
-  parallel_for(count, kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<Edge> edges;
     for (std::size_t i = begin; i < end; ++i) {
       edges_of(i, edges);
@@ -76,7 +76,7 @@ MeshGraph mesh_graph(const TriangleMesh& mesh, int threads) {
   std::partial_sum(graph.begin.begin(), graph.begin.end(), graph.begin.begin());
   graph.neighbour.resize(graph.begin.back());
   graph.edge_area.resize(graph.begin.back());
-  parallel_for(count, kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<Edge> edges;
     for (std::size_t i = begin; i < end; ++i) {
       edges_of(i, edges);

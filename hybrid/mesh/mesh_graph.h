@@ -20,6 +20,6 @@ struct MeshGraph {
 };
 
 /// Indices of faces must be in range. Memory and time linear in the size of the mesh.
-MeshGraph mesh_graph(const TriangleMesh& mesh, int threads = 0);
+MeshGraph mesh_graph(const TriangleMesh& mesh);
 
 }  // namespace relief::hybrid

@@ -35,10 +35,9 @@ bool sound(const Eigen::Vector3d& before, const Eigen::Vector3d& after,
 
 class Guard {
  public:
-  Guard(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displacements, int threads)
+  Guard(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displacements)
       : before_(mesh),
         displacements_(displacements),
-        threads_(threads),
         normals_(vertex_normals(mesh)),
         scale_(mesh.vertices.size(), 1.0f),
         changed_(mesh.vertices.size(), 0) {
@@ -74,7 +73,7 @@ class Guard {
 
   std::vector<std::uint32_t> unsound_faces() const {
     std::vector<std::uint8_t> unsound(moved_.faces.size());
-    parallel_for(unsound.size(), kGrain, threads_, [&](std::size_t begin, std::size_t end) {
+    parallel_for(unsound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
         Eigen::Vector3d around = Eigen::Vector3d::Zero();
         for (const std::uint32_t v : before_.faces[f]) around += normals_[v].cast<double>();
@@ -90,7 +89,6 @@ class Guard {
   std::vector<std::uint32_t> all_intersecting_faces() {
     std::fill(changed_.begin(), changed_.end(), 0);
     SelfIntersectionOptions options;
-    options.threads = threads_;
     return find_self_intersections(moved_, options).faces();
   }
 
@@ -100,7 +98,7 @@ class Guard {
     std::fill(changed_.begin(), changed_.end(), 0);
     const double edge =
         std::sqrt(2.0 * surface_area(before_) / static_cast<double>(before_.faces.size()));
-    return intersecting_faces(moved_, faces, 2.0 * edge, threads_);
+    return intersecting_faces(moved_, faces, 2.0 * edge);
   }
 
   // True if some vertex of the faces did move, and now moves less.
@@ -122,7 +120,6 @@ class Guard {
 
   const TriangleMesh& before_;
   const Eigen::Matrix3Xd& displacements_;
-  int threads_;
   std::vector<Eigen::Vector3f> normals_;
   std::vector<float> scale_;
   std::vector<std::uint8_t> changed_;  // Damped since the last search for intersections.
@@ -131,9 +128,8 @@ class Guard {
 
 }  // namespace
 
-GuardedMove guarded_move(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displacements,
-                         int threads) {
-  return Guard(mesh, displacements, threads).run();
+GuardedMove guarded_move(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displacements) {
+  return Guard(mesh, displacements).run();
 }
 
 }  // namespace relief::hybrid

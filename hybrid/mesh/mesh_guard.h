@@ -21,7 +21,6 @@ struct GuardedMove {
 /// by less than 60 or ends within 60 of the surface around it, and keeps a hundredth of its area.
 /// Around faces for which that would fail the displacements are halved until it does not, in the
 /// end to nothing; what intersects in `mesh` itself stays as it is.
-GuardedMove guarded_move(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displacements,
-                         int threads = 0);
+GuardedMove guarded_move(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displacements);
 
 }  // namespace relief::hybrid

@@ -111,12 +111,11 @@ Result<std::vector<NormalSampler>> prepare(const std::vector<RangeView>& views,
     if (view.has_normals() && has_usable_pose(view, views.size()) && view.sample_count() > 0)
       used.push_back(&view);
   using Prepared = std::optional<Result<NormalSampler>>;
-  auto prepared =
-      parallel_map<Prepared>(used.size(), options.threads, [&](std::size_t i) -> Prepared {
-        auto projection = ViewProjection::create(*used[i]);
-        if (!projection) return projection.error();
-        return NormalSampler(*used[i], std::move(projection).value(), options);
-      });
+  auto prepared = parallel_map<Prepared>(used.size(), [&](std::size_t i) -> Prepared {
+    auto projection = ViewProjection::create(*used[i]);
+    if (!projection) return projection.error();
+    return NormalSampler(*used[i], std::move(projection).value(), options);
+  });
   std::vector<NormalSampler> samplers;
   for (auto& sampler : prepared) {
     if (!*sampler) return sampler->error();
@@ -237,12 +236,12 @@ class Blender {
 // The median over pairs of views at a sample of the vertices: squared differences of two
 // normals are exponentially distributed with mean 4 sigma^2.
 double scatter(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
-               const std::vector<NormalSampler>& samplers, double max_distance, int threads) {
+               const std::vector<NormalSampler>& samplers, double max_distance) {
   constexpr std::size_t kVertices = 20000;
   const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kVertices);
   const std::size_t count = (mesh.vertices.size() + stride - 1) / stride;
   std::vector<double> differences(count, -1.0);
-  parallel_for(count, 256, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, 256, [&](std::size_t begin, std::size_t end) {
     std::vector<NormalObservation> observations;
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t i = k * stride;
@@ -269,12 +268,12 @@ double standard_error(const Blend& blend, double sigma) {
 // Asked are the views that had a say at either end.
 void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
                  const std::vector<NormalSampler>& samplers,
-                 const std::vector<Observers>& observers, double max_distance, int threads,
+                 const std::vector<Observers>& observers, double max_distance,
                  MeshNormals& blended) {
-  const MeshGraph graph = mesh_graph(mesh, threads);
+  const MeshGraph graph = mesh_graph(mesh);
   blended.edges.assign(graph.neighbour.size(), Eigen::Vector3f::Zero());
   const auto has = [&](std::size_t i) { return blended.views[i] > 0; };
-  parallel_for(graph.vertices(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(graph.vertices(), kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<NormalObservation> observations;
     Blender blend_observations(blended.sigma_view);
     for (std::size_t i = begin; i < end; ++i) {
@@ -297,12 +296,8 @@ void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& m
   });
 }
 
-}  // namespace
-
-Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
-                                              const std::vector<RangeView>& views,
-                                              const MeshNormalOptions& options,
-                                              const Progress& progress) {
+Result<MeshNormals> blend_views(const TriangleMesh& mesh, const std::vector<RangeView>& views,
+                                const MeshNormalOptions& options, const Progress& progress) {
   const Error interrupted{ErrorKind::kInterrupted, "blending the normals was interrupted"};
   if (!report_progress(progress, 0.0, "blend normals")) return interrupted;
   MeshNormals blended;
@@ -321,9 +316,9 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
   if (!report_progress(progress, 0.3, "blend normals")) return interrupted;
   blended.sigma_view = options.sigma_view > 0.0
                            ? options.sigma_view
-                           : scatter(mesh, mesh_normals, *samplers, max_distance, options.threads);
+                           : scatter(mesh, mesh_normals, *samplers, max_distance);
   std::vector<Observers> observers(count, 0);
-  parallel_for(count, kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<NormalObservation> observations;
     Blender blend_observations(blended.sigma_view);
     for (std::size_t i = begin; i < end; ++i) {
@@ -337,12 +332,20 @@ Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
       blended.views[i] = static_cast<std::uint16_t>(std::min(blend.views, 65535));
     }
   });
-  if (options.edges)
-    blend_edges(mesh, mesh_normals, *samplers, observers, max_distance, options.threads, blended);
+  if (options.edges) blend_edges(mesh, mesh_normals, *samplers, observers, max_distance, blended);
   blended.measured = static_cast<std::size_t>(
       std::count_if(blended.views.begin(), blended.views.end(), [](auto n) { return n > 0; }));
   if (!report_progress(progress, 1.0, "blend normals")) return interrupted;
   return blended;
+}
+
+}  // namespace
+
+Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
+                                              const std::vector<RangeView>& views,
+                                              const MeshNormalOptions& options,
+                                              const Context& context) {
+  return run_in(context, [&] { return blend_views(mesh, views, options, context.progress); });
 }
 
 }  // namespace relief::hybrid

@@ -52,7 +52,7 @@ std::vector<std::uint32_t> aggregates(const MeshGraph& graph) {
 
 Eigen::VectorXd MeshMatrix::operator*(const Eigen::VectorXd& x) const {
   Eigen::VectorXd y(x.size());
-  parallel_for(diagonal.size(), kRange, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(diagonal.size(), kRange, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       double sum = diagonal[i] * x[static_cast<Eigen::Index>(i)];
       for (std::size_t k = graph->begin[i]; k < graph->begin[i + 1]; ++k)
@@ -134,11 +134,11 @@ Eigen::VectorXd MeshPreconditioner::operator()(const Eigen::VectorXd& residual) 
       result[at(i)] -= sum / matrix_.diagonal[i];
     }
   };
-  parallel_for(graph.vertices(), kRange, matrix_.threads, sweep);
+  parallel_for(graph.vertices(), kRange, sweep);
 
   Eigen::VectorXd coarse(coarse_->size);
   const auto for_aggregates = [&](const auto& visit) {
-    parallel_for(first_.size() - 1, kRange, matrix_.threads, [&](std::size_t begin, auto end) {
+    parallel_for(first_.size() - 1, kRange, [&](std::size_t begin, auto end) {
       for (std::size_t a = begin; a < end; ++a)
         visit(at(a), std::span(member_).subspan(first_[a], first_[a + 1] - first_[a]));
     });
@@ -157,8 +157,8 @@ Eigen::VectorXd MeshPreconditioner::operator()(const Eigen::VectorXd& residual) 
 namespace {
 
 // Sums of ranges, in their order.
-double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b, int threads) {
-  return parallel_sum(static_cast<std::size_t>(a.size()), kRange, threads, 0.0,
+double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return parallel_sum(static_cast<std::size_t>(a.size()), kRange, 0.0,
                       [&](std::size_t begin, std::size_t end) {
                         const auto first = static_cast<Eigen::Index>(begin);
                         const auto count = static_cast<Eigen::Index>(end - begin);
@@ -167,37 +167,34 @@ double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b, int threads) {
 }
 
 // y = scale y + factor x.
-void combine(double scale, Eigen::VectorXd& y, double factor, const Eigen::VectorXd& x,
-             int threads) {
-  parallel_for(static_cast<std::size_t>(y.size()), kRange, threads,
-               [&](std::size_t begin, std::size_t end) {
-                 const auto first = static_cast<Eigen::Index>(begin);
-                 const auto count = static_cast<Eigen::Index>(end - begin);
-                 y.segment(first, count) =
-                     scale * y.segment(first, count) + factor * x.segment(first, count);
-               });
+void combine(double scale, Eigen::VectorXd& y, double factor, const Eigen::VectorXd& x) {
+  parallel_for(static_cast<std::size_t>(y.size()), kRange, [&](std::size_t begin, std::size_t end) {
+    const auto first = static_cast<Eigen::Index>(begin);
+    const auto count = static_cast<Eigen::Index>(end - begin);
+    y.segment(first, count) = scale * y.segment(first, count) + factor * x.segment(first, count);
+  });
 }
 
 }  // namespace
 
 ConjugateGradients conjugate_gradients(const LinearMap& matrix, const LinearMap& preconditioner,
                                        const Eigen::VectorXd& rhs, double tolerance,
-                                       int max_iterations, int threads, Eigen::VectorXd& x) {
-  const double goal = tolerance * tolerance * dot(rhs, preconditioner(rhs), threads);
+                                       int max_iterations, Eigen::VectorXd& x) {
+  const double goal = tolerance * tolerance * dot(rhs, preconditioner(rhs));
   Eigen::VectorXd residual = rhs - matrix(x);
   Eigen::VectorXd preconditioned = preconditioner(residual);
   Eigen::VectorXd direction = preconditioned;
-  double energy = dot(residual, preconditioned, threads);
+  double energy = dot(residual, preconditioned);
   ConjugateGradients solve;
   while (energy > goal && solve.iterations < max_iterations) {
     const Eigen::VectorXd image = matrix(direction);
-    const double step = energy / dot(direction, image, threads);
+    const double step = energy / dot(direction, image);
     if (!std::isfinite(step)) return solve;
-    combine(1.0, x, step, direction, threads);
-    combine(1.0, residual, -step, image, threads);
+    combine(1.0, x, step, direction);
+    combine(1.0, residual, -step, image);
     preconditioned = preconditioner(residual);
-    const double next = dot(residual, preconditioned, threads);
-    combine(next / energy, direction, 1.0, preconditioned, threads);
+    const double next = dot(residual, preconditioned);
+    combine(next / energy, direction, 1.0, preconditioned);
     energy = next;
     ++solve.iterations;
   }

@@ -19,7 +19,6 @@ struct MeshMatrix {
   std::vector<float> off_diagonal;  ///< In the order of graph->neighbour.
 
   Eigen::VectorXd operator*(const Eigen::VectorXd& x) const;
-  int threads = 0;
 };
 
 /// A fixed approximation of the inverse of a positive definite MeshMatrix: symmetric Gauss-Seidel
@@ -57,6 +56,6 @@ struct ConjugateGradients {
 /// any number of threads if both maps are.
 ConjugateGradients conjugate_gradients(const LinearMap& matrix, const LinearMap& preconditioner,
                                        const Eigen::VectorXd& rhs, double tolerance,
-                                       int max_iterations, int threads, Eigen::VectorXd& x);
+                                       int max_iterations, Eigen::VectorXd& x);
 
 }  // namespace relief::hybrid

@@ -26,10 +26,9 @@ constexpr double kLeastAgreement = 0.5;
 
 template <typename Visit>
 void MeshSystem::for_vertices(const Visit& visit) const {
-  parallel_for(graph_.vertices(), kGrain, options_.threads,
-               [&](std::size_t begin, std::size_t end) {
-                 for (std::size_t i = begin; i < end; ++i) visit(i);
-               });
+  parallel_for(graph_.vertices(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) visit(i);
+  });
 }
 
 MeshSystem::MeshSystem(const TriangleMesh& mesh, const MeshGraph& graph, const MeshNormals& normals,
@@ -156,7 +155,6 @@ void MeshSystem::reweight(const Eigen::VectorXd& displacements) {
 MeshMatrix MeshSystem::normal_matrix() const {
   MeshMatrix matrix;
   matrix.graph = &graph_;
-  matrix.threads = options_.threads;
   matrix.diagonal = position_weight_;
   matrix.off_diagonal.resize(graph_.neighbour.size());
   for_vertices([&](std::size_t i) {

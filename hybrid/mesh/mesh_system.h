@@ -16,7 +16,6 @@ struct MeshSystemOptions {
   double sigma_normal = 0.0;    ///< Of every blended normal [rad]; 0: that of the blend.
   /// Error of positions along the surface over that along the normal: sqrt(a / b) of (H13), > 0.
   double tangential = 1.0;
-  int threads = 0;
 };
 
 /// The least-squares problem of equations (H13) and (H14) on a mesh. Displacements are 3-vectors,

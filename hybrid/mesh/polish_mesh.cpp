@@ -79,12 +79,11 @@ class Solve {
       solve = conjugate_gradients(
           [&](const Eigen::VectorXd& d) { return system_.full_product(d); },
           [&](const Eigen::VectorXd& r) { return system_.full_precondition(inverse, r); },
-          system_.full_rhs(), options_.tolerance, options_.max_iterations, options_.threads,
-          displacements_);
+          system_.full_rhs(), options_.tolerance, options_.max_iterations, displacements_);
     } else {
       solve = conjugate_gradients([&](const Eigen::VectorXd& x) { return matrix_ * x; }, inverse,
                                   system_.normal_rhs(), options_.tolerance, options_.max_iterations,
-                                  options_.threads, displacements_);
+                                  displacements_);
     }
     ++rounds_;
     iterations_ += solve.iterations;
@@ -112,10 +111,10 @@ class Solve {
 Result<Eigen::Matrix3Xd> least_squares(const TriangleMesh& mesh, const MeshNormals& normals,
                                        const PolishOptions& options, const Progress& progress,
                                        PolishedMesh& polished) {
-  const MeshGraph graph = mesh_graph(mesh, options.threads);
+  const MeshGraph graph = mesh_graph(mesh);
   MeshSystem system(mesh, graph, normals,
                     {options.sigma_position.value_or(0.0), options.sigma_normal.value_or(0.0),
-                     options.tangential, options.threads});
+                     options.tangential});
   Solve solve(system, graph, options);
   while (solve.rounds() <= options.robust_rounds && !solve.settled()) {
     const double done = static_cast<double>(solve.rounds()) / (options.robust_rounds + 1.0);
@@ -164,46 +163,45 @@ std::string_view to_string(PolishStatus status) {
 }
 
 Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, MeshNormals normals,
-                                 const PolishOptions& options, const Progress& progress) {
-  const Stopwatch watch;
-  if (const auto ok = check(mesh, normals, options); !ok) return ok.error();
-  PolishedMesh polished;
-  polished.with_normal = normals.measured;
-  polished.sigma_view = normals.sigma_view;
-  const auto as_given = [&](PolishStatus status) {
-    polished.mesh = mesh;
-    polished.status = status;
-    polished.seconds = watch.seconds();
-    return std::move(polished);
-  };
-  if (!normals_meet(mesh, normals)) return as_given(PolishStatus::kNoNormals);
-  if (mesh.quality.empty() && !options.sigma_position)
-    return as_given(PolishStatus::kMissingUncertainty);
+                                 const PolishOptions& options, const Context& context) {
+  return run_in(context, [&]() -> Result<PolishedMesh> {
+    const Stopwatch watch;
+    if (const auto ok = check(mesh, normals, options); !ok) return ok.error();
+    PolishedMesh polished;
+    polished.with_normal = normals.measured;
+    polished.sigma_view = normals.sigma_view;
+    const auto as_given = [&](PolishStatus status) {
+      polished.mesh = mesh;
+      polished.status = status;
+      polished.seconds = watch.seconds();
+      return std::move(polished);
+    };
+    if (!normals_meet(mesh, normals)) return as_given(PolishStatus::kNoNormals);
+    if (mesh.quality.empty() && !options.sigma_position)
+      return as_given(PolishStatus::kMissingUncertainty);
 
-  const auto displacements = least_squares(mesh, normals, options, progress, polished);
-  if (!displacements) return displacements.error();
-  normals.edges = {};
-  release_freed_memory();
-  take(guarded_move(mesh, *displacements, options.threads), mesh, normals, polished);
-  if (!report_progress(progress, 1.0, "polish")) return interrupted();
-  polished.seconds = watch.seconds();
-  return polished;
+    const auto displacements = least_squares(mesh, normals, options, context.progress, polished);
+    if (!displacements) return displacements.error();
+    normals.edges = {};
+    release_freed_memory();
+    take(guarded_move(mesh, *displacements), mesh, normals, polished);
+    if (!report_progress(context.progress, 1.0, "polish")) return interrupted();
+    polished.seconds = watch.seconds();
+    return polished;
+  });
 }
 
 Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const std::vector<RangeView>& views,
-                                 const PolishOptions& options, const Progress& progress) {
+                                 const PolishOptions& options, const Context& context) {
   const Stopwatch watch;
-  MeshNormalOptions normal_options = options.normals;
-  normal_options.threads = options.threads;
-  auto normals = vertex_normals_from_views(mesh, views, normal_options,
-                                           [&](double done, std::string_view step) {
-                                             return report_progress(progress, 0.5 * done, step);
-                                           });
+  const auto half = [&](double first) {
+    return context.with_progress([&context, first](double done, std::string_view step) {
+      return report_progress(context.progress, first + 0.5 * done, step);
+    });
+  };
+  auto normals = vertex_normals_from_views(mesh, views, options.normals, half(0.0));
   if (!normals) return normals.error();
-  auto polished =
-      polish_mesh(mesh, std::move(*normals), options, [&](double done, std::string_view step) {
-        return report_progress(progress, 0.5 + 0.5 * done, step);
-      });
+  auto polished = polish_mesh(mesh, std::move(*normals), options, half(0.5));
   if (polished) polished->seconds = watch.seconds();
   return polished;
 }

@@ -139,23 +139,22 @@ void count_by_noise(PreparedView& prepared) {
     view.confidence[i] /= prepared.variance[i];
 }
 
-PreparedView prepare_view(const RangeView& view, const DiscontinuityOptions& options, int threads) {
+PreparedView prepare_view(const RangeView& view, const DiscontinuityOptions& options) {
   PreparedView prepared;
-  prepared.noise = estimate_range_noise(view, threads);
+  prepared.noise = estimate_range_noise(view);
   const auto connect = [&](const RangeView& samples, GridEdges edges) {
-    connect_explained_steps(samples, prepared.noise.sigma, threads, edges);
+    connect_explained_steps(samples, prepared.noise.sigma, edges);
     return edges;
   };
-  prepared.edges = connect(view, connect_samples(view, prepared.noise, options, threads));
+  prepared.edges = connect(view, connect_samples(view, prepared.noise, options));
   FillOptions fill;
   fill.sigma = prepared.noise.sigma;
-  fill.threads = threads;
   FilledView filled = fill_small_gaps(view, prepared.edges, fill);
   leave_rims_open(view, filled);
   prepared.flying = filled.flying;
   prepared.measured_edges = prepared.edges;
   if (filled.flying + filled.filled_count > 0) {
-    prepared.edges = connect(filled.view, connect_samples(filled.view, options, threads));
+    prepared.edges = connect(filled.view, connect_samples(filled.view, options));
     leave_gaps_at_occlusions_open(filled, prepared.edges);
   }
   prepared.filled = filled.filled_count;

@@ -40,6 +40,6 @@ bool confirms(const RangeSteps& steps, const Grid<float>& map);
 /// its noise tells, which must not be empty.
 void count_by_noise(PreparedView& prepared);
 
-PreparedView prepare_view(const RangeView& view, const DiscontinuityOptions& options, int threads);
+PreparedView prepare_view(const RangeView& view, const DiscontinuityOptions& options);
 
 }  // namespace relief::hybrid

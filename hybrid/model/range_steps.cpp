@@ -43,7 +43,7 @@ std::optional<RangeStep> range_step(const RangeView& view, int u, int v, int du,
                    surface_step(tail, head, t, normal).norm() / cosine, cosine / normal.norm()};
 }
 
-RangeSteps range_steps(const RangeView& view, const GridEdges& edges, int threads) {
+RangeSteps range_steps(const RangeView& view, const GridEdges& edges) {
   RangeSteps steps{empty_direction(view), empty_direction(view)};
   if (!view.has_normals()) return steps;
   const auto measure_row = [&](int v) {
@@ -52,7 +52,7 @@ RangeSteps range_steps(const RangeView& view, const GridEdges& edges, int thread
       if (edges.connected(u, v, 0, 1)) measure_edge(view, u, v, 0, 1, steps.along_columns);
     }
   };
-  parallel_for(static_cast<std::size_t>(view.height()), 16, threads,
+  parallel_for(static_cast<std::size_t>(view.height()), 16,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t v = begin; v < end; ++v) measure_row(static_cast<int>(v));
                });

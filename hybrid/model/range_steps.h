@@ -30,6 +30,6 @@ struct RangeSteps {
   Direction along_rows, along_columns;
 };
 
-RangeSteps range_steps(const RangeView& view, const GridEdges& edges, int threads = 1);
+RangeSteps range_steps(const RangeView& view, const GridEdges& edges);
 
 }  // namespace relief::hybrid

@@ -168,8 +168,7 @@ Eigen::Vector3d surface_step(const Ray& tail, const Ray& head, double t,
   return across - viewing * (normal.dot(across) / normal.dot(viewing));
 }
 
-SlopeConstraints slope_constraints(const RangeView& view, const GridEdges& edges, Stencil stencil,
-                                   int threads) {
+SlopeConstraints slope_constraints(const RangeView& view, const GridEdges& edges, Stencil stencil) {
   SlopeConstraints constraints;
   constraints.stencil = stencil;
   constraints.grid = {view.width(), view.height()};
@@ -181,7 +180,7 @@ SlopeConstraints slope_constraints(const RangeView& view, const GridEdges& edges
     if (stencil == Stencil::kPaperCentral) axis.sides.assign(size, 0);
   }
   if (!view.has_normals()) return constraints;
-  parallel_for(static_cast<std::size_t>(view.height()), kRowsAtOnce, threads,
+  parallel_for(static_cast<std::size_t>(view.height()), kRowsAtOnce,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t v = begin; v < end; ++v)
                    constrain_row(view, edges, static_cast<int>(v), constraints);

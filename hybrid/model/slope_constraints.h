@@ -63,13 +63,13 @@ struct SlopeConstraints {
   /// no sample with those of another, and come in order: visits that write to the ends of their
   /// constraint do not meet, and sums there do not depend on the number of threads.
   template <typename Visit>
-  void parallel_for_each(int threads, const Visit& visit) const {
-    parallel_rows(grid.height, threads, [&](int v) {
+  void parallel_for_each(const Visit& visit) const {
+    parallel_rows(grid.height, [&](int v) {
       for (std::size_t i = grid.index(0, v); i < grid.index(grid.width, v); ++i)
         if (exists(0, i)) visit(0, i);
     });
     constexpr std::size_t kColumnsAtOnce = 64;
-    parallel_for(static_cast<std::size_t>(grid.width), kColumnsAtOnce, threads,
+    parallel_for(static_cast<std::size_t>(grid.width), kColumnsAtOnce,
                  [&](std::size_t begin, std::size_t end) {
                    for (int v = 0; v < grid.height; ++v)
                      for (std::size_t u = begin; u < end; ++u)
@@ -86,7 +86,6 @@ Eigen::Vector3d surface_step(const Ray& tail, const Ray& head, double t,
 
 /// The constraints of `view` on `edges`. Only samples with normals that face the sensor take part;
 /// no constraint spans an edge that is not connected.
-SlopeConstraints slope_constraints(const RangeView& view, const GridEdges& edges, Stencil stencil,
-                                   int threads = 0);
+SlopeConstraints slope_constraints(const RangeView& view, const GridEdges& edges, Stencil stencil);
 
 }  // namespace relief::hybrid

@@ -21,9 +21,9 @@ float usable_confidence(float confidence, float largest) {
 }
 
 // 1 for every pixel (padded) that some constraint moves or takes a normal from.
-std::vector<std::uint8_t> constrained_pixels(const SlopeConstraints& slopes, int threads) {
+std::vector<std::uint8_t> constrained_pixels(const SlopeConstraints& slopes) {
   std::vector<std::uint8_t> constrained(slopes.grid.size(), 0);
-  slopes.parallel_for_each(threads, [&](int axis, std::size_t i) {
+  slopes.parallel_for_each([&](int axis, std::size_t i) {
     const auto ends = slopes.ends(axis, i);
     for (const std::size_t end : {ends.tail, ends.head, ends.at0, ends.at1}) constrained[end] = 1;
   });
@@ -68,15 +68,12 @@ bool confident_everywhere(const RangeView& view) {
 }
 
 // Samples without confidence hold nothing, neither themselves nor others.
-std::vector<std::uint8_t> movable_pixels(const RangeView& view, const SlopeConstraints& slopes,
-                                         int threads) {
-  return confident_everywhere(view) ? constrained_pixels(slopes, threads)
-                                    : held_pixels(view, slopes);
+std::vector<std::uint8_t> movable_pixels(const RangeView& view, const SlopeConstraints& slopes) {
+  return confident_everywhere(view) ? constrained_pixels(slopes) : held_pixels(view, slopes);
 }
 
-void erase_unmovable(const std::vector<std::uint8_t>& movable, int threads,
-                     SlopeConstraints& slopes) {
-  slopes.parallel_for_each(threads, [&](int axis, std::size_t i) {
+void erase_unmovable(const std::vector<std::uint8_t>& movable, SlopeConstraints& slopes) {
+  slopes.parallel_for_each([&](int axis, std::size_t i) {
     if (!movable[slopes.ends(axis, i).tail]) slopes.erase(axis, i);
   });
 }
@@ -127,14 +124,13 @@ float PositionConfidence::operator()(int u, int v) const {
   return ratio * ratio;
 }
 
-ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Stencil stencil,
-                              int threads) {
+ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Stencil stencil) {
   ViewProblem problem;
   problem.grid = {view.width(), view.height()};
-  problem.slopes = slope_constraints(view, edges, stencil, threads);
-  const std::vector<std::uint8_t> movable = movable_pixels(view, problem.slopes, threads);
+  problem.slopes = slope_constraints(view, edges, stencil);
+  const std::vector<std::uint8_t> movable = movable_pixels(view, problem.slopes);
   number_samples(view, movable, problem);
-  erase_unmovable(movable, threads, problem.slopes);
+  erase_unmovable(movable, problem.slopes);
   problem.constraints = problem.slopes.count();
   if (stencil == Stencil::kPaperCentral) add_central_neighbours(view, edges, problem);
   problem.pinned = view.sample_count() - problem.size();
@@ -160,7 +156,7 @@ std::vector<std::array<std::uint32_t, 2>> bias_neighbours(const ViewProblem& pro
 }
 
 std::array<std::vector<float>, 2> slope_residuals(const ViewProblem& problem,
-                                                  const Eigen::VectorXd& y, int threads) {
+                                                  const Eigen::VectorXd& y) {
   constexpr std::size_t kRowsAtOnce = 32;
   const PaddedGrid& grid = problem.grid;
   const auto count = static_cast<Eigen::Index>(problem.size());
@@ -177,7 +173,7 @@ std::array<std::vector<float>, 2> slope_residuals(const ViewProblem& problem,
     const SlopeConstraints::Axis& a = problem.slopes.axes[static_cast<std::size_t>(axis)];
     std::vector<float>& out = residuals[static_cast<std::size_t>(axis)];
     out.assign(grid.size(), 0.0f);
-    parallel_for(static_cast<std::size_t>(grid.height), kRowsAtOnce, threads,
+    parallel_for(static_cast<std::size_t>(grid.height), kRowsAtOnce,
                  [&](std::size_t begin, std::size_t end) {
                    const std::size_t last = grid.index(0, static_cast<int>(end));
                    for (std::size_t i = grid.index(0, static_cast<int>(begin)); i < last; ++i) {

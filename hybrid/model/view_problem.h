@@ -50,14 +50,13 @@ struct ViewProblem {
 
 /// Movable are the samples that a normal constrains and whose connected component holds at least
 /// one sample of positive confidence; all others keep their measured range and constrain nothing.
-ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Stencil stencil,
-                              int threads = 0);
+ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Stencil stencil);
 
 /// Calls body(k, pixels[k]) for every movable sample, in parallel.
 template <typename Body>
-void for_each_sample(const ViewProblem& problem, int threads, const Body& body) {
+void for_each_sample(const ViewProblem& problem, const Body& body) {
   constexpr std::size_t kSamplesAtOnce = 1 << 14;
-  parallel_for(problem.size(), kSamplesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(problem.size(), kSamplesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) body(static_cast<Eigen::Index>(k), problem.pixels[k]);
   });
 }
@@ -71,10 +70,10 @@ std::vector<std::array<std::uint32_t, 2>> bias_neighbours(const ViewProblem& pro
 /// Calls visit(a, b) with the padded indices of each of these pairs. With the compact stencil, in
 /// parallel as SlopeConstraints::parallel_for_each does.
 template <typename Visit>
-void for_each_bias_pair(const ViewProblem& problem, int threads, const Visit& visit) {
+void for_each_bias_pair(const ViewProblem& problem, const Visit& visit) {
   for (const auto& [a, b] : problem.central_neighbours) visit(problem.pixels[a], problem.pixels[b]);
   if (problem.slopes.stencil == Stencil::kPaperCentral) return;
-  problem.slopes.parallel_for_each(threads, [&](int axis, std::size_t i) {
+  problem.slopes.parallel_for_each([&](int axis, std::size_t i) {
     const SlopeConstraints::Ends ends = problem.slopes.ends(axis, i);
     visit(ends.at0, ends.at1);
   });
@@ -90,6 +89,6 @@ struct ViewWeights {
 
 /// Residual of every slope constraint [unit] at `y`, by axis, padded; zero elsewhere.
 std::array<std::vector<float>, 2> slope_residuals(const ViewProblem& problem,
-                                                  const Eigen::VectorXd& y, int threads = 0);
+                                                  const Eigen::VectorXd& y);
 
 }  // namespace relief::hybrid

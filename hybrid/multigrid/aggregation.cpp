@@ -184,13 +184,13 @@ class PixelGrouping {
 
 // Labels that count from zero in each row of blocks become labels of the whole.
 void count_on(const EdgeStencil& stencil, const std::vector<std::vector<Node>>& of_row,
-              Aggregates& aggregates, int threads) {
+              Aggregates& aggregates) {
   aggregates.rows = {0};
   for (const auto& nodes : of_row) {
     aggregates.nodes.insert(aggregates.nodes.end(), nodes.begin(), nodes.end());
     aggregates.rows.push_back(static_cast<std::uint32_t>(aggregates.nodes.size()));
   }
-  parallel_for(stencil.spans().size(), kBlock * kRowsAtOnce, threads,
+  parallel_for(stencil.spans().size(), kBlock * kRowsAtOnce,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t v = begin; v < end; ++v) {
                    const RowSpan span = stencil.spans()[v];
@@ -258,7 +258,7 @@ void number_groups(const Aggregates& below, const std::vector<std::uint32_t>& ro
 
 }  // namespace
 
-Aggregates aggregate_pixels(const EdgeStencil& stencil, int threads) {
+Aggregates aggregate_pixels(const EdgeStencil& stencil) {
   Aggregates aggregates;
   aggregates.label.assign(stencil.grid().size(), kNoAggregate);
   aggregates.from_root.resize(stencil.grid().size());
@@ -266,13 +266,13 @@ Aggregates aggregate_pixels(const EdgeStencil& stencil, int threads) {
   std::vector<std::vector<Node>> nodes(rows);
   std::vector<std::vector<Bond>> bonds(rows);
   const auto each_row = [&](const auto& body) {
-    parallel_for(rows, kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    parallel_for(rows, kRowsAtOnce, [&](std::size_t begin, std::size_t end) {
       PixelGrouping grouping(stencil, aggregates);
       for (std::size_t row = begin; row < end; ++row) body(grouping, row);
     });
   };
   each_row([&](auto& grouping, auto row) { nodes[row] = grouping.group_row(int(row)); });
-  count_on(stencil, nodes, aggregates, threads);
+  count_on(stencil, nodes, aggregates);
   each_row([&](auto& grouping, auto row) { bonds[row] = grouping.bonds_of_row(int(row)); });
   for (std::vector<Bond>& of_row : bonds) {
     aggregates.bonds.insert(aggregates.bonds.end(), of_row.begin(), of_row.end());

@@ -44,7 +44,7 @@ struct Aggregates {
 };
 
 /// Groups of pixels; labels and transports are by padded index.
-Aggregates aggregate_pixels(const EdgeStencil& stencil, int threads);
+Aggregates aggregate_pixels(const EdgeStencil& stencil);
 
 /// Groups of nodes. Nodes without bonds join none: relaxation solves them alone.
 Aggregates aggregate_nodes(const Aggregates& below);

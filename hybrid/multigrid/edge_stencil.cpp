@@ -46,14 +46,14 @@ EdgeStencil::EdgeStencil(const ViewProblem& problem, bool with_bias) : problem_(
   for (auto& plane : inverse_) plane.assign(problem.grid.size(), 0.0f);
 }
 
-void EdgeStencil::set_weights(ViewWeights weights, int threads) {
+void EdgeStencil::set_weights(ViewWeights weights) {
   weights_ = std::move(weights);
   if (!no_length_.empty()) {
     weights_.bias_step = 0.0f;
     weights_.bias_size = 1.0f;
   }
   const StencilView stencil = view();
-  parallel_for(spans_.size(), kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(spans_.size(), kRowsAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       for (std::size_t i = spans_[v].begin; i < spans_[v].end; ++i) {
         const Eigen::Matrix3d block = diagonal_block(stencil, static_cast<std::ptrdiff_t>(i));

@@ -28,7 +28,7 @@ class EdgeStencil {
   EdgeStencil(const ViewProblem& problem, bool with_bias);
 
   /// Puts in weights and inverts the diagonal blocks.
-  void set_weights(ViewWeights weights, int threads);
+  void set_weights(ViewWeights weights);
 
   const PaddedGrid& grid() const { return problem_.grid; }
   /// The spans of all rows that hold the movable samples.

@@ -272,10 +272,10 @@ std::vector<Eigen::Matrix3d> inverse_diagonal(const BlockRows& upper) {
 }
 
 template <typename Rows>
-CoarseMatrix coarsen_rows(const Rows& fine, const Aggregates& groups, double damping, int threads) {
+CoarseMatrix coarsen_rows(const Rows& fine, const Aggregates& groups, double damping) {
   const std::size_t count = groups.rows.size() - 1;
   std::vector<BlockRows> pieces((count + kRowsAtOnce - 1) / kRowsAtOnce);
-  parallel_for(count, kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, kRowsAtOnce, [&](std::size_t begin, std::size_t end) {
     pieces[begin / kRowsAtOnce] = Piece<Rows>(fine, groups, damping).coarse_rows(begin, end);
   });
   BlockRows upper;
@@ -316,14 +316,13 @@ BlockMatrix::BlockMatrix(const std::vector<std::uint32_t>& upper_begin,
   });
 }
 
-CoarseMatrix coarsen(const EdgeStencil& fine, const Aggregates& groups, double damping,
-                     int threads) {
-  return coarsen_rows(PixelRows(fine, groups), groups, damping, threads);
+CoarseMatrix coarsen(const EdgeStencil& fine, const Aggregates& groups, double damping) {
+  return coarsen_rows(PixelRows(fine, groups), groups, damping);
 }
 
 CoarseMatrix coarsen(const CoarseMatrix& fine, const std::vector<std::uint32_t>& fine_rows,
-                     const Aggregates& groups, double damping, int threads) {
-  return coarsen_rows(NodeRows(fine, fine_rows), groups, damping, threads);
+                     const Aggregates& groups, double damping) {
+  return coarsen_rows(NodeRows(fine, fine_rows), groups, damping);
 }
 
 }  // namespace relief::hybrid

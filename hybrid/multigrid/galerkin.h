@@ -48,10 +48,9 @@ struct CoarseMatrix {
 
 /// The interpolation of smoothed aggregation is P = (1 - damping D^-1 A) P0 with P0 the rigid
 /// motion of the groups; the coarse matrix is P^T A P (Vanek, Mandel and Brezina 1996).
-CoarseMatrix coarsen(const EdgeStencil& fine, const Aggregates& groups, double damping,
-                     int threads);
+CoarseMatrix coarsen(const EdgeStencil& fine, const Aggregates& groups, double damping);
 /// `fine_rows`: the nodes of row k of the finer level are [fine_rows[k], fine_rows[k + 1]).
 CoarseMatrix coarsen(const CoarseMatrix& fine, const std::vector<std::uint32_t>& fine_rows,
-                     const Aggregates& groups, double damping, int threads);
+                     const Aggregates& groups, double damping);
 
 }  // namespace relief::hybrid

@@ -44,8 +44,7 @@ class PixelLevel {
   // Every constraint couples two samples: no eigenvalue of D^-1 A exceeds two.
   static constexpr double kLargest = 2.0;
 
-  PixelLevel(const EdgeStencil& stencil, int threads)
-      : stencil_(stencil), view_(stencil.view()), threads_(threads) {}
+  explicit PixelLevel(const EdgeStencil& stencil) : stencil_(stencil), view_(stencil.view()) {}
 
   void refresh() { view_ = stencil_.view(); }
   Vector zero() const { return Vector(stencil_.grid().size()); }
@@ -96,31 +95,28 @@ class PixelLevel {
  private:
   template <typename Body>
   void each_row(const Body& body) const {
-    parallel_for(stencil_.spans().size(), kRowsAtOnce, threads_,
-                 [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t v = begin; v < end; ++v) body(stencil_.spans()[v]);
-                 });
+    parallel_for(stencil_.spans().size(), kRowsAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) body(stencil_.spans()[v]);
+    });
   }
   // A row of groups is three rows of pixels: no two threads meet in one group.
   template <typename Start, typename Body>
   void each_row_of_groups(const Aggregates& groups, const Start& start, const Body& body) const {
-    parallel_for(groups.rows.size() - 1, kRowsAtOnce / 3, threads_,
-                 [&](std::size_t begin, std::size_t end) {
-                   start(groups.rows[begin], groups.rows[end]);
-                   const std::size_t last = std::min(3 * end, stencil_.spans().size());
-                   for (std::size_t v = 3 * begin; v < last; ++v) {
-                     const RowSpan span = stencil_.spans()[v];
-                     for (std::size_t i = span.begin; i < span.end; ++i) {
-                       const std::uint32_t k = groups.label[i];
-                       if (k != kNoAggregate) body(i, k, groups.from_root[i]);
-                     }
-                   }
-                 });
+    parallel_for(groups.rows.size() - 1, kRowsAtOnce / 3, [&](std::size_t begin, std::size_t end) {
+      start(groups.rows[begin], groups.rows[end]);
+      const std::size_t last = std::min(3 * end, stencil_.spans().size());
+      for (std::size_t v = 3 * begin; v < last; ++v) {
+        const RowSpan span = stencil_.spans()[v];
+        for (std::size_t i = span.begin; i < span.end; ++i) {
+          const std::uint32_t k = groups.label[i];
+          if (k != kNoAggregate) body(i, k, groups.from_root[i]);
+        }
+      }
+    });
   }
 
   const EdgeStencil& stencil_;
   StencilView view_;
-  int threads_;
 };
 
 // A coarser level.
@@ -128,8 +124,8 @@ class NodeLevel {
  public:
   using Vector = Nodes;
 
-  NodeLevel(CoarseMatrix matrix, Aggregates nodes, int threads)
-      : matrix_(std::move(matrix)), nodes_(std::move(nodes)), threads_(threads) {}
+  NodeLevel(CoarseMatrix matrix, Aggregates nodes)
+      : matrix_(std::move(matrix)), nodes_(std::move(nodes)) {}
 
   const Aggregates& nodes() const { return nodes_; }
   // Only the grouping of the next level needs them.
@@ -203,7 +199,7 @@ class NodeLevel {
   }
   template <typename Body>
   void each_row_of_groups(const Aggregates& groups, const Body& body) const {
-    parallel_for(groups.rows.size() - 1, 16, threads_, body);
+    parallel_for(groups.rows.size() - 1, 16, body);
   }
   Eigen::Vector3d product(std::size_t i, const Vector& in) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -213,7 +209,7 @@ class NodeLevel {
   }
   template <typename Body>
   void each_node(const Body& body) const {
-    parallel_for(size(), kNodesAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
+    parallel_for(size(), kNodesAtOnce, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) body(i);
     });
   }
@@ -225,7 +221,6 @@ class NodeLevel {
 
   CoarseMatrix matrix_;
   Aggregates nodes_;
-  int threads_;
 };
 
 using Factor = Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>;
@@ -270,18 +265,18 @@ struct Multigrid::Hierarchy {
     Nodes rhs, x;
   };
 
-  Hierarchy(const EdgeStencil& stencil, int threads)
-      : finest(stencil, threads), relaxation(PixelLevel::kLargest), work(finest) {
-    Aggregates groups = aggregate_pixels(stencil, threads);
-    CoarseMatrix matrix = coarsen(stencil, groups, relaxation.damping, threads);
-    coarse.emplace_back(NodeLevel(std::move(matrix), std::move(groups), threads));
+  explicit Hierarchy(const EdgeStencil& stencil)
+      : finest(stencil), relaxation(PixelLevel::kLargest), work(finest) {
+    Aggregates groups = aggregate_pixels(stencil);
+    CoarseMatrix matrix = coarsen(stencil, groups, relaxation.damping);
+    coarse.emplace_back(NodeLevel(std::move(matrix), std::move(groups)));
     while (coarse.back().level.size() > kNodesSolvedDirectly) {
       const NodeLevel& below = coarse.back().level;
       Aggregates next = aggregate_nodes(below.nodes());
       if (next.nodes.empty() || 10 * next.nodes.size() > 9 * below.size()) break;
-      CoarseMatrix product = coarsen(below.matrix(), below.nodes().rows, next,
-                                     coarse.back().relaxation.damping, threads);
-      coarse.emplace_back(NodeLevel(std::move(product), std::move(next), threads));
+      CoarseMatrix product =
+          coarsen(below.matrix(), below.nodes().rows, next, coarse.back().relaxation.damping);
+      coarse.emplace_back(NodeLevel(std::move(product), std::move(next)));
     }
     for (Coarse& level : coarse) level.level.drop_bonds();
     release_freed_memory();
@@ -327,8 +322,8 @@ struct Multigrid::Hierarchy {
   bool usable = false;
 };
 
-Multigrid::Multigrid(const EdgeStencil& stencil, int threads)
-    : hierarchy_(std::make_unique<Hierarchy>(stencil, threads)) {}
+Multigrid::Multigrid(const EdgeStencil& stencil)
+    : hierarchy_(std::make_unique<Hierarchy>(stencil)) {}
 Multigrid::~Multigrid() = default;
 Multigrid::Multigrid(Multigrid&&) noexcept = default;
 

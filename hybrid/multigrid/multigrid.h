@@ -15,7 +15,7 @@ namespace relief::hybrid {
 class Multigrid {
  public:
   /// `stencil` must outlive the object and have weights.
-  Multigrid(const EdgeStencil& stencil, int threads);
+  explicit Multigrid(const EdgeStencil& stencil);
   ~Multigrid();
   Multigrid(Multigrid&&) noexcept;
 

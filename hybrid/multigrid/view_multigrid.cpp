@@ -27,7 +27,6 @@ constexpr double kErrorShown = 0.3;
 struct ViewMultigrid::State {
   const ViewProblem& problem;
   bool with_bias;
-  int threads;
   EdgeStencil stencil;
   std::optional<Multigrid> multigrid;
   bool slow = false;
@@ -39,8 +38,7 @@ struct ViewMultigrid::State {
   Planes<double> residual;
   Planes<float> direction, single, z;
 
-  State(const ViewProblem& of, bool bias, int thread_count)
-      : problem(of), with_bias(bias), threads(thread_count), stencil(of, bias) {}
+  State(const ViewProblem& of, bool bias) : problem(of), with_bias(bias), stencil(of, bias) {}
 
   void allocate() {
     if (!residual.x.empty()) return;
@@ -52,7 +50,7 @@ struct ViewMultigrid::State {
   template <typename Body>
   void each_row(const Body& body) const {
     const auto& spans = stencil.spans();
-    parallel_for(spans.size(), kRowsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    parallel_for(spans.size(), kRowsAtOnce, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) body(spans[v]);
     });
   }
@@ -71,7 +69,7 @@ struct ViewMultigrid::State {
       for (std::size_t v = begin; v < end; ++v) part += term(spans[v]);
       return part;
     };
-    return parallel_sum(spans.size(), kRowsAtOnce, threads, 0.0, sum_of);
+    return parallel_sum(spans.size(), kRowsAtOnce, 0.0, sum_of);
   }
 
   Eigen::Index block() const { return static_cast<Eigen::Index>(problem.size()); }
@@ -81,7 +79,7 @@ struct ViewMultigrid::State {
   template <typename T, typename Part>
   void spread(const Eigen::VectorXd& values, const Part& part, Planes<T>& planes) const {
     std::vector<T>* const plane[] = {&planes.x, &planes.bu, &planes.bv};
-    for_each_sample(problem, threads, [&](Eigen::Index k, std::size_t i) {
+    for_each_sample(problem, [&](Eigen::Index k, std::size_t i) {
       for (int b = 0; b < blocks(); ++b)
         (*plane[b])[i] = static_cast<T>(part(values[b * block() + k]));
     });
@@ -90,7 +88,7 @@ struct ViewMultigrid::State {
   // y += step direction
   void advance(double step, Eigen::VectorXd& y) const {
     const std::vector<float>* const plane[] = {&direction.x, &direction.bu, &direction.bv};
-    for_each_sample(problem, threads, [&](Eigen::Index k, std::size_t i) {
+    for_each_sample(problem, [&](Eigen::Index k, std::size_t i) {
       for (int b = 0; b < blocks(); ++b) y[b * block() + k] += step * (*plane[b])[i];
     });
   }
@@ -211,19 +209,19 @@ struct ViewMultigrid::State {
   }
 };
 
-ViewMultigrid::ViewMultigrid(const ViewProblem& problem, bool with_bias, int threads)
-    : state_(std::make_unique<State>(problem, with_bias, threads)) {}
+ViewMultigrid::ViewMultigrid(const ViewProblem& problem, bool with_bias)
+    : state_(std::make_unique<State>(problem, with_bias)) {}
 ViewMultigrid::~ViewMultigrid() = default;
 
 bool ViewMultigrid::set_weights(ViewWeights weights) {
   State& s = *state_;
-  s.stencil.set_weights(std::move(weights), s.threads);
+  s.stencil.set_weights(std::move(weights));
   if (s.multigrid && !s.slow) {
     s.multigrid->refresh();
     return true;
   }
   s.multigrid.reset();
-  s.multigrid.emplace(s.stencil, s.threads);
+  s.multigrid.emplace(s.stencil);
   s.slow = false;
   return s.multigrid->usable();
 }

@@ -14,7 +14,7 @@ namespace relief::hybrid {
 class ViewMultigrid : public ViewSolver {
  public:
   /// `problem` must have the compact stencil and outlive the object.
-  ViewMultigrid(const ViewProblem& problem, bool with_bias, int threads);
+  ViewMultigrid(const ViewProblem& problem, bool with_bias);
   ~ViewMultigrid() override;
 
   bool set_weights(ViewWeights weights) override;

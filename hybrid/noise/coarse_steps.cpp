@@ -30,12 +30,11 @@ Step mean_step(const RangeSteps::Direction& direction, int u, int v, int du, int
   return step;
 }
 
-RangeSteps::Direction coarse(const RangeSteps::Direction& fine, int du, int dv, int factor,
-                             int threads) {
+RangeSteps::Direction coarse(const RangeSteps::Direction& fine, int du, int dv, int factor) {
   const int width = fine.expected.width() / factor, height = fine.expected.height() / factor;
   const Grid<float> none(width, height, static_cast<float>(kNoSample));
   RangeSteps::Direction result{none, none, none, factor};
-  parallel_rows(std::max(0, height - dv), threads, [&](int v) {
+  parallel_rows(std::max(0, height - dv), [&](int v) {
     for (int u = 0; u + du < width; ++u) {
       const Step step = mean_step(fine, u * factor, v * factor, du, dv, factor);
       result.expected(u, v) = static_cast<float>(step.expected);
@@ -48,10 +47,9 @@ RangeSteps::Direction coarse(const RangeSteps::Direction& fine, int du, int dv, 
 
 }  // namespace
 
-RangeSteps coarse_steps(const RangeSteps& steps, int factor, int threads) {
+RangeSteps coarse_steps(const RangeSteps& steps, int factor) {
   assert(steps.along_rows.factor == 1 && factor >= 1);
-  return {coarse(steps.along_rows, 1, 0, factor, threads),
-          coarse(steps.along_columns, 0, 1, factor, threads)};
+  return {coarse(steps.along_rows, 1, 0, factor), coarse(steps.along_columns, 0, 1, factor)};
 }
 
 }  // namespace relief::hybrid

@@ -8,6 +8,6 @@ namespace relief::hybrid {
 /// blocks. Blocks at which any step is missing have none. Errors that neighbouring samples share
 /// average out less than independent ones: the noise of these steps, times `factor`, is what an
 /// independent noise would have to be to do as much harm over long waves.
-RangeSteps coarse_steps(const RangeSteps& steps, int factor, int threads);
+RangeSteps coarse_steps(const RangeSteps& steps, int factor);
 
 }  // namespace relief::hybrid

@@ -41,7 +41,7 @@ constexpr double kSettled = 1e-5;
 
 // Standard deviation of the Gaussian core of `values`: the fixed point of the second moment of what
 // lies within two standard deviations.
-double core_sigma(std::vector<double> values, int threads = 1) {
+double core_sigma(std::vector<double> values) {
   constexpr double kCut = 2.0, kKeptMoment = 0.77374;  // E[z^2 | |z| < 2], z Gaussian
   if (values.empty()) return 0.0;
   for (double& value : values) value = std::abs(value);
@@ -53,8 +53,8 @@ double core_sigma(std::vector<double> values, int threads = 1) {
         if (values[k] < kCut * sigma) sums += Eigen::Array2d(values[k] * values[k], 1.0);
       return sums;
     };
-    const Eigen::Array2d sums = parallel_sum(values.size(), kValuesAtOnce, threads,
-                                             Eigen::Array2d::Zero().eval(), moments_of);
+    const Eigen::Array2d sums =
+        parallel_sum(values.size(), kValuesAtOnce, Eigen::Array2d::Zero().eval(), moments_of);
     if (!(sums[0] > 0.0)) break;
     const double before = std::exchange(sigma, std::sqrt(sums[0] / sums[1] / kKeptMoment));
     if (std::abs(sigma - before) <= kSettled * sigma) break;
@@ -117,8 +117,8 @@ void for_each_walk(const RangeSteps& steps, int length, int stride, const Visit&
 
 // Calls visit(n, lengths[n]) for every length of walks.
 template <std::size_t kCount, typename Visit>
-void each(const std::array<int, kCount>& lengths, int threads, const Visit& visit) {
-  parallel_for(kCount, 1, threads, [&](std::size_t n, std::size_t) { visit(n, lengths[n]); });
+void each(const std::array<int, kCount>& lengths, const Visit& visit) {
+  parallel_for(kCount, 1, [&](std::size_t n, std::size_t) { visit(n, lengths[n]); });
 }
 
 // Samples of a grid to step over such that a statistic has enough to be good to about a percent.
@@ -151,10 +151,10 @@ std::vector<double> loop_closures(const RangeSteps& steps, int k) {
 
 // The white part of the closures' variance over loops of growing size; a curl of the bias grows
 // with the cube of the size and is fitted away.
-double normal_noise(const RangeSteps& steps, int threads) {
+double normal_noise(const RangeSteps& steps) {
   constexpr std::array<int, 3> kSides{1, 2, 4};
   std::array<double, kSides.size()> sigmas{};
-  each(kSides, threads, [&](std::size_t n, int k) {
+  each(kSides, [&](std::size_t n, int k) {
     if (k <= longest_walk(steps)) sigmas[n] = core_sigma(loop_closures(steps, k));
   });
   Eigen::Matrix2d normal_matrix = Eigen::Matrix2d::Zero();
@@ -191,10 +191,10 @@ SecondDifference second_difference(const RangeSteps::Direction& direction, int u
           0.5 * k * (first.sensitivity + second.sensitivity)};
 }
 
-std::vector<SecondDifference> second_differences(const RangeSteps& steps, int threads) {
+std::vector<SecondDifference> second_differences(const RangeSteps& steps) {
   constexpr std::array<int, 6> kLengths{1, 2, 3, 4, 6, 8};
   std::array<std::vector<SecondDifference>, kLengths.size()> by_length;
-  each(kLengths, threads, [&](std::size_t n, int k) {
+  each(kLengths, [&](std::size_t n, int k) {
     if (k > longest_walk(steps)) return;
     const auto visit = [&](const auto& direction, int u, int v, int du, int dv) {
       const SecondDifference d = second_difference(direction, u, v, du, dv, k);
@@ -245,16 +245,16 @@ Moments moments_of(const std::vector<SecondDifference>& differences, const WalkF
 
 // Moment fit of (H8) with known normal noise.
 WalkFit fit_second_differences(const std::vector<SecondDifference>& differences,
-                               double normal_variance, int threads) {
+                               double normal_variance) {
   std::vector<double> whitened;  // as if all were position noise
   whitened.reserve(differences.size());
   for (const auto& d : differences)
     whitened.push_back(
         std::sqrt(std::max(0.0, d.value * d.value - d.nodes * normal_variance) / 6.0));
-  const double start = core_sigma(std::move(whitened), threads);
+  const double start = core_sigma(std::move(whitened));
   WalkFit fit{start * start, normal_variance, 0.0};
   for (int round = 0; round < 20; ++round) {
-    const Moments moments = parallel_sum(differences.size(), kValuesAtOnce, threads, Moments(),
+    const Moments moments = parallel_sum(differences.size(), kValuesAtOnce, Moments(),
                                          [&](std::size_t begin, std::size_t end) {
                                            return moments_of(differences, fit, begin, end);
                                          });
@@ -278,13 +278,13 @@ struct BlockFit {
   bool positions_rule = false;  // in half of the differences, those between close blocks
 };
 
-BlockFit fit_blocks(const RangeSteps& steps, int threads) {
+BlockFit fit_blocks(const RangeSteps& steps) {
   BlockFit block;
-  const std::vector<SecondDifference> differences = second_differences(steps, threads);
+  const std::vector<SecondDifference> differences = second_differences(steps);
   block.differences = differences.size();
   if (differences.size() < kFewestBlocks) return block;
-  const double normal = normal_noise(steps, threads);
-  block.fit = fit_second_differences(differences, normal * normal, threads);
+  const double normal = normal_noise(steps);
+  block.fit = fit_second_differences(differences, normal * normal);
   const auto position_rules = [&](const SecondDifference& d) {
     return 6.0 * block.fit.position_variance >
            d.nodes * block.fit.normal_variance + d.area * d.area * block.fit.gradient_variance;
@@ -297,15 +297,15 @@ BlockFit fit_blocks(const RangeSteps& steps, int threads) {
 // The variance that independent noise of the ranges would have to have, to do as much harm as
 // theirs does over long waves: n times the variance of means over n samples, for large n. Over
 // blocks of growing side it approaches this limit, for noise of finite reach, as 1 / side.
-double long_wave_variance(const RangeSteps& steps, double local_variance, int threads) {
+double long_wave_variance(const RangeSteps& steps, double local_variance) {
   constexpr int kSide = 4;
   constexpr double kDeviations = 4.0;  // by which blocks must differ from independent samples
-  const BlockFit large = fit_blocks(coarse_steps(steps, kSide, threads), threads);
+  const BlockFit large = fit_blocks(coarse_steps(steps, kSide));
   if (!large.positions_rule) return local_variance;
   const double of_large = kSide * kSide * large.fit.position_variance;
   const double deviation = std::sqrt(2.0 / static_cast<double>(large.differences));
   if (of_large < (1.0 + kDeviations * deviation) * local_variance) return local_variance;
-  const BlockFit small = fit_blocks(coarse_steps(steps, kSide / 2, threads), threads);
+  const BlockFit small = fit_blocks(coarse_steps(steps, kSide / 2));
   const double of_small = 0.25 * kSide * kSide * small.fit.position_variance;
   return std::max(of_large, 2.0 * of_large - of_small);
 }
@@ -320,9 +320,9 @@ struct ExcessVariance {
 };
 
 // For values of which about one in `overlap` is independent.
-ExcessVariance variance_of(Excess&& excess, double overlap, int threads) {
+ExcessVariance variance_of(Excess&& excess, double overlap) {
   const double independent = static_cast<double>(excess.values.size()) / overlap;
-  const double total = core_sigma(std::move(excess.values), threads);
+  const double total = core_sigma(std::move(excess.values));
   const double random = median(excess.noise);
   return {std::max(0.0, total * total - random * random),
           total * total * std::sqrt(2.0 / independent)};
@@ -330,7 +330,7 @@ ExcessVariance variance_of(Excess&& excess, double overlap, int threads) {
 
 // Equation (H9): over k edges the discrepancy has variance 2 sigma_position^2 + nodes
 // sigma_normal^2 + (sum of sensitivities)^2 bias^2.
-double smooth_bias(const RangeSteps& steps, const WalkFit& noise, int threads) {
+double smooth_bias(const RangeSteps& steps, const WalkFit& noise) {
   constexpr int kLength = 16;
   Excess excess;
   for_each_walk(steps, kLength, std::max(2, thinning(steps)),
@@ -342,15 +342,15 @@ double smooth_bias(const RangeSteps& steps, const WalkFit& noise, int threads) {
                                                    sums.node_squares * noise.normal_variance) /
                                          sums.sensitivity);
                 });
-  return std::sqrt(variance_of(std::move(excess), 1.0, threads).value);
+  return std::sqrt(variance_of(std::move(excess), 1.0).value);
 }
 
 // The change of the bias from pixel to pixel, from what second differences over long walks have in
 // excess of the noise, equation (H8). Lengths that show it best count most.
-double bias_gradient(const RangeSteps& steps, const WalkFit& noise, int threads) {
+double bias_gradient(const RangeSteps& steps, const WalkFit& noise) {
   constexpr std::array<int, 4> kLengths{8, 16, 32, 64};
   std::array<ExcessVariance, kLengths.size()> by_length;
-  each(kLengths, threads, [&](std::size_t n, int k) {
+  each(kLengths, [&](std::size_t n, int k) {
     Excess excess;
     const auto visit = [&](const auto& direction, int u, int v, int du, int dv) {
       const SecondDifference d = second_difference(direction, u, v, du, dv, k);
@@ -374,23 +374,23 @@ double bias_gradient(const RangeSteps& steps, const WalkFit& noise, int threads)
 
 }  // namespace
 
-NoiseEstimate estimate_noise(const RangeSteps& steps, int threads) {
+NoiseEstimate estimate_noise(const RangeSteps& steps) {
   NoiseEstimate estimate;
-  const std::vector<SecondDifference> differences = second_differences(steps, threads);
+  const std::vector<SecondDifference> differences = second_differences(steps);
   estimate.samples = differences.size();
   if (!estimate.enough()) return estimate;
-  estimate.sigma_normal = normal_noise(steps, threads);
+  estimate.sigma_normal = normal_noise(steps);
   const WalkFit fit =
-      fit_second_differences(differences, estimate.sigma_normal * estimate.sigma_normal, threads);
+      fit_second_differences(differences, estimate.sigma_normal * estimate.sigma_normal);
   estimate.sigma_local = std::sqrt(fit.position_variance);
-  estimate.sigma_position = std::sqrt(long_wave_variance(steps, fit.position_variance, threads));
-  estimate.bias_gradient = bias_gradient(steps, fit, threads);
-  estimate.bias = smooth_bias(steps, fit, threads);
+  estimate.sigma_position = std::sqrt(long_wave_variance(steps, fit.position_variance));
+  estimate.bias_gradient = bias_gradient(steps, fit);
+  estimate.bias = smooth_bias(steps, fit);
   return estimate;
 }
 
-NoiseEstimate estimate_noise(const RangeView& view, const GridEdges& edges, int threads) {
-  return estimate_noise(range_steps(view, edges, threads), threads);
+NoiseEstimate estimate_noise(const RangeView& view, const GridEdges& edges) {
+  return estimate_noise(range_steps(view, edges));
 }
 
 }  // namespace relief::hybrid

@@ -26,8 +26,8 @@ struct NoiseEstimate {
 /// the closure of the steps that the normals imply round small loops (normal noise alone, equation
 /// (H7)), second differences of the discrepancy over walks of k edges (position noise, equation
 /// (H8)), and its first differences over long walks (bias, equation (H9)).
-NoiseEstimate estimate_noise(const RangeSteps& steps, int threads = 1);
+NoiseEstimate estimate_noise(const RangeSteps& steps);
 
-NoiseEstimate estimate_noise(const RangeView& view, const GridEdges& edges, int threads = 1);
+NoiseEstimate estimate_noise(const RangeView& view, const GridEdges& edges);
 
 }  // namespace relief::hybrid

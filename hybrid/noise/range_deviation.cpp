@@ -38,7 +38,6 @@ struct Context {
   const ViewWeights& weights;
   std::vector<std::uint32_t> number;  // of movable samples, by padded index
   bool with_bias;
-  int threads;
 
   Eigen::Index count() const { return static_cast<Eigen::Index>(problem.size()); }
   Eigen::VectorXd zero() const { return Eigen::VectorXd::Zero((with_bias ? 3 : 1) * count()); }
@@ -49,13 +48,13 @@ Eigen::VectorXd perturbation(const Context& context, const MeasurementNoise& noi
                              const CounterRandom& random) {
   const ViewProblem& problem = context.problem;
   Eigen::VectorXd rhs = context.zero();
-  for_each_sample(problem, context.threads, [&](Eigen::Index k, std::uint32_t pixel) {
+  for_each_sample(problem, [&](Eigen::Index k, std::uint32_t pixel) {
     const double confidence = problem.confidence[k];
     if (!(confidence > 0.0)) return;
     const double sigma = noise.sigma_position / std::sqrt(confidence);
     rhs[k] = context.weights.position[pixel] * sigma * PixelErrors(random, pixel).range();
   });
-  problem.slopes.parallel_for_each(context.threads, [&](int axis, std::size_t i) {
+  problem.slopes.parallel_for_each([&](int axis, std::size_t i) {
     const auto a = static_cast<std::size_t>(axis);
     const SlopeConstraints::Axis& plane = problem.slopes.axes[a];
     const SlopeConstraints::Ends ends = problem.slopes.ends(axis, i);
@@ -80,7 +79,7 @@ Eigen::VectorXd shrinkage(const Context& context, const Eigen::VectorXd& y) {
   const Eigen::Index count = context.count();
   Eigen::VectorXd rhs = context.zero();
   rhs.tail(2 * count) = double{context.weights.bias_size} * y.tail(2 * count);
-  for_each_bias_pair(context.problem, context.threads, [&](std::size_t at0, std::size_t at1) {
+  for_each_bias_pair(context.problem, [&](std::size_t at0, std::size_t at1) {
     for (const Eigen::Index block : {count, 2 * count}) {
       const Eigen::Index a = block + context.number[at0], b = block + context.number[at1];
       const double change = context.weights.bias_step * (y[a] - y[b]);
@@ -105,10 +104,10 @@ Eigen::ArrayXf border_factor(const SurfaceAverage& surface, Eigen::Index count, 
 // once its rise towards borders is divided out. The bias itself is found too flat near borders, so
 // what it leaves in the range rises there once more.
 Eigen::VectorXf smoothed(const ViewProblem& problem, const Eigen::VectorXf& from_noise,
-                         const Eigen::VectorXf& from_bias, double crossover, int threads) {
+                         const Eigen::VectorXf& from_bias, double crossover) {
   const int largest = std::max(problem.grid.width, problem.grid.height);
   crossover = std::clamp(crossover, 1.0, static_cast<double>(largest));
-  const SurfaceAverage surface(problem, threads);
+  const SurfaceAverage surface(problem);
   const Eigen::ArrayXf factor = border_factor(surface, from_noise.size(), crossover);
   const Eigen::VectorXf level = from_noise.array() / factor + from_bias.array();
   return surface.average(level, kWindow * crossover).array() * factor;
@@ -120,7 +119,7 @@ Eigen::VectorXf range_deviation(const ViewProblem& problem, const ViewWeights& w
                                 const MeasurementNoise& noise, const Eigen::VectorXd& y,
                                 ViewSolver& solver, const DeviationOptions& options) {
   const bool with_bias = y.size() > static_cast<Eigen::Index>(problem.size());
-  const Context context{problem, weights, numbers_of(problem), with_bias, options.threads};
+  const Context context{problem, weights, numbers_of(problem), with_bias};
   Eigen::VectorXf from_noise = Eigen::VectorXf::Zero(context.count()), from_bias = from_noise;
   const auto add_squared_error = [&](Eigen::VectorXd rhs, Eigen::VectorXf& sum) {
     const bool solved = solver.solve(rhs, options.tolerance, options.max_iterations).converged;
@@ -134,7 +133,7 @@ Eigen::VectorXf range_deviation(const ViewProblem& problem, const ViewWeights& w
   from_noise /= static_cast<float>(options.probes);
   if (with_bias && !add_squared_error(shrinkage(context, y), from_bias)) return {};
   if (options.crossover > 0.0)
-    return smoothed(problem, from_noise, from_bias, options.crossover, options.threads).cwiseSqrt();
+    return smoothed(problem, from_noise, from_bias, options.crossover).cwiseSqrt();
   return (from_noise + from_bias).cwiseSqrt();
 }
 

@@ -25,7 +25,6 @@ struct DeviationOptions {
   double tolerance = 0.1;  ///< Of each solve, relative.
   int max_iterations = 500;
   std::uint64_t seed = 1;
-  int threads = 0;  ///< 0: one per core. The result does not depend on it.
 };
 
 /// Standard deviation of the refined range of every movable sample along its ray [unit], equations

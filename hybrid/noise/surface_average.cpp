@@ -23,9 +23,9 @@ WeightedSum operator*(float factor, const WeightedSum& sum) {
 
 }  // namespace
 
-SurfaceAverage::SurfaceAverage(const ViewProblem& problem, int threads)
-    : problem_(problem), threads_(threads), right_(problem.grid.size(), 0), down_(right_) {
-  for_each_bias_pair(problem, threads, [&](std::size_t tail, std::size_t head) {
+SurfaceAverage::SurfaceAverage(const ViewProblem& problem)
+    : problem_(problem), right_(problem.grid.size(), 0), down_(right_) {
+  for_each_bias_pair(problem, [&](std::size_t tail, std::size_t head) {
     (head - tail == 1 ? right_ : down_)[tail] = 1;
   });
 }
@@ -70,20 +70,18 @@ void SurfaceAverage::sum_columns(std::size_t begin, std::size_t end, float decay
 template <typename Sum>
 void SurfaceAverage::sum_up(std::vector<Sum>& plane, double window) const {
   const auto decay = static_cast<float>(std::exp(-1.0 / window));
-  parallel_rows(problem_.grid.height, threads_,
+  parallel_rows(problem_.grid.height,
                 [&](int v) { sum_row(problem_.grid.index(0, v), decay, plane); });
-  parallel_for(static_cast<std::size_t>(problem_.grid.width), kColumnsAtOnce, threads_,
+  parallel_for(static_cast<std::size_t>(problem_.grid.width), kColumnsAtOnce,
                [&](std::size_t begin, std::size_t end) { sum_columns(begin, end, decay, plane); });
 }
 
 Eigen::VectorXf SurfaceAverage::average(const Eigen::VectorXf& values, double window) const {
   std::vector<WeightedSum> plane(problem_.grid.size());
-  for_each_sample(problem_, threads_, [&](Eigen::Index k, std::size_t i) {
-    plane[i] = {values[k], 1.0f};
-  });
+  for_each_sample(problem_, [&](Eigen::Index k, std::size_t i) { plane[i] = {values[k], 1.0f}; });
   sum_up(plane, window);
   Eigen::VectorXf averages(values.size());
-  for_each_sample(problem_, threads_, [&](Eigen::Index k, std::size_t i) {
+  for_each_sample(problem_, [&](Eigen::Index k, std::size_t i) {
     averages[k] = plane[i].value / plane[i].weight;
   });
   return averages;
@@ -91,13 +89,12 @@ Eigen::VectorXf SurfaceAverage::average(const Eigen::VectorXf& values, double wi
 
 Eigen::VectorXf SurfaceAverage::share(double window) const {
   std::vector<float> plane(problem_.grid.size(), 0.0f);
-  for_each_sample(problem_, threads_, [&](Eigen::Index, std::size_t i) { plane[i] = 1.0f; });
+  for_each_sample(problem_, [&](Eigen::Index, std::size_t i) { plane[i] = 1.0f; });
   sum_up(plane, window);
   const double decay = std::exp(-1.0 / window), line = (1.0 + decay) / (1.0 - decay);
   const auto all = static_cast<float>(line * line);
   Eigen::VectorXf shares(static_cast<Eigen::Index>(problem_.size()));
-  for_each_sample(problem_, threads_,
-                  [&](Eigen::Index k, std::size_t i) { shares[k] = plane[i] / all; });
+  for_each_sample(problem_, [&](Eigen::Index k, std::size_t i) { shares[k] = plane[i] / all; });
   return shares;
 }
 

@@ -15,8 +15,8 @@ namespace relief::hybrid {
 /// threads.
 class SurfaceAverage {
  public:
-  /// `problem` must outlive the object. `threads`: 0 is one per core.
-  SurfaceAverage(const ViewProblem& problem, int threads);
+  /// `problem` must outlive the object.
+  explicit SurfaceAverage(const ViewProblem& problem);
 
   /// Of one value per movable sample; `window` in samples, > 0.
   Eigen::VectorXf average(const Eigen::VectorXf& values, double window) const;
@@ -34,7 +34,6 @@ class SurfaceAverage {
   void sum_columns(std::size_t begin, std::size_t end, float decay, std::vector<Sum>& plane) const;
 
   const ViewProblem& problem_;
-  int threads_;
   std::vector<std::uint8_t> right_, down_;  // padded; 1: hangs together with the next pixel
 };
 

@@ -24,9 +24,9 @@ bool explained(const RangeView& view, int u, int v, int du, int dv, double sigma
 
 }  // namespace
 
-void connect_explained_steps(const RangeView& view, double sigma, int threads, GridEdges& edges) {
+void connect_explained_steps(const RangeView& view, double sigma, GridEdges& edges) {
   if (!view.has_normals()) return;
-  parallel_rows(view.height(), threads, [&](int v) {
+  parallel_rows(view.height(), [&](int v) {
     for (int u = 0; u < view.width(); ++u) {
       if (u + 1 < view.width() && !edges.right(u, v) && explained(view, u, v, 1, 0, sigma))
         edges.right(u, v) = 1;

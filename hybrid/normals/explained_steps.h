@@ -10,6 +10,6 @@ namespace relief::hybrid {
 /// A step is explained if it differs by at most three standard deviations from the one that the
 /// mean of both normals asks for, equation (H4); `sigma` is that of a range [unit]. Other edges
 /// stay as they are.
-void connect_explained_steps(const RangeView& view, double sigma, int threads, GridEdges& edges);
+void connect_explained_steps(const RangeView& view, double sigma, GridEdges& edges);
 
 }  // namespace relief::hybrid

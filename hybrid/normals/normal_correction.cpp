@@ -97,10 +97,10 @@ Eigen::SparseMatrix<double> smoothing_matrix(const ViewProblem& problem,
 }  // namespace
 
 Grid<Eigen::Vector3f> subtract_bias(const RangeView& view, const ViewProblem& problem,
-                                    const Eigen::VectorXd& bias, int threads) {
+                                    const Eigen::VectorXd& bias) {
   Grid<Eigen::Vector3f> normals = view.normals;
   const auto count = static_cast<Eigen::Index>(problem.size());
-  for_each_sample(problem, threads, [&](Eigen::Index k, std::uint32_t) {
+  for_each_sample(problem, [&](Eigen::Index k, std::uint32_t) {
     const Pixel p = pixel_of(problem, k);
     if (!view.has_normal(p.u, p.v)) return;
     const Eigen::Vector3d viewing = view.camera.ray(p.u, p.v).direction.normalized();

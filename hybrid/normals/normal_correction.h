@@ -11,7 +11,7 @@ namespace relief::hybrid {
 /// The measured normals less a slope error per movable sample, `bias` = [b_u; b_v] [rad]: normal to
 /// the two tangents whose slopes against the measured normal are b_u and b_v. Other normals stay.
 Grid<Eigen::Vector3f> subtract_bias(const RangeView& view, const ViewProblem& problem,
-                                    const Eigen::VectorXd& bias, int threads = 1);
+                                    const Eigen::VectorXd& bias);
 
 struct TwoStepResult {
   Grid<Eigen::Vector3f> normals;  ///< Equation (H1).

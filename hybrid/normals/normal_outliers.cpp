@@ -24,14 +24,14 @@ constexpr float kTrusted = 0.25f;  // confidence of ranges that may contradict n
 class RectangleSums {
  public:
   template <typename Value>
-  RectangleSums(const PaddedGrid& grid, int threads, const Value& value)
+  RectangleSums(const PaddedGrid& grid, const Value& value)
       : sums_(grid.width + 1, grid.height + 1, 0.0) {
-    parallel_rows(grid.height, threads, [&](int v) {
+    parallel_rows(grid.height, [&](int v) {
       for (int u = 0; u < grid.width; ++u)
         sums_(u + 1, v + 1) = sums_(u, v + 1) + value(grid.index(u, v));
     });
     constexpr std::size_t kColumnsAtOnce = 64;
-    parallel_for(static_cast<std::size_t>(sums_.width()), kColumnsAtOnce, threads,
+    parallel_for(static_cast<std::size_t>(sums_.width()), kColumnsAtOnce,
                  [&](std::size_t begin, std::size_t end) {
                    for (int v = 1; v < sums_.height(); ++v)
                      for (int u = static_cast<int>(begin); u < static_cast<int>(end); ++u)
@@ -78,18 +78,17 @@ std::vector<std::uint8_t> trusted_constraints(const ViewProblem& problem, std::s
 
 // Mean slopes of the ranges against the normals along one axis; NaN where the window is not nearly
 // full.
-Grid<double> window_slopes(const ViewProblem& problem, std::size_t axis, int half, int threads) {
+Grid<double> window_slopes(const ViewProblem& problem, std::size_t axis, int half) {
   const PaddedGrid& grid = problem.grid;
   const SlopeConstraints::Axis& a = problem.slopes.axes[axis];
   const std::vector<std::uint8_t> use = trusted_constraints(problem, axis);
-  const RectangleSums steps(grid, threads,
-                            [&](std::size_t i) { return use[i] * double{a.step[i]}; });
+  const RectangleSums steps(grid, [&](std::size_t i) { return use[i] * double{a.step[i]}; });
   const double enough = 0.75 * 2 * half * (2 * half + 1);
   const RectangleSums lengths(
-      grid, threads, [&](std::size_t i) { return use[i] * 2.0 * double{a.half_length[i]}; });
-  const RectangleSums counts(grid, threads, [&](std::size_t i) { return use[i]; });
+      grid, [&](std::size_t i) { return use[i] * 2.0 * double{a.half_length[i]}; });
+  const RectangleSums counts(grid, [&](std::size_t i) { return use[i]; });
   Grid<double> result(grid.width, grid.height, kNoSample);
-  parallel_rows(grid.height, threads, [&](int v) {
+  parallel_rows(grid.height, [&](int v) {
     for (int u = 0; u < grid.width; ++u) {
       // A constraint belongs to the pixel before it.
       const int u1 = u + half + (axis == 1), v1 = v + half + (axis == 0);
@@ -127,9 +126,9 @@ struct Ring {
 };
 
 // What windows differ by from those round about; zero where that is within `least`.
-Grid<double> contradictions(const Grid<double>& slopes, int half, double least, int threads) {
+Grid<double> contradictions(const Grid<double>& slopes, int half, double least) {
   Grid<double> result(slopes.width(), slopes.height(), 0.0);
-  parallel_rows(slopes.height(), threads, [&](int v) {
+  parallel_rows(slopes.height(), [&](int v) {
     for (int u = 0; u < slopes.width(); ++u) {
       if (!(slopes(u, v) == slopes(u, v))) continue;
       Ring ring(slopes, u, v, kRing * half);
@@ -155,7 +154,7 @@ double error_at(const Grid<double>& excess, int u, int v, int half, double limit
 }  // namespace
 
 CoherentErrors coherent_errors(const ViewProblem& problem, const NoiseEstimate& noise,
-                               double spacing, int threads) {
+                               double spacing) {
   const int half = window_for(noise, spacing);
   const double variance = mean_variance(2.0 * half * (2 * half + 1), half, noise, spacing);
   const double change = noise.bias_gradient * kRing * half;
@@ -164,8 +163,8 @@ CoherentErrors coherent_errors(const ViewProblem& problem, const NoiseEstimate& 
   CoherentErrors errors{Eigen::VectorXd::Zero(2 * count), 0};
   for (const std::size_t axis : {0u, 1u}) {
     const Grid<double> excess =
-        contradictions(window_slopes(problem, axis, half, threads), half, 0.5 * limit, threads);
-    for_each_sample(problem, threads, [&](Eigen::Index k, std::uint32_t pixel) {
+        contradictions(window_slopes(problem, axis, half), half, 0.5 * limit);
+    for_each_sample(problem, [&](Eigen::Index k, std::uint32_t pixel) {
       errors.slopes[static_cast<Eigen::Index>(axis) * count + k] =
           error_at(excess, problem.grid.u(pixel), problem.grid.v(pixel), half, limit);
     });

@@ -22,6 +22,6 @@ struct CoherentErrors {
 /// the bias changes over that distance. That difference is the error of the normals. `spacing` is a
 /// typical length of the constraints [unit].
 CoherentErrors coherent_errors(const ViewProblem& problem, const NoiseEstimate& noise,
-                               double spacing, int threads = 1);
+                               double spacing);
 
 }  // namespace relief::hybrid

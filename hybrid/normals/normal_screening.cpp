@@ -69,9 +69,9 @@ class Neighbourhood {
 
 // Calls body(row, neighbourhood) for every so many-th row.
 template <typename Body>
-void each_row(const RangeView& view, int stride, int threads, const Body& body) {
+void each_row(const RangeView& view, int stride, const Body& body) {
   const auto rows = static_cast<std::size_t>((view.height() + stride - 1) / stride);
-  parallel_for(rows, 16, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(rows, 16, [&](std::size_t begin, std::size_t end) {
     Neighbourhood neighbourhood;
     for (std::size_t row = begin; row < end; ++row)
       body(static_cast<int>(row) * stride, neighbourhood);
@@ -80,12 +80,12 @@ void each_row(const RangeView& view, int stride, int threads, const Body& body) 
 
 // The typical distance of a normal from the median of its neighbourhood, from enough of them to be
 // good to about a percent; 0 for none.
-float typical_distance(const RangeView& view, int threads) {
+float typical_distance(const RangeView& view) {
   constexpr double kEnough = 60000.0;
   const int stride =
       std::max(1, static_cast<int>(std::sqrt(static_cast<double>(view.normals.size()) / kEnough)));
   std::vector<std::vector<float>> of_row(static_cast<std::size_t>(view.height()));
-  each_row(view, stride, threads, [&](int v, Neighbourhood& neighbourhood) {
+  each_row(view, stride, [&](int v, Neighbourhood& neighbourhood) {
     for (int u = 0; u < view.width(); u += stride) {
       if (!has_both(view, u, v)) continue;
       neighbourhood.gather(view, u, v);
@@ -100,12 +100,12 @@ float typical_distance(const RangeView& view, int threads) {
 
 }  // namespace
 
-ScreenedNormals screen_normals(const RangeView& view, int threads) {
+ScreenedNormals screen_normals(const RangeView& view) {
   ScreenedNormals screened{view.normals, Grid<std::uint8_t>(view.width(), view.height(), 0), 0};
   if (!view.has_normals()) return screened;
-  const float typical = typical_distance(view, threads);
+  const float typical = typical_distance(view);
   if (!(typical > 0.0f)) return screened;
-  each_row(view, 1, threads, [&](int v, Neighbourhood& neighbourhood) {
+  each_row(view, 1, [&](int v, Neighbourhood& neighbourhood) {
     for (int u = 0; u < view.width(); ++u) {
       if (!has_both(view, u, v)) continue;
       const Eigen::Vector3f& normal = view.normals(u, v);

@@ -19,6 +19,6 @@ struct ScreenedNormals {
 /// Replaces single wild normals (highlights, shadow edges, dead pixels; up to about a third of
 /// all). A normal is isolated if it lies further from the median normal of its 5 x 5 neighbourhood
 /// than four times the typical distance there and in the whole view: creases and steps are not.
-ScreenedNormals screen_normals(const RangeView& view, int threads);
+ScreenedNormals screen_normals(const RangeView& view);
 
 }  // namespace relief::hybrid

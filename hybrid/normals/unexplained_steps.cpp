@@ -70,7 +70,7 @@ bool is_unexplained(const Line& line, const NoiseEstimate& noise, double range_v
 }
 
 void cut(const RangeSteps::Direction& steps, int du, int dv, const NoiseEstimate& noise,
-         const Grid<float>& variance, int threads, Grid<std::uint8_t>& connected) {
+         const Grid<float>& variance, Grid<std::uint8_t>& connected) {
   const auto variance_at = [&](int u, int v) {
     const double factor = variance.empty() ? 1.0 : double{variance(u, v)};
     return factor * noise.sigma_local * noise.sigma_local;
@@ -80,7 +80,7 @@ void cut(const RangeSteps::Direction& steps, int du, int dv, const NoiseEstimate
       if (connected(u, v) && is_unexplained({steps, u, v, du, dv}, noise, variance_at(u, v)))
         connected(u, v) = 0;
   };
-  parallel_for(static_cast<std::size_t>(connected.height()), 16, threads,
+  parallel_for(static_cast<std::size_t>(connected.height()), 16,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t v = begin; v < end; ++v) cut_row(static_cast<int>(v));
                });
@@ -89,11 +89,10 @@ void cut(const RangeSteps::Direction& steps, int du, int dv, const NoiseEstimate
 }  // namespace
 
 GridEdges cut_unexplained_steps(const GridEdges& edges, const RangeSteps& steps,
-                                const NoiseEstimate& noise, const Grid<float>& variance,
-                                int threads) {
+                                const NoiseEstimate& noise, const Grid<float>& variance) {
   GridEdges remaining = edges;
-  cut(steps.along_rows, 1, 0, noise, variance, threads, remaining.right);
-  cut(steps.along_columns, 0, 1, noise, variance, threads, remaining.down);
+  cut(steps.along_rows, 1, 0, noise, variance, remaining.right);
+  cut(steps.along_columns, 0, 1, noise, variance, remaining.down);
   return remaining;
 }
 

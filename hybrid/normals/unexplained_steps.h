@@ -11,7 +11,6 @@ namespace relief::hybrid {
 /// that difference under `noise`. Single wild samples cut nothing. `variance`, if not empty, is
 /// that of the range of each pixel over that of `noise`.
 GridEdges cut_unexplained_steps(const GridEdges& edges, const RangeSteps& steps,
-                                const NoiseEstimate& noise, const Grid<float>& variance = {},
-                                int threads = 1);
+                                const NoiseEstimate& noise, const Grid<float>& variance = {});
 
 }  // namespace relief::hybrid

@@ -30,13 +30,13 @@ struct StepCount {
 }  // namespace
 
 Grid<std::uint8_t> range_outliers(const RangeSteps& steps, const NoiseEstimate& noise,
-                                  const Grid<float>& variance, int threads) {
+                                  const Grid<float>& variance) {
   const int width = steps.along_rows.discrepancy.width();
   const int height = steps.along_rows.discrepancy.height();
   const double range = 2.0 * noise.sigma_local * noise.sigma_local;
   const double slope = noise.sigma_normal * noise.sigma_normal + noise.bias * noise.bias;
   Grid<std::uint8_t> wild(width, height, 0);
-  parallel_rows(height, threads, [&](int v) {
+  parallel_rows(height, [&](int v) {
     for (int u = 0; u < width; ++u) {
       StepCount count;
       const double here = variance.empty() ? range : range * double{variance(u, v)};

@@ -13,6 +13,6 @@ namespace relief::hybrid {
 /// five standard deviations off what the normals explain. `variance`, if not empty, is that of the
 /// range of each pixel over that of `noise`.
 Grid<std::uint8_t> range_outliers(const RangeSteps& steps, const NoiseEstimate& noise,
-                                  const Grid<float>& variance = {}, int threads = 1);
+                                  const Grid<float>& variance = {});
 
 }  // namespace relief::hybrid

@@ -26,12 +26,12 @@ ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
   ViewWeights weights;
   weights.position.assign(problem.grid.size(), 0.0f);
   const double position = 1.0 / (noise.sigma_position * noise.sigma_position);
-  for_each_sample(problem, options.threads, [&](Eigen::Index k, std::uint32_t pixel) {
+  for_each_sample(problem, [&](Eigen::Index k, std::uint32_t pixel) {
     weights.position[pixel] = static_cast<float>(position * problem.confidence[k]);
   });
   const bool equal_slopes = options.lambda.has_value();
   for (auto& plane : weights.slope) plane.assign(problem.grid.size(), 0.0f);
-  problem.slopes.parallel_for_each(options.threads, [&](int axis, std::size_t i) {
+  problem.slopes.parallel_for_each([&](int axis, std::size_t i) {
     const auto a = static_cast<std::size_t>(axis);
     const double length =
         equal_slopes ? noise.spacing : 2.0 * problem.slopes.axes[a].half_length[i];
@@ -50,11 +50,11 @@ ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
 // normals of fine detail for good. Its width starts at what the residuals are and ends at
 // what they should be, so that a first solve misled by many outliers does not reject the truth.
 ViewWeights reweighted(const ViewProblem& problem, ViewWeights weights,
-                       std::array<std::vector<float>, 2> residuals, int threads) {
+                       std::array<std::vector<float>, 2> residuals) {
   constexpr std::size_t kAtOnce = 1 << 16;
   const auto each = [&](const auto& body) {
     for (const std::size_t axis : {0, 1})
-      parallel_for(problem.grid.size(), kAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+      parallel_for(problem.grid.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) body(axis, i);
       });
   };
@@ -81,9 +81,9 @@ double rough_tolerance(const RefineOptions& options) { return std::max(options.t
 }  // namespace
 
 RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
-                           const RefineOptions& options, const Progress& progress) {
+                           const RefineOptions& options, const Context& context) {
   const bool with_bias = options.bias == BiasModel::kLatent;
-  const auto solver = make_view_solver(problem, with_bias, options.solver, options.threads);
+  const auto solver = make_view_solver(problem, with_bias, options.solver);
   ViewWeights weights = initial_weights(problem, noise, options);
   RobustSolve result;
   const auto count = static_cast<Eigen::Index>(problem.size());
@@ -95,13 +95,14 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
     return solve.converged;
   };
   for (bool last = false; !last; ++result.rounds) {
-    if (!report_progress(progress, double(result.rounds) / (options.robust_rounds + 1), "refine")) {
+    if (!report_progress(context.progress, double(result.rounds) / (options.robust_rounds + 1),
+                         "refine")) {
       result.interrupted = true;
       return result;
     }
     if (result.rounds > 0)
       weights = reweighted(problem, initial_weights(problem, noise, options),
-                           slope_residuals(problem, result.y, options.threads), options.threads);
+                           slope_residuals(problem, result.y));
     if (!solver->set_weights(weights)) {
       result.status = RefineStatus::kSolverFailed;
       return result;
@@ -119,8 +120,7 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
     DeviationOptions deviation;
     deviation.crossover = noise.crossover();
     deviation.max_iterations = options.max_iterations;
-    deviation.seed = options.seed;
-    deviation.threads = options.threads;
+    deviation.seed = context.seed;
     result.deviation =
         range_deviation(problem, weights, noise.measured, result.y, *solver, deviation);
   }

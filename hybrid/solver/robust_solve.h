@@ -5,7 +5,7 @@
 #include "hybrid/model/view_problem.h"
 #include "hybrid/noise/noise_model.h"
 #include "relief/hybrid/refine_view.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 
 namespace relief::hybrid {
 
@@ -21,6 +21,6 @@ struct RobustSolve {
 /// Minimises equation (H5) by least squares whose slope constraints are reweighted, with Cauchy's
 /// loss, until the samples settle or after `options.robust_rounds`.
 RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
-                           const RefineOptions& options, const Progress& progress);
+                           const RefineOptions& options, const Context& context);
 
 }  // namespace relief::hybrid

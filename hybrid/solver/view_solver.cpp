@@ -33,9 +33,9 @@ class DirectSolver : public ViewSolver {
 }  // namespace
 
 std::unique_ptr<ViewSolver> make_view_solver(const ViewProblem& problem, bool with_bias,
-                                             Solver solver, int threads) {
+                                             Solver solver) {
   if (solver == Solver::kMultigrid && problem.slopes.stencil == Stencil::kCompactEdge)
-    return std::make_unique<ViewMultigrid>(problem, with_bias, threads);
+    return std::make_unique<ViewMultigrid>(problem, with_bias);
   return std::make_unique<DirectSolver>(problem, with_bias);
 }
 

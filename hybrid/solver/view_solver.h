@@ -32,8 +32,8 @@ class ViewSolver {
   virtual LinearSolve solve(Eigen::VectorXd& y, double tolerance, int max_iterations) = 0;
 };
 
-/// `problem` must outlive the solver. `threads`: 0 is one per core; no result depends on it.
+/// `problem` must outlive the solver. No result depends on the number of threads.
 std::unique_ptr<ViewSolver> make_view_solver(const ViewProblem& problem, bool with_bias,
-                                             Solver solver, int threads);
+                                             Solver solver);
 
 }  // namespace relief::hybrid

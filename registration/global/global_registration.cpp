@@ -28,15 +28,14 @@ class GlobalRegistration {
     grouping_.limits = options.limits;
     grouping_.ambiguity = options.ambiguity;
     grouping_.judge.association = options.association;
-    grouping_.threads = options.threads;
   }
 
   Result<ViewGroups> run() {
     regroup();
     if (!complete() && !search_by_shape()) return interrupted();
     if (!complete()) {
-      for (auto& link : turntable_links(surfaces_, groups_.group, options_.limits,
-                                        options_.association, options_.threads)) {
+      for (auto& link :
+           turntable_links(surfaces_, groups_.group, options_.limits, options_.association)) {
         link.ambiguous = looks_repeated(link.a) || looks_repeated(link.b);
         links_.push_back(std::move(link));
       }
@@ -68,7 +67,7 @@ class GlobalRegistration {
     std::vector<CoarseView> views(surfaces_.size());
     repeats_.assign(surfaces_.size(), std::nullopt);
     if (!go_on(0.0, "describing views")) return false;
-    parallel_for(views.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
+    parallel_for(views.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) views[i] = prepare_coarse_view(surfaces_[i], scale);
     });
     std::vector<const LocalFeatures*> features;
@@ -106,7 +105,7 @@ class GlobalRegistration {
       if (!go_on(fraction, "comparing views")) return false;
       const std::size_t count = std::min(kAtOnce, pairs.size() - begin);
       std::vector<std::vector<PoseHypothesis>> found(count);
-      parallel_for(count, 1, options_.threads, [&](std::size_t from, std::size_t to) {
+      parallel_for(count, 1, [&](std::size_t from, std::size_t to) {
         for (std::size_t k = from; k < to; ++k)
           found[k] = search_pair(views[pairs[begin + k].first], views[pairs[begin + k].second],
                                  scale, options);

@@ -19,7 +19,6 @@ struct GlobalRegistrationOptions {
   double ambiguity = 0.5;
   /// Pairs of views that are searched, per view, at most; > 0. Small sets are searched in full.
   int pairs_per_view = 12;
-  int threads = 0;  ///< 0: one per core. Never changes the result.
 };
 
 /// Joins groups of views that fit together by shape: pairs of similar views are searched for

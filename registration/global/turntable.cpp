@@ -61,8 +61,8 @@ void keep_promising(const ViewSurface& view, const ViewSurface& reference,
 
 std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
                                       const std::vector<std::size_t>& group,
-                                      const VerificationThresholds& limits, Association association,
-                                      int threads) {
+                                      const VerificationThresholds& limits,
+                                      Association association) {
   std::vector<std::pair<std::size_t, std::size_t>> neighbours;
   const std::size_t count = surfaces.size();
   for (std::size_t i = 0; i + 1 < count; ++i) neighbours.emplace_back(i, i + 1);
@@ -75,7 +75,7 @@ std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
     keep_promising(view, reference, starts);
     const double reach = kSearchRadii * std::min(view.radius(), reference.radius());
     std::vector<PoseHypothesis> found(starts.size());
-    parallel_for(starts.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    parallel_for(starts.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
         found[k] = refine_hypothesis(view, reference, starts[k], reach, association);
     });

@@ -14,7 +14,7 @@ namespace relief::registration {
 /// number of views, about axes up to 40 degrees off the sensor's vertical. Only those that fit.
 std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
                                       const std::vector<std::size_t>& group,
-                                      const VerificationThresholds& limits, Association association,
-                                      int threads);
+                                      const VerificationThresholds& limits,
+                                      Association association);
 
 }  // namespace relief::registration

@@ -183,7 +183,7 @@ class Joining {
   double support(std::size_t first, std::size_t second, const MergeHypothesis& hypothesis) const {
     const auto of_first = members(first), of_second = members(second);
     std::vector<double> parts(of_first.size() * of_second.size(), 0.0);
-    parallel_for(parts.size(), 4, options_.threads, [&](std::size_t begin, std::size_t end) {
+    parallel_for(parts.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const std::size_t i = of_first[k / of_second.size()], j = of_second[k % of_second.size()];
         parts[k] = support_of_pair(i, j, hypothesis);

@@ -34,7 +34,6 @@ struct ViewGroupOptions {
   /// of the stronger; in (0, 1].
   double ambiguity = 0.5;
   JudgeOptions judge;
-  int threads = 0;  ///< 0: one per core.
 };
 
 /// Two views that belong together, but in more ways than one.

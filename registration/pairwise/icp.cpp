@@ -183,7 +183,6 @@ class PairAlignment {
     dense.last_samples = static_cast<std::size_t>(options_.final_samples);
     dense.step_samples = dense.last_samples / 4 + 1;
     dense.max_iterations = 1;
-    dense.threads = 1;
     dense.ignored = result_.degenerate_directions;
     std::vector<RigidMotion> poses = {result_.target_from_source, RigidMotion::Identity()};
     if (signal_levels_ > 0) {
@@ -194,8 +193,10 @@ class PairAlignment {
         dense.normals.push_back(match_normals(from, to, to_from_from, found, level.signal_level));
       }
     }
-    const auto refined =
-        refine_pose_graph({&source_, &target_}, {{0, 1}}, {false, true}, dense, poses);
+    // Pairs are aligned side by side, so the two directions of one need no threads.
+    const auto refined = on_threads(1, [&] {
+      return refine_pose_graph({&source_, &target_}, {{0, 1}}, {false, true}, dense, poses);
+    });
     result_.iterations += refined.iterations;
     result_.target_from_source = poses[0];
     result_.covariance = refined.covariance.topLeftCorner<6, 6>();

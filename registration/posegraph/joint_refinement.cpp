@@ -61,7 +61,6 @@ std::vector<ViewPair> pairs_at(const std::vector<ViewSurface>& surfaces,
   graph.min_overlap = options.min_overlap;
   graph.min_correspondences = options.min_correspondences;
   graph.association = options.association;
-  graph.threads = options.threads;
   auto pairs = find_overlapping_pairs(surfaces, world_from_view, graph);
   std::erase_if(pairs, [&](const ViewPair& pair) {
     return roles[pair.a] == ViewRole::kExcluded || roles[pair.b] == ViewRole::kExcluded;
@@ -122,7 +121,7 @@ SearchPlan plan_search(const std::vector<ViewSurface>& surfaces,
   const PairMatcher match(surfaces, world_from_view, pairs,
                           search_at(level, pairs.size(), kFewestTogether, options),
                           level.signal_level, plan.sliding);
-  const auto matches = parallel_map<DirectedMatches>(match.size(), options.threads, match);
+  const auto matches = parallel_map<DirectedMatches>(match.size(), match);
   plan.sliding = sliding_views(surfaces, world_from_view, matches);
   if (std::find(plan.sliding.begin(), plan.sliding.end(), true) != plan.sliding.end())
     plan.levels = levels_for(surfaces, options, signal_levels);
@@ -142,9 +141,9 @@ std::vector<bool> hold_one_per_group(const std::vector<std::size_t>& group,
 }
 
 // Pair by pair: all matches of hundreds of views would need more memory than all else.
-void describe_fit(const PairMatcher& match, const std::vector<ViewSurface>& surfaces, int threads,
+void describe_fit(const PairMatcher& match, const std::vector<ViewSurface>& surfaces,
                   JointRefinement& result) {
-  result.pairs = parallel_map<PairFit>(match.size() / 2, threads, [&](std::size_t k) {
+  result.pairs = parallel_map<PairFit>(match.size() / 2, [&](std::size_t k) {
     return fit_of(surfaces, result.world_from_view, match(2 * k), match(2 * k + 1));
   });
   double squares = 0.0;
@@ -177,11 +176,10 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
   dense.last_samples = last_samples(options, pairs.size());
   dense.step_samples = std::min(dense.step_samples, dense.last_samples);
   dense.tolerance = kFinalTolerance * level.tolerance;
-  dense.threads = options.threads;
   if (std::find(sliding.begin(), sliding.end(), true) != sliding.end()) {
     const PairMatcher match(surfaces, result.world_from_view, pairs, dense.search,
                             level.signal_level, sliding);
-    dense.normals = parallel_map<NormalMatches>(match.size(), options.threads, [&](std::size_t i) {
+    dense.normals = parallel_map<NormalMatches>(match.size(), [&](std::size_t i) {
       return match.by_normal_maps(i) ? match(i).normals : NormalMatches();
     });
   }
@@ -231,7 +229,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
     result.group = connected_groups(surfaces.size(), pairs);
     result.held = hold_one_per_group(result.group, roles);
     result.termination = RefinementTermination::kIterationLimit;
-    const JointSolverOptions solver{.threads = options.threads};
+    const JointSolverOptions solver{};
     const auto strongest = largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView);
     for (int i = 0; i < options.max_iterations; ++i) {
       const double fraction = (l + static_cast<double>(i) / options.max_iterations) / levels.size();
@@ -240,7 +238,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
       const PairMatcher match(surfaces, result.world_from_view, strongest,
                               search_at(levels[l], strongest.size(), kFewestTogether, options),
                               levels[l].signal_level, sliding);
-      const auto matches = parallel_map<DirectedMatches>(match.size(), options.threads, match);
+      const auto matches = parallel_map<DirectedMatches>(match.size(), match);
       const auto before = result.world_from_view;
       if (solve_poses(surfaces, matches, result.held, solver, result.world_from_view) ==
           PoseSolution::kFailed) {
@@ -269,7 +267,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   describe_fit(
       PairMatcher(surfaces, result.world_from_view, pairs,
                   search_at(last, pairs.size(), kFewestAlone, options), last.signal_level, sliding),
-      surfaces, options.threads, result);
+      surfaces, result);
   return result;
 }
 

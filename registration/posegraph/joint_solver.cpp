@@ -53,8 +53,7 @@ PairTerms terms_of(const DirectedMatches& pair, const ViewSurface& source,
 // them, each summed up in its own order.
 class CompressedPairs : public ceres::EvaluationCallback {
  public:
-  CompressedPairs(const std::vector<PoseParameters>& poses, int threads)
-      : poses_(poses), threads_(threads) {}
+  explicit CompressedPairs(const std::vector<PoseParameters>& poses) : poses_(poses) {}
 
   void add(std::size_t source, std::size_t target, PairTerms terms) {
     pairs_.push_back({source, target, std::move(terms), {}});
@@ -63,7 +62,7 @@ class CompressedPairs : public ceres::EvaluationCallback {
   // With derivatives even if only the cost is asked for: most steps are taken, and then they are.
   void PrepareForEvaluation(bool, bool poses_moved) override {
     if (!poses_moved) return;
-    parallel_for(pairs_.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
+    parallel_for(pairs_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         Pair& pair = pairs_[i];
         pair.now = pair.terms.compress(relative_pose(poses_[pair.source], poses_[pair.target]));
@@ -84,7 +83,6 @@ class CompressedPairs : public ceres::EvaluationCallback {
   };
   const std::vector<PoseParameters>& poses_;
   std::vector<Pair> pairs_;
-  int threads_;
 };
 
 class PairCost : public ceres::SizedCostFunction<7, 7, 7> {
@@ -118,7 +116,7 @@ PoseSolution solve_poses(const std::vector<ViewSurface>& surfaces,
                          const std::vector<bool>& fixed, const JointSolverOptions& options,
                          std::vector<RigidMotion>& world_from_view) {
   PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
-  CompressedPairs pairs(blocks.values, options.threads);
+  CompressedPairs pairs(blocks.values);
   for (const auto& pair : matches) {
     if (pair.found.items.empty() || (fixed[pair.source] && fixed[pair.target])) continue;
     pairs.add(pair.source, pair.target,

@@ -21,7 +21,6 @@ struct DirectedMatches {
 
 struct JointSolverOptions {
   int max_iterations = 2;  ///< Levenberg-Marquardt steps; few, when correspondences are renewed.
-  int threads = 0;         ///< 0: one per core. Never changes the result.
 };
 
 enum class PoseSolution {

@@ -42,7 +42,7 @@ std::vector<ViewPair> find_overlapping_pairs(const std::vector<ViewSurface>& sur
   for (std::size_t a = 0; a < surfaces.size(); ++a)
     for (std::size_t b = a + 1; b < surfaces.size(); ++b)
       if (!surfaces[a].samples().empty() && !surfaces[b].samples().empty()) pairs.push_back({a, b});
-  parallel_for(pairs.size(), 4, options.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(pairs.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto [a, b, unused] = pairs[i];
       const RigidMotion b_from_a = world_from_view[b].inverse() * world_from_view[a];

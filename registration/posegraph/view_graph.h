@@ -29,7 +29,6 @@ struct ViewGraphOptions {
   double min_overlap = 0.04;     ///< Pairs that share less are left out; in (0, 1].
   int min_correspondences = 50;  ///< So are pairs that share fewer samples than this.
   Association association = Association::kAuto;
-  int threads = 0;  ///< 0: one per core.
 };
 
 /// The pairs of views that overlap at the given poses, in lexicographic order. Each is judged by a

@@ -42,9 +42,9 @@ void third_differences(const RangeView& view, const GridEdges& edges,
 
 }  // namespace
 
-double position_noise(const RangeView& view, const ConnectedGrid& grid, int threads) {
+double position_noise(const RangeView& view, const ConnectedGrid& grid) {
   const int stride = stride_for(view);
-  const auto normals = estimate_normals(view, grid, {.stride = stride, .threads = threads});
+  const auto normals = estimate_normals(view, grid, {.stride = stride});
   std::vector<double> differences;
   third_differences(view, grid.edges, normals, stride, 1, 0, differences);
   third_differences(view, grid.edges, normals, stride, 0, 1, differences);

@@ -70,8 +70,8 @@ ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& option
   assert(options.boundary_margin >= 1 && options.final_margin >= 1);
   if (options.normal_signal && view.has_normals())
     signal_levels_ = NormalSignal::levels_of(view.width(), view.height());
-  const RangeNoise noise = estimate_range_noise(view, options.threads);
-  ConnectedGrid grid = connect_grid(view, noise, options.threads);
+  const RangeNoise noise = estimate_range_noise(view);
+  ConnectedGrid grid = connect_grid(view, noise);
   bridge_gaps(view, noise, options, grid);
   smooth_normals(grid, noise, options);
   select_samples(grid.points);
@@ -99,7 +99,7 @@ void ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise,
   whole.deviation = view.deviation;
   for (std::size_t i = 0; i < whole.confidence.size(); ++i)
     if (filled.bridged[i]) whole.confidence[i] = 1.0f;
-  ConnectedGrid connected = connect_grid(whole, options.threads);
+  ConnectedGrid connected = connect_grid(whole);
   const auto inner = [&](const ConnectedGrid& of) {
     double count = 0.0;
     for (std::size_t i = 0; i < of.boundary.size(); ++i)
@@ -117,7 +117,7 @@ void ViewSurface::smooth_normals(const ConnectedGrid& grid, const RangeNoise& ra
                                  const ViewSurfaceOptions& options) {
   const RangeView& view = *view_;
   spacing_ = sample_spacing(grid.points, grid.edges);
-  noise_ = position_noise(view, grid, options.threads);
+  noise_ = position_noise(view, grid);
   double step = typical_step(view, ranges);
   if (options.normals == NormalSource::kGeometric) weights_ = sample_weights(view, noise_, ranges);
   const auto radius_for = [&] {
@@ -126,8 +126,7 @@ void ViewSurface::smooth_normals(const ConnectedGrid& grid, const RangeNoise& ra
   };
   if (step > 0.0) {
     // Differences of rounded ranges are mostly zero: the ranges as a whole tell more.
-    const auto coarse = estimate_normals(
-        view, grid, {.radius = radius_for(), .stride = 4, .threads = options.threads});
+    const auto coarse = estimate_normals(view, grid, {.radius = radius_for(), .stride = 4});
     const double incidence = typical_incidence(view, coarse);
     if (noise_ >= kDither * step * incidence) {
       step = 0.0;
@@ -142,8 +141,7 @@ void ViewSurface::smooth_normals(const ConnectedGrid& grid, const RangeNoise& ra
   normal_error_ =
       std::hypot(slope_noise(noise_, spacing_, radius), terrace_slope(rounding_, spacing_, radius));
   const int outermost = std::min(options.boundary_margin, options.final_margin);
-  auto normals = estimate_normals(
-      view, grid, {.radius = radius, .margin = outermost, .threads = options.threads});
+  auto normals = estimate_normals(view, grid, {.radius = radius, .margin = outermost});
   if (options.normals == NormalSource::kMeasured && view.has_normals()) {
     for (std::size_t i = 0; i < normals.size(); ++i)
       if (view.normals[i].allFinite() && measured(i)) normals[i] = view.normals[i];

@@ -52,7 +52,6 @@ PoseVerificationOptions verification_options(const StartingPoseOptions& options)
   PoseVerificationOptions verification;
   verification.limits.max_free_space_violation = options.max_free_space_violation;
   verification.association = options.association;
-  verification.threads = options.threads;
   return verification;
 }
 

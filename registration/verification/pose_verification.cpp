@@ -60,7 +60,7 @@ void judge(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMoti
   JudgeOptions judging;
   judging.association = options.association;
   const auto relative = [&](const Judged& pair) { return poses[pair.b].inverse() * poses[pair.a]; };
-  parallel_for(pairs.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
       pairs[k].evidence =
           judge_free_space(surfaces[pairs[k].a], surfaces[pairs[k].b], relative(pairs[k]), judging);
@@ -77,7 +77,7 @@ void judge(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMoti
     chosen.push_back(k);
     ++s;
   }
-  parallel_for(chosen.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(chosen.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Judged& pair = pairs[chosen[i]];
       pair.evidence = judge_pose(surfaces[pair.a], surfaces[pair.b], relative(pair), judging);

@@ -14,7 +14,6 @@ struct PoseVerificationOptions {
   /// What a pair must show at least; the errors that the views themselves show widen it.
   VerificationThresholds limits;
   Association association = Association::kAuto;
-  int threads = 0;  ///< 0: one per core. Never changes the result.
 };
 
 /// What the other views say of one view's pose.

@@ -18,7 +18,6 @@ GlobalRegistrationOptions place_options(const StartingPoseOptions& options) {
   place.association = options.association;
   place.limits.min_overlap = options.min_overlap;
   place.limits.max_free_space_violation = options.max_free_space_violation;
-  place.threads = options.threads;
   return place;
 }
 

@@ -56,9 +56,9 @@ Grid<float> depths_of(const RangeView& view, const Camera& camera) {
   return depths;
 }
 
-Grid<float> tolerance_of(const DepthStack& stack, int threads) {
+Grid<float> tolerance_of(const DepthStack& stack) {
   Grid<float> tolerance(stack.camera.width(), stack.camera.height(), 0.0f);
-  parallel_rows(tolerance.height(), threads, [&](int v) {
+  parallel_rows(tolerance.height(), [&](int v) {
     std::vector<double> sigmas;
     std::vector<float> depths;
     for (int u = 0; u < tolerance.width(); ++u) {
@@ -82,7 +82,7 @@ Grid<float> tolerance_of(const DepthStack& stack, int threads) {
 
 }  // namespace
 
-std::vector<DepthStack> stack_depths(const std::vector<RangeView>& views, int threads) {
+std::vector<DepthStack> stack_depths(const std::vector<RangeView>& views) {
   std::vector<DepthStack> stacks;
   std::vector<double> ranges;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -96,13 +96,12 @@ std::vector<DepthStack> stack_depths(const std::vector<RangeView>& views, int th
     stacks[k].views.push_back(i);
   }
   for (DepthStack& stack : stacks) {
-    stack.depths = parallel_map<Grid<float>>(stack.size(), threads, [&](std::size_t i) {
+    stack.depths = parallel_map<Grid<float>>(stack.size(), [&](std::size_t i) {
       return depths_of(views[stack.views[i]], stack.camera);
     });
-    stack.noises = parallel_map<RangeNoise>(stack.size(), threads, [&](std::size_t i) {
-      return estimate_range_noise(views[stack.views[i]], 1);
-    });
-    stack.tolerance = tolerance_of(stack, threads);
+    stack.noises = parallel_map<RangeNoise>(
+        stack.size(), [&](std::size_t i) { return estimate_range_noise(views[stack.views[i]]); });
+    stack.tolerance = tolerance_of(stack);
   }
   return stacks;
 }

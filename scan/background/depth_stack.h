@@ -25,6 +25,6 @@ struct DepthStack {
 
 /// Sorts views by camera. Two cameras count as one when their images have the same size and their
 /// rays differ by less than half a pixel.
-std::vector<DepthStack> stack_depths(const std::vector<RangeView>& views, int threads = 0);
+std::vector<DepthStack> stack_depths(const std::vector<RangeView>& views);
 
 }  // namespace relief

@@ -72,10 +72,10 @@ void number_pieces(const GridEdges& edges, FixedSurface& surface) {
 
 }  // namespace
 
-FixedSurface find_fixed_surface(const DepthStack& stack, int threads) {
+FixedSurface find_fixed_surface(const DepthStack& stack) {
   FixedSurface surface;
   surface.depth = Grid<float>(stack.camera.width(), stack.camera.height(), kNoDepth);
-  parallel_rows(surface.depth.height(), threads, [&](int v) {
+  parallel_rows(surface.depth.height(), [&](int v) {
     std::vector<float> depths;
     for (int u = 0; u < surface.depth.width(); ++u) {
       depths_at(stack, u, v, depths);
@@ -86,12 +86,12 @@ FixedSurface find_fixed_surface(const DepthStack& stack, int threads) {
   return surface;
 }
 
-std::vector<Grid<SampleKind>> classify_samples(const DepthStack& stack, const FixedSurface& surface,
-                                               int threads) {
+std::vector<Grid<SampleKind>> classify_samples(const DepthStack& stack,
+                                               const FixedSurface& surface) {
   const int width = stack.camera.width(), height = stack.camera.height();
   std::vector<Grid<SampleKind>> kinds(stack.size(),
                                       Grid<SampleKind>(width, height, SampleKind::kNone));
-  parallel_rows(height, threads, [&](int v) {
+  parallel_rows(height, [&](int v) {
     std::vector<float> depths;
     for (int u = 0; u < width; ++u) {
       depths_at(stack, u, v, depths);

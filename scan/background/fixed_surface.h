@@ -19,7 +19,7 @@ struct FixedSurface {
   std::size_t pieces = 0;
 };
 
-FixedSurface find_fixed_surface(const DepthStack& stack, int threads = 0);
+FixedSurface find_fixed_surface(const DepthStack& stack);
 
 /// What the depth of a sample says of it.
 enum class SampleKind : std::uint8_t {
@@ -30,7 +30,7 @@ enum class SampleKind : std::uint8_t {
 };
 
 /// The kinds of the samples of each view of the stack.
-std::vector<Grid<SampleKind>> classify_samples(const DepthStack& stack, const FixedSurface& surface,
-                                               int threads = 0);
+std::vector<Grid<SampleKind>> classify_samples(const DepthStack& stack,
+                                               const FixedSurface& surface);
 
 }  // namespace relief

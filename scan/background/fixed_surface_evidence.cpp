@@ -94,14 +94,14 @@ Sight look_at(const RangeView& view, const Eigen::Vector3d& point, double far) {
 
 // Carries the probes into other views.
 CarriedSamples test_poses(const std::vector<RangeView>& views, const DepthStack& stack,
-                          const std::vector<Probe>& probes, double far, int threads) {
+                          const std::vector<Probe>& probes, double far) {
   const std::size_t step = std::max<std::size_t>(1, stack.size() / kOtherViews);
   const auto add = [](CarriedSamples a, const CarriedSamples& b) {
     return CarriedSamples{a.confirmed + b.confirmed, a.refuted + b.refuted};
   };
   constexpr std::size_t kAtOnce = 128;
   std::vector<CarriedSamples> parts((probes.size() + kAtOnce - 1) / kAtOnce);
-  parallel_for(probes.size(), kAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(probes.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
     CarriedSamples& part = parts[begin / kAtOnce];
     for (std::size_t k = begin; k < end; ++k) {
       const RangeView& from = views[stack.views[probes[k].view]];
@@ -188,7 +188,7 @@ double PieceEvidence::attached_share() const {
 FixedSurfaceEvidence gather_evidence(const std::vector<RangeView>& views, const DepthStack& stack,
                                      const FixedSurface& surface,
                                      const std::vector<Grid<SampleKind>>& kinds,
-                                     const std::vector<GridEdges>& edges, int threads) {
+                                     const std::vector<GridEdges>& edges) {
   FixedSurfaceEvidence evidence;
   evidence.pieces.resize(surface.pieces);
   const int width = stack.camera.width(), height = stack.camera.height();
@@ -236,9 +236,9 @@ FixedSurfaceEvidence gather_evidence(const std::vector<RangeView>& views, const 
           sets[static_cast<std::size_t>(surface.piece(u, v))].offer({i, u, v});
       }
   const double far = kFar * moving_radius(views, stack, moving.probes());
-  evidence.moving_poses = test_poses(views, stack, moving.probes(), far, threads);
+  evidence.moving_poses = test_poses(views, stack, moving.probes(), far);
   for (std::size_t k = 0; k < surface.pieces; ++k)
-    evidence.pieces[k].poses = test_poses(views, stack, sets[k].probes(), far, threads);
+    evidence.pieces[k].poses = test_poses(views, stack, sets[k].probes(), far);
   return evidence;
 }
 

@@ -39,6 +39,6 @@ struct FixedSurfaceEvidence {
 FixedSurfaceEvidence gather_evidence(const std::vector<RangeView>& views, const DepthStack& stack,
                                      const FixedSurface& surface,
                                      const std::vector<Grid<SampleKind>>& kinds,
-                                     const std::vector<GridEdges>& edges, int threads = 0);
+                                     const std::vector<GridEdges>& edges);
 
 }  // namespace relief

@@ -53,13 +53,13 @@ struct Attempt {
 };
 
 Attempt attempt(const std::vector<RangeView>& views, const DepthStack& stack,
-                const std::vector<GridEdges>& edges, int threads) {
+                const std::vector<GridEdges>& edges) {
   Attempt result;
-  result.surface = find_fixed_surface(stack, threads);
+  result.surface = find_fixed_surface(stack);
   if (result.surface.pieces == 0) return result;
-  result.kinds = classify_samples(stack, result.surface, threads);
+  result.kinds = classify_samples(stack, result.surface);
   const FixedSurfaceEvidence evidence =
-      gather_evidence(views, stack, result.surface, result.kinds, edges, threads);
+      gather_evidence(views, stack, result.surface, result.kinds, edges);
   const double least = kLeastPart * static_cast<double>(evidence.fixed + evidence.moving);
   const bool moves = static_cast<double>(evidence.moving) >= least;
   for (const PieceEvidence& piece : evidence.pieces) {
@@ -75,7 +75,7 @@ Attempt attempt(const std::vector<RangeView>& views, const DepthStack& stack,
 // Noise that neighbouring samples share is larger than their differences show: wider tolerances are
 // tried, and the narrowest that covers the background is taken.
 Attempt best_attempt(const std::vector<RangeView>& views, DepthStack& stack,
-                     const std::vector<GridEdges>& edges, int threads) {
+                     const std::vector<GridEdges>& edges) {
   const Grid<float> narrow = stack.tolerance;
   const auto widen = [&](float factor) {
     for (std::size_t i = 0; i < narrow.size(); ++i) stack.tolerance[i] = factor * narrow[i];
@@ -83,22 +83,21 @@ Attempt best_attempt(const std::vector<RangeView>& views, DepthStack& stack,
   std::vector<std::size_t> samples;
   for (const float factor : kTolerances) {
     widen(factor);
-    samples.push_back(attempt(views, stack, edges, threads).background);
+    samples.push_back(attempt(views, stack, edges).background);
   }
   const double enough =
       kCovered * static_cast<double>(*std::max_element(samples.begin(), samples.end()));
   std::size_t k = 0;
   while (static_cast<double>(samples[k]) < enough) ++k;
   widen(kTolerances[k]);
-  return attempt(views, stack, edges, threads);
+  return attempt(views, stack, edges);
 }
 
-void search(const std::vector<RangeView>& views, DepthStack& stack, int threads,
-            StaticBackground& found) {
-  const auto edges = parallel_map<GridEdges>(stack.size(), threads, [&](std::size_t i) {
+void search(const std::vector<RangeView>& views, DepthStack& stack, StaticBackground& found) {
+  const auto edges = parallel_map<GridEdges>(stack.size(), [&](std::size_t i) {
     return connect_samples(views[stack.views[i]], stack.noises[i]);
   });
-  const Attempt best = best_attempt(views, stack, edges, threads);
+  const Attempt best = best_attempt(views, stack, edges);
   found.undecided += best.undecided;
   if (best.background == 0) return;
   Grid<float> background = best.surface.depth;
@@ -107,7 +106,7 @@ void search(const std::vector<RangeView>& views, DepthStack& stack, int threads,
     if (piece < 0 || best.verdicts[static_cast<std::size_t>(piece)] != Verdict::kBackground)
       background[i] = static_cast<float>(kNoSample);
   }
-  auto masks = parallel_map<Grid<std::uint8_t>>(stack.size(), threads, [&](std::size_t i) {
+  auto masks = parallel_map<Grid<std::uint8_t>>(stack.size(), [&](std::size_t i) {
     return mark_background(stack, i, best.kinds[i], background, edges[i]);
   });
   for (std::size_t i = 0; i < stack.size(); ++i) {
@@ -122,12 +121,12 @@ void search(const std::vector<RangeView>& views, DepthStack& stack, int threads,
 
 }  // namespace
 
-StaticBackground find_static_background(const std::vector<RangeView>& views, int threads) {
+StaticBackground find_static_background(const std::vector<RangeView>& views) {
   StaticBackground found;
   found.masks.resize(views.size());
   if (views.size() < kFewestViews) return found;
-  for (DepthStack& stack : stack_depths(views, threads))
-    if (stack.size() >= kFewestViews) search(views, stack, threads, found);
+  for (DepthStack& stack : stack_depths(views))
+    if (stack.size() >= kFewestViews) search(views, stack, found);
   return found;
 }
 

@@ -1,53 +1,80 @@
 #include "scan/base/parallel.h"
 
 #include <algorithm>
-#include <map>
-#include <memory>
-#include <mutex>
-#include <thread>
+#include <optional>
+#include <stop_token>
+#include <utility>
 
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
 
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+
+#include "relief/scan/context.h"
 
 namespace relief {
 
 namespace {
 
-// A place for so many threads to work in, the caller among them. Made once: that takes as long as
-// many a loop. Threads come from one pool for the whole program, which grows to what is asked for
-// even beyond the number of cores.
-class Arena {
- public:
-  static tbb::task_arena& of(int threads) {
-    static std::mutex mutex;
-    static std::map<int, std::unique_ptr<Arena>> all;
-    const std::scoped_lock lock(mutex);
-    std::unique_ptr<Arena>& arena = all[threads];
-    if (!arena) arena = std::make_unique<Arena>(threads);
-    return arena->arena_;
-  }
+// How the loops of a thread run. Threads that help in a loop take over the state of the thread that
+// began it.
+struct LoopState {
+  // Loops start no threads. A flag rather than an arena of one place: threads that share an arena
+  // would wait for each other.
+  bool serial = false;
+  const std::stop_token* stop = nullptr;  // Null: nobody asks them to stop.
+};
 
-  explicit Arena(int threads) : arena_(threads) {
-    if (threads > thread_count(0))
-      more_ = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                    static_cast<std::size_t>(threads));
-  }
+thread_local LoopState loop_state;
+
+class LoopStateScope {
+ public:
+  explicit LoopStateScope(const LoopState& state) : before_(std::exchange(loop_state, state)) {}
+  ~LoopStateScope() { loop_state = before_; }
+  LoopStateScope(const LoopStateScope&) = delete;
+  LoopStateScope& operator=(const LoopStateScope&) = delete;
 
  private:
-  std::unique_ptr<tbb::global_control> more_;
-  tbb::task_arena arena_;
+  LoopState before_;
 };
+
+// Ends the loops that have been asked to stop; never leaves run_until_stopped().
+struct Stopped {};
 
 }  // namespace
 
-int thread_count(int requested) {
-  if (requested > 0) return requested;
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+int thread_count() { return loop_state.serial ? 1 : tbb::this_task_arena::max_concurrency(); }
+
+void run_on_threads(int threads, const std::function<void()>& work) {
+  if (threads <= 0 || threads == thread_count()) return work();
+  const LoopState state{threads == 1, loop_state.stop};
+  const auto run = [&] {
+    const LoopStateScope scope(state);
+    work();
+  };
+  if (state.serial) return run();
+  // Threads come from one pool for the whole program, which grows beyond the number of cores only
+  // when it is asked to.
+  std::optional<tbb::global_control> more;
+  if (threads > tbb::info::default_concurrency())
+    more.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  tbb::task_arena(threads).execute(run);
+}
+
+bool run_until_stopped(const Context& context, const std::function<void()>& work) {
+  LoopState state = loop_state;
+  if (context.stop.stop_possible()) state.stop = &context.stop;
+  const LoopStateScope scope(state);
+  try {
+    run_on_threads(context.threads, work);
+  } catch (const Stopped&) {
+    return false;
+  }
+  return true;
 }
 
 void release_freed_memory() {
@@ -56,23 +83,27 @@ void release_freed_memory() {
 #endif
 }
 
-void parallel_for(std::size_t count, std::size_t grain, int threads,
+void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body) {
   grain = std::max<std::size_t>(grain, 1);
   const std::size_t ranges = (count + grain - 1) / grain;
+  const LoopState state = loop_state;
   const auto run = [&](std::size_t range) {
+    if (state.stop && state.stop->stop_requested()) throw Stopped();
     body(range * grain, std::min(count, (range + 1) * grain));
   };
-  const int workers = thread_count(threads);
-  if (workers == 1 || ranges <= 1) {
+  if (ranges <= 1 || thread_count() == 1) {
     for (std::size_t range = 0; range < ranges; ++range) run(range);
     return;
   }
+  const auto run_on_any_thread = [&](std::size_t range) {
+    const LoopStateScope scope(state);
+    run(range);
+  };
   // Isolated: while a thread waits for the end of a loop inside a body, it must not take up another
   // range of the loop around it.
-  Arena::of(workers).execute([&] {
-    tbb::this_task_arena::isolate(
-        [&] { tbb::parallel_for(std::size_t{0}, ranges, run, tbb::simple_partitioner{}); });
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::size_t{0}, ranges, run_on_any_thread, tbb::simple_partitioner{});
   });
 }
 

@@ -5,16 +5,15 @@
 #include <functional>
 #include <vector>
 
+#include "relief/scan/threads.h"
+
 namespace relief {
 
-/// The number of threads that `requested` stands for: itself when positive, else one per core.
-int thread_count(int requested);
-
-/// Calls `body(begin, end)` on consecutive ranges of [0, count) of at most `grain` items each, from
-/// `threads` threads (0: one per core). The ranges depend on `count` and `grain` only, never on the
-/// number of threads, so a body that writes per item or per range gives the same bytes always.
+/// Calls `body(begin, end)` on consecutive ranges of [0, count) of at most `grain` items each, on
+/// the threads of the caller (on_threads). The ranges depend on `count` and `grain` only, never on
+/// the number of threads, so a body that writes per item or per range gives the same bytes always.
 /// An exception of a body is rethrown in the caller after all threads have stopped.
-void parallel_for(std::size_t count, std::size_t grain, int threads,
+void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
 
 /// Gives memory that loops' threads have freed, which the C library keeps for each of them, back to
@@ -24,9 +23,9 @@ void release_freed_memory();
 /// The values `compute(0)` to `compute(count - 1)`, one at a time for each thread: for few and
 /// large ones.
 template <typename Value, typename Compute>
-std::vector<Value> parallel_map(std::size_t count, int threads, const Compute& compute) {
+std::vector<Value> parallel_map(std::size_t count, const Compute& compute) {
   std::vector<Value> values(count);
-  parallel_for(count, 1, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) values[i] = compute(i);
   });
   return values;
@@ -34,9 +33,9 @@ std::vector<Value> parallel_map(std::size_t count, int threads, const Compute& c
 
 /// Calls `body(v)` for every row v of [0, rows) of a grid, some rows at a time, as above.
 template <typename Body>
-void parallel_rows(int rows, int threads, const Body& body) {
+void parallel_rows(int rows, const Body& body) {
   constexpr std::size_t kRowsAtOnce = 16;
-  parallel_for(static_cast<std::size_t>(rows), kRowsAtOnce, threads,
+  parallel_for(static_cast<std::size_t>(rows), kRowsAtOnce,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t v = begin; v < end; ++v) body(static_cast<int>(v));
                });
@@ -45,10 +44,10 @@ void parallel_rows(int rows, int threads, const Body& body) {
 /// The sum of `term(begin, end)` over ranges of [0, count) as above, in their order: the same bytes
 /// for any number of threads.
 template <typename T, typename Term>
-T parallel_sum(std::size_t count, std::size_t grain, int threads, const T& zero, const Term& term) {
+T parallel_sum(std::size_t count, std::size_t grain, const T& zero, const Term& term) {
   grain = std::max<std::size_t>(grain, 1);
   std::vector<T> parts((count + grain - 1) / grain, zero);
-  parallel_for(count, grain, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
     parts[begin / grain] = term(begin, end);
   });
   T sum = zero;

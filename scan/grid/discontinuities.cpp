@@ -33,9 +33,9 @@ Step measure_step(const RangeView& view, int u, int v, int du, int dv) {
   return {edge.dot(viewing) / lateral, lateral / viewing.norm()};
 }
 
-Grid<float> relative_steps(const RangeView& view, int du, int dv, int threads) {
+Grid<float> relative_steps(const RangeView& view, int du, int dv) {
   Grid<float> steps(view.width(), view.height(), static_cast<float>(kNoSample));
-  parallel_rows(std::max(0, view.height() - dv), threads, [&](int v) {
+  parallel_rows(std::max(0, view.height() - dv), [&](int v) {
     for (int u = 0; u + du < view.width(); ++u)
       steps(u, v) = static_cast<float>(measure_step(view, u, v, du, dv).relative);
   });
@@ -91,10 +91,10 @@ class StepErrors {
 class StepJudge {
  public:
   StepJudge(const RangeView& view, int du, int dv, const DiscontinuityOptions& options,
-            const StepErrors& errors, int threads)
+            const StepErrors& errors)
       : view_(view),
         errors_(errors),
-        steps_(relative_steps(view, du, dv, threads)),
+        steps_(relative_steps(view, du, dv)),
         du_(du),
         dv_(dv),
         limit_(1.0 / std::tan(options.grazing_angle_deg * std::numbers::pi / 180.0)),
@@ -144,11 +144,11 @@ class StepJudge {
 };
 
 Grid<std::uint8_t> connect_direction(const RangeView& view, int du, int dv,
-                                     const DiscontinuityOptions& options, const StepErrors& errors,
-                                     int threads) {
-  const StepJudge judge(view, du, dv, options, errors, threads);
+                                     const DiscontinuityOptions& options,
+                                     const StepErrors& errors) {
+  const StepJudge judge(view, du, dv, options, errors);
   Grid<std::uint8_t> connected(view.width(), view.height(), 0);
-  parallel_rows(view.height(), threads, [&](int v) {
+  parallel_rows(view.height(), [&](int v) {
     for (int u = 0; u < view.width(); ++u) connected(u, v) = judge.connects(u, v);
   });
   return connected;
@@ -157,14 +157,14 @@ Grid<std::uint8_t> connect_direction(const RangeView& view, int du, int dv,
 }  // namespace
 
 GridEdges connect_samples(const RangeView& view, const RangeNoise& noise,
-                          const DiscontinuityOptions& options, int threads) {
+                          const DiscontinuityOptions& options) {
   const StepErrors errors(view, noise);
-  return {connect_direction(view, 1, 0, options, errors, threads),
-          connect_direction(view, 0, 1, options, errors, threads)};
+  return {connect_direction(view, 1, 0, options, errors),
+          connect_direction(view, 0, 1, options, errors)};
 }
 
-GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options, int threads) {
-  return connect_samples(view, estimate_range_noise(view, threads), options, threads);
+GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options) {
+  return connect_samples(view, estimate_range_noise(view), options);
 }
 
 Grid<std::uint8_t> boundary_distance(const RangeView& view, const GridEdges& edges) {
@@ -191,16 +191,16 @@ Grid<std::uint8_t> boundary_distance(const RangeView& view, const GridEdges& edg
   return distance;
 }
 
-ConnectedGrid connect_grid(const RangeView& view, const RangeNoise& noise, int threads) {
+ConnectedGrid connect_grid(const RangeView& view, const RangeNoise& noise) {
   ConnectedGrid grid;
   grid.points = points_of(view);
-  grid.edges = connect_samples(view, noise, {}, threads);
+  grid.edges = connect_samples(view, noise, {});
   grid.boundary = boundary_distance(view, grid.edges);
   return grid;
 }
 
-ConnectedGrid connect_grid(const RangeView& view, int threads) {
-  return connect_grid(view, estimate_range_noise(view, threads), threads);
+ConnectedGrid connect_grid(const RangeView& view) {
+  return connect_grid(view, estimate_range_noise(view));
 }
 
 }  // namespace relief

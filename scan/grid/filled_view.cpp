@@ -244,8 +244,7 @@ FilledView fill_small_gaps(const RangeView& view, const GridEdges& edges,
   }
   SmallGapOptions gaps;
   gaps.widest = options.widest_gap;
-  gaps.sigma = options.sigma > 0.0 ? options.sigma
-                                   : estimate_range_noise(result.view, options.threads).sigma;
+  gaps.sigma = options.sigma > 0.0 ? options.sigma : estimate_range_noise(result.view).sigma;
   const BridgedRange bridged = bridge_small_gaps(result.view, gaps);
   result.filled = whole_gaps(result.view, bridged.bridged);
   for (std::size_t i = 0; i < result.filled.size(); ++i) {
@@ -261,7 +260,7 @@ FilledView fill_small_gaps(const RangeView& view, const GridEdges& edges,
 }
 
 FilledView fill_small_gaps(const RangeView& view, const FillOptions& options) {
-  return fill_small_gaps(view, connect_samples(view, {}, options.threads), options);
+  return fill_small_gaps(view, connect_samples(view), options);
 }
 
 }  // namespace relief

@@ -14,7 +14,6 @@ struct FillOptions {
   int largest_flying = 4;  ///< Most samples that hang in the air together; 0: none are looked for.
   /// Standard deviation of the positions along the rays [unit]; 0: estimate_range_noise tells.
   double sigma = 0.0;
-  int threads = 1;  ///< 0: one per core. The result does not depend on it.
 };
 
 /// A view without its flying samples and without its small gaps.

@@ -215,7 +215,7 @@ Grid<Eigen::Vector3f> estimate_normals(const RangeView& view, const ConnectedGri
       }
     }
   };
-  parallel_for(static_cast<std::size_t>(view.height()), 16, options.threads, rows);
+  parallel_for(static_cast<std::size_t>(view.height()), 16, rows);
   return normals;
 }
 

@@ -12,9 +12,8 @@ struct GridNormalOptions {
   /// Half width [pixels] of the window whose samples fit the tangent plane. 1 keeps all detail and
   /// all noise; 2 to 4 suit scans whose noise is near the sample spacing.
   int radius = 2;
-  int stride = 1;   ///< Only every stride-th pixel of every stride-th row gets a normal,
-  int margin = 0;   ///< and only samples at least so far from boundaries (boundary_distance).
-  int threads = 0;  ///< 0: one per core.
+  int stride = 1;  ///< Only every stride-th pixel of every stride-th row gets a normal,
+  int margin = 0;  ///< and only samples at least so far from boundaries (boundary_distance).
 };
 
 /// Unit normals of the measured surface, facing the sensor (N . d < 0), in the view frame; NaN

@@ -92,8 +92,8 @@ struct Tile {
 
 class TiledNoise {
  public:
-  TiledNoise(const RangeView& view, const RangeQuantisation& quantisation, int threads)
-      : view_(view), quantisation_(quantisation), threads_(threads) {
+  TiledNoise(const RangeView& view, const RangeQuantisation& quantisation)
+      : view_(view), quantisation_(quantisation) {
     const int longer = std::max(view.width(), view.height());
     side_ = std::max(kLeastTile, (longer + kTilesAlong - 1) / kTilesAlong);
     tiles_ = Grid<Tile>((view.width() + side_ - 1) / side_, (view.height() + side_ - 1) / side_);
@@ -127,7 +127,7 @@ class TiledNoise {
   template <typename Body>
   void for_places(const Body& body) {
     const int stride = std::max(1, side_ / kAlongTile);
-    parallel_for(tiles_.size(), 4, threads_, [&](std::size_t begin, std::size_t end) {
+    parallel_for(tiles_.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const int u0 = static_cast<int>(k % static_cast<std::size_t>(tiles_.width())) * side_;
         const int v0 = static_cast<int>(k / static_cast<std::size_t>(tiles_.width())) * side_;
@@ -176,7 +176,7 @@ class TiledNoise {
   }
 
   double sigma_of(Stencil stencil) const {
-    TiledNoise other(view_, quantisation_, threads_);
+    TiledNoise other(view_, quantisation_);
     other.collect(stencil);
     return other.sigma_of_all();
   }
@@ -191,7 +191,7 @@ class TiledNoise {
   }
 
   void find_tile_sigmas() {
-    parallel_for(tiles_.size(), 4, threads_, [&](std::size_t begin, std::size_t end) {
+    parallel_for(tiles_.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         Tile& tile = tiles_[k];
         if (tile.differences.size() < kFewestInTile) continue;
@@ -263,7 +263,7 @@ class TiledNoise {
       const int first = std::min(static_cast<int>(clamped), std::max(0, tiles - 2));
       return std::pair{first, clamped - first};
     };
-    parallel_rows(view_.height(), threads_, [&](int v) {
+    parallel_rows(view_.height(), [&](int v) {
       const auto [y, fy] = place(v, tiles_.height());
       const int y1 = std::min(y + 1, tiles_.height() - 1);
       for (int u = 0; u < view_.width(); ++u) {
@@ -306,16 +306,15 @@ class TiledNoise {
 
   const RangeView& view_;
   const RangeQuantisation& quantisation_;
-  int threads_;
   int side_ = kLeastTile;
   Grid<Tile> tiles_;
 };
 
 }  // namespace
 
-RangeNoise estimate_range_noise(const RangeView& view, int threads) {
+RangeNoise estimate_range_noise(const RangeView& view) {
   const RangeQuantisation quantisation = find_quantisation(view);
-  return TiledNoise(view, quantisation, threads).estimate();
+  return TiledNoise(view, quantisation).estimate();
 }
 
 }  // namespace relief

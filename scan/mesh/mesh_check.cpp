@@ -167,8 +167,7 @@ MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options) 
     const long euler = used - static_cast<long>(check.edges) + static_cast<long>(check.faces);
     check.genus = static_cast<long>(check.components) - euler / 2;
   }
-  if (options.self_intersections)
-    check.self_intersections = find_self_intersections(mesh, {.threads = options.threads});
+  if (options.self_intersections) check.self_intersections = find_self_intersections(mesh, {});
   return check;
 }
 

@@ -69,9 +69,8 @@ class MovedFaces {
       if (!known[f] && cells_.meet(box_of(f))) faces_.push_back(f);
   }
 
-  std::vector<std::uint32_t> intersecting(int threads) const {
+  std::vector<std::uint32_t> intersecting() const {
     SelfIntersectionOptions options;
-    options.threads = threads;
     std::vector<std::uint32_t> found = find_self_intersections(part(), options).faces();
     for (std::uint32_t& f : found) f = faces_[f];
     return found;
@@ -139,10 +138,9 @@ std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh,
 
 std::vector<std::uint32_t> invalid_faces(const TriangleMesh& mesh,
                                          const std::vector<Eigen::Vector3d>& places,
-                                         const std::vector<std::uint8_t>& moved, double reach,
-                                         int threads) {
+                                         const std::vector<std::uint8_t>& moved, double reach) {
   const MovedFaces faces(mesh, places, faces_at(mesh, moved), reach);
-  std::vector<std::uint32_t> invalid = faces.intersecting(threads);
+  std::vector<std::uint32_t> invalid = faces.intersecting();
   const std::vector<std::uint32_t> thin = faces.thin();
   invalid.insert(invalid.end(), thin.begin(), thin.end());
   std::sort(invalid.begin(), invalid.end());
@@ -151,15 +149,14 @@ std::vector<std::uint32_t> invalid_faces(const TriangleMesh& mesh,
 }
 
 std::vector<std::uint32_t> intersecting_faces(const TriangleMesh& mesh,
-                                              const std::vector<std::uint32_t>& faces, double reach,
-                                              int threads) {
+                                              const std::vector<std::uint32_t>& faces,
+                                              double reach) {
   if (faces.empty()) return {};
   if (faces.size() > mesh.faces.size() / kMany) {
     SelfIntersectionOptions options;
-    options.threads = threads;
     return find_self_intersections(mesh, options).faces();
   }
-  auto found = MovedFaces(mesh, mesh.vertices, faces, reach).intersecting(threads);
+  auto found = MovedFaces(mesh, mesh.vertices, faces, reach).intersecting();
   std::sort(found.begin(), found.end());
   return found;
 }

@@ -14,8 +14,7 @@ namespace relief {
 /// at what is near them only. `reach` is about the length of an edge [unit].
 std::vector<std::uint32_t> invalid_faces(const TriangleMesh& mesh,
                                          const std::vector<Eigen::Vector3d>& places,
-                                         const std::vector<std::uint8_t>& moved, double reach,
-                                         int threads);
+                                         const std::vector<std::uint8_t>& moved, double reach);
 
 /// The faces with a vertex that is marked; in ascending order.
 std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh,
@@ -24,7 +23,7 @@ std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh,
 /// Those of `faces`, and of what is near them or of all where they are many, that intersect others;
 /// in ascending order.
 std::vector<std::uint32_t> intersecting_faces(const TriangleMesh& mesh,
-                                              const std::vector<std::uint32_t>& faces, double reach,
-                                              int threads);
+                                              const std::vector<std::uint32_t>& faces,
+                                              double reach);
 
 }  // namespace relief

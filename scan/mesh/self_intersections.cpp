@@ -84,14 +84,14 @@ std::vector<std::uint32_t> SelfIntersections::faces() const {
 SelfIntersections find_self_intersections(const TriangleMesh& mesh,
                                           const SelfIntersectionOptions& options) {
   const Judged judged(mesh);
-  const TriangleTree tree(judged.mesh(), options.threads);
+  const TriangleTree tree(judged.mesh());
   const std::size_t count = judged.mesh().faces.size();
   SelfIntersections found;
   for (std::size_t start = 0; start < count && found.pairs.size() <= options.limit;
        start += kRangesAtOnce * kGrain) {
     const std::size_t length = std::min(count - start, kRangesAtOnce * kGrain);
     std::vector<std::vector<FacePair>> ranges(kRangesAtOnce);
-    parallel_for(length, kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
+    parallel_for(length, kGrain, [&](std::size_t begin, std::size_t end) {
       ranges[begin / kGrain] =
           pairs_in_range(judged, tree, start + begin, start + end, options.limit);
     });

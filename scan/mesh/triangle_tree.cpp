@@ -145,12 +145,11 @@ struct TriangleTree::Part {
 };
 
 // The upper levels are built one part after the other, the parts below side by side.
-TriangleTree::TriangleTree(const TriangleMesh& mesh, int threads)
-    : mesh_(&mesh), faces_(mesh.faces.size()) {
+TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(&mesh), faces_(mesh.faces.size()) {
   if (faces_.empty()) return;
   std::iota(faces_.begin(), faces_.end(), 0u);
   std::vector<Eigen::Vector3d> centres(faces_.size());
-  parallel_for(centres.size(), kFacesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(centres.size(), kFacesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
       centres[f] = (mesh.corner(f, 0) + mesh.corner(f, 1) + mesh.corner(f, 2)) / 3.0;
   });
@@ -165,7 +164,7 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh, int threads)
     }
     parts = std::move(halves);
   }
-  parallel_for(parts.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) build(parts[k], centres);
   });
   for (auto part = upper.rbegin(); part != upper.rend(); ++part) {

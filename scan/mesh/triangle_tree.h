@@ -32,7 +32,7 @@ TrianglePoint closest_on_triangle(const Eigen::Vector3d& query, const Eigen::Vec
 class TriangleTree {
  public:
   /// The same for any number of threads.
-  explicit TriangleTree(const TriangleMesh& mesh, int threads = 0);
+  explicit TriangleTree(const TriangleMesh& mesh);
 
   struct Closest {
     std::uint32_t face = 0;

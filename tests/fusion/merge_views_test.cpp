@@ -142,15 +142,14 @@ TEST(MergeViews, ThreadsAndTheOrderOfViewsDoNotChangeAByte) {
   auto views = views_around(traced(torus_distance(35.0, 12.0)), 6, 60, 50.0);
   for (std::size_t i = 0; i < views.size(); ++i)
     testing::add_range_noise(views[i], 0.2, static_cast<std::uint32_t>(i));
-  MergeOptions options;
-  options.threads = 1;
-  const MergeResult reference = merged(views, options);
-  for (const int threads : {2, 4}) {
-    options.threads = threads;
-    EXPECT_TRUE(same(merged(views, options).mesh, reference.mesh)) << threads;
-  }
+  const auto merged_on = [&](int threads) {
+    return on_threads(threads, [&] { return merged(views); });
+  };
+  const MergeResult reference = merged_on(1);
+  for (const int threads : {2, 4})
+    EXPECT_TRUE(same(merged_on(threads).mesh, reference.mesh)) << threads;
   std::reverse(views.begin(), views.end());
-  EXPECT_TRUE(same(merged(views, options).mesh, reference.mesh));
+  EXPECT_TRUE(same(merged(views).mesh, reference.mesh));
 }
 
 TEST(MergeViews, NothingDependsOnTheUnit) {
@@ -212,8 +211,9 @@ TEST(MergeViews, SaysWhatIsWrongWithItsInput) {
 TEST(MergeViews, CanBeInterrupted) {
   const auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 2, 40, 50.0);
   for (const double until : {0.0, 0.5, 0.87}) {
-    const auto result =
-        merge_views(views, {}, [&](double fraction, std::string_view) { return fraction < until; });
+    const auto result = merge_views(views, {}, {.progress = [&](double fraction, std::string_view) {
+                                      return fraction < until;
+                                    }});
     ASSERT_FALSE(result.ok());
     EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
   }

@@ -157,18 +157,17 @@ TEST(RefineView, BadOptionsAreNamed) {
 
 TEST(RefineView, StopsOnRequest) {
   const auto result = refine_view(noisy_view(0.3, 1.0, 0.0, 32), {},
-                                  [](double, std::string_view) { return false; });
+                                  {.progress = [](double, std::string_view) { return false; }});
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
 }
 
 TEST(RefineView, TheNumberOfThreadsChangesNoByte) {
   const RangeView view = noisy_view(0.3, 1.5, 4.0, 96);
-  RefineOptions options;
-  options.threads = 1;
-  const RefinedView one = refined(view, options);
-  options.threads = 4;
-  const RefinedView four = refined(view, options);
+  const auto refined_on = [&](int threads) {
+    return on_threads(threads, [&] { return refined(view); });
+  };
+  const RefinedView one = refined_on(1), four = refined_on(4);
   EXPECT_EQ(std::memcmp(one.view.range.data(), four.view.range.data(),
                         one.view.range.size() * sizeof(double)),
             0);
@@ -348,10 +347,8 @@ TEST(RefineView, DeviationsOfAViewAreTheNoiseOfItsRanges) {
 
 TEST(RefineView, TheSeedIsThatOfTheDeviationsAlone) {
   const RangeView view = noisy_view(0.3, 1.5, 2.0, 64);
-  RefineOptions options;
-  const RefinedView first = refined(view, options);
-  options.seed = 2;
-  const RefinedView second = refined(view, options);
+  const RefinedView first = refine_view(view).value();
+  const RefinedView second = refine_view(view, {}, {.seed = 2}).value();
   EXPECT_EQ(largest_change(first.view, second.view), 0.0);
   EXPECT_NE(first.view.deviation(30, 30), second.view.deviation(30, 30));
   EXPECT_NEAR(first.view.deviation(30, 30) / second.view.deviation(30, 30), 1.0, 0.4);

@@ -32,22 +32,19 @@ bool same_ranges(const RangeView& a, const RangeView& b) {
 
 TEST(RefineViews, AreAsManyAtOnceAsThreadsAndMemoryAllow) {
   const std::vector<RangeView> views = noisy_views(3);
-  RefineOptions options;
-  options.threads = 2;
-  EXPECT_EQ(views_at_once(views, options), 2);
-  options.threads = 8;
-  EXPECT_EQ(views_at_once(views, options), 3);
-  EXPECT_EQ(views_at_once(views, options, 1), 1);
-  EXPECT_EQ(views_at_once({}, options), 1);
+  const auto at_once_on = [&](int threads) {
+    return on_threads(threads, [&] { return views_at_once(views, {}); });
+  };
+  EXPECT_EQ(at_once_on(2), 2);
+  EXPECT_EQ(at_once_on(8), 3);
+  EXPECT_EQ(views_at_once(views, {}, 1), 1);
+  EXPECT_EQ(views_at_once({}, {}), 1);
 }
 
 TEST(RefineViews, NeitherMemoryNorThreadsChangeAByte) {
   const std::vector<RangeView> views = noisy_views(3);
-  RefineOptions options;
-  options.threads = 4;
-  const auto together = refine_views(views, options);
-  options.threads = 1;
-  const auto one_by_one = refine_views(views, options, {}, 1);
+  const auto together = refine_views(views, {}, {.threads = 4});
+  const auto one_by_one = refine_views(views, {}, {.threads = 1, .memory = 1});
   ASSERT_TRUE(together.ok() && one_by_one.ok());
   for (std::size_t i = 0; i < views.size(); ++i) {
     EXPECT_EQ((*together)[i].view.name, views[i].name);
@@ -67,8 +64,8 @@ TEST(RefineViews, AViewThatCannotBeRefinedStaysAsMeasuredAmongTheOthers) {
 }
 
 TEST(RefineViews, StopOnRequest) {
-  const auto stopped =
-      refine_views(noisy_views(2), {}, [](double, std::string_view) { return false; });
+  const auto stopped = refine_views(noisy_views(2), {},
+                                    {.progress = [](double, std::string_view) { return false; }});
   ASSERT_FALSE(stopped.ok());
   EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
 }

@@ -60,7 +60,7 @@ void spoil_patch(RangeView& view) {
 }
 
 std::vector<ViewConsistency> weigh(std::vector<RangeView>& views, int threads = 2) {
-  auto found = weigh_by_consistency(all_pairs(views.size()), {.threads = threads}, views);
+  auto found = weigh_by_consistency(all_pairs(views.size()), {}, views, {.threads = threads});
   EXPECT_TRUE(found);
   return *found;
 }
@@ -194,8 +194,8 @@ TEST(CrossViewConsistency, DoesNotDependOnThreadsAndHardlyOnTheFrame) {
 TEST(CrossViewConsistency, StopsOnRequest) {
   std::vector<RangeView> views = views_from({-15, 0, 15});
   spoil_patch(views[1]);
-  const auto stopped =
-      weigh_by_consistency(all_pairs(3), {}, views, [](double, std::string_view) { return false; });
+  const auto stopped = weigh_by_consistency(
+      all_pairs(3), {}, views, {.progress = [](double, std::string_view) { return false; }});
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
   EXPECT_TRUE(views[1].confidence.empty());

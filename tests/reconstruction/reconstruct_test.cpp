@@ -45,9 +45,7 @@ TEST(Reconstruct, ReportsEveryStage) {
 }
 
 TEST(Reconstruct, IsTheSameOnAnyNumberOfThreads) {
-  ReconstructionOptions options;
-  options.threads = 1;
-  const Reconstruction again = reconstruct(scans(), options).value();
+  const Reconstruction again = reconstruct(scans(), {}, {.threads = 1}).value();
   EXPECT_EQ(again.model.mesh.vertices, reconstruction().model.mesh.vertices);
   EXPECT_EQ(again.model.mesh.faces, reconstruction().model.mesh.faces);
 }

@@ -88,11 +88,9 @@ TEST(AlignViews, DoesNotDependOnTheThreadCount) {
   const auto views = disturbed_ring();
   AlignOptions options;
   options.refinement.correspondences = 300;
-  options.threads = 1;
-  const auto one = align_views(views, options);
+  const auto one = align_views(views, options, {.threads = 1});
   for (const int threads : {2, 4}) {
-    options.threads = threads;
-    const auto more = align_views(views, options);
+    const auto more = align_views(views, options, {.threads = threads});
     for (std::size_t i = 0; i < views.size(); ++i) {
       EXPECT_TRUE(same_bytes(one->views[i].world_from_view, more->views[i].world_from_view));
       EXPECT_EQ(one->views[i].pose_std, more->views[i].pose_std);
@@ -303,8 +301,8 @@ TEST(AlignViews, RejectsNoViewsAndBadOptions) {
 }
 
 TEST(AlignViews, StopsWhenAsked) {
-  const auto stopped =
-      align_views(disturbed_ring(), {}, [](double, std::string_view) { return false; });
+  const auto stopped = align_views(disturbed_ring(), {},
+                                   {.progress = [](double, std::string_view) { return false; }});
   ASSERT_FALSE(stopped.ok());
   EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
 }

@@ -153,8 +153,8 @@ std::string credit(const ReportContent& content) {
          std::to_string((bytes + 500) / 1000) + " kB of this page; its source has the licence).";
 }
 
-void put_pictures(const TriangleMesh& mesh, int threads, ReportContent& content) {
-  auto pictures = pictures_of_model(mesh, content.unit, threads);
+void put_pictures(const TriangleMesh& mesh, ReportContent& content) {
+  auto pictures = pictures_of_model(mesh, content.unit);
   if (pictures)
     content.pictures = std::move(*pictures);
   else
@@ -210,7 +210,7 @@ Result<void> write_html_report(const HtmlReportFiles& files, const TriangleMesh*
     project = Json::parse(*scan, nullptr, /*allow_exceptions=*/false);
   ReportContent content = report_content(std::move(report), project, mesh, options);
   content.name = name_of(files.folder);
-  if (mesh) put_pictures(*mesh, options.threads, content);
+  if (mesh) put_pictures(*mesh, content);
   if (mesh && options.viewer_faces > 0 && !content.viewer)
     Console::warning("report.html has no model to look at: " + content.no_viewer);
   if (auto written = write_file(files.page, html_page(content)); !written) return written;

@@ -16,7 +16,6 @@ namespace relief {
 struct HtmlReportOptions {
   /// Faces of the model in the page, at most; 0: the page has no model to look at.
   std::size_t viewer_faces = 200000;
-  int threads = 0;  ///< 0: one per core. Never changes the page.
 };
 
 /// Gathers what the page shows. `report` is a report.json, `project` the scan.json beside it (null

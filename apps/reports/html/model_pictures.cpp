@@ -10,9 +10,9 @@
 namespace relief {
 
 Result<std::vector<ReportPicture>> pictures_of_model(const TriangleMesh& mesh,
-                                                     const std::string& unit, int threads) {
+                                                     const std::string& unit) {
   using rendering::RenderStyle;
-  const auto scene = rendering::MeshScene::of(mesh, threads);
+  const auto scene = rendering::MeshScene::of(mesh);
   if (!scene) return scene.error();
   std::vector<std::pair<RenderStyle, std::string>> shown{
       {RenderStyle::kShaded, "Lit from the front"}, {RenderStyle::kGrazing, "Grazing light"}};
@@ -24,7 +24,6 @@ Result<std::vector<ReportPicture>> pictures_of_model(const TriangleMesh& mesh,
   const auto camera = rendering::frame_mesh(mesh, {}, framing);
   rendering::RenderOptions options;
   options.unit = unit;
-  options.threads = threads;
   std::vector<ReportPicture> pictures;
   for (const auto& [style, title] : shown) {
     auto rendering = scene->render(camera, style, options);

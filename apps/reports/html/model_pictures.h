@@ -13,6 +13,6 @@ namespace relief {
 /// was filled, and the expected error, each where the mesh has what it shows. `unit` names lengths;
 /// it may be empty. Errors: those of rendering::MeshScene::of.
 Result<std::vector<ReportPicture>> pictures_of_model(const TriangleMesh& mesh,
-                                                     const std::string& unit, int threads);
+                                                     const std::string& unit);
 
 }  // namespace relief

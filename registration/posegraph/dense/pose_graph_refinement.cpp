@@ -65,7 +65,7 @@ class MovingPairs {
 
   /// What residuals of each directed pair deviate by at the present poses, until measured anew.
   void measure_deviations() {
-    sigmas_ = parallel_map<double>(2 * pairs_.size(), options_.threads, [&](std::size_t i) {
+    sigmas_ = parallel_map<double>(2 * pairs_.size(), [&](std::size_t i) {
       const std::size_t source = source_of(pairs_, i), target = target_of(pairs_, i);
       return pair_deviation(*surfaces_[source], *surfaces_[target],
                             poses_[target].inverse() * poses_[source], options_.search);
@@ -104,12 +104,11 @@ class MovingPairs {
   std::vector<PairInformation> compress_all(std::size_t samples, double patch,
                                             const Visit& visit) const {
     const auto of_view = parallel_map<std::vector<std::uint32_t>>(
-        surfaces_.size(), options_.threads,
-        [&](std::size_t i) { return in_grid_order(*surfaces_[i], samples); });
+        surfaces_.size(), [&](std::size_t i) { return in_grid_order(*surfaces_[i], samples); });
     std::vector<PairInformation> all(2 * pairs_.size());
     for (std::size_t first = 0; first < all.size(); first += kPairsAtOnce) {
       const std::size_t count = std::min(kPairsAtOnce, all.size() - first);
-      parallel_for(count, 1, options_.threads, [&](std::size_t begin, std::size_t end) {
+      parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = first + begin; i < first + end; ++i)
           all[i] = compress_pair(i, of_view[source_of(pairs_, i)], patch);
       });

@@ -29,7 +29,6 @@ struct PoseGraphRefinementOptions {
   /// For two views: relative motions that they do not determine, and that steps leave alone. World
   /// frame.
   std::vector<DegenerateDirection> ignored;
-  int threads = 0;  ///< 0: one per core. Never changes the result.
 };
 
 struct PoseGraphRefinement {

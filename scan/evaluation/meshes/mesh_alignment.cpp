@@ -57,10 +57,9 @@ struct Foot {
   double distance = 0.0;
 };
 
-std::vector<Foot> feet_of(const Target& target, const Points& points, const RigidMotion& motion,
-                          int threads) {
+std::vector<Foot> feet_of(const Target& target, const Points& points, const RigidMotion& motion) {
   std::vector<Foot> feet(points.size());
-  parallel_for(points.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Eigen::Vector3d from = motion * points[i];
       const auto closest = *target.tree.closest(from);
@@ -111,13 +110,13 @@ double largest_move(const RigidMotion& step, const Target& target) {
   return rotation_angle(step) * target.size + (step * target.centre - target.centre).norm();
 }
 
-MeshAlignment fit(const Target& target, const Points& points, const RigidMotion& start, int rounds,
-                  int threads) {
+MeshAlignment fit(const Target& target, const Points& points, const RigidMotion& start,
+                  int rounds) {
   MeshAlignment best;
   best.median_distance = std::numeric_limits<double>::infinity();
   RigidMotion motion = start;
   for (int round = 0; round < rounds; ++round) {
-    const auto feet = feet_of(target, points, motion, threads);
+    const auto feet = feet_of(target, points, motion);
     const RigidMotion step = next_step(feet, target);
     motion = step * motion;
     best.iterations = round + 1;
@@ -127,7 +126,7 @@ MeshAlignment fit(const Target& target, const Points& points, const RigidMotion&
     if (best.converged) break;
   }
   best.truth_from_result = motion;
-  best.median_distance = median_distance(feet_of(target, points, motion, threads));
+  best.median_distance = median_distance(feet_of(target, points, motion));
   return best;
 }
 
@@ -152,12 +151,11 @@ std::vector<RigidMotion> starts_about(const Eigen::Vector3d& from, const Eigen::
 
 // The best of short fits with few points from everywhere.
 std::vector<RigidMotion> good_starts(const Target& target, const Points& points,
-                                     const MeshAlignmentOptions& options) {
-  const auto starts = starts_about(mean_of(points), target.centre, CounterRandom(options.seed, 1));
+                                     std::uint64_t seed) {
+  const auto starts = starts_about(mean_of(points), target.centre, CounterRandom(seed, 1));
   std::vector<MeshAlignment> fits(starts.size());
-  parallel_for(fits.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      fits[i] = fit(target, points, starts[i], kFewRounds, 1);
+  parallel_for(fits.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) fits[i] = fit(target, points, starts[i], kFewRounds);
   });
   std::stable_sort(fits.begin(), fits.end(), [](const auto& a, const auto& b) {
     return a.median_distance < b.median_distance;
@@ -167,28 +165,33 @@ std::vector<RigidMotion> good_starts(const Target& target, const Points& points,
   return good;
 }
 
-}  // namespace
-
-Result<MeshAlignment> align_mesh(const TriangleMesh& result, const TriangleMesh& truth,
-                                 const MeshAlignmentOptions& options) {
-  const Points true_points = surface_points(truth, options.samples, options.seed);
-  const Points points = surface_points(result, options.samples, options.seed);
+Result<MeshAlignment> align(const TriangleMesh& result, const TriangleMesh& truth,
+                            const MeshAlignmentOptions& options, const Context& context) {
+  const Points true_points = surface_points(truth, options.samples, context.seed);
+  const Points points = surface_points(result, options.samples, context.seed);
   if (true_points.empty() || points.empty())
     return Error{ErrorKind::kBadInput, "a mesh without area cannot be aligned"};
   const Target target(truth, true_points);
   std::vector<RigidMotion> starts = {RigidMotion::Identity()};
   if (options.any_start) {
-    const Points few = surface_points(result, kFewSamples, options.seed);
-    for (const RigidMotion& start : good_starts(target, few, options)) starts.push_back(start);
+    const Points few = surface_points(result, kFewSamples, context.seed);
+    for (const RigidMotion& start : good_starts(target, few, context.seed)) starts.push_back(start);
   }
   MeshAlignment best;
   best.median_distance = std::numeric_limits<double>::infinity();
-  const Points some = surface_points(result, options.samples / 10, options.seed);
+  const Points some = surface_points(result, options.samples / 10, context.seed);
   for (const RigidMotion& start : starts) {
-    const MeshAlignment found = fit(target, some, start, kMostRounds / 2, options.threads);
+    const MeshAlignment found = fit(target, some, start, kMostRounds / 2);
     if (found.median_distance < best.median_distance) best = found;
   }
-  return fit(target, points, best.truth_from_result, kMostRounds, options.threads);
+  return fit(target, points, best.truth_from_result, kMostRounds);
+}
+
+}  // namespace
+
+Result<MeshAlignment> align_mesh(const TriangleMesh& result, const TriangleMesh& truth,
+                                 const MeshAlignmentOptions& options, const Context& context) {
+  return run_in(context, [&] { return align(result, truth, options, context); });
 }
 
 }  // namespace relief::evaluation

@@ -73,11 +73,11 @@ bool is_inside(const Eigen::Vector3d& point, const TriangleTree::Closest& closes
 
 // `result` is the one of the two surfaces that knows what was filled.
 std::vector<PointError> measure(const Surface& from, const Surface& to, const Surface& result,
-                                const MeshDistanceOptions& options) {
-  const auto samples = sample_surface(from.mesh, options.samples, options.seed);
+                                const MeshDistanceOptions& options, std::uint64_t seed) {
+  const auto samples = sample_surface(from.mesh, options.samples, seed);
   const PseudoNormals outward(to.mesh);
   std::vector<PointError> errors(samples.size());
-  parallel_for(samples.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(samples.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto& [face, weights] = samples[i];
       const Eigen::Vector3d point = point_at(from.mesh, samples[i]);
@@ -138,21 +138,17 @@ std::vector<double> chosen_thresholds(const TriangleMesh& truth,
 // Equation (E2).
 double harmonic_mean(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0; }
 
-}  // namespace
-
-Result<MeshComparison> compare_meshes(const TriangleMesh& result_mesh,
-                                      const TriangleMesh& truth_mesh,
-                                      const MeshDistanceOptions& options,
-                                      const Progress& progress) {
+Result<MeshComparison> compare(const TriangleMesh& result_mesh, const TriangleMesh& truth_mesh,
+                               const MeshDistanceOptions& options, const Context& context) {
   if (const auto valid = check(result_mesh, "result mesh"); !valid) return valid.error();
   if (const auto valid = check(truth_mesh, "true mesh"); !valid) return valid.error();
   const Error stopped{ErrorKind::kInterrupted, "comparison of meshes stopped"};
-  if (!report_progress(progress, 0.0, "compare meshes")) return stopped;
+  if (!report_progress(context.progress, 0.0, "compare meshes")) return stopped;
   const Surface result(result_mesh, false), truth(truth_mesh, true);
-  if (!report_progress(progress, 0.4, "compare meshes")) return stopped;
-  const auto to_truth = measure(result, truth, result, options);
-  if (!report_progress(progress, 0.7, "compare meshes")) return stopped;
-  const auto to_result = measure(truth, result, result, options);
+  if (!report_progress(context.progress, 0.4, "compare meshes")) return stopped;
+  const auto to_truth = measure(result, truth, result, options, context.seed);
+  if (!report_progress(context.progress, 0.7, "compare meshes")) return stopped;
+  const auto to_result = measure(truth, result, result, options, context.seed);
 
   MeshComparison comparison;
   comparison.thresholds = chosen_thresholds(truth_mesh, options);
@@ -169,16 +165,23 @@ Result<MeshComparison> compare_meshes(const TriangleMesh& result_mesh,
     comparison.signed_accuracy.push_back(error.inside ? -error.distance : error.distance);
   for (const PointError& error : to_result)
     comparison.completeness_distances.push_back(error.distance);
-  report_progress(progress, 1.0, "compare meshes");
+  report_progress(context.progress, 1.0, "compare meshes");
   return comparison;
 }
 
-std::vector<double> signed_distances(const TriangleMesh& mesh, const TriangleMesh& truth,
-                                     int threads) {
+}  // namespace
+
+Result<MeshComparison> compare_meshes(const TriangleMesh& result_mesh,
+                                      const TriangleMesh& truth_mesh,
+                                      const MeshDistanceOptions& options, const Context& context) {
+  return run_in(context, [&] { return compare(result_mesh, truth_mesh, options, context); });
+}
+
+std::vector<double> signed_distances(const TriangleMesh& mesh, const TriangleMesh& truth) {
   const TriangleTree tree(truth);
   const PseudoNormals normals(truth);
   std::vector<double> distances(mesh.vertices.size());
-  parallel_for(distances.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(distances.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto closest = *tree.closest(mesh.vertices[i]);
       const bool inside = is_inside(mesh.vertices[i], closest, normals);

@@ -92,28 +92,31 @@ ErrorList compare(const ViewAndTruth& pair, int edge_pixels) {
 }  // namespace
 
 Result<ViewErrorReport> evaluate_views(const ScanProject& result, const ScanProject& truth,
-                                       const ViewErrorOptions& options, const Progress& progress) {
-  const auto pairs = pair_views(result, truth);
-  if (!pairs) return pairs.error();
-  if (!report_progress(progress, 0.0, "evaluate views"))
-    return Error{ErrorKind::kInterrupted, "evaluation of views stopped"};
+                                       const ViewErrorOptions& options, const Context& context) {
+  return run_in(context, [&]() -> Result<ViewErrorReport> {
+    const auto pairs = pair_views(result, truth);
+    if (!pairs) return pairs.error();
+    if (!report_progress(context.progress, 0.0, "evaluate views"))
+      return Error{ErrorKind::kInterrupted, "evaluation of views stopped"};
 
-  std::vector<ErrorList> lists(pairs->size());
-  parallel_for(lists.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) lists[i] = compare((*pairs)[i], options.edge_pixels);
+    std::vector<ErrorList> lists(pairs->size());
+    parallel_for(lists.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        lists[i] = compare((*pairs)[i], options.edge_pixels);
+    });
+
+    ViewErrorReport report;
+    ErrorList overall;
+    for (std::size_t i = 0; i < lists.size(); ++i) {
+      report.views.push_back(lists[i].summarized(result.views[i].name));
+      overall.append(lists[i]);
+    }
+    report.overall = overall.summarized("overall");
+    for (const RangeView& view : truth.views)
+      if (!find_view(result, view.name)) report.unmatched.push_back(view.name);
+    report_progress(context.progress, 1.0, "evaluate views");
+    return report;
   });
-
-  ViewErrorReport report;
-  ErrorList overall;
-  for (std::size_t i = 0; i < lists.size(); ++i) {
-    report.views.push_back(lists[i].summarized(result.views[i].name));
-    overall.append(lists[i]);
-  }
-  report.overall = overall.summarized("overall");
-  for (const RangeView& view : truth.views)
-    if (!find_view(result, view.name)) report.unmatched.push_back(view.name);
-  report_progress(progress, 1.0, "evaluate views");
-  return report;
 }
 
 }  // namespace relief::evaluation

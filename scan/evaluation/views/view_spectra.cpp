@@ -88,32 +88,35 @@ double median_spacing(const std::vector<ViewAndTruth>& pairs) {
 }  // namespace
 
 Result<ViewSpectra> evaluate_spectra(const ScanProject& result, const ScanProject& truth,
-                                     const ViewErrorOptions& options, const Progress& progress) {
-  const auto pairs = pair_views(result, truth);
-  if (!pairs) return pairs.error();
-  Spectra all;
-  // A few views at a time bound the memory; the order of the sums is fixed.
-  const std::size_t at_once = static_cast<std::size_t>(thread_count(options.threads));
-  for (std::size_t first = 0; first < pairs->size(); first += at_once) {
-    if (!report_progress(progress, static_cast<double>(first) / static_cast<double>(pairs->size()),
-                         "spectra of errors"))
-      return Error{ErrorKind::kInterrupted, "spectra of errors stopped"};
-    std::vector<Spectra> some(std::min(at_once, pairs->size() - first));
-    parallel_for(some.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        some[i] = spectra_of((*pairs)[first + i], options.edge_pixels);
-    });
-    for (const Spectra& spectra : some) all.add(spectra);
-  }
-  ViewSpectra spectra;
-  spectra.depth = all.depth.spectrum();
-  spectra.map_normals = all.map_normals.spectrum();
-  spectra.position_normals = all.position_normals.spectrum();
-  spectra.spacing = median_spacing(*pairs);
-  if (const auto crossing = crossing_frequency(spectra.position_normals, spectra.map_normals))
-    spectra.crossing_wavelength = 1.0 / *crossing;
-  report_progress(progress, 1.0, "spectra of errors");
-  return spectra;
+                                     const ViewErrorOptions& options, const Context& context) {
+  return run_in(context, [&]() -> Result<ViewSpectra> {
+    const auto pairs = pair_views(result, truth);
+    if (!pairs) return pairs.error();
+    Spectra all;
+    // A few views at a time bound the memory; the order of the sums is fixed.
+    const std::size_t at_once = static_cast<std::size_t>(thread_count());
+    for (std::size_t first = 0; first < pairs->size(); first += at_once) {
+      if (!report_progress(context.progress,
+                           static_cast<double>(first) / static_cast<double>(pairs->size()),
+                           "spectra of errors"))
+        return Error{ErrorKind::kInterrupted, "spectra of errors stopped"};
+      std::vector<Spectra> some(std::min(at_once, pairs->size() - first));
+      parallel_for(some.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          some[i] = spectra_of((*pairs)[first + i], options.edge_pixels);
+      });
+      for (const Spectra& spectra : some) all.add(spectra);
+    }
+    ViewSpectra spectra;
+    spectra.depth = all.depth.spectrum();
+    spectra.map_normals = all.map_normals.spectrum();
+    spectra.position_normals = all.position_normals.spectrum();
+    spectra.spacing = median_spacing(*pairs);
+    if (const auto crossing = crossing_frequency(spectra.position_normals, spectra.map_normals))
+      spectra.crossing_wavelength = 1.0 / *crossing;
+    report_progress(context.progress, 1.0, "spectra of errors");
+    return spectra;
+  });
 }
 
 }  // namespace relief::evaluation

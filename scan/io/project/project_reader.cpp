@@ -21,7 +21,7 @@ LoadedViews load_views(const std::vector<ViewSpec>& specs, const ReadProjectOpti
   LoadedViews loaded(specs.size());
   std::atomic<std::size_t> done{0};
   const auto caller = std::this_thread::get_id();
-  parallel_for(specs.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(specs.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end && !interrupted; ++i) {
       loaded[i].emplace(load_view(specs[i], memory));
       const double fraction = static_cast<double>(++done) / static_cast<double>(specs.size());
@@ -49,28 +49,30 @@ Result<std::vector<std::string>> settle_normals(std::vector<LoadedView>& views) 
 }  // namespace
 
 Result<ScanProject> read_project(const std::filesystem::path& path,
-                                 const ReadProjectOptions& options, const Progress& progress) {
-  auto spec = read_project_spec(path, options);
-  if (!spec) return spec.error();
-  std::atomic<bool> interrupted{false};
-  LoadedViews loaded = load_views(spec->views, options, progress, interrupted);
-  ScanProject project;
-  project.unit = spec->unit;
-  project.notes = spec->notes;
-  std::vector<LoadedView> views;
-  for (auto& view : loaded) {
-    if (!view) return Error{ErrorKind::kInterrupted, path.string() + ": reading was interrupted"};
-    if (!view->ok()) return view->error();
-    views.push_back(std::move(**view));
-  }
-  const auto notes = settle_normals(views);
-  if (!notes) return notes.error();
-  for (LoadedView& view : views) {
-    project.views.push_back(std::move(view.view));
-    for (auto& note : view.notes) project.notes.push_back(std::move(note));
-  }
-  project.notes.insert(project.notes.end(), notes->begin(), notes->end());
-  return project;
+                                 const ReadProjectOptions& options, const Context& context) {
+  return run_in(context, [&]() -> Result<ScanProject> {
+    auto spec = read_project_spec(path, options);
+    if (!spec) return spec.error();
+    std::atomic<bool> interrupted{false};
+    LoadedViews loaded = load_views(spec->views, options, context.progress, interrupted);
+    ScanProject project;
+    project.unit = spec->unit;
+    project.notes = spec->notes;
+    std::vector<LoadedView> views;
+    for (auto& view : loaded) {
+      if (!view) return Error{ErrorKind::kInterrupted, path.string() + ": reading was interrupted"};
+      if (!view->ok()) return view->error();
+      views.push_back(std::move(**view));
+    }
+    const auto notes = settle_normals(views);
+    if (!notes) return notes.error();
+    for (LoadedView& view : views) {
+      project.views.push_back(std::move(view.view));
+      for (auto& note : view.notes) project.notes.push_back(std::move(note));
+    }
+    project.notes.insert(project.notes.end(), notes->begin(), notes->end());
+    return project;
+  });
 }
 
 }  // namespace relief

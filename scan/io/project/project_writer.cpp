@@ -184,7 +184,7 @@ std::optional<fs::path> scan_json_of(const fs::path& source) {
 }  // namespace
 
 Result<void> write_project(const std::vector<RangeView>& views, const std::string& unit,
-                           const fs::path& folder, const Progress& progress,
+                           const fs::path& folder, const Context& context,
                            const WriteProjectOptions& options) {
   std::error_code code;
   fs::create_directories(folder, code);
@@ -194,7 +194,7 @@ Result<void> write_project(const std::vector<RangeView>& views, const std::strin
   for (std::size_t i = 0; i < views.size(); ++i) {
     const RangeView& view = views[i];
     const double fraction = static_cast<double>(i) / static_cast<double>(views.size());
-    if (!report_progress(progress, fraction, "writing views"))
+    if (!report_progress(context.progress, fraction, "writing views"))
       return Error{ErrorKind::kInterrupted, folder.string() + ": writing was interrupted"};
     json entry = {{"name", view.name}};
     const std::string stem = file_stem(view.name, stems);
@@ -211,8 +211,8 @@ Result<void> write_project(const std::vector<RangeView>& views, const std::strin
 }
 
 Result<void> write_project(const ScanProject& project, const fs::path& folder,
-                           const Progress& progress, const WriteProjectOptions& options) {
-  return write_project(project.views, project.unit, folder, progress, options);
+                           const Context& context, const WriteProjectOptions& options) {
+  return write_project(project.views, project.unit, folder, context, options);
 }
 
 Result<void> write_project_poses(const ScanProject& project, const fs::path& source,

@@ -92,14 +92,14 @@ struct RayCaster::Embree {
     return allocated;
   }
 
-  void commit(int threads) {
+  void commit() {
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    const int workers = std::min(thread_count(threads), tbb::info::default_concurrency());
+    const int workers = std::min(thread_count(), tbb::info::default_concurrency());
     tbb::task_arena(workers).execute([this] { rtcCommitScene(scene); });
   }
 };
 
-Result<RayCaster> RayCaster::of(const TriangleMesh& mesh, int threads) {
+Result<RayCaster> RayCaster::of(const TriangleMesh& mesh) {
   if (auto valid = check(mesh); !valid) return valid.error();
   const Eigen::AlignedBox3d box = bounding_box(mesh);
   RayCaster caster;
@@ -109,7 +109,7 @@ Result<RayCaster> RayCaster::of(const TriangleMesh& mesh, int threads) {
     return Error{ErrorKind::kBadInput, "the mesh has no extent: all vertices are at one place"};
   auto embree = std::make_shared<Embree>();
   const bool added = embree->scene && embree->add(mesh, caster.centre_, caster.radius_);
-  if (added) embree->commit(threads);
+  if (added) embree->commit();
   if (!added || rtcGetDeviceError(embree->device) != RTC_ERROR_NONE)
     return Error{ErrorKind::kUnsolvable, "not enough memory for the rays of a mesh of " +
                                              std::to_string(mesh.faces.size()) +

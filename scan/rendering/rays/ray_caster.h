@@ -18,7 +18,7 @@ namespace relief::rendering {
 class RayCaster {
  public:
   /// kBadInput, kUnsolvable as MeshScene::of. The same for any number of threads.
-  static Result<RayCaster> of(const TriangleMesh& mesh, int threads);
+  static Result<RayCaster> of(const TriangleMesh& mesh);
 
   struct Hit {
     std::uint32_t face = 0;

@@ -46,7 +46,7 @@ class PictureRays {
   std::array<double, 2> ranges() const {
     std::vector<std::array<double, 2>> rows(static_cast<std::size_t>(camera_.height),
                                             {kInfinity, -kInfinity});
-    parallel_rows(camera_.height, options_.threads, [&](int y) {
+    parallel_rows(camera_.height, [&](int y) {
       auto& [least, largest] = rows[static_cast<std::size_t>(y)];
       for (int x = 0; x < camera_.width; ++x) {
         const auto found = hit(x, y);
@@ -129,8 +129,8 @@ class PictureRays {
 
 }  // namespace
 
-Result<MeshScene> MeshScene::of(TriangleMesh mesh, int threads) {
-  auto caster = RayCaster::of(mesh, threads);
+Result<MeshScene> MeshScene::of(TriangleMesh mesh) {
+  auto caster = RayCaster::of(mesh);
   if (!caster) return caster.error();
   auto normals = vertex_normals(mesh);
   const double diagonal = bounding_box(mesh).diagonal().norm();
@@ -150,7 +150,7 @@ Result<Rendering> MeshScene::render(const PictureCamera& camera, RenderStyle sty
   const auto paint = paint_of(style, context);
   if (!paint) return paint.error();
   Rendering rendering{Picture(camera.width, camera.height), paint->legend};
-  parallel_rows(camera.height, options.threads, [&](int y) {
+  parallel_rows(camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) rendering.picture(x, y) = rays.pixel(x, y, paint->paint);
   });
   return rendering;
@@ -158,7 +158,7 @@ Result<Rendering> MeshScene::render(const PictureCamera& camera, RenderStyle sty
 
 Result<Rendering> render_mesh(const TriangleMesh& mesh, const PictureCamera& camera,
                               RenderStyle style, const RenderOptions& options) {
-  const auto scene = MeshScene::of(mesh, options.threads);
+  const auto scene = MeshScene::of(mesh);
   if (!scene) return scene.error();
   return scene->render(camera, style, options);
 }

@@ -39,7 +39,7 @@ Result<void> validate(const BackgroundPlate& plate) {
 
 Grid<unsigned char> add_background(RangeView& view, const SimulationObject& object,
                                    const BackgroundPlate& plate, double working_distance,
-                                   double diameter, double max_incidence_deg, int threads) {
+                                   double diameter, double max_incidence_deg) {
   Grid<unsigned char> seen(view.width(), view.height(), 0);
   const double axis_angle = radians(kTiltAxisDeg);
   const Eigen::AngleAxisd tilt(
@@ -48,7 +48,7 @@ Grid<unsigned char> add_background(RangeView& view, const SimulationObject& obje
   const Eigen::Vector3d normal = tilt * -Eigen::Vector3d::UnitZ();
   const double level = normal.z() * (working_distance + plate.distance * diameter);
   const double least_cosine = std::max(0.0, std::cos(radians(max_incidence_deg)));
-  parallel_for(view.range.size(), 1024, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(view.range.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const int u = static_cast<int>(i) % view.width(), v = static_cast<int>(i) / view.width();
       const Ray ray = view.camera.ray(u, v);

@@ -61,10 +61,10 @@ Result<void> validate(const Glare& glare) {
 // Equations (S17) and (S18).
 void add_glare(RangeView& view, const Glare& glare, const SensorScene& scene) {
   const std::vector<Eigen::Vector3d> lamps = lamp_directions(glare);
-  const Grid<double> noise = pixel_noise(view.width(), view.height(), kCorrelation,
-                                         scene.of_view(kGlareNoise), scene.threads);
+  const Grid<double> noise =
+      pixel_noise(view.width(), view.height(), kCorrelation, scene.of_view(kGlareNoise));
   const double width = radians(glare.width_deg), size = glare.range_error * scene.spacing;
-  for_each_sample(view, scene.threads, [&](int u, int v) {
+  for_each_sample(view, [&](int u, int v) {
     if (scene.sees_background(u, v)) return;
     const Eigen::Vector3d direction = view.camera.ray(u, v).direction;
     const Highlight found =

@@ -21,7 +21,7 @@ Grid<double> view_warp_field(const RangeView& view, const SensorScene& scene) {
   const CalibrationWarp warp(scene.of_view(kViewWarp));
   Grid<double> field(view.width(), view.height(), 0.0);
   double squares = 0.0, count = 0.0;
-  for_each_sample(view, 1, [&](int u, int v) {
+  for_each_sample_in_order(view, [&](int u, int v) {
     field(u, v) = warp.at(image_coordinate(u, view.width()), image_coordinate(v, view.height()));
     squares += field(u, v) * field(u, v);
     count += 1.0;
@@ -33,14 +33,13 @@ Grid<double> view_warp_field(const RangeView& view, const SensorScene& scene) {
 
 void add_view_warp(RangeView& view, double size, const SensorScene& scene) {
   const Grid<double> field = view_warp_field(view, scene);
-  for_each_sample(view, scene.threads,
-                  [&](int u, int v) { view.range(u, v) += size * field(u, v); });
+  for_each_sample(view, [&](int u, int v) { view.range(u, v) += size * field(u, v); });
 }
 
 void throw_off(RangeView& view, const ScanDefects& defects, const SensorScene& scene) {
   const CounterRandom random = random_of(scene, kOutliers);
   const double size = defects.outlier_distance * scene.spacing;
-  for_each_sample(view, scene.threads, [&](int u, int v) {
+  for_each_sample(view, [&](int u, int v) {
     const std::size_t pixel = view.range.index(u, v);
     if (random.uniform(4 * pixel) >= defects.outlier_fraction) return;
     const double range = view.range[pixel] + size * random.normal(2 * pixel + 1) /
@@ -49,15 +48,14 @@ void throw_off(RangeView& view, const ScanDefects& defects, const SensorScene& s
   });
 }
 
-void quantise(RangeView& view, double step, int threads) {
-  for_each_sample(view, threads, [&](int u, int v) {
-    view.range(u, v) = step * std::round(view.range(u, v) / step);
-  });
+void quantise(RangeView& view, double step) {
+  for_each_sample(
+      view, [&](int u, int v) { view.range(u, v) = step * std::round(view.range(u, v) / step); });
 }
 
 void lose_at_random(RangeView& view, double fraction, const SensorScene& scene) {
   const CounterRandom random = random_of(scene, kMissingSamples);
-  for_each_sample(view, scene.threads, [&](int u, int v) {
+  for_each_sample(view, [&](int u, int v) {
     if (random.uniform(view.range.index(u, v)) < fraction) lose_sample(view, u, v);
   });
 }
@@ -104,8 +102,7 @@ void spoil_view(RangeView& view, const ScanDefects& defects, const SensorScene& 
   if (defects.view_warp > 0.0) add_view_warp(view, defects.view_warp * scene.spacing, scene);
   if (defects.glare) add_glare(view, *defects.glare, scene);
   if (defects.outlier_fraction > 0.0) throw_off(view, defects, scene);
-  if (defects.quantisation > 0.0)
-    quantise(view, defects.quantisation * scene.spacing, scene.threads);
+  if (defects.quantisation > 0.0) quantise(view, defects.quantisation * scene.spacing);
   if (defects.missing_fraction > 0.0) lose_at_random(view, defects.missing_fraction, scene);
 }
 
@@ -122,7 +119,7 @@ void miscalibrate(RangeView& view, const ScanDefects& defects) {
     view.camera = Camera::pinhole(view.width(), view.height(), stated);
   }
   if (defects.scale_factor != 1.0)
-    for_each_sample(view, 1, [&](int u, int v) { view.range(u, v) *= defects.scale_factor; });
+    for_each_sample(view, [&](int u, int v) { view.range(u, v) *= defects.scale_factor; });
 }
 
 }  // namespace relief::simulation

@@ -274,10 +274,10 @@ double built_in_radius(const Eigen::Vector3d& direction) {
   return owl_radius<double>({direction.x(), direction.y(), direction.z()});
 }
 
-TriangleMesh built_in_truth_mesh(int divisions, int threads) {
+TriangleMesh built_in_truth_mesh(int divisions) {
   TriangleMesh mesh = geodesic_sphere(divisions);
   mesh.normals.resize(mesh.vertices.size());
-  parallel_for(mesh.vertices.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(mesh.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       mesh.vertices[i] *= built_in_radius(mesh.vertices[i]);
       mesh.normals[i] = gradient_at(mesh.vertices[i]).normalized().cast<float>();

@@ -21,6 +21,6 @@ double built_in_radius(const Eigen::Vector3d& direction);
 /// The built-in object as a closed mesh: every vertex on the surface to rounding, `normals` exact.
 /// Each edge of an icosahedron is split into `divisions` >= 1 parts and the result projected onto
 /// the surface: 20 divisions^2 faces with edges of about 60 / divisions mm.
-TriangleMesh built_in_truth_mesh(int divisions, int threads = 0);
+TriangleMesh built_in_truth_mesh(int divisions);
 
 }  // namespace relief::simulation

@@ -144,13 +144,13 @@ void scan_by_shading(RangeView& view, const PhotometricStereo& camera, const Sen
       normal_distortion(camera, scene.of_sensor(kNormalDistortion)).inverse().transpose();
   std::vector<Eigen::Vector3d> believed = light_directions(camera);
   for (Eigen::Vector3d& light : believed) light = unbelieved * light;
-  for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
+  for_each_sample(scene.truth, [&](int u, int v) {
     const auto normal = solve_normal(believed, readings.at(u, v), camera.shadow_threshold);
     view.normals(u, v) = normal ? facing_sensor(*normal, view.camera.ray(u, v).direction)
                                 : Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
   });
   add_normal_bias(view, radians(camera.bias_deg), camera.bias_wavelength * scene.diameter,
-                  scene.of_view(kPhotometricBias), scene.threads);
+                  scene.of_view(kPhotometricBias));
 }
 
 }  // namespace relief::simulation

@@ -24,21 +24,20 @@ std::vector<double> kernel_half(double correlation) {
   return half;
 }
 
-Grid<double> white_noise(int width, int height, const RandomStream& stream, int threads) {
+Grid<double> white_noise(int width, int height, const RandomStream& stream) {
   const CounterRandom random(stream.seed, stream.stream);
   Grid<double> noise(width, height);
-  parallel_for(noise.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for(noise.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) noise[i] = random.normal(i);
   });
   return noise;
 }
 
 // Correlates the rows with the kernel and transposes: the margin of the kernel is lost.
-Grid<double> smoothed_rows(const Grid<double>& noise, const std::vector<double>& half,
-                           int threads) {
+Grid<double> smoothed_rows(const Grid<double>& noise, const std::vector<double>& half) {
   const int margin = static_cast<int>(half.size()) - 1, width = noise.width() - 2 * margin;
   Grid<double> smooth(noise.height(), width);
-  parallel_for(static_cast<std::size_t>(noise.height()), 16, threads,
+  parallel_for(static_cast<std::size_t>(noise.height()), 16,
                [&](std::size_t begin, std::size_t end) {
                  for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
                    for (int u = 0; u < width; ++u) {
@@ -55,13 +54,12 @@ Grid<double> smoothed_rows(const Grid<double>& noise, const std::vector<double>&
 
 }  // namespace
 
-Grid<double> pixel_noise(int width, int height, double correlation, const RandomStream& random,
-                         int threads) {
-  if (correlation < 0.5) return white_noise(width, height, random, threads);
+Grid<double> pixel_noise(int width, int height, double correlation, const RandomStream& random) {
+  if (correlation < 0.5) return white_noise(width, height, random);
   const std::vector<double> half = kernel_half(correlation);
   const int margin = static_cast<int>(half.size()) - 1;
-  const Grid<double> white = white_noise(width + 2 * margin, height + 2 * margin, random, threads);
-  return smoothed_rows(smoothed_rows(white, half, threads), half, threads);
+  const Grid<double> white = white_noise(width + 2 * margin, height + 2 * margin, random);
+  return smoothed_rows(smoothed_rows(white, half), half);
 }
 
 }  // namespace relief::simulation

@@ -9,7 +9,6 @@ namespace relief::simulation {
 /// smoothed by a Gaussian kernel. The correlation of two pixels is exp(-(distance / length)^2) with
 /// `correlation` [pixels] for length, to a few percent for lengths of 1.5 and more; below 0.5 the
 /// noise is white. The numbers are as random at the border as inside.
-Grid<double> pixel_noise(int width, int height, double correlation, const RandomStream& random,
-                         int threads = 0);
+Grid<double> pixel_noise(int width, int height, double correlation, const RandomStream& random);
 
 }  // namespace relief::simulation

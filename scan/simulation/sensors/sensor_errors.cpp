@@ -20,7 +20,8 @@ Eigen::Vector3d rotated(const Eigen::Vector3d& normal, const Eigen::Vector3d& ro
 // rotation turns a normal by its part in the tangent plane. Row by row, in a fixed order.
 double turn_rms(const RangeView& view, const Grid<Eigen::Vector3d>& rotations) {
   double squares = 0.0, count = 0.0;
-  for_each_normal(view, 1, [&](int u, int v) {
+  for_each_sample_in_order(view, [&](int u, int v) {
+    if (!view.has_normal(u, v)) return;
     squares += rotations(u, v).cross(view.normals(u, v).cast<double>()).squaredNorm();
     count += 1.0;
   });
@@ -38,10 +39,9 @@ Eigen::Vector3f facing_sensor(Eigen::Vector3d normal, const Eigen::Vector3d& ray
 }
 
 // Equation (S2).
-void add_range_noise(RangeView& view, double sigma, const RandomStream& stream, int threads,
-                     double right_half) {
+void add_range_noise(RangeView& view, double sigma, const RandomStream& stream, double right_half) {
   const CounterRandom random(stream.seed, stream.stream);
-  for_each_sample(view, threads, [&](int u, int v) {
+  for_each_sample(view, [&](int u, int v) {
     const double size = 2 * u >= view.width() ? right_half * sigma : sigma;
     view.range(u, v) +=
         size * random.normal(view.range.index(u, v)) / view.camera.ray(u, v).direction.norm();
@@ -49,9 +49,9 @@ void add_range_noise(RangeView& view, double sigma, const RandomStream& stream, 
 }
 
 // Equation (S3), the white part.
-void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& stream, int threads) {
+void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& stream) {
   const CounterRandom random(stream.seed, stream.stream);
-  for_each_normal(view, threads, [&](int u, int v) {
+  for_each_normal(view, [&](int u, int v) {
     const std::size_t pixel = view.normals.index(u, v);
     const Eigen::Vector3d normal = view.normals[pixel].cast<double>();
     const Eigen::Vector3d across = normal.unitOrthogonal();
@@ -63,15 +63,14 @@ void add_normal_noise(RangeView& view, double sigma_rad, const RandomStream& str
 }
 
 // Equation (S3), the smooth part.
-void add_normal_bias(RangeView& view, double rms_rad, double wavelength, const RandomStream& stream,
-                     int threads) {
+void add_normal_bias(RangeView& view, double rms_rad, double wavelength,
+                     const RandomStream& stream) {
   const PlaneWaves field(wavelength, CounterRandom(stream.seed, stream.stream));
   Grid<Eigen::Vector3d> rotations(view.width(), view.height(), Eigen::Vector3d::Zero());
-  for_each_normal(view, threads,
-                  [&](int u, int v) { rotations(u, v) = field.at(view.point(u, v)); });
+  for_each_normal(view, [&](int u, int v) { rotations(u, v) = field.at(view.point(u, v)); });
   const double size = turn_rms(view, rotations);
   if (size == 0.0) return;
-  for_each_normal(view, threads, [&](int u, int v) {
+  for_each_normal(view, [&](int u, int v) {
     const Eigen::Vector3d rotation = rms_rad / size * rotations(u, v);
     view.normals(u, v) = facing_sensor(rotated(view.normals(u, v).cast<double>(), rotation),
                                        view.camera.ray(u, v).direction);

@@ -30,7 +30,7 @@ Result<void> validate(const NoNormalSensor&) { return {}; }
 void measure(RangeView& view, const WhiteRangeSensor& sensor, const SensorScene& scene) {
   if (sensor.noise > 0.0)
     add_range_noise(view, sensor.noise * scene.spacing, stream_of(scene, kRangeNoise),
-                    scene.threads, scene.noise_half);
+                    scene.noise_half);
 }
 
 void measure(RangeView& view, const TriangulationScanner& sensor, const SensorScene& scene) {
@@ -57,10 +57,9 @@ double deviation(const TimeOfFlightCamera& sensor, double, double spacing) {
 void measure(RangeView& view, const WhiteNormalSensor& sensor, const SensorScene& scene) {
   if (sensor.bias_deg > 0.0)
     add_normal_bias(view, radians(sensor.bias_deg), sensor.bias_wavelength * scene.diameter,
-                    stream_of(scene, kNormalBias), scene.threads);
+                    stream_of(scene, kNormalBias));
   if (sensor.noise_deg > 0.0)
-    add_normal_noise(view, radians(sensor.noise_deg), stream_of(scene, kNormalNoise),
-                     scene.threads);
+    add_normal_noise(view, radians(sensor.noise_deg), stream_of(scene, kNormalNoise));
 }
 
 void measure(RangeView& view, const PhotometricStereo& sensor, const SensorScene& scene) {

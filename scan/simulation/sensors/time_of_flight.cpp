@@ -31,12 +31,12 @@ Grid<double> multipath(const TimeOfFlightCamera& camera, const SensorScene& scen
   const PlaneWaves waves(camera.multipath_wavelength * scene.diameter,
                          random_of(scene.of_view(kMultipath)));
   Grid<double> error(truth.width(), truth.height(), 0.0);
-  for_each_sample(truth, scene.threads, [&](int u, int v) {
+  for_each_sample(truth, [&](int u, int v) {
     const double wave = waves.scalar_at(truth.point(u, v));
     error(u, v) = wave * wave;
   });
   double squares = 0.0, count = 0.0;
-  for_each_sample(truth, 1, [&](int u, int v) {
+  for_each_sample_in_order(truth, [&](int u, int v) {
     squares += error(u, v) * error(u, v);
     count += 1.0;
   });
@@ -66,7 +66,7 @@ void scan_by_time_of_flight(RangeView& view, const TimeOfFlightCamera& camera,
   const Grid<double> longer = multipath(camera, scene);
   const CounterRandom random = random_of(scene.of_view(kFlightNoise));
   const double step = camera.range_step * scene.spacing;
-  for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
+  for_each_sample(scene.truth, [&](int u, int v) {
     const double signal = amplitude(scene, u, v);
     if (signal < camera.least_amplitude || signal <= 0.0) return lose_sample(view, u, v);
     // Equation (S15).

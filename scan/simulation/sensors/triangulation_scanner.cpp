@@ -27,7 +27,7 @@ class Illumination {
       : scanner_(scanner),
         scene_(scene),
         noise_(pixel_noise(scene.truth.width(), scene.truth.height(), scanner.noise_correlation,
-                           scene.of_view(kSignalNoise), scene.threads)) {}
+                           scene.of_view(kSignalNoise))) {}
 
   // The signal of a pixel; nothing where the second ray does not reach the point or too little or
   // too much of its light comes back: equation (S7).
@@ -116,10 +116,10 @@ void scan_by_triangulation(RangeView& view, const TriangulationScanner& scanner,
   const Illumination illumination(scanner, scene);
   const EdgeMixer edges(scanner.flying_fraction, scene);
   const Grid<double> noise = pixel_noise(view.width(), view.height(), scanner.noise_correlation,
-                                         scene.of_view(kDisparityNoise), scene.threads);
+                                         scene.of_view(kDisparityNoise));
   const CalibrationWarp warp(scene.of_sensor(kCalibrationWarp));
   const double scale = disparity_scale(scanner, scene);
-  for_each_sample(scene.truth, scene.threads, [&](int u, int v) {
+  for_each_sample(scene.truth, [&](int u, int v) {
     const auto signal = illumination.signal(u, v);
     if (!signal) return lose_sample(view, u, v);
     // Equations (S5) and (S6).

@@ -103,7 +103,7 @@ RangeView scanned(SensorScene scene, const SimulationOptions& options) {
   RangeView before_plate = scene.truth;
   const Grid<unsigned char> background =
       add_background(before_plate, scene.object, *options.defects.background, scene.distance,
-                     scene.diameter, options.max_incidence_deg, scene.threads);
+                     scene.diameter, options.max_incidence_deg);
   scene.background = &background;
   return measured(scene.seeing(before_plate), options);
 }
@@ -123,50 +123,8 @@ void set_pose(RangeView& view, int index, const Eigen::Vector3d& centre, double 
       view.world_from_view;
 }
 
-}  // namespace
-
-SimulationObject built_in_simulation_object(int mesh_divisions, int threads) {
-  const AnalyticSurface surface = built_in_object();
-  SimulationObject object;
-  object.radius = surface.bounding_radius;
-  object.cast = [surface](const Ray& ray) -> std::optional<SurfaceHit> {
-    const auto t = intersect(surface, ray);
-    if (!t) return std::nullopt;
-    return SurfaceHit{*t, unit_normal(surface, ray.at(*t))};
-  };
-  if (mesh_divisions > 0) object.mesh = built_in_truth_mesh(mesh_divisions, threads);
-  return object;
-}
-
-RangeView exact_view(const SimulationObject& object, const Camera& camera,
-                     const RigidMotion& world_from_view, double max_incidence_deg, int threads) {
-  RangeView view;
-  view.camera = camera;
-  view.world_from_view = world_from_view;
-  view.pose = PoseKind::kKnown;
-  view.range = Grid<double>(camera.width(), camera.height(), kNoSample);
-  view.normals = Grid<Eigen::Vector3f>(camera.width(), camera.height(),
-                                       Eigen::Vector3f::Constant(static_cast<float>(kNoSample)));
-  const double least_cosine = std::max(0.0, std::cos(radians(max_incidence_deg)));
-  const Eigen::Matrix3d view_from_world = world_from_view.linear().transpose();
-  parallel_for(view.range.size(), 1024, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const int u = static_cast<int>(i) % camera.width(), v = static_cast<int>(i) / camera.width();
-      const Ray ray = camera.ray(u, v);
-      const auto hit =
-          object.cast({world_from_view * ray.origin, world_from_view.linear() * ray.direction});
-      if (!hit) continue;
-      const Eigen::Vector3d normal = view_from_world * hit->normal;
-      if (!(-normal.dot(ray.direction) > least_cosine * ray.direction.norm())) continue;
-      view.range[i] = hit->range;
-      view.normals[i] = normal.cast<float>();
-    }
-  });
-  return view;
-}
-
-Result<Simulation> simulate(const SimulationObject& object, const SimulationOptions& options,
-                            const Progress& progress) {
+Result<Simulation> simulate_views(const SimulationObject& object, const SimulationOptions& options,
+                                  const Progress& progress) {
   if (const auto valid = validate(options); !valid) return valid.error();
   const auto placement = place_sensors(object, options);
   if (!placement) return placement.error();
@@ -189,11 +147,10 @@ Result<Simulation> simulate(const SimulationObject& object, const SimulationOpti
     if (!report_progress(progress, static_cast<double>(index) / views, "simulate views"))
       return Error{ErrorKind::kInterrupted, "simulation stopped"};
     const NamedPose& pose = placement->poses[static_cast<std::size_t>(index)];
-    RangeView exact = exact_view(object, camera, pose.world_from_view, options.max_incidence_deg,
-                                 options.threads);
+    RangeView exact = exact_view(object, camera, pose.world_from_view, options.max_incidence_deg);
     exact.name = pose.name;
     RangeView scan = scanned({object, paint, exact, index, simulation.distance, simulation.spacing,
-                              simulation.diameter, options.seed, options.threads},
+                              simulation.diameter, options.seed},
                              options);
     if (scan.sample_count() == 0)
       return Error{ErrorKind::kUnsolvable, "simulated view " + exact.name + " sees nothing"};
@@ -206,10 +163,58 @@ Result<Simulation> simulate(const SimulationObject& object, const SimulationOpti
   return simulation;
 }
 
-Result<Simulation> simulate(const SimulationOptions& options, const Progress& progress) {
+}  // namespace
+
+SimulationObject built_in_simulation_object(int mesh_divisions) {
+  const AnalyticSurface surface = built_in_object();
+  SimulationObject object;
+  object.radius = surface.bounding_radius;
+  object.cast = [surface](const Ray& ray) -> std::optional<SurfaceHit> {
+    const auto t = intersect(surface, ray);
+    if (!t) return std::nullopt;
+    return SurfaceHit{*t, unit_normal(surface, ray.at(*t))};
+  };
+  if (mesh_divisions > 0) object.mesh = built_in_truth_mesh(mesh_divisions);
+  return object;
+}
+
+RangeView exact_view(const SimulationObject& object, const Camera& camera,
+                     const RigidMotion& world_from_view, double max_incidence_deg) {
+  RangeView view;
+  view.camera = camera;
+  view.world_from_view = world_from_view;
+  view.pose = PoseKind::kKnown;
+  view.range = Grid<double>(camera.width(), camera.height(), kNoSample);
+  view.normals = Grid<Eigen::Vector3f>(camera.width(), camera.height(),
+                                       Eigen::Vector3f::Constant(static_cast<float>(kNoSample)));
+  const double least_cosine = std::max(0.0, std::cos(radians(max_incidence_deg)));
+  const Eigen::Matrix3d view_from_world = world_from_view.linear().transpose();
+  parallel_for(view.range.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const int u = static_cast<int>(i) % camera.width(), v = static_cast<int>(i) / camera.width();
+      const Ray ray = camera.ray(u, v);
+      const auto hit =
+          object.cast({world_from_view * ray.origin, world_from_view.linear() * ray.direction});
+      if (!hit) continue;
+      const Eigen::Vector3d normal = view_from_world * hit->normal;
+      if (!(-normal.dot(ray.direction) > least_cosine * ray.direction.norm())) continue;
+      view.range[i] = hit->range;
+      view.normals[i] = normal.cast<float>();
+    }
+  });
+  return view;
+}
+
+Result<Simulation> simulate(const SimulationObject& object, const SimulationOptions& options,
+                            const Context& context) {
+  return run_in(context, [&] { return simulate_views(object, options, context.progress); });
+}
+
+Result<Simulation> simulate(const SimulationOptions& options, const Context& context) {
   if (const auto valid = validate(options); !valid) return valid.error();
-  return simulate(built_in_simulation_object(options.mesh_divisions, options.threads), options,
-                  progress);
+  return run_in(context, [&] {
+    return simulate(built_in_simulation_object(options.mesh_divisions), options, context);
+  });
 }
 
 }  // namespace relief::simulation

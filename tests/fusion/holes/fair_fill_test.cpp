@@ -42,15 +42,14 @@ Merged merged(const std::vector<RangeView>& views) {
   EXPECT_TRUE(field.ok());
   result.mesh = extract_isosurface(field->finest(), 1, nullptr);
   keep_largest_component(result.mesh);
-  set_vertex_attributes(result.mesh, result.samplers, {kTruncation, kVoxel, 0.1, 1, nullptr});
+  set_vertex_attributes(result.mesh, result.samplers, {kTruncation, kVoxel, 0.1, nullptr});
   return result;
 }
 
-FairFillOptions options_of(int threads = 1) {
+FairFillOptions default_options() {
   FairFillOptions options;
   options.truncation = kTruncation;
   options.voxel_size = kVoxel;
-  options.threads = threads;
   return options;
 }
 
@@ -63,13 +62,13 @@ std::vector<RangeView> sphere_from(int views, int of) {
 
 TEST(FairFill, WhereNothingIsFilledNothingMoves) {
   const Merged sphere = merged(sphere_from(14, 14));
-  EXPECT_TRUE(fair_filled_regions(sphere.mesh, sphere.samplers, options_of())->places.empty());
+  EXPECT_TRUE(fair_filled_regions(sphere.mesh, sphere.samplers, default_options())->places.empty());
 }
 
 // Regions too large to be factorised, here all.
 TEST(FairFill, LargeRegionsComeToRestAsOthersDo) {
   const Merged sphere = merged(sphere_from(3, 14));
-  FairFillOptions options = options_of();
+  FairFillOptions options = default_options();
   const FairFill factorised = fair_filled_regions(sphere.mesh, sphere.samplers, options).value();
   options.most_factorised = 0;
   options.distance_tolerance = 0.0;
@@ -89,7 +88,7 @@ TEST(FairFill, LargeRegionsComeToRestAsOthersDo) {
 // measured.
 TEST(FairFill, LargeRegionsEndNearTheirRest) {
   Merged sphere = merged(sphere_from(3, 14));
-  FairFillOptions options = options_of();
+  FairFillOptions options = default_options();
   const FairFill factorised = fair_filled_regions(sphere.mesh, sphere.samplers, options).value();
   options.most_factorised = 0;
   const FairFill large = fair_filled_regions(sphere.mesh, sphere.samplers, options).value();
@@ -103,7 +102,7 @@ TEST(FairFill, LargeRegionsEndNearTheirRest) {
 
 TEST(FairFill, TooLargeRegionsStayAsTheyAre) {
   const Merged sphere = merged(sphere_from(3, 14));
-  FairFillOptions options = options_of();
+  FairFillOptions options = default_options();
   options.most_solved = 0;
   const FairFill fair = fair_filled_regions(sphere.mesh, sphere.samplers, options).value();
   EXPECT_GT(fair.too_large, 0u);
@@ -113,7 +112,7 @@ TEST(FairFill, TooLargeRegionsStayAsTheyAre) {
 
 TEST(FairFill, LargeRegionsAskWhetherToGoOn) {
   const Merged sphere = merged(sphere_from(3, 14));
-  FairFillOptions options = options_of();
+  FairFillOptions options = default_options();
   options.most_factorised = 0;
   int asked = 0;
   const auto stop_at = [&](int most) {
@@ -138,7 +137,7 @@ TEST(FairFill, NoFilledVertexComesFartherIntoSpaceSeenEmpty) {
   std::size_t moved = 0;
   for (std::uint32_t seed = 0; seed < 6; ++seed) {
     const Merged scene = merged(scenes.scene(seed));
-    const auto places = fair_filled_regions(scene.mesh, scene.samplers, options_of())->places;
+    const auto places = fair_filled_regions(scene.mesh, scene.samplers, default_options())->places;
     TsdfIntegrator collector(scene.samplers, kTruncation, kVoxel);
     for (std::size_t v = 0; v < places.size(); ++v) {
       if (!scene.mesh.filled[v] || places[v] == scene.mesh.vertices[v]) continue;
@@ -153,7 +152,7 @@ TEST(FairFill, NoFilledVertexComesFartherIntoSpaceSeenEmpty) {
 
 TEST(FairFill, TheRestOfTheSurfaceStaysWhereItIs) {
   const Merged sphere = merged(sphere_from(3, 14));
-  const auto places = fair_filled_regions(sphere.mesh, sphere.samplers, options_of())->places;
+  const auto places = fair_filled_regions(sphere.mesh, sphere.samplers, default_options())->places;
   ASSERT_FALSE(places.empty());
   for (std::size_t v = 0; v < places.size(); ++v) {
     if (sphere.mesh.filled[v]) continue;
@@ -176,7 +175,7 @@ TEST(FairFill, ANarrowValleyStaysAsTheClosedFieldHasIt) {
             (p - valley).norm() < 9.0 || (p - hill).norm() < 9.0)
           view.range(u, v) = kNoSample;
   const Merged ball = merged(views);
-  const auto places = fair_filled_regions(ball.mesh, ball.samplers, options_of())->places;
+  const auto places = fair_filled_regions(ball.mesh, ball.samplers, default_options())->places;
   ASSERT_FALSE(places.empty());
   int in_valley = 0, on_hill = 0;
   for (std::size_t v = 0; v < places.size(); ++v) {
@@ -202,7 +201,7 @@ TEST(FairFill, WallsKeepTheirEndsWhereALidBegins) {
     return view.world_from_view.translation().normalized().z() < -0.2;
   });
   const Merged block = merged(views);
-  const auto places = fair_filled_regions(block.mesh, block.samplers, options_of())->places;
+  const auto places = fair_filled_regions(block.mesh, block.samplers, default_options())->places;
   ASSERT_FALSE(places.empty());
   std::vector<std::uint8_t> beside(places.size(), 0);
   for (const auto& face : block.mesh.faces)
@@ -224,14 +223,16 @@ std::size_t scarce() { return std::size_t{90} << 20; }
 
 TEST(FairFill, ThreadsAndALimitOfMemoryDoNotChangeAByte) {
   const Merged sphere = merged(sphere_from(3, 14));
-  const auto reference = fair_filled_regions(sphere.mesh, sphere.samplers, options_of())->places;
+  const auto reference =
+      fair_filled_regions(sphere.mesh, sphere.samplers, default_options())->places;
   ASSERT_FALSE(reference.empty());
   for (const int threads : {2, 4}) {
-    const auto places =
-        fair_filled_regions(sphere.mesh, sphere.samplers, options_of(threads))->places;
+    const auto places = on_threads(threads, [&] {
+      return fair_filled_regions(sphere.mesh, sphere.samplers, default_options())->places;
+    });
     EXPECT_EQ(places, reference);
   }
-  FairFillOptions options = options_of();
+  FairFillOptions options = default_options();
   for (const std::size_t limit : {1000, 94}) {
     MemoryLimit memory(limit << 20, {}, scarce);
     options.memory = &memory;

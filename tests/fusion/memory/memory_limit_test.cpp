@@ -101,8 +101,7 @@ std::vector<RangeView> scene() {
 }
 
 // Every brick starts with nothing resident.
-TriangleMesh surface_of_scene(const std::vector<RangeView>& views, MemoryLimit* memory,
-                              int threads) {
+TriangleMesh surface_of_scene(const std::vector<RangeView>& views, MemoryLimit* memory) {
   std::vector<ViewSampler> samplers;
   for (const RangeView& view : views) {
     QuadSurfaceOptions options;
@@ -112,22 +111,22 @@ TriangleMesh surface_of_scene(const std::vector<RangeView>& views, MemoryLimit* 
   ClosedFieldOptions options;
   options.voxel_size = 1.2;
   options.truncation = 3.6;
-  options.threads = threads;
   options.memory = memory;
   const auto field = compute_closed_field(samplers, options, {});
   EXPECT_TRUE(field.ok());
-  TriangleMesh mesh = extract_isosurface(field->finest(), threads, memory);
-  set_vertex_attributes(mesh, samplers, {3.6, 1.2, 0.2, threads, memory});
+  TriangleMesh mesh = extract_isosurface(field->finest(), memory);
+  set_vertex_attributes(mesh, samplers, {3.6, 1.2, 0.2, memory});
   return mesh;
 }
 
 TEST_F(MemoryLimitTest, BrickByBrickTheModelIsTheSameToTheByte) {
   const auto views = scene();
-  const TriangleMesh in_memory = surface_of_scene(views, nullptr, 1);
+  const TriangleMesh in_memory = surface_of_scene(views, nullptr);
   EXPECT_GT(in_memory.vertices.size(), 10000u);
   for (const int threads : {1, 3}) {
     MemoryLimit limit(100 * kMebibyte, folder_, always_near_the_limit);
-    EXPECT_TRUE(same(surface_of_scene(views, &limit, threads), in_memory));
+    EXPECT_TRUE(
+        same(on_threads(threads, [&] { return surface_of_scene(views, &limit); }), in_memory));
     EXPECT_GT(limit.releases(), 100u);
   }
 }
@@ -139,11 +138,9 @@ TEST_F(MemoryLimitTest, MergingGivesTheSameWithinAnyLimitThatItCanKeep) {
   const auto views = scene();
   const auto free = merge_views(views);
   ASSERT_TRUE(free.ok());
-  MergeOptions options;
-  options.scratch_folder = folder_;
   for (const std::size_t room : {40, 400}) {
-    options.memory = resident_memory() + room * kMebibyte;
-    const auto limited = merge_views(views, options);
+    const auto limited = merge_views(
+        views, {}, {.memory = resident_memory() + room * kMebibyte, .temporary_folder = folder_});
     ASSERT_TRUE(limited.ok()) << limited.error().message;
     EXPECT_TRUE(same(limited->mesh, free->mesh));
   }
@@ -151,10 +148,7 @@ TEST_F(MemoryLimitTest, MergingGivesTheSameWithinAnyLimitThatItCanKeep) {
 }
 
 TEST_F(MemoryLimitTest, ALimitThatCannotBeKeptIsAnErrorThatSaysWhatIsNeeded) {
-  MergeOptions options;
-  options.scratch_folder = folder_;
-  options.memory = kMebibyte;
-  const auto merged = merge_views(scene(), options);
+  const auto merged = merge_views(scene(), {}, {.memory = kMebibyte, .temporary_folder = folder_});
   ASSERT_FALSE(merged.ok());
   EXPECT_EQ(merged.error().kind, ErrorKind::kUnsolvable);
   EXPECT_NE(merged.error().message.find("limit of 1 MiB"), std::string::npos);

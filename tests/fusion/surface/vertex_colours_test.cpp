@@ -40,8 +40,8 @@ std::vector<RangeView> sphere(int count) {
   return testing::views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), count, 60, 50.0);
 }
 
-TriangleMesh merged(const std::vector<RangeView>& views, const MergeOptions& options = {}) {
-  auto result = merge_views(views, options);
+TriangleMesh merged(const std::vector<RangeView>& views, const Context& context = {}) {
+  auto result = merge_views(views, {}, context);
   EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
   return result.ok() ? std::move(result->mesh) : TriangleMesh();
 }
@@ -104,18 +104,15 @@ TEST(VertexColours, ThreadsOrderAndMemoryDoNotChangeAByte) {
     });
   views.push_back(views[2]);  // in all but its colours
   paint(views.back(), plain({1, 2, 3}));
-  MergeOptions options;
-  options.threads = 1;
-  const auto reference = merged(views, options).colours;
-  options.threads = 4;
-  EXPECT_EQ(merged(views, options).colours, reference);
+  const auto reference = merged(views, {.threads = 1}).colours;
+  EXPECT_EQ(merged(views, {.threads = 4}).colours, reference);
   std::reverse(views.begin(), views.end());
-  options.threads = 2;
-  EXPECT_EQ(merged(views, options).colours, reference);
+  Context context{.threads = 2};
+  EXPECT_EQ(merged(views, context).colours, reference);
   const testing::TemporaryFolder folder;
-  options.memory = resident_memory() + (std::size_t{2} << 30);
-  options.scratch_folder = folder.path();
-  EXPECT_EQ(merged(views, options).colours, reference);
+  context.memory = resident_memory() + (std::size_t{2} << 30);
+  context.temporary_folder = folder.path();
+  EXPECT_EQ(merged(views, context).colours, reference);
 }
 
 }  // namespace

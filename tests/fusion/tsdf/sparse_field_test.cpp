@@ -148,10 +148,8 @@ TEST_F(ObstacleSolver, ThreadsDoNotChangeAByte) {
   fill(field_, rough);
   fill(other, rough);
   options_.max_sweeps = 20;
-  options_.threads = 1;
-  solve_obstacle_problem(field_, constraints_, options_);
-  options_.threads = 4;
-  solve_obstacle_problem(other, constraints_, options_);
+  on_threads(1, [&] { solve_obstacle_problem(field_, constraints_, options_); });
+  on_threads(4, [&] { solve_obstacle_problem(other, constraints_, options_); });
   for (std::size_t b = 0; b < field_.block_count(); ++b)
     for (int i = 0; i < kBlockNodes; ++i) ASSERT_EQ(field_.values(b)[i], other.values(b)[i]);
 }

@@ -112,9 +112,7 @@ TEST(MeshNormals, TheOrderOfTheViewsAndTheThreadsDoNotMatter) {
   std::vector<RangeView> views = sphere_views(2.0);
   const MeshNormals normals = blended(mesh, views);
   std::reverse(views.begin(), views.end());
-  MeshNormalOptions options;
-  options.threads = 3;
-  const auto other = vertex_normals_from_views(mesh, views, options);
+  const auto other = vertex_normals_from_views(mesh, views, {}, {.threads = 3});
   ASSERT_TRUE(other.ok());
   EXPECT_EQ(std::memcmp(normals.normals.data(), other->normals.data(),
                         normals.normals.size() * sizeof(Eigen::Vector3f)),

@@ -132,11 +132,11 @@ TEST_P(PolishInBothForms, TheSameBytesOnAnyNumberOfThreads) {
   TriangleMesh noisy = sphere_mesh(30.0, 40);
   const MeshNormals normals = exact_normals(noisy, 0.8, 0.01);
   add_vertex_noise(noisy, 0.2, 4);
-  PolishOptions options = in_form(GetParam());
-  options.threads = 1;
-  const PolishedMesh one = polished(noisy, normals, options);
-  options.threads = 3;
-  const PolishedMesh three = polished(noisy, normals, options);
+  const PolishOptions options = in_form(GetParam());
+  const auto polished_on = [&](int threads) {
+    return on_threads(threads, [&] { return polished(noisy, normals, options); });
+  };
+  const PolishedMesh one = polished_on(1), three = polished_on(3);
   EXPECT_EQ(std::memcmp(one.mesh.vertices.data(), three.mesh.vertices.data(),
                         one.mesh.vertices.size() * sizeof(Eigen::Vector3d)),
             0);
@@ -239,7 +239,7 @@ TEST(PolishMesh, StopsOnRequest) {
   TriangleMesh sphere = sphere_mesh(30.0, 4);
   sphere.quality.assign(sphere.vertices.size(), 0.1f);
   const auto result = polish_mesh(sphere, exact_normals(sphere, 5.0, 0.01), {},
-                                  [](double, std::string_view) { return false; });
+                                  {.progress = [](double, std::string_view) { return false; }});
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
 }

@@ -74,8 +74,8 @@ struct Solved {
 };
 
 Solved solve(const ViewProblem& problem, const ViewWeights& weights, Solver kind,
-             double tolerance = 1e-6, bool with_bias = true, int threads = 0) {
-  const auto solver = make_view_solver(problem, with_bias, kind, threads);
+             double tolerance = 1e-6, bool with_bias = true) {
+  const auto solver = make_view_solver(problem, with_bias, kind);
   Solved solved;
   EXPECT_TRUE(solver->set_weights(weights));
   solved.y = Eigen::VectorXd::Zero((with_bias ? 3 : 1) * static_cast<Eigen::Index>(problem.size()));
@@ -182,9 +182,12 @@ TEST(Multigrid, OneSetupServesManyRightSides) {
 TEST(Multigrid, TheNumberOfThreadsChangesNoByte) {
   const ViewProblem problem = problem_of(with_holes(noisy_view(150), 0.05));
   const ViewWeights weights = weights_of(problem, {30, 2}, 2.0);
-  const Solved one = solve(problem, weights, Solver::kMultigrid, 1e-6, true, 1);
+  const auto solve_on = [&](int threads) {
+    return on_threads(threads, [&] { return solve(problem, weights, Solver::kMultigrid); });
+  };
+  const Solved one = solve_on(1);
   for (const int threads : {2, 4}) {
-    const Solved more = solve(problem, weights, Solver::kMultigrid, 1e-6, true, threads);
+    const Solved more = solve_on(threads);
     EXPECT_EQ(one.how.iterations, more.how.iterations);
     EXPECT_EQ((one.y - more.y).cwiseAbs().maxCoeff(), 0.0);
   }

@@ -300,12 +300,12 @@ Grid<float> deviation_of(const RangeView& view, const RefineOptions& options = {
 
 TEST(RangeDeviation, TheNumberOfThreadsChangesNoByte) {
   const RangeView view = noisy_view(100);
-  RefineOptions options;
-  options.threads = 1;
-  const Grid<float> one = deviation_of(view, options);
+  const auto deviation_on = [&](int threads) {
+    return on_threads(threads, [&] { return deviation_of(view); });
+  };
+  const Grid<float> one = deviation_on(1);
   for (const int threads : {2, 4}) {
-    options.threads = threads;
-    const Grid<float> many = deviation_of(view, options);
+    const Grid<float> many = deviation_on(threads);
     EXPECT_EQ(std::memcmp(one.data(), many.data(), one.size() * sizeof(float)), 0);
   }
 }

@@ -68,14 +68,11 @@ bool same_bytes(const RigidMotion& a, const RigidMotion& b) {
 TEST(GlobalRegistration, FindsShuffledViewsWithoutPosesOnAnyNumberOfThreads) {
   const auto truth = shuffled(ring());
   const auto views = without_poses(truth);
-  AlignOptions options;
-  options.threads = 1;
-  const auto one = align_views(views, options);
+  const auto one = align_views(views, {}, {.threads = 1});
   ASSERT_TRUE(one.ok());
   expect_true_poses(truth, *one);
   EXPECT_THAT(one->notes, ::testing::Contains(HasSubstr("were joined by their shape")));
-  options.threads = 3;
-  const auto three = align_views(views, options);
+  const auto three = align_views(views, {}, {.threads = 3});
   for (std::size_t i = 0; i < views.size(); ++i)
     EXPECT_TRUE(same_bytes(one->views[i].world_from_view, three->views[i].world_from_view));
 }

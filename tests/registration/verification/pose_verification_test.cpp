@@ -22,10 +22,10 @@ class PoseVerificationTest : public ::testing::Test {
 
   static PoseVerification verify(const std::vector<RangeView>& of,
                                  const std::vector<RigidMotion>& poses, int threads = 0) {
-    PoseVerificationOptions options;
-    options.threads = threads;
-    return verify_poses(surfaces_of(of), poses, std::vector<ViewRole>(of.size(), ViewRole::kFree),
-                        options);
+    return on_threads(threads, [&] {
+      return verify_poses(surfaces_of(of), poses, std::vector<ViewRole>(of.size(), ViewRole::kFree),
+                          {});
+    });
   }
 };
 

@@ -232,8 +232,10 @@ TEST(StaticBackground, ObjectsThatDoNotMoveAreKept) {
 
 TEST(StaticBackground, ThreadsMakeNoDifference) {
   const Scans scans = turn(figure(), kPlate, 6);
-  const StaticBackground one = find_static_background(scans.views, 1);
-  const StaticBackground three = find_static_background(scans.views, 3);
+  const auto found_on = [&](int threads) {
+    return on_threads(threads, [&] { return find_static_background(scans.views); });
+  };
+  const StaticBackground one = found_on(1), three = found_on(3);
   EXPECT_EQ(one.samples, three.samples);
   for (std::size_t i = 0; i < one.masks.size(); ++i)
     EXPECT_TRUE(std::equal(one.masks[i].begin(), one.masks[i].end(), three.masks[i].begin()));

@@ -90,8 +90,10 @@ TEST(GridNormals, DoNotDependOnTheThreadCount) {
   RangeView view = testing::render(testing::sphere({0, 0, 10}, 4.0), kCamera);
   testing::add_range_noise(view, 0.01, 5);
   const GridEdges edges = connect_samples(view);
-  const auto one = estimate_normals(view, edges, {.radius = 2, .threads = 1});
-  const auto four = estimate_normals(view, edges, {.radius = 2, .threads = 4});
+  const auto estimated_on = [&](int threads) {
+    return on_threads(threads, [&] { return estimate_normals(view, edges, {.radius = 2}); });
+  };
+  const auto one = estimated_on(1), four = estimated_on(4);
   for (std::size_t i = 0; i < one.size(); ++i)
     EXPECT_TRUE(one[i] == four[i] || !one[i].allFinite());
 }

@@ -184,7 +184,10 @@ TEST(RangeNoise, IsTheSameForAnyNumberOfThreads) {
   RangeView view = ball();
   testing::add_range_noise(view, 0.3, 5);
   for (int v = 0; v < kSide; ++v) view.range(v, 100 + v / 4) += 1.0;
-  const RangeNoise one = estimate_range_noise(view, 1), four = estimate_range_noise(view, 4);
+  const auto noise_on = [&](int threads) {
+    return on_threads(threads, [&] { return estimate_range_noise(view); });
+  };
+  const RangeNoise one = noise_on(1), four = noise_on(4);
   EXPECT_EQ(one.sigma, four.sigma);
   EXPECT_TRUE(std::equal(one.map.begin(), one.map.end(), four.map.begin(), four.map.end()));
 }

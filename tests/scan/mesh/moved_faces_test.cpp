@@ -34,16 +34,16 @@ TEST(MovedFaces, FindsFacesThatCrossOthers) {
   std::vector<Eigen::Vector3d> places = mesh.vertices;
   std::vector<std::uint8_t> moved(places.size(), 0);
   moved[13] = 1;
-  EXPECT_TRUE(invalid_faces(mesh, places, moved, 1.0, 1).empty());
+  EXPECT_TRUE(invalid_faces(mesh, places, moved, 1.0).empty());
   places[13].z() = 1.5;
-  const auto spoiled = invalid_faces(mesh, places, moved, 1.0, 1);
+  const auto spoiled = invalid_faces(mesh, places, moved, 1.0);
   ASSERT_FALSE(spoiled.empty());
   TriangleMesh after = mesh;
   after.vertices = places;
   EXPECT_EQ(spoiled, find_self_intersections(after).faces()) << "with those of the sheet above";
   moved[13] = 0;
   moved[9] = 1;
-  EXPECT_TRUE(invalid_faces(mesh, places, moved, 1.0, 1).empty()) << "far away";
+  EXPECT_TRUE(invalid_faces(mesh, places, moved, 1.0).empty()) << "far away";
 }
 
 TEST(MovedFaces, ManyFacesAreSearchedAsFewAre) {
@@ -52,10 +52,10 @@ TEST(MovedFaces, ManyFacesAreSearchedAsFewAre) {
   const auto all = find_self_intersections(mesh).faces();
   ASSERT_FALSE(all.empty());
   const std::vector<std::uint32_t> few{all.front()};
-  EXPECT_EQ(intersecting_faces(mesh, few, 1.0, 1), all);
+  EXPECT_EQ(intersecting_faces(mesh, few, 1.0), all);
   std::vector<std::uint32_t> many(mesh.faces.size());
   std::iota(many.begin(), many.end(), 0u);
-  EXPECT_EQ(intersecting_faces(mesh, many, 1.0, 1), all);
+  EXPECT_EQ(intersecting_faces(mesh, many, 1.0), all);
 }
 
 TEST(MovedFaces, FindsFacesWithoutWidth) {
@@ -64,7 +64,7 @@ TEST(MovedFaces, FindsFacesWithoutWidth) {
   std::vector<std::uint8_t> moved(places.size(), 0);
   moved[1] = 1;
   places[1] = Eigen::Vector3d(0.5, 0.5 + 1e-9, 0.0);  // on the diagonal of the first quad
-  const auto spoiled = invalid_faces(mesh, places, moved, 1.0, 1);
+  const auto spoiled = invalid_faces(mesh, places, moved, 1.0);
   EXPECT_TRUE(std::binary_search(spoiled.begin(), spoiled.end(), 0u));
 }
 

@@ -105,15 +105,19 @@ TEST(SelfIntersections, StopAtTheLimit) {
   const auto found = find_self_intersections(mesh, {.limit = 1000});
   EXPECT_EQ(found.pairs.size(), 1000u);
   EXPECT_FALSE(found.complete);
-  EXPECT_EQ(find_self_intersections(mesh, {.limit = 1000, .threads = 3}).pairs, found.pairs);
+  EXPECT_EQ(on_threads(3, [&] { return find_self_intersections(mesh, {.limit = 1000}); }).pairs,
+            found.pairs);
 }
 
 TEST(SelfIntersections, DoNotDependOnTheThreads) {
   const TriangleMesh sphere = simulation::geodesic_sphere(40);
   const TriangleMesh two = joined(sphere, sphere, {0.7, 0.31, 0.17});
-  const auto one = find_self_intersections(two, {.threads = 1});
+  const auto found_on = [&](int threads) {
+    return on_threads(threads, [&] { return find_self_intersections(two); });
+  };
+  const auto one = found_on(1);
   EXPECT_GT(one.pairs.size(), 300u);
-  EXPECT_EQ(find_self_intersections(two, {.threads = 4}).pairs, one.pairs);
+  EXPECT_EQ(found_on(4).pairs, one.pairs);
 }
 
 TEST(SelfIntersections, LeaveOutWhatIsNoTriangle) {

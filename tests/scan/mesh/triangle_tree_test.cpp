@@ -143,7 +143,10 @@ TEST(TriangleTree, ServesRaysAlongTheAxesOfFlatBoxes) {
 TEST(TriangleTree, LargeOnesMatchBruteForceWithAnyNumberOfThreads) {
   for (const int count : {70000, 70001}) {
     TriangleMesh mesh = triangle_soup(count, 7);
-    const TriangleTree one(mesh, 1), three(mesh, 3);
+    const auto tree_on = [&](int threads) {
+      return on_threads(threads, [&] { return TriangleTree(mesh); });
+    };
+    const TriangleTree one = tree_on(1), three = tree_on(3);
     std::mt19937 generator(2);
     for (int i = 0; i < 10; ++i) {
       const Eigen::Vector3d query = random_vector(generator, 1.5);

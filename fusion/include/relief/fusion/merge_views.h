@@ -1,14 +1,13 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "relief/scan/context.h"
 #include "relief/scan/mesh_check.h"
-#include "relief/scan/progress.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
@@ -31,11 +30,6 @@ struct MergeOptions {
   double largest_fill = 0.0;
   /// Keep surfaces apart from the largest one.
   bool keep_components = false;
-  int threads = 0;  ///< 0: one per core. The result does not depend on it.
-  /// Resident memory of the whole process that merging keeps to [bytes]; 0: no
-  /// limit. The result does not depend on it. It takes more than the result's mesh and its check.
-  std::size_t memory = 0;
-  std::filesystem::path scratch_folder;  ///< For temporary files under a limit; empty: TMPDIR.
 };
 
 /// Views given one at a time, so that they need not all be in memory. `load(i)` is called twice for
@@ -72,13 +66,16 @@ struct MergeResult : MergeSummary {
 /// vertex-manifold, oriented outwards and of positive volume. The order of the views does not
 /// matter. Views without samples or without a pose are left out, with a note.
 ///
+/// The memory of the context is the resident memory of the whole process that merging keeps to; the
+/// result does not depend on it. Merging takes more than the result's mesh and its check.
+///
 /// Errors, all kUnsolvable: no views, no view with both a pose and connected samples, a voxel size
 /// far too small or too large for the object, a surface that fails its final check, or a memory
 /// limit that is too low (the message tells what is needed); kCannotWrite when temporary files
 /// cannot be made; kInterrupted.
 Result<MergeResult> merge_views(const std::vector<RangeView>& views,
-                                const MergeOptions& options = {}, const Progress& progress = {});
+                                const MergeOptions& options = {}, const Context& context = {});
 Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOptions& options = {},
-                                      const Progress& progress = {});
+                                      const Context& context = {});
 
 }  // namespace relief::fusion

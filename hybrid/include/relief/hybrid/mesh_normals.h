@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
@@ -35,7 +35,6 @@ struct MeshNormalOptions {
   /// 2 degrees where no vertex was seen by two views.
   double sigma_view = 0.0;
   bool edges = true;  ///< Also blend normals at the middles of edges.
-  int threads = 0;    ///< 0: one per core. The result does not depend on it.
 };
 
 /// Looks every vertex up in every view that sees it (its surface passes there, faces the vertex's
@@ -47,6 +46,6 @@ struct MeshNormalOptions {
 Result<MeshNormals> vertex_normals_from_views(const TriangleMesh& mesh,
                                               const std::vector<RangeView>& views,
                                               const MeshNormalOptions& options = {},
-                                              const Progress& progress = {});
+                                              const Context& context = {});
 
 }  // namespace relief::hybrid

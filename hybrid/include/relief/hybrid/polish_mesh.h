@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "relief/hybrid/mesh_normals.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
@@ -32,8 +32,7 @@ struct PolishOptions {
   int robust_rounds = 3;
   double tolerance = 1e-3;    ///< Of conjugate gradients, relative.
   int max_iterations = 500;   ///< Of conjugate gradients, per solve.
-  MeshNormalOptions normals;  ///< How views are blended; its `threads` is that below.
-  int threads = 0;            ///< 0: one per core. The result does not depend on it.
+  MeshNormalOptions normals;  ///< How views are blended.
 };
 
 enum class PolishStatus {
@@ -71,10 +70,10 @@ struct PolishedMesh : PolishSummary {
 /// kBadInput for an option out of range or a mesh whose attributes do not fit it; kUnsolvable for a
 /// view whose pixels cannot be found; kInterrupted.
 Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, const std::vector<RangeView>& views,
-                                 const PolishOptions& options = {}, const Progress& progress = {});
+                                 const PolishOptions& options = {}, const Context& context = {});
 
 /// The same with given normals.
 Result<PolishedMesh> polish_mesh(const TriangleMesh& mesh, MeshNormals normals,
-                                 const PolishOptions& options = {}, const Progress& progress = {});
+                                 const PolishOptions& options = {}, const Context& context = {});
 
 }  // namespace relief::hybrid

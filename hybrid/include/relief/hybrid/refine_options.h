@@ -56,11 +56,10 @@ struct RefineOptions {
   Solver solver = Solver::kMultigrid;
   double tolerance = 1e-6;   ///< Error of the displacements by the solver, relative.
   int max_iterations = 500;  ///< Of conjugate gradients, per solve.
-  /// Find the standard deviation of every refined sample.
+  /// Find the standard deviation of every refined sample, from simulated errors that the seed of
+  /// the context chooses.
   bool deviation = true;
-  std::uint64_t seed = 1;  ///< Of the simulated errors from which these deviations follow.
   DiscontinuityOptions discontinuities;
-  int threads = 0;  ///< 0: one per core. The result does not depend on it.
 };
 
 }  // namespace relief::hybrid

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "relief/hybrid/refine_options.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 
@@ -56,8 +56,8 @@ struct RefinedView : RefineSummary {
 /// (H5)). Samples without normals, or whose neighbours have none, keep their range; flying samples
 /// are taken away and small gaps filled. The rounding of the ranges and
 /// noise that changes over the view are allowed for (relief/scan/range_noise.h).
-/// Errors: kBadInput for an option out of range, kInterrupted when `progress` asks to stop.
+/// Errors: kBadInput for an option out of range, kInterrupted.
 Result<RefinedView> refine_view(const RangeView& view, const RefineOptions& options = {},
-                                const Progress& progress = {});
+                                const Context& context = {});
 
 }  // namespace relief::hybrid

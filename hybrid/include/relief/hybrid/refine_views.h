@@ -9,18 +9,16 @@ namespace relief::hybrid {
 
 /// How many of `views` are refined at once: as many as there are threads, as long as the memory
 /// that refining the largest ones takes beyond that of the views themselves stays within `memory`
-/// [bytes]; 0: half of usable_memory(). At least one. With fewer views than threads each view
-/// gets several threads.
+/// [bytes]; 0: half of usable_memory(). At least one.
 int views_at_once(const std::vector<RangeView>& views, const RefineOptions& options,
                   std::size_t memory = 0);
 
-/// Refines all views, several at a time within `memory` [bytes] as above. The results are in the
-/// order of the views and do not depend on the number of threads, nor on the memory. A view that
-/// cannot be refined stays as measured; its status says why. Errors: kBadInput for an option out of
-/// range, kInterrupted when `progress` asks to stop.
+/// Refines all views, several at a time within the memory of the context as above. With fewer views
+/// than threads each view gets several threads. The results are in the order of the views and do
+/// not depend on the number of threads, nor on the memory. A view that cannot be refined stays as
+/// measured; its status says why. Errors: kBadInput for an option out of range, kInterrupted.
 Result<std::vector<RefinedView>> refine_views(const std::vector<RangeView>& views,
                                               const RefineOptions& options = {},
-                                              const Progress& progress = {},
-                                              std::size_t memory = 0);
+                                              const Context& context = {});
 
 }  // namespace relief::hybrid

@@ -9,6 +9,7 @@
 #include "relief/fusion/decimate_mesh.h"
 #include "relief/fusion/merge_views.h"
 #include "relief/hybrid/polish_mesh.h"
+#include "relief/scan/context.h"
 #include "relief/scan/mesh_check.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
@@ -17,6 +18,7 @@
 namespace relief::reconstruction {
 
 enum class Stage { kAlign, kCompare, kRefine, kAlignAgain, kMerge, kPolish };
+inline constexpr int kStages = 6;
 
 /// `align`, `compare`, `refine`, `align again`, `merge` or `polish`.
 std::string_view to_string(Stage stage);
@@ -31,7 +33,6 @@ struct ModelOptions {
   /// Nothing: the mesh stays as merged.
   std::optional<hybrid::PolishOptions> polish = hybrid::PolishOptions{};
   fusion::DecimationOptions decimation;  ///< Asks for nothing by default.
-  int threads = 0;  ///< 0: one per core; takes the place of those above. Never changes the result.
 };
 
 struct Model {
@@ -46,9 +47,10 @@ struct Model {
 /// Merges views at their `world_from_view`, refines the mesh with the normals of the views, and
 /// decimates it as far as the options ask. A mesh that merging closed stays closed and manifold:
 /// where polishing would leave no closed manifold, the mesh stays as merged, and `merged.notes`
-/// says so. Errors: those of fusion::merge_views, hybrid::polish_mesh and fusion::decimate_mesh.
+/// says so. `progress` is told of each stage, the progress of the context of all stages together.
+/// Errors: those of fusion::merge_views, hybrid::polish_mesh and fusion::decimate_mesh.
 Result<Model> build_model(const std::vector<RangeView>& views, const ModelOptions& options = {},
-                          const StageProgress& progress = {});
+                          const Context& context = {}, const StageProgress& progress = {});
 
 /// The views that polishing looks at, all at once. Asked for after merging; its errors end the
 /// computation.
@@ -58,7 +60,7 @@ using LoadAllViews =
 /// The same from views that merging reads one at a time. The pointer that `all` gives must stay
 /// valid until the function returns.
 Result<Model> build_model_from_source(const fusion::ViewSource& views, const LoadAllViews& all,
-                                      const ModelOptions& options = {},
+                                      const ModelOptions& options = {}, const Context& context = {},
                                       const StageProgress& progress = {});
 
 }  // namespace relief::reconstruction

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "relief/registration/pair_fit.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 
@@ -21,7 +21,6 @@ struct ViewConsistency {
 
 struct CrossViewOptions {
   bool correct = true;  ///< Whether ranges change; else they only count less.
-  int threads = 0;      ///< 0: one per core. Never changes the result.
 };
 
 /// Lowers the confidence of patches where one view's ranges are wrong: in highlights, for instance,
@@ -42,6 +41,6 @@ struct CrossViewOptions {
 /// order of `views`. Only error: kInterrupted, and the views are as they were.
 Result<std::vector<ViewConsistency>> weigh_by_consistency(
     const std::vector<registration::PairFit>& pairs, const CrossViewOptions& options,
-    std::vector<RangeView>& views, const Progress& progress = {});
+    std::vector<RangeView>& views, const Context& context = {});
 
 }  // namespace relief::reconstruction

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "relief/reconstruction/build_model.h"
 #include "relief/reconstruction/cross_view_consistency.h"
 #include "relief/registration/align_views.h"
+#include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/static_background.h"
@@ -30,10 +30,7 @@ struct ReconstructionOptions {
   registration::AlignOptions align;
   ContradictedRanges contradicted = ContradictedRanges::kCorrect;
   hybrid::RefineOptions refine;
-  std::size_t refine_memory = 0;  ///< See hybrid::refine_views [bytes].
   ModelOptions model;
-  int threads = 0;  ///< 0: one per core; takes the place of those above. Never changes the result.
-  std::uint64_t seed = 1;  ///< Of everything random; takes the place of those above.
 };
 
 /// The second alignment, of refined views.
@@ -79,12 +76,14 @@ struct ReconstructionCallbacks {
 /// normals, aligns them again, and builds the model. The poses of the second alignment are taken
 /// only when they are expected to be no worse. Views that cannot be aligned are left out; views
 /// that cannot be refined take part as measured. Positions are in the unit of the views, the model
-/// in their world frame.
+/// in their world frame. The memory of the context bounds what refining takes, see
+/// hybrid::refine_views; its progress is told of all stages together.
 ///
 /// Errors: those of registration::align_views, hybrid::refine_views and build_model; kUnsolvable
-/// when no view can be aligned; kInterrupted when `callbacks.progress` asks to stop.
+/// when no view can be aligned; kInterrupted.
 Result<Reconstruction> reconstruct(std::vector<RangeView> views,
                                    const ReconstructionOptions& options = {},
+                                   const Context& context = {},
                                    const ReconstructionCallbacks& callbacks = {});
 
 }  // namespace relief::reconstruction

@@ -25,7 +25,6 @@ struct ViewSurfaceOptions {
   bool normal_signal = true;
   /// Build the nearest-neighbour index even where the camera can project.
   bool neighbour_index = false;
-  int threads = 0;  ///< 0: one per core.
 };
 
 enum class Association {
@@ -52,7 +51,6 @@ struct StartingPoseOptions {
   /// At most this fraction of the samples that can be compared may lie in front of what the other
   /// view saw; in [0, 1].
   double max_free_space_violation = 0.02;
-  int threads = 0;  ///< 0: one per core. Never changes the result.
 };
 
 struct JointRefinementOptions {
@@ -74,14 +72,12 @@ struct JointRefinementOptions {
   /// spacings].
   double tolerance = 0.01;
   int max_iterations = 40;  ///< Renewals of the correspondences, per level.
-  int threads = 0;          ///< 0: one per core. Never changes the result.
 };
 
 struct AlignOptions {
   ViewSurfaceOptions surface;
   StartingPoseOptions starting_poses;
   JointRefinementOptions refinement;
-  int threads = 0;  ///< 0: one per core; for all steps. Never changes the result.
 };
 
 }  // namespace relief::registration

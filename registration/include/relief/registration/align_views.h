@@ -6,7 +6,7 @@
 
 #include "relief/registration/align_options.h"
 #include "relief/registration/pair_fit.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
@@ -64,7 +64,7 @@ struct Alignment {
 /// largest group of overlapping views stays where it is. Views without a pose that fit none are
 /// reported, never forced. Errors: kBadInput for no views or impossible options, kInterrupted.
 Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOptions& options = {},
-                              const Progress& progress = {});
+                              const Context& context = {});
 
 /// `converged`, `iteration limit`, `no overlap` or `solver failed`.
 std::string_view to_string(RefinementTermination termination);

@@ -40,13 +40,12 @@ struct DiscontinuityOptions {
 
 /// Connects neighbouring samples except across occlusion edges: steps along the ray that are large
 /// against the lateral spacing and that neither a neighbouring slope nor the noise and the rounding
-/// of the ranges explain (estimate_range_noise). The same for any number of `threads`.
-GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options = {},
-                          int threads = 1);
+/// of the ranges explain (estimate_range_noise). The same for any number of threads.
+GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options = {});
 
 /// The same, with the noise of the view that the caller has estimated already.
 GridEdges connect_samples(const RangeView& view, const RangeNoise& noise,
-                          const DiscontinuityOptions& options = {}, int threads = 1);
+                          const DiscontinuityOptions& options = {});
 
 /// Chessboard distance [pixels] of each sample to the nearest pixel that has no sample or is cut
 /// off by an occlusion edge, or to the border of the grid: 0 on such boundary samples themselves
@@ -60,7 +59,7 @@ struct ConnectedGrid {
   Grid<std::uint8_t> boundary;   ///< See boundary_distance.
 };
 
-ConnectedGrid connect_grid(const RangeView& view, int threads = 1);
-ConnectedGrid connect_grid(const RangeView& view, const RangeNoise& noise, int threads = 1);
+ConnectedGrid connect_grid(const RangeView& view);
+ConnectedGrid connect_grid(const RangeView& view, const RangeNoise& noise);
 
 }  // namespace relief

@@ -42,7 +42,6 @@ struct MeshCheck {
 struct MeshCheckOptions {
   /// Also look for self-intersections. This takes about twice as long as all the rest together.
   bool self_intersections = false;
-  int threads = 0;  ///< 0: one per core; no effect on the result.
 };
 
 /// Counts in memory linear (about 120 bytes a vertex of a closed mesh) and time log-linear in the

@@ -29,8 +29,8 @@ struct RangeNoise {
 };
 
 /// Robust: a tenth of wild samples, occlusion edges and missing samples do no harm. Needs
-/// neither normals nor edges. The same for any number of `threads`; 0: one per core.
-RangeNoise estimate_range_noise(const RangeView& view, int threads = 1);
+/// neither normals nor edges. The same for any number of threads.
+RangeNoise estimate_range_noise(const RangeView& view);
 
 /// In words, such as `range in steps of 1 mm; noise 0.3 mm, 5.0 times larger at the left than at
 /// the right`. `unit` may be empty.

@@ -12,7 +12,6 @@ namespace relief {
 struct SelfIntersectionOptions {
   /// The search ends soon after so many pairs are found. >= 1.
   std::size_t limit = 1000000;
-  int threads = 0;  ///< 0: one per core; no effect on the result.
 };
 
 struct SelfIntersections {

@@ -28,8 +28,8 @@ struct StaticBackground {
 ///   see through it there, with nothing within a tenth of the radius of what moves; or
 /// - without such poses, if it reaches beyond what moves on three sides of the image or more and is
 ///   continuous with it nowhere, but for a twentieth of the pixels where both meet.
-/// Nothing is found where nothing moves. The same for any number of `threads`; 0: one per core.
-StaticBackground find_static_background(const std::vector<RangeView>& views, int threads = 0);
+/// Nothing is found where nothing moves. The same for any number of threads.
+StaticBackground find_static_background(const std::vector<RangeView>& views);
 
 /// Takes the samples of the background out of the views.
 void remove_background(const StaticBackground& background, std::vector<RangeView>& views);

@@ -245,8 +245,9 @@ TEST(PoseGraphRefinement, DoesNotDependOnTheThreadCountNorTheHeldView) {
     auto poses = start;
     std::vector<bool> is_held(poses.size(), false);
     is_held[held] = true;
-    options.threads = threads;
-    refine_pose_graph(pointers_to(ring.surfaces), pairs_of(ring), is_held, options, poses);
+    on_threads(threads, [&] {
+      refine_pose_graph(pointers_to(ring.surfaces), pairs_of(ring), is_held, options, poses);
+    });
     return poses;
   };
   const auto one = refine(0, 1), two = refine(0, 2), other = refine(4, 2);

@@ -69,8 +69,8 @@ TEST(AlignMesh, IsNotPulledByWhatOnlyOneMeshHas) {
 
 TEST(AlignMesh, DoesNotDependOnThreads) {
   const TriangleMesh result = moved(potato(10), motion(1.0, 0.5, -1.0, 1, 2, 3));
-  const auto one = align_mesh(result, potato(10), {.samples = 1000, .threads = 1});
-  const auto three = align_mesh(result, potato(10), {.samples = 1000, .threads = 3});
+  const auto one = align_mesh(result, potato(10), {.samples = 1000}, {.threads = 1});
+  const auto three = align_mesh(result, potato(10), {.samples = 1000}, {.threads = 3});
   ASSERT_TRUE(one && three);
   EXPECT_EQ(one->truth_from_result.matrix(), three->truth_from_result.matrix());
 }

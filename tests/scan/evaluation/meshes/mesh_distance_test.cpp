@@ -142,8 +142,8 @@ TEST(CompareMeshes, ThresholdsFollowTheSpacing) {
 
 TEST(CompareMeshes, DoesNotDependOnTheThreadCount) {
   const TriangleMesh a = sphere(1.03, 20), b = sphere(1.0, 23);
-  const auto one = compare_meshes(a, b, {.samples = 5000, .threads = 1});
-  const auto three = compare_meshes(a, b, {.samples = 5000, .threads = 3});
+  const auto one = compare_meshes(a, b, {.samples = 5000}, {.threads = 1});
+  const auto three = compare_meshes(a, b, {.samples = 5000}, {.threads = 3});
   ASSERT_TRUE(one && three);
   EXPECT_EQ(one->accuracy.all.distance.rms, three->accuracy.all.distance.rms);
   EXPECT_EQ(one->completeness.all.normals_deg.mean, three->completeness.all.normals_deg.mean);

@@ -107,7 +107,7 @@ TEST(EvaluateViews, PoolsViewsAndListsUnmatchedOnes) {
   truth.views[2].name = "c";
   result.views.push_back(truth.views[1]);
   for (double& t : result.views[1].range) t *= 1.01;
-  const auto report = evaluate_views(result, truth, {.threads = 2});
+  const auto report = evaluate_views(result, truth, {}, {.threads = 2});
   ASSERT_TRUE(report);
   EXPECT_EQ(report->overall.depth.all.count,
             report->views[0].depth.all.count + report->views[1].depth.all.count);

@@ -72,8 +72,8 @@ TEST(EvaluateSpectra, DoNotDependOnThreadsOrUnit) {
     noisy.views.push_back(truths.views.back());
     testing::add_range_noise(noisy.views.back(), 0.002, static_cast<std::uint32_t>(name[0]));
   }
-  const auto one = evaluate_spectra(noisy, truths, {.threads = 1});
-  const auto three = evaluate_spectra(noisy, truths, {.threads = 3});
+  const auto one = evaluate_spectra(noisy, truths, {}, {.threads = 1});
+  const auto three = evaluate_spectra(noisy, truths, {}, {.threads = 3});
   ASSERT_TRUE(one && three);
   EXPECT_EQ(one->depth.variance(), three->depth.variance());
   EXPECT_EQ(one->position_normals.variance(), three->position_normals.variance());

@@ -383,8 +383,9 @@ TEST_F(DepthProject, MissingAndUnsuitableFilesAreNamed) {
 TEST_F(DepthProject, ProgressCanStopReading) {
   const auto path = folder_ / "scan.json";
   ASSERT_TRUE(read().ok());
-  const auto stopped =
-      read_project(path, {.threads = 1}, [](double, std::string_view) { return false; });
+  Context context{.threads = 1};
+  context.progress = [](double, std::string_view) { return false; };
+  const auto stopped = read_project(path, {}, context);
   // The only view was read before anybody could stop.
   EXPECT_TRUE(stopped.ok() || stopped.error().kind == ErrorKind::kInterrupted);
 }

@@ -186,8 +186,11 @@ TEST(RenderMesh, GivesTheSameBytesOnAnyNumberOfThreads) {
   const PictureCamera camera = frame_mesh(mesh, {}, {.width = 90, .height = 70});
   for (const RenderStyle style :
        {RenderStyle::kShaded, RenderStyle::kDepth, RenderStyle::kAccessibility}) {
-    const Picture one = picture_of(mesh, camera, style, {.ambient_rays = 16, .threads = 1});
-    const Picture two = picture_of(mesh, camera, style, {.ambient_rays = 16, .threads = 2});
+    const auto picture_on = [&](int threads) {
+      return on_threads(threads,
+                        [&] { return picture_of(mesh, camera, style, {.ambient_rays = 16}); });
+    };
+    const Picture one = picture_on(1), two = picture_on(2);
     EXPECT_TRUE(std::equal(one.begin(), one.end(), two.begin())) << to_string(style);
   }
 }

@@ -213,10 +213,10 @@ TEST(ScanDefects, DoNotDependOnThreads) {
   options.defects.outlier_fraction = 0.02;
   options.defects.quantisation = 2.0;
   options.defects.missing_fraction = 0.1;
-  options.threads = 1;
-  const Simulation one = simulated(options);
-  options.threads = 3;
-  const Simulation three = simulated(options);
+  const auto simulated_on = [&](int threads) {
+    return on_threads(threads, [&] { return simulated(options); });
+  };
+  const Simulation one = simulated_on(1), three = simulated_on(3);
   for (std::size_t i = 0; i < 3; ++i)
     EXPECT_TRUE(same_bytes(one.scans.views[i], three.scans.views[i]));
 }

@@ -122,11 +122,9 @@ TEST(TimeOfFlight, DoesNotDependOnThreads) {
   const SensorBench bench(testing::sphere({0, 0, 10}, 1.2), SensorBench::default_camera(),
                           patchy_surface());
   SensorScene scene = bench.scene();
-  scene.threads = 1;
   RangeView one = bench.truth, three = bench.truth;
-  scan_by_time_of_flight(one, {}, scene);
-  scene.threads = 3;
-  scan_by_time_of_flight(three, {}, scene);
+  on_threads(1, [&] { scan_by_time_of_flight(one, {}, scene); });
+  on_threads(3, [&] { scan_by_time_of_flight(three, {}, scene); });
   EXPECT_EQ(std::memcmp(one.range.data(), three.range.data(), 8 * one.range.size()), 0);
 }
 

@@ -118,10 +118,8 @@ TEST(Simulate, PosesMayBeKnownOrAbsent) {
 
 TEST(Simulate, SameSeedGivesTheSameBytesAtAnyThreadCount) {
   SimulationOptions options = small_options();
-  options.threads = 1;
-  const auto one = simulate(options);
-  options.threads = 3;
-  const auto three = simulate(options);
+  const auto one = simulate(options, {.threads = 1});
+  const auto three = simulate(options, {.threads = 3});
   options.seed = 2;
   const auto other = simulate(options);
   ASSERT_TRUE(one && three && other);
@@ -188,12 +186,10 @@ TEST(Simulate, RealisticSensorsLoseSamplesButInventNone) {
 
 TEST(Simulate, RealisticSensorsDoNotDependOnThreads) {
   SimulationOptions options = realistic_options();
-  options.threads = 1;
-  const auto one = simulate(options);
+  const auto one = simulate(options, {.threads = 1});
   ASSERT_TRUE(one);
   for (const int threads : {2, 4}) {
-    options.threads = threads;
-    const auto other = simulate(options);
+    const auto other = simulate(options, {.threads = threads});
     ASSERT_TRUE(other);
     for (std::size_t i = 0; i < one->scans.views.size(); ++i)
       EXPECT_TRUE(same_bytes(one->scans.views[i], other->scans.views[i]));
@@ -282,7 +278,8 @@ TEST(Simulate, NamesAnOptionOutOfItsRange) {
 
 TEST(Simulate, StopsWhenAsked) {
   const auto stopped =
-      simulate(small_options(), [](double fraction, std::string_view) { return fraction < 0.3; });
+      simulate(small_options(),
+               {.progress = [](double fraction, std::string_view) { return fraction < 0.3; }});
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
 }

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
 #include "relief/scan/triangle_mesh.h"
@@ -14,8 +14,6 @@ struct MeshAlignmentOptions {
   /// Also try starts all over the rotations, with the centroids in one place, not only the
   /// identity: for results whose frame is any other. Costs some seconds.
   bool any_start = true;
-  std::uint64_t seed = 1;
-  int threads = 0;  ///< 0: one per core; no effect on the result.
 };
 
 struct MeshAlignment {
@@ -27,9 +25,10 @@ struct MeshAlignment {
 
 /// The rigid motion that brings a mesh onto the true one: point-to-plane ICP (Chen and Medioni
 /// 1992) with exact closest points and Tukey weights, so that parts which only one mesh has do not
-/// pull. A good fit has a small median distance; symmetric objects have several. kBadInput when a
-/// mesh has no area.
+/// pull. A good fit has a small median distance; symmetric objects have several. The seed of the
+/// context chooses the points. kBadInput when a mesh has no area.
 Result<MeshAlignment> align_mesh(const TriangleMesh& result, const TriangleMesh& truth,
-                                 const MeshAlignmentOptions& options = {});
+                                 const MeshAlignmentOptions& options = {},
+                                 const Context& context = {});
 
 }  // namespace relief::evaluation

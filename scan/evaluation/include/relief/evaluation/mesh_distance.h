@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "relief/evaluation/error_statistics.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
 
@@ -18,8 +18,6 @@ struct MeshDistanceOptions {
   std::vector<double> thresholds;
   /// The sample spacing of the scans [unit]; 0: the median edge length of the true mesh.
   double spacing = 0.0;
-  std::uint64_t seed = 1;  ///< Of the points.
-  int threads = 0;         ///< 0: one per core; no effect on the result.
 };
 
 /// Distances from points of one mesh to the other.
@@ -52,15 +50,15 @@ struct MeshComparison {
 
 /// Compares a mesh with the true one, in the same frame. Normals are those of the result's faces,
 /// blended over each face by area-weighted vertex normals; of the truth, its own vertex normals if
-/// it has them. kBadInput when a mesh has no area or a vertex that is not finite.
+/// it has them. The seed of the context chooses the points. kBadInput when a mesh has no area or a
+/// vertex that is not finite.
 Result<MeshComparison> compare_meshes(const TriangleMesh& result, const TriangleMesh& truth,
                                       const MeshDistanceOptions& options = {},
-                                      const Progress& progress = {});
+                                      const Context& context = {});
 
 /// For each vertex of `mesh` its distance to `truth` [unit], negative inside (with the angle
 /// weighted normals of Baerentzen and Aanaes 2005, so the sign is right at edges and corners too).
 /// `truth` must be closed for the sign to have a meaning, and have at least one face.
-std::vector<double> signed_distances(const TriangleMesh& mesh, const TriangleMesh& truth,
-                                     int threads = 0);
+std::vector<double> signed_distances(const TriangleMesh& mesh, const TriangleMesh& truth);
 
 }  // namespace relief::evaluation

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "relief/evaluation/error_statistics.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/scan_project.h"
 
@@ -15,7 +15,6 @@ struct ViewErrorOptions {
   /// Samples up to this many pixels (chessboard distance) from the silhouette, a hole, an occlusion
   /// edge of the true view or the border of the grid count as `edge`, the others as `inner`. >= 0.
   int edge_pixels = 2;
-  int threads = 0;  ///< 0: one per core; no effect on the result.
 };
 
 /// Errors over all samples, away from discontinuities, and at them.
@@ -52,6 +51,6 @@ struct ViewErrorReport {
 /// kBadInput when a view has no true view, or the two differ in size or in their rays.
 Result<ViewErrorReport> evaluate_views(const ScanProject& result, const ScanProject& truth,
                                        const ViewErrorOptions& options = {},
-                                       const Progress& progress = {});
+                                       const Context& context = {});
 
 }  // namespace relief::evaluation

@@ -4,7 +4,7 @@
 
 #include "relief/evaluation/error_spectrum.h"
 #include "relief/evaluation/view_errors.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/scan_project.h"
 
@@ -30,6 +30,6 @@ struct ViewSpectra {
 /// `options.edge_pixels` says what is away from discontinuities. Errors as those of evaluate_views.
 Result<ViewSpectra> evaluate_spectra(const ScanProject& result, const ScanProject& truth,
                                      const ViewErrorOptions& options = {},
-                                     const Progress& progress = {});
+                                     const Context& context = {});
 
 }  // namespace relief::evaluation

@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "relief/scan/camera.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/scan_project.h"
 
@@ -29,7 +29,6 @@ struct ReadProjectOptions {
   /// Poses that files of scans tell are not taken: the VIEWPOINT of PCD, the matrix of PTX, the
   /// pose of E57. Some programs write a frame there, not a pose.
   bool ignore_viewpoints = false;
-  int threads = 0;  ///< Views are read in parallel; 0: one thread per core.
   /// What all views may take [bytes]: a small file can hold a large image, and many views can name
   /// it. 0: the memory that is free.
   std::size_t memory = 0;
@@ -42,7 +41,7 @@ struct ReadProjectOptions {
 /// `memory` holds.
 Result<ScanProject> read_project(const std::filesystem::path& path,
                                  const ReadProjectOptions& options = {},
-                                 const Progress& progress = {});
+                                 const Context& context = {});
 
 /// The format of views that are written as points on a grid.
 enum class GridFormat {
@@ -63,11 +62,11 @@ struct WriteProjectOptions {
 /// grid files. Creates the folder. Reading it back gives the same samples to float
 /// precision.
 Result<void> write_project(const ScanProject& project, const std::filesystem::path& folder,
-                           const Progress& progress = {}, const WriteProjectOptions& options = {});
+                           const Context& context = {}, const WriteProjectOptions& options = {});
 
 /// The same for views without a project around them; `unit` is that of their ranges.
 Result<void> write_project(const std::vector<RangeView>& views, const std::string& unit,
-                           const std::filesystem::path& folder, const Progress& progress = {},
+                           const std::filesystem::path& folder, const Context& context = {},
                            const WriteProjectOptions& options = {});
 
 /// Writes only FILE (a scan.json), for a project whose views' data files exist already: a copy of

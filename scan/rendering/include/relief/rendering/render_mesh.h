@@ -68,7 +68,6 @@ struct RenderOptions {
   std::string unit;  ///< Of lengths, for the legend; may be empty.
   Background background = Background::kWhite;
   std::uint64_t seed = 1;  ///< Of the random rays.
-  int threads = 0;         ///< 0: one per core; no effect on the result.
 };
 
 struct Rendering {
@@ -81,7 +80,7 @@ class MeshScene {
  public:
   /// kBadInput: a mesh without faces or extent, a vertex that is not finite, or a face with an
   /// index out of range. kUnsolvable: not enough memory.
-  static Result<MeshScene> of(TriangleMesh mesh, int threads = 0);
+  static Result<MeshScene> of(TriangleMesh mesh);
 
   const TriangleMesh& mesh() const;
 

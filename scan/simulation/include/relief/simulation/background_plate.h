@@ -26,6 +26,6 @@ Result<void> validate(const BackgroundPlate& plate);
 /// `working_distance` and `diameter` [unit] are as in SensorScene.
 Grid<unsigned char> add_background(RangeView& view, const SimulationObject& object,
                                    const BackgroundPlate& plate, double working_distance,
-                                   double diameter, double max_incidence_deg, int threads = 0);
+                                   double diameter, double max_incidence_deg);
 
 }  // namespace relief::simulation

@@ -45,7 +45,6 @@ struct SensorScene {
   double spacing = 0.0;    ///< The side of a pixel at the working distance [unit].
   double diameter = 0.0;   ///< Of the object's sphere [unit].
   std::uint64_t seed = 1;
-  int threads = 0;
   double noise_half = 1.0;  ///< Factor of the range noise in the right half of the image, > 0.
   /// Which pixels see a plate behind the object; null: none does.
   const Grid<unsigned char>* background = nullptr;
@@ -59,8 +58,7 @@ struct SensorScene {
   }
   /// The same sensor before what another exact view shows.
   SensorScene seeing(const RangeView& other) const {
-    return {object,   paint, other,   view,       distance,  spacing,
-            diameter, seed,  threads, noise_half, background};
+    return {object, paint, other, view, distance, spacing, diameter, seed, noise_half, background};
   }
 
   RandomStream of_view(SensorErrorKind kind) const {

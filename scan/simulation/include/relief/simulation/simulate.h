@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "relief/io/poses_io.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/scan_project.h"
 #include "relief/scan/triangle_mesh.h"
@@ -50,7 +50,6 @@ struct SimulationOptions {
   /// faces with edges of about 0.2 mm. 0: no mesh.
   int mesh_divisions = 256;
   std::uint64_t seed = 1;  ///< Of all errors. Equal options give equal bytes.
-  int threads = 0;         ///< 0: one per core; no effect on the result.
 };
 
 /// Scans with their truth: the same views and names in both projects. Each sample of a scan is a
@@ -67,19 +66,19 @@ struct Simulation {
 };
 
 /// The built-in object with its true mesh.
-SimulationObject built_in_simulation_object(int mesh_divisions, int threads = 0);
+SimulationObject built_in_simulation_object(int mesh_divisions);
 
 /// Scans of `object`. kBadInput names an option out of its range; kUnsolvable when a view sees
 /// nothing; kInterrupted when `progress` asks to stop.
 Result<Simulation> simulate(const SimulationObject& object, const SimulationOptions& options,
-                            const Progress& progress = {});
+                            const Context& context = {});
 
 /// Scans of the built-in object.
-Result<Simulation> simulate(const SimulationOptions& options, const Progress& progress = {});
+Result<Simulation> simulate(const SimulationOptions& options, const Context& context = {});
 
 /// The exact view of an object: range and true normals, without the samples steeper than
 /// `max_incidence_deg`.
 RangeView exact_view(const SimulationObject& object, const Camera& camera,
-                     const RigidMotion& world_from_view, double max_incidence_deg, int threads = 0);
+                     const RigidMotion& world_from_view, double max_incidence_deg);
 
 }  // namespace relief::simulation

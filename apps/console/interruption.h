@@ -1,0 +1,14 @@
+#pragma once
+
+#include <stop_token>
+
+namespace relief {
+
+/// From now on Ctrl-C and a termination signal ask for an orderly stop; a second one ends the
+/// program at once. Call it before any thread is started.
+void catch_interrupts();
+
+/// What tells that a stop was asked for.
+std::stop_token interruption();
+
+}  // namespace relief
