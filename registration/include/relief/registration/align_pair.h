@@ -31,7 +31,8 @@ struct IcpOptions {
   /// How far apart corresponding points may be at first [unit]. 0: a fifth of the smaller view's
   /// radius.
   double search_distance = 0.0;
-  double max_normal_angle_deg = 40.0;  ///< Between corresponding normals.
+  /// Between corresponding normals [deg]; keeps the two sides of thin sheets apart.
+  double max_normal_angle_deg = 40.0;
   /// Align the normal maps too, (R7), where both views have them.
   bool normal_maps = true;
   /// Stop when an iteration moves no point of the source by more than this [sample spacings].
