@@ -13,7 +13,7 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr int kRadius = 2;
+constexpr int kRadius = 2;               // of the 5 x 5 neighbourhood [samples]
 constexpr std::size_t kFewest = 5;       // normals that a neighbourhood must have
 constexpr float kTypicalToLimit = 6.0f;  // four sigma; the median of |x| is 0.67 sigma
 
@@ -81,7 +81,7 @@ void each_row(const RangeView& view, int stride, int threads, const Body& body) 
 // The typical distance of a normal from the median of its neighbourhood, from enough of them to be
 // good to about a percent; 0 for none.
 float typical_distance(const RangeView& view, int threads) {
-  constexpr double kEnough = 60000.0;
+  constexpr double kEnough = 60000.0;  // bounds the time
   const int stride =
       std::max(1, static_cast<int>(std::sqrt(static_cast<double>(view.normals.size()) / kEnough)));
   std::vector<std::vector<float>> of_row(static_cast<std::size_t>(view.height()));
