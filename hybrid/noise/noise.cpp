@@ -20,9 +20,10 @@ namespace {
 constexpr std::size_t kFewestBlocks = 200;
 
 // The smallest positive value among some low quantiles of `values` (all >= 0), with the factor that
-// makes it a standard deviation if they are absolute values of a Gaussian: Phi^-1((1 + q) / 2). Low
-// quantiles withstand many outliers; coarsely quantised data needs the higher ones.
+// makes it a standard deviation if they are absolute values of a Gaussian. Low quantiles withstand
+// many outliers; coarsely quantised data needs the higher ones.
 double starting_sigma(std::vector<double>& values) {
+  // q and Phi^-1((1 + q) / 2)
   constexpr std::array<std::pair<double, double>, 4> kQuantiles{
       {{0.10, 0.12566}, {0.25, 0.31864}, {0.50, 0.67449}, {0.90, 1.64485}}};
   for (const auto& [quantile, gaussian] : kQuantiles) {
@@ -125,7 +126,7 @@ void each(const std::array<int, kCount>& lengths, int threads, const Visit& visi
 
 // Samples of a grid to step over such that a statistic has enough to be good to about a percent.
 int thinning(const RangeSteps& steps) {
-  constexpr double kEnough = 60000.0;
+  constexpr double kEnough = 60000.0;  // Bounds the time.
   return std::max(
       1,
       static_cast<int>(std::sqrt(static_cast<double>(steps.along_rows.expected.size()) / kEnough)));

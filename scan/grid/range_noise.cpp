@@ -42,7 +42,7 @@ constexpr double kSeesNothing = 0.2;
 enum class Stencil { kSquare, kAlongRows, kAlongColumns };
 
 double square_difference(const RangeView& view, int u, int v) {
-  constexpr std::array<double, 3> kSecond{1.0, -2.0, 1.0};
+  constexpr std::array<double, 3> kSecond{1.0, -2.0, 1.0};  // The second difference.
   double sum = 0.0;
   for (int dv = 0; dv < 3; ++dv)
     for (int du = 0; du < 3; ++du)
