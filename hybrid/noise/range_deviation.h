@@ -21,7 +21,7 @@ struct DeviationOptions {
   /// for 1, 2 and 4 (docs/results.md, Range standard deviations).
   int probes = 2;
   /// The wavelength / 2 pi at which positions and normals cross [samples]: sets over how many
-  /// samples deviations are averaged. 0: they are not.
+  /// samples deviations are averaged. 0: they are not. Refining sets it to that of the view.
   double crossover = 8.0;
   /// Of each solve, relative: 0.001 takes 8.1 % of scatter to 7.8 % (there, too).
   double tolerance = 0.1;

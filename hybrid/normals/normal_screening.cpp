@@ -14,7 +14,7 @@ namespace relief::hybrid {
 namespace {
 
 constexpr int kRadius = 2;               // of the 5 x 5 neighbourhood [samples]
-constexpr std::size_t kFewest = 5;       // normals that a neighbourhood must have
+constexpr std::size_t kFewest = 5;       // normals of the 25 that there must be
 constexpr float kTypicalToLimit = 6.0f;  // four sigma; the median of |x| is 0.67 sigma
 
 struct Deviation {

@@ -16,7 +16,7 @@ namespace relief::registration {
 
 namespace {
 
-constexpr double kSamePlaceRadii = 0.15;   // Poses nearer than this are one, over a view's radius.
+constexpr double kSamePlaceRadii = 0.15;   // Poses nearer than this are one [radii of a view].
 constexpr double kCountingOverlap = 0.05;  // Fraction of the samples; pairs below say little.
 
 using Motions = std::vector<RigidMotion>;

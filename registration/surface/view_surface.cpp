@@ -21,6 +21,8 @@ namespace relief::registration {
 
 namespace {
 
+// The largest window is the smallest where noise of one spacing leaves less (slope_noise() is 0.029
+// at 5 and 0.043 at 4).
 constexpr double kWantedNormalNoise = 0.035;                        // [rad], two degrees
 constexpr int kSmallestNormalRadius = 2, kLargestNormalRadius = 5;  // [pixels]
 // Rounded ranges make terraces. A window as wide as this many steps of the range sees several of

@@ -78,7 +78,7 @@ struct JointRefinementOptions {
   /// spacings]. Poses err by about as much (docs/results.md, Poses against the least error
   /// possible).
   double tolerance = 0.01;
-  int max_iterations = 40;  ///< Renewals of the correspondences, per level.
+  int max_iterations = 40;  ///< Renewals of the correspondences, per level; bounds the time.
   int threads = 0;          ///< 0: one per core. Never changes the result.
 };
 
