@@ -17,7 +17,7 @@ constexpr std::size_t kNodesSolvedDirectly = 600;  // Of the coarsest level; bou
 // Of one piece of work; they change no result.
 constexpr std::size_t kRowsAtOnce = 24;     // of pixels; whole rows of groups
 constexpr std::size_t kNodesAtOnce = 2048;  // of coarse levels
-// Relaxation aims at the spectrum above this part. With it the solver takes 3 to 18 steps on whole
+// Relaxation aims at the spectrum above this part. With it the solver takes 3 to 28 steps on whole
 // grids (docs/results.md, Steps of the solver).
 constexpr double kSmoothed = 0.1;
 
