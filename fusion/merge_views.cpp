@@ -103,7 +103,8 @@ void count_samples(const std::vector<ViewSampler>& views, MergeResult& result) {
 }
 
 // Refined views, those that know their deviations, hold detail that a lattice as coarse as the
-// samples blurs; in views as measured there is only noise below the spacing (docs/results.md).
+// samples blurs; in views as measured there is only noise below the spacing (docs/results.md, Voxel
+// size).
 constexpr double kRefinedVoxel = 0.8;  // [sample spacings]
 
 void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& options, bool refined,
@@ -122,7 +123,7 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
           : std::max(3.0 * result.voxel_size, 4.0 * result.view_noise + result.voxel_size);
 }
 
-// Per vertex of the mesh, beyond the mesh itself [bytes].
+// Per vertex of the mesh, beyond the mesh itself [bytes]. They change no result.
 constexpr std::size_t kMeshCheck = 120;
 constexpr std::size_t kVertexAttributes = 80;
 

@@ -83,6 +83,7 @@ Result<void> validate(const RefineOptions& options) {
 }
 
 // Noise that is more harmful than it looks from sample to sample by this factor is shared.
+// Neighbours rounded alike seem to share up to as much.
 constexpr double kShared = 3.0;
 
 // The steps of refine_view, each of which may end it early.

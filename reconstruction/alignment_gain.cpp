@@ -31,7 +31,7 @@ double median_pose_std(const registration::Alignment& alignment) {
 double mean_motion(const std::vector<RangeView>& views,
                    const std::vector<const registration::ViewReport*>& before,
                    const std::vector<registration::ViewReport>& after) {
-  constexpr int kStride = 4;
+  constexpr int kStride = 4;  // [pixels]; bounds the time.
   double sum = 0.0, count = 0.0;
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!after[i].aligned) continue;

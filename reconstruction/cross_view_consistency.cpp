@@ -24,7 +24,7 @@ constexpr double kSteepest = 0.3;         // Cosine of incidence: ranges tell li
 constexpr double kCoarsest = 2.0;         // Local spacing of another view against its own.
 constexpr int kHalfWindow = 2;            // [samples]
 constexpr int kFewestInWindow = 13;       // Half of 5 x 5: fewer are far off by chance.
-constexpr double kTypical = 4.0;          // Mean squares up to two deviations are left alone.
+constexpr double kTypical = 4.0;  // Mean squares up to two deviations are left alone, (H16).
 
 // A view with all that comparing needs to know of it, in its own frame.
 struct ComparedView {
@@ -157,7 +157,7 @@ Distances distances_to_others(const ComparedView& own_view,
 
 // Of the distances that are not 0; at least the noise of the ranges.
 double robust_deviation(const Grid<float>& distances, const RangeNoise& noise) {
-  constexpr double kOfMedian = 1.4826;
+  constexpr double kOfMedian = 1.4826;  // 1 / Phi^-1(3/4)
   std::vector<float> sizes;
   for (const float distance : distances)
     if (std::abs(distance) > 0.0f) sizes.push_back(std::abs(distance));

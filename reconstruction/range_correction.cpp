@@ -62,7 +62,7 @@ Steps steps_of(const std::vector<Pixel>& group, const Grid<double>& corrected,
 }  // namespace
 
 std::size_t correct_ranges(const Grid<float>& correction, RangeView& view) {
-  constexpr double kHalf = 0.5;
+  constexpr double kHalf = 0.5;  // Fraction of the squares of the steps that may be left.
   const auto largest_flying = static_cast<std::size_t>(FillOptions().largest_flying);
   Grid<double> corrected = view.range;
   for (std::size_t i = 0; i < corrected.size(); ++i)

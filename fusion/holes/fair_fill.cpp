@@ -21,7 +21,8 @@ constexpr double kIntrusion = 0.25, kInFront = 0.5;  // [voxels]
 // The closed field's surface is that far at most in the way of such rays.
 constexpr double kFarthestRetreat = 1.5;  // [voxels]
 
-// Rounds of finding invalid faces and holding their vertices.
+// Rounds of finding invalid faces and holding their vertices. Bounds the time: what is left then
+// stays a membrane.
 constexpr int kRounds = 3;
 
 // Stiffness at vertices that are held because their faces were invalid: the slope of the membrane

@@ -9,9 +9,10 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-constexpr int kMostSteps = 2000;
+constexpr int kMostSteps = 2000;  // Bounds the time.
 
-// Where the squared error, in the norm of energy, has fallen by so much, what is left is rounding.
+// Where the squared error, in the norm of energy, has fallen by so much (1e-10 squared), what is
+// left is rounding.
 constexpr double kRounding = 1e-20;
 
 // Conjugate gradients look as if they stood still now and then: only so many small steps on end

@@ -16,13 +16,14 @@ namespace relief::fusion {
 namespace {
 
 // Contours have slivers. A face counts as no thinner than this against its longest side, which
-// bounds its cotangents and so the condition of the system.
+// bounds its cotangents, by 20, and so the condition of the system.
 constexpr double kLeastThickness = 0.05;
 
 // What a system takes without its factor, for each free vertex [bytes].
 constexpr std::size_t kSystem = 1000;
 
-// Unknowns of a system whose factor is large against what was needed to set it up.
+// Unknowns of a system whose factor is large against what was needed to set it up. Changes memory
+// and no result.
 constexpr Eigen::Index kLarge = 10000;
 
 using Sparse = Eigen::SparseMatrix<double>;

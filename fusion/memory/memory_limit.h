@@ -49,7 +49,7 @@ class MemoryLimit {
   void unmap(void* address);
 
  private:
-  static constexpr std::size_t kBrickBytes = std::size_t{16} << 20;
+  static constexpr std::size_t kBrickBytes = std::size_t{16} << 20;  // Changes no result.
 
   void* map_file(int file, std::size_t bytes);
   void fail(ErrorKind kind, const std::string& message);

@@ -19,7 +19,7 @@ namespace relief::fusion {
 
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kGrain = 4096;  // Faces of one piece of work; changes no result.
 
 // Memory for each vertex of the mesh [bytes].
 constexpr std::size_t kVertex = 140;
@@ -28,16 +28,17 @@ constexpr std::size_t kVertex = 140;
 // pass only.
 constexpr int kPasses = 3;
 
-// Times the work is begun anew before the faces stay as given.
+// Times the work is begun anew before the faces stay as given. Bounds the time.
 constexpr int kAttempts = 5;
 
 // What must be gained, in bulges (below) against the length of the edge: less is noise.
 constexpr double kLeastGain = 0.03;
 
-// Nor less than the noise of the views, which bends the surface at every vertex.
+// Nor less than the noise of the views, which bends the surface at every vertex
+// [standard deviations].
 constexpr double kNoise = 1.0;
 
-// Cosine of the largest angle between a new face and the mean of the old ones.
+// Cosine of the largest angle between a new face and the mean of the old ones: 60 degrees.
 constexpr double kTurn = 0.5;
 
 // New faces have no angle below the least of the old ones, or below this [rad].

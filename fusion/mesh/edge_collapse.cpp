@@ -21,7 +21,7 @@ namespace {
 // faces stay well shaped.
 constexpr double kLengthShare = 1e-4;
 
-constexpr double kLeastCosine = 0.5;      // Between a face before and after.
+constexpr double kLeastCosine = 0.5;      // Between a face before and after: 60 degrees.
 constexpr double kLeastRoundness = 0.05;  // Twice the area over the longest edge squared.
 
 struct Candidate {
@@ -69,6 +69,7 @@ class CandidateQueue {
     waiting_.erase(dear, waiting_.end());
   }
 
+  // Candidates at once: few enough for the cache. Changes no result.
   static constexpr std::size_t kLeastAdmitted = 50000;
 
   double limit_ = -1.0;  // The largest cost in the heap; costs are not negative.

@@ -117,7 +117,7 @@ struct BlockRange {
 // The next brick from block `begin` on: whole layers of blocks of one z, so that its vertices come
 // before those of all later bricks.
 BlockRange next_brick(const SparseField& field, std::size_t begin) {
-  constexpr std::size_t kBrickBlocks = 4096;
+  constexpr std::size_t kBrickBlocks = 4096;  // Bounds the memory; changes no result.
   std::size_t end = std::min(begin + kBrickBlocks, field.block_count());
   while (end < field.block_count() && field.block(end).z() == field.block(end - 1).z()) ++end;
   return {begin, end};
@@ -126,7 +126,7 @@ BlockRange next_brick(const SparseField& field, std::size_t begin) {
 // The corners of a brick's triangles, three by three, in the order of the blocks.
 std::vector<VertexKey> triangle_corners(const SparseField& field, const BlockRange& brick,
                                         MemoryLimit* memory) {
-  constexpr std::size_t kGrain = 64;
+  constexpr std::size_t kGrain = 64;  // Blocks of one piece of work; changes no result.
   const std::size_t blocks = brick.end - brick.begin;
   std::vector<std::vector<VertexKey>> by_range((blocks + kGrain - 1) / kGrain);
   parallel_for(blocks, kGrain, [&](std::size_t begin, std::size_t end) {

@@ -12,7 +12,7 @@ namespace relief::fusion {
 
 namespace {
 
-// How many measurements the view noise counts for against a vertex's own scatter.
+// How many measurements the view noise counts for against a vertex's own scatter, (F6).
 constexpr double kPriorWeight = 3.0;
 
 float standard_error(const TsdfSample& evidence, double view_noise) {

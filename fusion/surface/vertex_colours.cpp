@@ -16,7 +16,8 @@ namespace {
 // Per vertex of the mesh, and besides per vertex without a measured colour [bytes].
 constexpr std::size_t kVertex = 24, kUnknown = 40;
 
-// Sweeps of relaxation: colours, unlike surfaces, need not be harmonic to the last digit.
+// Sweeps of relaxation: colours, unlike surfaces, need not be harmonic to the last digit. Bounds
+// the time.
 constexpr int kSweeps = 60;
 
 // Colours of vertices, and which of them are known.

@@ -13,8 +13,10 @@ namespace relief::fusion {
 struct ClosedFieldOptions {
   double voxel_size = 0.0;  ///< Spacing of the finest lattice [unit], > 0.
   double truncation = 0.0;  ///< Views measure up to this distance from their surface [unit], > 0.
-  int coarse_cells = 40;    ///< Cells of the coarsest lattice along the longest side of the object.
-  int max_sweeps = 1000;    ///< Of the solver, on each lattice; it ends when all values rest.
+  /// Cells of the coarsest lattice, which is dense, along the longest side of the object. Bounds
+  /// the time.
+  int coarse_cells = 40;
+  int max_sweeps = 1000;          ///< Of the solver, on each lattice; it ends when all values rest.
   MemoryLimit* memory = nullptr;  ///< Of the fields; may be null, else it outlives them.
 };
 

@@ -12,7 +12,7 @@ namespace relief::fusion {
 
 namespace {
 
-constexpr std::size_t kBlocksAtOnce = 16;
+constexpr std::size_t kBlocksAtOnce = 16;  // Of one piece of work; changes no result.
 constexpr std::array<std::array<int, 3>, 6> kSides{
     {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 

@@ -19,7 +19,7 @@ inline constexpr NodeConstraint kFixedNode{std::numeric_limits<float>::quiet_NaN
 
 struct ObstacleSolverOptions {
   double relaxation = 1.5;  ///< Over-relaxation factor, 1 to below 2.
-  int max_sweeps = 1000;
+  int max_sweeps = 1000;    ///< Bounds the time; ObstacleSolution tells what still moves.
   /// A block rests while no value in it and beside it changes by more than this times the spacing;
   /// by thirty times as much where the value is more than two spacings.
   double tolerance = 1e-3;

@@ -9,7 +9,7 @@
 
 namespace relief::fusion {
 
-inline constexpr int kBlockSide = 8;
+inline constexpr int kBlockSide = 8;  // [nodes]
 inline constexpr int kBlockNodes = kBlockSide * kBlockSide * kBlockSide;
 
 /// The block that holds a node.

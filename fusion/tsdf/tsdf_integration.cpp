@@ -12,8 +12,8 @@ namespace {
 // Observations of empty space must outweigh those of matter by this factor to overrule them.
 constexpr double kOverrule = 2.0;
 
-// Cosine between the normals of two surfaces that are the sides of one plate. Not zero: the faces
-// of a sharp edge must both count.
+// Cosine between the normals of two surfaces that are the sides of one plate, 120 degrees. Not
+// zero: the faces of a sharp edge must both count.
 constexpr double kOpposite = -0.5;
 
 // A ray that grazes the surface stays close to its tangent plane far beyond where it leaves the
@@ -27,7 +27,7 @@ double nearness(double relative_distance) {
   return inside > 0.0 ? inside * inside : 0.0;
 }
 
-// Farther along the ray than that no distance is believed, however depths are rounded.
+// Farther along the ray than that no distance is believed, however depths are rounded [reaches].
 constexpr double kFarAway = 1.001;
 
 // Nodes beside the zero set decide where the surface is.

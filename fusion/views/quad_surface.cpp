@@ -119,7 +119,7 @@ void place_quads(const Grid<std::uint8_t>& quads, MemoryLimit* memory, QuadSurfa
 
 float sample_weight(const RangeView& view, int u, int v, const Eigen::Vector3f& normal, int border,
                     const QuadSurfaceOptions& options) {
-  constexpr double kLeastCosine = 0.05;
+  constexpr double kLeastCosine = 0.05;  // 87 degrees; keeps weights positive.
   const double cosine = std::max(
       kLeastCosine, -normal.cast<double>().dot(view.camera.ray(u, v).direction.normalized()));
   double trust = view.confidence_at(u, v);

@@ -14,10 +14,10 @@ namespace {
 // Views that meet the surface at more than 60 degrees are asked a second time, at the foot: there
 // the surface curves away between where the ray meets it and the foot. Flatter ones are not: it
 // would cost time and, next to relief of few samples, a little accuracy.
-constexpr double kSteep = 0.5;
+constexpr double kSteep = 0.5;  // Cosine.
 
 // The foot belongs to the same surface when the normals there differ by less than about 25 degrees.
-constexpr double kSameSurface = 0.9;
+constexpr double kSameSurface = 0.9;  // Cosine.
 
 // Pixels by which the projection of a box may stand out of that of its corners.
 constexpr int kBoxMargin = 1;

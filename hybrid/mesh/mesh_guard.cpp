@@ -15,10 +15,10 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr std::size_t kGrain = 4096;
-constexpr float kLeastScale = 0.1f;  // below this a damped vertex stays where it was
-constexpr double kLeastArea = 0.01;
-constexpr double kTurn = 0.5;  // cosine of 60 degrees
+constexpr std::size_t kGrain = 4096;  // Faces of one piece of work; changes no result.
+constexpr float kLeastScale = 0.1f;   // fraction of its way: with less a vertex stays where it was
+constexpr double kLeastArea = 0.01;   // fraction of a face's area that must stay
+constexpr double kTurn = 0.5;         // cosine of 60 degrees
 // Searches for intersections cost more than other checks: after this many, what still intersects
 // goes back to where it was at once.
 constexpr int kPatientSearches = 4;

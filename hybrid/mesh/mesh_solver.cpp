@@ -14,6 +14,7 @@ namespace relief::hybrid {
 
 namespace {
 
+// Both make the preconditioner: they change the number of steps, not what is minimised.
 constexpr std::size_t kRange = 4096;    // vertices that one Gauss-Seidel sweep couples
 constexpr std::size_t kAggregate = 48;  // vertices of an aggregate
 constexpr std::uint32_t kNone = 0xffffffffu;

@@ -10,8 +10,8 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr std::size_t kGrain = 4096;
-constexpr double kCauchy = 2.385;  // 95 % efficiency on normal errors (Holland and Welsch 1977)
+constexpr std::size_t kGrain = 4096;  // vertices of one piece of work; changes no result
+constexpr double kCauchy = 2.385;     // 95 % efficiency on normal errors (Holland and Welsch 1977)
 // How stiff the surface keeps its shape where no normals tell [rad].
 constexpr double kShapeSigma = 0.05;
 // How far off the mean normal of an edge may be on which the normals turn, for each radian: as if
@@ -19,7 +19,8 @@ constexpr double kShapeSigma = 0.05;
 constexpr double kTurnError = 0.5;
 // Edges on which normals turn as far as this cross a crease and say nothing [rad].
 constexpr double kCrease = 0.6;
-// Vertices move along the blended normals only if these are this close to the mesh's own (cosine).
+// Vertices move along the blended normals only if these are this close to the mesh's own (cosine,
+// 60 degrees).
 constexpr double kLeastAgreement = 0.5;
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr double kEdgeOnCosine = 0.02;
+constexpr double kEdgeOnCosine = 0.02;  // As in slope_constraints.cpp.
 
 RangeSteps::Direction empty_direction(const RangeView& view) {
   const Grid<float> none(view.width(), view.height(), static_cast<float>(kNoSample));

@@ -14,9 +14,9 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr int kSide = 8;
-constexpr double kLeftOut = 0.1;
-constexpr double kLeast = 0.5 * kSide * kSide;  // Samples of a block that counts.
+constexpr int kSide = 8;          // Of a block [samples].
+constexpr double kLeftOut = 0.1;  // Fraction of the blocks, those of the largest changes.
+constexpr double kLeast = 0.5 * kSide * kSide;  // Samples of a block that counts: half of it.
 
 // Sums over the samples of a block, of (1, u, v) and the change.
 struct Block {

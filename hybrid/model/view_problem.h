@@ -55,7 +55,7 @@ ViewProblem make_view_problem(const RangeView& view, const GridEdges& edges, Ste
 /// Calls body(k, pixels[k]) for every movable sample, in parallel.
 template <typename Body>
 void for_each_sample(const ViewProblem& problem, const Body& body) {
-  constexpr std::size_t kSamplesAtOnce = 1 << 14;
+  constexpr std::size_t kSamplesAtOnce = 1 << 14;  // Of one piece of work; changes no result.
   parallel_for(problem.size(), kSamplesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) body(static_cast<Eigen::Index>(k), problem.pixels[k]);
   });

@@ -17,7 +17,8 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr std::ptrdiff_t kChunk = 512;  // pixels whose products fit the innermost cache
+// Pixels whose products, 12 KiB in double precision, fit the innermost cache.
+constexpr std::ptrdiff_t kChunk = 512;
 
 template <typename T>
 struct Products {
@@ -41,7 +42,7 @@ class LaneSums {
   }
 
  private:
-  static constexpr std::ptrdiff_t kLanes = 8;
+  static constexpr std::ptrdiff_t kLanes = 8;  // Sums side by side, whatever the processor.
   double lanes_[kLanes] = {};
 };
 

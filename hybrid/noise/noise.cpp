@@ -16,13 +16,14 @@ namespace relief::hybrid {
 
 namespace {
 
-// Second differences between blocks from which a variance is good to about a tenth.
+// Second differences between blocks from which a variance is good to a tenth (sqrt(2 / n)).
 constexpr std::size_t kFewestBlocks = 200;
 
 // The smallest positive value among some low quantiles of `values` (all >= 0), with the factor that
 // makes it a standard deviation if they are absolute values of a Gaussian. Low quantiles withstand
 // many outliers; coarsely quantised data needs the higher ones.
 double starting_sigma(std::vector<double>& values) {
+  // q and Phi^-1((1 + q) / 2)
   constexpr std::array<std::pair<double, double>, 4> kQuantiles{
       {{0.10, 0.12566}, {0.25, 0.31864}, {0.50, 0.67449}, {0.90, 1.64485}}};
   for (const auto& [quantile, gaussian] : kQuantiles) {
@@ -34,15 +35,17 @@ double starting_sigma(std::vector<double>& values) {
   return 0.0;
 }
 
-constexpr std::size_t kValuesAtOnce = 1 << 14;
+constexpr std::size_t kValuesAtOnce = 1 << 14;  // Of one piece of work, summed in order.
 
-// Iterations to a fixed point end when it changes by less than this part.
+// Iterations to a fixed point end when it changes by less than this part. What they find is good to
+// a percent.
 constexpr double kSettled = 1e-5;
 
 // Standard deviation of the Gaussian core of `values`: the fixed point of the second moment of what
 // lies within two standard deviations.
 double core_sigma(std::vector<double> values) {
-  constexpr double kCut = 2.0, kKeptMoment = 0.77374;  // E[z^2 | |z| < 2], z Gaussian
+  // [standard deviations], E[z^2 | |z| < 2] of a Gaussian z
+  constexpr double kCut = 2.0, kKeptMoment = 0.77374;
   if (values.empty()) return 0.0;
   for (double& value : values) value = std::abs(value);
   double sigma = starting_sigma(values);
@@ -123,7 +126,7 @@ void each(const std::array<int, kCount>& lengths, const Visit& visit) {
 
 // Samples of a grid to step over such that a statistic has enough to be good to about a percent.
 int thinning(const RangeSteps& steps) {
-  constexpr double kEnough = 60000.0;
+  constexpr double kEnough = 60000.0;  // Bounds the time.
   return std::max(
       1,
       static_cast<int>(std::sqrt(static_cast<double>(steps.along_rows.expected.size()) / kEnough)));
@@ -152,7 +155,7 @@ std::vector<double> loop_closures(const RangeSteps& steps, int k) {
 // The white part of the closures' variance over loops of growing size; a curl of the bias grows
 // with the cube of the size and is fitted away.
 double normal_noise(const RangeSteps& steps) {
-  constexpr std::array<int, 3> kSides{1, 2, 4};
+  constexpr std::array<int, 3> kSides{1, 2, 4};  // [samples]
   std::array<double, kSides.size()> sigmas{};
   each(kSides, [&](std::size_t n, int k) {
     if (k <= longest_walk(steps)) sigmas[n] = core_sigma(loop_closures(steps, k));
@@ -192,7 +195,7 @@ SecondDifference second_difference(const RangeSteps::Direction& direction, int u
 }
 
 std::vector<SecondDifference> second_differences(const RangeSteps& steps) {
-  constexpr std::array<int, 6> kLengths{1, 2, 3, 4, 6, 8};
+  constexpr std::array<int, 6> kLengths{1, 2, 3, 4, 6, 8};  // [edges], up to longest_walk()
   std::array<std::vector<SecondDifference>, kLengths.size()> by_length;
   each(kLengths, [&](std::size_t n, int k) {
     if (k > longest_walk(steps)) return;
@@ -227,7 +230,8 @@ struct Moments {
 // their model are outliers.
 Moments moments_of(const std::vector<SecondDifference>& differences, const WalkFit& fit,
                    std::size_t begin, std::size_t end) {
-  constexpr double kCut = 9.0, kKeptMoment = 0.9733;  // E[z^2; z^2 < 9] / P[z^2 < 9], z Gaussian
+  // [variances], E[z^2; z^2 < 9] / P[z^2 < 9] of a Gaussian z
+  constexpr double kCut = 9.0, kKeptMoment = 0.9733;
   Moments moments;
   for (std::size_t k = begin; k < end; ++k) {
     const SecondDifference& d = differences[k];
@@ -298,8 +302,10 @@ BlockFit fit_blocks(const RangeSteps& steps) {
 // theirs does over long waves: n times the variance of means over n samples, for large n. Over
 // blocks of growing side it approaches this limit, for noise of finite reach, as 1 / side.
 double long_wave_variance(const RangeSteps& steps, double local_variance) {
-  constexpr int kSide = 4;
-  constexpr double kDeviations = 4.0;  // by which blocks must differ from independent samples
+  constexpr int kSide = 4;  // [samples]
+  // Standard deviations by which blocks must differ from independent samples: 3e-5 of a Gaussian
+  // does.
+  constexpr double kDeviations = 4.0;
   const BlockFit large = fit_blocks(coarse_steps(steps, kSide));
   if (!large.positions_rule) return local_variance;
   const double of_large = kSide * kSide * large.fit.position_variance;
@@ -331,7 +337,7 @@ ExcessVariance variance_of(Excess&& excess, double overlap) {
 // Equation (H9): over k edges the discrepancy has variance 2 sigma_position^2 + nodes
 // sigma_normal^2 + (sum of sensitivities)^2 bias^2.
 double smooth_bias(const RangeSteps& steps, const WalkFit& noise) {
-  constexpr int kLength = 16;
+  constexpr int kLength = 16;  // [edges]
   Excess excess;
   for_each_walk(steps, kLength, std::max(2, thinning(steps)),
                 [&](const auto& direction, int u, int v, int du, int dv) {
@@ -348,7 +354,7 @@ double smooth_bias(const RangeSteps& steps, const WalkFit& noise) {
 // The change of the bias from pixel to pixel, from what second differences over long walks have in
 // excess of the noise, equation (H8). Lengths that show it best count most.
 double bias_gradient(const RangeSteps& steps, const WalkFit& noise) {
-  constexpr std::array<int, 4> kLengths{8, 16, 32, 64};
+  constexpr std::array<int, 4> kLengths{8, 16, 32, 64};  // [edges]
   std::array<ExcessVariance, kLengths.size()> by_length;
   each(kLengths, [&](std::size_t n, int k) {
     Excess excess;

@@ -8,7 +8,7 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr std::size_t kColumnsAtOnce = 64;
+constexpr std::size_t kColumnsAtOnce = 64;  // Of one piece of work; changes no result.
 
 // What is summed at a pixel, and the weight of that sum.
 struct WeightedSum {

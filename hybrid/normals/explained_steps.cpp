@@ -11,7 +11,7 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr double kDeviations = 3.0;
+constexpr double kDeviations = 3.0;  // Standard deviations; 0.3 % of a Gaussian lies beyond.
 // Cosine of incidence below which a normal explains any step.
 constexpr double kEdgeOn = 0.14;  // The 8 degrees of DiscontinuityOptions::grazing_angle_deg.
 

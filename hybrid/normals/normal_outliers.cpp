@@ -13,12 +13,13 @@ namespace relief::hybrid {
 
 namespace {
 
+// Standard deviations that noise does not reach: 2e-9 of a Gaussian lies beyond.
 constexpr double kDeviations = 6.0;
-constexpr double kPrecision = 0.03;  // [rad] that the mean slope of a window is good to
-constexpr int kSmallest = 2, kLargest = 6;
-constexpr int kRing = 6;  // distance of the windows round about, in half-windows
-constexpr std::size_t kFewest = 5;
-constexpr float kTrusted = 0.25f;  // confidence of ranges that may contradict normals
+constexpr double kPrecision = 0.03;         // [rad] that the mean slope of a window is good to
+constexpr int kSmallest = 2, kLargest = 6;  // half widths of windows [samples]
+constexpr int kRing = 6;                    // distance of the windows round about, in half-windows
+constexpr std::size_t kFewest = 5;          // of the eight windows round about: more than half
+constexpr float kTrusted = 0.25f;           // confidence of ranges that may contradict normals
 
 // Sums over rectangles of a grid in constant time.
 class RectangleSums {
@@ -30,7 +31,7 @@ class RectangleSums {
       for (int u = 0; u < grid.width; ++u)
         sums_(u + 1, v + 1) = sums_(u, v + 1) + value(grid.index(u, v));
     });
-    constexpr std::size_t kColumnsAtOnce = 64;
+    constexpr std::size_t kColumnsAtOnce = 64;  // Of one piece of work; changes no result.
     parallel_for(static_cast<std::size_t>(sums_.width()), kColumnsAtOnce,
                  [&](std::size_t begin, std::size_t end) {
                    for (int v = 1; v < sums_.height(); ++v)

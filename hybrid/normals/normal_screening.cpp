@@ -13,8 +13,8 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr int kRadius = 2;
-constexpr std::size_t kFewest = 5;       // normals that a neighbourhood must have
+constexpr int kRadius = 2;               // of the 5 x 5 neighbourhood [samples]
+constexpr std::size_t kFewest = 5;       // normals of the 25 that there must be
 constexpr float kTypicalToLimit = 6.0f;  // four sigma; the median of |x| is 0.67 sigma
 
 struct Deviation {
@@ -81,7 +81,7 @@ void each_row(const RangeView& view, int stride, const Body& body) {
 // The typical distance of a normal from the median of its neighbourhood, from enough of them to be
 // good to about a percent; 0 for none.
 float typical_distance(const RangeView& view) {
-  constexpr double kEnough = 60000.0;
+  constexpr double kEnough = 60000.0;  // bounds the time
   const int stride =
       std::max(1, static_cast<int>(std::sqrt(static_cast<double>(view.normals.size()) / kEnough)));
   std::vector<std::vector<float>> of_row(static_cast<std::size_t>(view.height()));

@@ -10,8 +10,9 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr int kReach = 3;                  // samples on either side
-constexpr double kDeviations = 5.0;        // of the difference that is called a step
+constexpr int kReach = 3;  // samples on either side
+// Standard deviations of the difference that is called a step: 6e-7 of a Gaussian lies beyond.
+constexpr double kDeviations = 5.0;
 constexpr double kMedianVariance = 0.449;  // of the median of three Gaussian samples
 
 double median(std::array<double, kReach> values, int count) {

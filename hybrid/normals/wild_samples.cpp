@@ -8,8 +8,8 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr double kDeviations = 5.0;
-constexpr int kFewestSteps = 2;
+constexpr double kDeviations = 5.0;  // Standard deviations; 6e-7 of a Gaussian lies beyond.
+constexpr int kFewestSteps = 2;      // One step does not tell which of its samples is wild.
 
 // The steps from one sample to its neighbours, in their standard deviations.
 struct StepCount {

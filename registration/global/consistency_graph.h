@@ -15,7 +15,8 @@ struct ConsistencyOptions {
   double distance_tolerance = 0.0;
   /// Closer ones say nothing of the pose and do not count [unit].
   double least_distance = 0.0;
-  /// Largest difference of cosines between the two normals and the line, and of their volume.
+  /// Largest difference of cosines between the two normals and the line, and of their volume: 12
+  /// degrees across the line, (R13).
   double angle_tolerance = 0.2;
 };
 

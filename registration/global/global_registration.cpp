@@ -15,7 +15,7 @@ namespace relief::registration {
 
 namespace {
 
-constexpr std::size_t kSearchInFull = 300;  // Pairs.
+constexpr std::size_t kSearchInFull = 300;  // Pairs of 25 views; bounds the time.
 
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
@@ -100,7 +100,7 @@ class GlobalRegistration {
     options.association = options_.association;
     VerificationThresholds limits = options_.limits;
     limits.max_coherent_rms = std::max(limits.max_coherent_rms, grouping_.confirmed_coherent_rms);
-    constexpr std::size_t kAtOnce = 8;
+    constexpr std::size_t kAtOnce = 8;  // Pairs side by side, between looks at go_on().
     for (std::size_t begin = 0; begin < pairs.size(); begin += kAtOnce) {
       if (!go_on(fraction, "comparing views")) return false;
       const std::size_t count = std::min(kAtOnce, pairs.size() - begin);

@@ -17,7 +17,8 @@ struct GlobalRegistrationOptions {
   /// Two ways of joining views are told apart when the weaker has less than this part of the
   /// support of the stronger; in (0, 1].
   double ambiguity = 0.5;
-  /// Pairs of views that are searched, per view, at most; > 0. Small sets are searched in full.
+  /// Pairs of views that are searched, per view, at most; > 0. Bounds the time. Small sets are
+  /// searched in full.
   int pairs_per_view = 12;
 };
 

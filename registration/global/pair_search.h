@@ -28,8 +28,10 @@ struct PoseHypothesis {
 
 struct PairSearchOptions {
   Association association = Association::kAuto;
-  int seeds = 60;      ///< Sets of consistent matches that are looked at, at most; > 0.
-  int candidates = 8;  ///< Poses that ICP refines, at most; > 0.
+  /// Sets of consistent matches that are looked at, at most; > 0. Bounds the time.
+  int seeds = 60;
+  /// Poses that ICP refines, at most; > 0. Bounds the time.
+  int candidates = 8;
 };
 
 /// Relative poses of two views without any guess, refined by ICP and judged, the best overlap

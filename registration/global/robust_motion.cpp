@@ -8,7 +8,7 @@ namespace relief::registration {
 namespace {
 
 constexpr double kSharpening = 1.6;  // Per step: the paper's 1.4 finds the same, later.
-constexpr int kMostSteps = 60;
+constexpr int kMostSteps = 60;       // They sharpen by 1e12: enough to decide all weights.
 
 // The weight of a residual while the loss is still rounded by `mu` (Yang et al. 2020, equation 14).
 double rounded_weight(double squared, double squared_tolerance, double mu) {

@@ -16,8 +16,8 @@ namespace relief::registration {
 
 namespace {
 
-constexpr double kSamePlaceRadii = 0.15;   // Poses nearer than this are one, over a view's radius.
-constexpr double kCountingOverlap = 0.05;  // Pairs below say little.
+constexpr double kSamePlaceRadii = 0.15;   // Poses nearer than this are one [radii of a view].
+constexpr double kCountingOverlap = 0.05;  // Fraction of the samples; pairs below say little.
 
 using Motions = std::vector<RigidMotion>;
 

@@ -20,6 +20,8 @@ struct PoseLink {
   bool ambiguous = false;
 };
 
+/// With these numbers `relief_coarse_runs` places no view of 200 difficult scenes wrongly
+/// (docs/results.md, Global registration).
 struct ViewGroupOptions {
   VerificationThresholds limits;
   /// Links that share less count only when loops of three confirm them; in (0, 1].

@@ -12,6 +12,7 @@ namespace relief::registration {
 
 namespace {
 
+// Samples that are tried before what they found is counted.
 constexpr std::size_t kBatch = 512;
 // The smallest standard deviation taken for true [sample spacings]: exact data has none.
 constexpr double kLeastSigma = 1e-3;

@@ -15,8 +15,8 @@ namespace relief::registration {
 
 namespace {
 
-constexpr double kSearchRadii = 0.2;
-// Correspondences that tell the deviation of a direction to a few percent.
+constexpr double kSearchRadii = 0.2;  // [radii of the smaller view]
+// Correspondences that tell the deviation of a direction to 4 percent (1.17 / sqrt(n)).
 constexpr int kDeviationSamples = 1000;
 
 struct Matches {

@@ -17,12 +17,13 @@ namespace relief::registration {
 namespace {
 
 constexpr double kLeastSigma = 1e-3;  // [rad]; normals stored in 16 bits are no better.
-constexpr double kMaxSigmas = 4.0;
-// Standard deviations by which the agreement of gradients must exceed chance.
+constexpr double kMaxSigmas = 4.0;    // Standard deviations; 6e-5 of a Gaussian lies beyond.
+// Standard deviations by which the agreement of gradients must exceed chance: 3e-7 of a Gaussian
+// does.
 constexpr double kSignificant = 5.0;
 constexpr double kLeastCorrelation = 0.3;
 
-constexpr double kNearlySliding = 16.0;  // Stiffnesses are squared slopes.
+constexpr double kNearlySliding = 16.0;  // Squares of slopes: four times the slope.
 constexpr int kPatch = 32;               // [pixels]
 // Cells that enter one value and its derivatives to equal parts.
 constexpr double kCellsOfAMatch = 4.0;

@@ -6,7 +6,8 @@
 
 namespace relief::registration {
 
-/// Turns the median absolute value of Gaussian numbers of mean zero into their standard deviation.
+/// Turns the median absolute value of Gaussian numbers of mean zero into their standard deviation:
+/// 1 / Phi^-1(3/4).
 inline constexpr double kSigmaPerMedian = 1.4826;
 
 /// The value at `fraction` in [0, 1] of the sorted values; 0 for none. Reorders its copy only.
@@ -32,7 +33,7 @@ inline double cauchy_weight(double residual, double c) {
 }
 
 /// Where the Cauchy loss turns from quadratic to logarithmic [standard deviations]; 2.385 keeps 95
-/// % of the efficiency of least squares on Gaussian residuals.
+/// % of the efficiency of least squares on Gaussian residuals (Holland and Welsch 1977).
 inline constexpr double kCauchyScale = 2.385;
 
 }  // namespace relief::registration

@@ -8,10 +8,11 @@ namespace relief::registration {
 
 namespace {
 
-// A coarse level need not converge further than to this fraction of its search distance.
+// A coarse level need not converge further than to this fraction of its search distance. Bounds the
+// time, as do the next two: the last steps use more samples and determine the precision.
 constexpr double kCoarseTolerance = 0.02;
 constexpr int kFewestCorrespondences = 200;
-constexpr int kHalvings = 2;
+constexpr int kHalvings = 2;  // Of the correspondences, towards the coarsest level.
 
 }  // namespace
 

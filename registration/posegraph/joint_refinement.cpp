@@ -17,15 +17,16 @@ namespace relief::registration {
 
 namespace {
 
-constexpr double kSearchRadii = 0.2;
-// Of all pairs at a time, before the last steps, which use all samples.
+constexpr double kSearchRadii = 0.2;  // [median radii of the views]
+// Of all pairs at a time, before the last steps, which use all samples. Bounds the memory.
 constexpr std::size_t kMostCorrespondences = 250'000;
-// Of one direction of a pair, where many pairs are solved for together, and where one is judged.
+// Of one direction of a pair, where many pairs are solved for together, and where one is judged:
+// 40 and 120 residuals a pair, for six unknowns.
 constexpr int kFewestTogether = 20, kFewestAlone = 60;
 // All pairs of hundreds of views would get so few each, and still need gigabytes. The last steps,
 // which keep nothing for a residual, use all.
 constexpr int kMostPairsOfAView = 24;
-// The last steps are precise enough to stop at less than the levels before them.
+// The last steps are precise enough to stop at less than the levels before them [tolerances].
 constexpr double kFinalTolerance = 0.5;
 // Residuals of all pairs together in the last step: some ten seconds of processor time.
 constexpr std::size_t kMostLastResiduals = 50'000'000;

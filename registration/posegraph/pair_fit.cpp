@@ -10,7 +10,8 @@ namespace relief::registration {
 
 namespace {
 
-// Pairs that share fewer samples or less of the views than this are thin.
+// Pairs that share fewer samples or less of the views than this are thin. Only their status in
+// reports depends on it.
 constexpr double kThinSamples = 200.0;
 constexpr double kThinOverlap = 0.1;
 

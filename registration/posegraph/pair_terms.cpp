@@ -13,7 +13,8 @@ namespace relief::registration {
 
 namespace {
 
-// Directions of the matrix that are weaker than the strongest by this are rounding.
+// Directions of the matrix that are weaker than the strongest by this are rounding: 45 times the
+// spacing of double precision, 2.2e-16.
 constexpr double kLeastEigenvalue = 1e-14;
 
 // c^2 sum of log(1 + s / c^2) over squared residuals s.

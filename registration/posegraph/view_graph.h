@@ -25,6 +25,7 @@ inline std::size_t target_of(const std::vector<ViewPair>& pairs, std::size_t i) 
 
 struct ViewGraphOptions {
   double max_distance = 0.0;  ///< Between corresponding points at the present poses [unit]; > 0.
+  /// Between corresponding normals [deg]; keeps the two sides of thin sheets apart.
   double max_normal_angle_deg = 40.0;
   double min_overlap = 0.04;     ///< Pairs that share less are left out; in (0, 1].
   int min_correspondences = 50;  ///< So are pairs that share fewer samples than this.

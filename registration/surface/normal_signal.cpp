@@ -14,7 +14,7 @@ namespace {
 
 // Of the four cells that a coarser one covers.
 constexpr int kLeastCells = 3;
-constexpr int kMostLevels = 5;
+constexpr int kMostLevels = 5;  // Cells of the coarsest are 16 pixels wide.
 
 Grid<Eigen::Vector3f> halved(const Grid<Eigen::Vector3f>& fine) {
   Grid<Eigen::Vector3f> coarse(fine.width() / 2, fine.height() / 2,

@@ -12,7 +12,7 @@ namespace relief::registration {
 
 /// A unit normal in six bytes, good to 3e-5 rad, and two bytes for whoever keeps it.
 struct PackedNormal {
-  static constexpr double kUnit = 32767.0;  ///< The length that stands for 1.
+  static constexpr double kUnit = 32767.0;  ///< The length that stands for 1: 2^15 - 1.
 
   std::array<std::int16_t, 3> components{};  ///< All zero: there is no normal.
   std::uint16_t note = 0;

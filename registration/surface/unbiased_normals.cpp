@@ -10,10 +10,11 @@ namespace relief::registration {
 
 namespace {
 
-constexpr int kLeastRadius = 4;
+constexpr int kLeastRadius = 4;  // [pixels]
+// [pixels] It averages noise of one spacing to less than the next: sqrt(2) / 49^1.5 = 0.0041.
 constexpr int kLargestRadius = 24;
 constexpr double kWantedSlopeNoise = 0.0044;  // [rad], a quarter of a degree
-constexpr double kLeastFilling = 0.25;        // Of the window, by edges in either direction.
+constexpr double kLeastFilling = 0.25;  // Fraction of the window, by edges in either direction.
 
 // What the edges of a window in one grid direction sum up to: how far the positions rise out of
 // the planes of the normals, the steps themselves, and their number.

@@ -12,9 +12,10 @@ namespace relief::registration {
 
 namespace {
 
-// Normals that the noise is measured at: it need not be looked for everywhere.
+// Normals that the noise is measured at: it need not be looked for everywhere. 5000 tell it to 2 %
+// (1.17 / sqrt(n)).
 constexpr double kNoiseNormals = 5000.0;
-constexpr int kMostStride = 8;
+constexpr int kMostStride = 8;  // [pixels]
 
 int stride_for(const RangeView& view) {
   const double step = std::sqrt(static_cast<double>(view.sample_count()) / kNoiseNormals);

@@ -21,21 +21,25 @@ namespace relief::registration {
 
 namespace {
 
-constexpr double kWantedNormalNoise = 0.035;  // [rad], two degrees
-constexpr int kSmallestNormalRadius = 2, kLargestNormalRadius = 5;
+// The largest window is the smallest where noise of one spacing leaves less (slope_noise() is 0.029
+// at 5 and 0.043 at 4).
+constexpr double kWantedNormalNoise = 0.035;                        // [rad], two degrees
+constexpr int kSmallestNormalRadius = 2, kLargestNormalRadius = 5;  // [pixels]
 // Rounded ranges make terraces. A window as wide as this many steps of the range sees several of
-// them on all but nearly frontal surfaces.
+// them on all but nearly frontal surfaces. [steps], [pixels]
 constexpr double kTerraces = 1.5;
 constexpr int kLargestTerraceRadius = 8;
 // Noise of more than this part of a step dithers the rounding: its errors are white then, and are
-// in the noise already.
+// in the noise already. Means of rounded ranges err by exp(-2 pi^2 / 4) / pi = 0.002 steps at most.
 constexpr double kDither = 0.5;
-// Gaps are bridged where more of the samples than this lie beside one.
+// Gaps are bridged where more of the samples than this lie beside one. Fewer mean that one in a
+// hundred is bridged. Two pixels round each take 24 % of the samples at most: less than
+// kLostToGaps.
 constexpr double kFewBesideGaps = 0.04;
 // That is, if the gaps would otherwise take so large a part of the samples: gaps that the shape
 // makes at creases and edges are better left open.
 constexpr double kLostToGaps = 0.5;
-constexpr int kBlankReach = 2;  // [pixels]
+constexpr int kBlankReach = 2;  // [pixels] of (R15)
 
 // Sorts indices by the upper half of what they scatter to, without a random generator.
 void scatter(std::vector<std::uint32_t>& indices) {

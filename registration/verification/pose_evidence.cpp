@@ -13,8 +13,9 @@ namespace relief::registration {
 
 namespace {
 
+// Samples of a view; bounds the time. A fraction of 0.02 is told to 0.006.
 constexpr std::size_t kProbes = 500;
-constexpr double kRoughCosine = 0.8;  // Of normals that may belong together.
+constexpr double kRoughCosine = 0.8;  // Of normals that may belong together, 37 degrees.
 
 // Signed distance of each probe from what the target sees there, and its normal's cosine.
 struct Sighting {
@@ -60,12 +61,12 @@ double directed_agreement(const ViewSurface& source, const ViewSurface& target,
 
 // The band of distances in which residuals should agree: beyond the reach of the sensor's noise,
 // whose samples share it over a few pixels.
-constexpr double kNoiseReach = 5.0;       // [sample spacings]
-constexpr double kCoherenceRadii = 0.1;   // Over the smaller view's radius,
+constexpr double kNoiseReach = 5.0;       // [sample spacings], (R10)
+constexpr double kCoherenceRadii = 0.1;   // Over the smaller view's radius, (R10),
 constexpr double kCoherenceReach = 10.0;  // but at least as many sample spacings.
 constexpr double kStrays = 0.005;         // Part of a view's samples that may be anywhere,
 constexpr double kLost = 0.02;            // and that the other sensor may have lost.
-constexpr double kFacing = 0.6;           // Cosine at which a sensor should see a surface.
+constexpr double kFacing = 0.6;           // Cosine at which a sensor should see a surface, (R15).
 
 // What the line of sight from the target to samples of the source tells, as fractions of them.
 struct SightLines {

@@ -12,8 +12,10 @@ namespace relief::registration {
 
 namespace {
 
-constexpr double kCountingOverlap = 0.05;  // Pairs that share less say little of their fit.
+// Fraction of the samples. Pairs that share less say little of their fit.
+constexpr double kCountingOverlap = 0.05;
 // Pairs of a view whose fit is judged, the largest overlaps first: more confirm nothing new.
+// Bounds the time.
 constexpr int kJudgedPairsOfAView = 6;
 // A pair that deviates by so many times the median of all is uncommon.
 constexpr double kUncommon = 2.0;
@@ -23,7 +25,7 @@ constexpr double kWidest = 5.0;
 // A calibration is made to the noise of its sensor: its errors are hardly more than twice that.
 constexpr double kWarpDeviations = 2.0;
 // Stray samples, flying pixels and moving parts stand in space seen empty at right poses as well:
-// of the samples that can be compared, fewer than these.
+// of the samples that can be compared, fewer than these. [fraction]
 constexpr double kStrays = 0.1;
 constexpr double kFewestStrays = 0.01;  // Of all samples of a view.
 

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kLargestSpeck = 9;  // samples that noise alone cuts off
 constexpr double kReach = 3.0;            // from the background, of what belongs to it [tolerances]
 constexpr double kPlane = 1.0;            // RMS error of a background that is a plane [tolerances]
-constexpr double kOnPlane = 0.9;          // of the samples of a gap
+constexpr double kOnPlane = 0.9;          // fraction of the samples of a gap
 constexpr int kMargin = 8;                // round a gap [pixels], doubled until
 constexpr std::size_t kFewestPoints = 200;  // are in it
 

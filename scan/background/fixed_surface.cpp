@@ -12,7 +12,7 @@ namespace relief {
 namespace {
 
 constexpr std::size_t kFewestViews = 3;   // that measure the same depth
-constexpr double kSmallestPiece = 0.002;  // of the image
+constexpr double kSmallestPiece = 0.002;  // fraction of the image's pixels
 const float kNoDepth = static_cast<float>(kNoSample);
 
 // The depths of all views at a pixel, the farthest first.

@@ -11,8 +11,9 @@ namespace relief {
 
 namespace {
 
-constexpr std::size_t kProbes = 3000;    // samples of a set that are carried into other views
-constexpr std::size_t kOtherViews = 16;  // at most, for each sample
+// Samples of a set that are carried into other views; bounds the time. Fractions are told to 0.009.
+constexpr std::size_t kProbes = 3000;
+constexpr std::size_t kOtherViews = 16;  // at most, for each sample; bounds the time
 constexpr double kFar = 0.1;             // of the radius of what moves
 constexpr double kEdgeOfImage = 0.02;    // part of the moving pixels that may lie beyond a side
 
@@ -65,7 +66,7 @@ enum class Sight { kNothing, kSame, kThrough };
 // Whether a view has a sample at a point of its frame, give or take `far` in all directions, or
 // sees through it.
 Sight look_at(const RangeView& view, const Eigen::Vector3d& point, double far) {
-  constexpr int kSteps = 3;  // to each side
+  constexpr int kSteps = 3;  // to each side; bounds the time
   const auto pixel = view.camera.project(point);
   if (!pixel) return Sight::kNothing;
   const int u = static_cast<int>(std::lround(pixel->x()));
@@ -99,7 +100,7 @@ CarriedSamples test_poses(const std::vector<RangeView>& views, const DepthStack&
   const auto add = [](CarriedSamples a, const CarriedSamples& b) {
     return CarriedSamples{a.confirmed + b.confirmed, a.refuted + b.refuted};
   };
-  constexpr std::size_t kAtOnce = 128;
+  constexpr std::size_t kAtOnce = 128;  // Of one piece of work; changes no result.
   std::vector<CarriedSamples> parts((probes.size() + kAtOnce - 1) / kAtOnce);
   parallel_for(probes.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
     CarriedSamples& part = parts[begin / kAtOnce];
@@ -165,7 +166,7 @@ int sides_beyond(const Extent& piece, const Extent& moving) {
 
 // A moving sample with others round about: single ones are noise.
 bool moves(const Grid<SampleKind>& kinds, int u, int v) {
-  constexpr int kFewest = 4;
+  constexpr int kFewest = 4;  // Of the eight round about: half.
   if (!kinds.contains(u, v) || kinds(u, v) != SampleKind::kMoving) return false;
   int others = -1;
   for (int dv = -1; dv <= 1; ++dv)

@@ -16,13 +16,15 @@ namespace relief {
 namespace {
 
 constexpr std::size_t kFewestViews = 3;
-constexpr double kLeastPart = 0.01;  // of the samples: less does not stand or move
+constexpr double kLeastPart = 0.01;  // fraction of the samples: less does not stand or move
 constexpr double kRefuted = 0.5;     // share of refuted samples of a background
 constexpr double kConfirmed = 0.2;   // and of what the poses describe
+// fraction of the pixels between both that no occlusion edge parts
 constexpr double kMostAttached = 0.05;
-constexpr int kSidesBeyond = 3;
-constexpr std::array<float, 4> kTolerances = {1.0f, 2.0f, 4.0f, 8.0f};  // of the stack's
-constexpr double kCovered = 0.99;                                       // of the largest background
+constexpr int kSidesBeyond = 3;  // of the four sides of the image
+// [tolerances of the stack]: noise that neighbours share does not show in its estimate
+constexpr std::array<float, 4> kTolerances = {1.0f, 2.0f, 4.0f, 8.0f};
+constexpr double kCovered = 0.99;  // fraction of the largest background
 
 enum class Verdict { kObject, kBackground, kUndecided };
 

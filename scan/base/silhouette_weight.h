@@ -8,7 +8,7 @@ namespace relief {
 /// it grows over `ramp` [pixels] up to 1 and is never zero. Samples beside a silhouette are the
 /// least accurate: the spot of the sensor lies on both sides (Turk and Levoy 1994).
 inline double silhouette_weight(double border, double ramp) {
-  constexpr double kLeast = 0.1;  // [pixels]
+  constexpr double kLeast = 0.1;  // [pixels]; keeps the weight positive.
   return std::min(1.0, (border + kLeast) / (ramp + kLeast));
 }
 

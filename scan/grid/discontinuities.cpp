@@ -55,7 +55,7 @@ double step_noise(const Grid<float>& steps, int du, int dv) {
   return 1.4826 * median(differences) / std::numbers::sqrt3;
 }
 
-// So many standard deviations of a step are noise.
+// So many standard deviations of a step are noise; 6e-5 of a Gaussian lies beyond.
 constexpr double kNoiseDeviations = 4.0;
 
 // What steps between neighbours the sensor's errors explain.
@@ -127,7 +127,7 @@ class StepJudge {
   // Rounded slopes come as steps of changing size: their mean explains one that it differs from by
   // no more than errors.
   bool follows_trend(int u, int v, int side, double step, const StepErrors::At& error) const {
-    constexpr int kReach = 3;
+    constexpr int kReach = 3;  // [steps]
     double sum = 0.0;
     for (int k = 1; k <= kReach; ++k) {
       const int at_u = u + side * k * du_, at_v = v + side * k * dv_;

@@ -177,7 +177,7 @@ class Filling {
 
 // Whether most pixels around have samples: where most have none a gap is no gap.
 bool mostly_samples(const RangeView& measured, int u, int v) {
-  constexpr int kReach = 2;
+  constexpr int kReach = 2;  // Of the 5 x 5 pixels around.
   int samples = 0, pixels = 0;
   for (int y = v - kReach; y <= v + kReach; ++y) {
     for (int x = u - kReach; x <= u + kReach; ++x) {

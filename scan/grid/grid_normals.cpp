@@ -144,7 +144,8 @@ class RowOfWindows {
 // rounding makes it, as of collinear points.
 std::optional<Eigen::Vector3d> least_direction(const Eigen::Matrix3d& c) {
   // Newton's method from 0 on det(C - x I), which falls and is convex up to its least root. The
-  // trigonometric solution costs several times as much.
+  // trigonometric solution costs several times as much. A double root halves the error each step:
+  // 30 leave 1e-9.
   constexpr int kMostSteps = 30;
   const double trace = c.trace();
   const double minors = c(0, 0) * c(1, 1) - c(0, 1) * c(0, 1) + c(0, 0) * c(2, 2) -

@@ -16,7 +16,8 @@ namespace relief {
 namespace {
 
 // The view is cut into tiles of one noise each: some thirty along the longer side, but none so
-// small that its noise is not known to about a tenth.
+// small that its noise is not known to about a tenth: 16 x 16 and 24 x 24 differences tell it to
+// 0.13 and 0.09 (see kLogVariance), 30 to 0.4.
 constexpr int kTilesAlong = 32;
 constexpr int kLeastTile = 16;  // [samples]
 constexpr int kAlongTile = 24;  // At most so many differences along the side of a tile are used.
@@ -32,7 +33,7 @@ constexpr double kLogVariance = 4.5;
 // of the logarithm: less changes no weight that matters.
 constexpr double kLeastSpread = 0.1;
 
-// Squares that show less than this part of what lines do are blind.
+// Squares that show less than this part of what lines do are blind [ratio of standard deviations].
 constexpr double kSeesNothing = 0.2;
 
 // A difference of samples that a smooth surface does not show, scaled to the standard deviation of
@@ -41,7 +42,7 @@ constexpr double kSeesNothing = 0.2;
 enum class Stencil { kSquare, kAlongRows, kAlongColumns };
 
 double square_difference(const RangeView& view, int u, int v) {
-  constexpr std::array<double, 3> kSecond{1.0, -2.0, 1.0};
+  constexpr std::array<double, 3> kSecond{1.0, -2.0, 1.0};  // The second difference.
   double sum = 0.0;
   for (int dv = 0; dv < 3; ++dv)
     for (int du = 0; du < 3; ++du)
@@ -59,7 +60,9 @@ double line_difference(const RangeView& view, int u, int v, int du, int dv) {
 // of what lies within two standard deviations. Starts low, to withstand many outliers, but above
 // the zeros of rounded ranges.
 double core_sigma(std::vector<float>& values) {
-  constexpr double kCut = 2.0, kKeptMoment = 0.77374;  // E[z^2 | |z| < 2], z Gaussian
+  // [standard deviations], E[z^2 | |z| < 2] of a Gaussian z
+  constexpr double kCut = 2.0, kKeptMoment = 0.77374;
+  // q and Phi^-1((1 + q) / 2)
   constexpr std::array<std::pair<double, double>, 4> kQuantiles{
       {{0.10, 0.12566}, {0.25, 0.31864}, {0.50, 0.67449}, {0.90, 1.64485}}};
   double sigma = 0.0;

@@ -13,7 +13,7 @@ namespace relief {
 
 namespace {
 
-// Differences of the noise between parts of a view that are worth a word.
+// Ratio of the noise of parts of a view that is worth a word. It changes texts only.
 constexpr double kWorthAWord = 1.3;
 
 std::string number(double value, const char* format = "%.3g") {

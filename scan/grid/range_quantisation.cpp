@@ -12,14 +12,15 @@ namespace relief {
 
 namespace {
 
-// Differences along each direction that the step is looked for in.
+// Differences along each direction that the step is looked for in. Bounds the time.
 constexpr double kEnough = 4000.0;
 constexpr std::size_t kFewest = 40;
 
 // Errors of a difference of two numbers rounded to single precision, per size of these.
 constexpr double kRounding = 4.0 * std::numeric_limits<float>::epsilon();
 
-// A difference is a multiple when it is off by no more than this part of the step.
+// A difference is a multiple when it is off by no more than this part of the step. By chance a
+// fifth of all is, and is subtracted.
 constexpr double kOffLattice = 0.1;
 // Nor is one whose own error exceeds this part of the step of any use.
 constexpr double kMostError = 0.2;
@@ -117,6 +118,7 @@ struct Step {
 
 // The largest step that the differences are multiples of; of size 0 for none.
 Step find_step(const Differences& differences) {
+  // Of the differences, each of which may be one step: those of many steps are above.
   constexpr std::array<double, 7> kQuantiles{0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4};
   std::vector<double> nonzero;
   for (const auto& along : differences)

@@ -9,9 +9,10 @@
 namespace relief {
 
 struct SmallGapOptions {
-  /// Most pixels without a sample between two samples of one row or column; >= 1.
+  /// Most pixels without a sample between two samples of one row or column; >= 1 [pixels].
   int widest = 3;
-  /// A surface may rise by this much along the ray per unit of lateral distance; > 0.
+  /// A surface may rise by this much along the ray per unit of lateral distance; > 0. 2 is
+  /// 63 degrees.
   double steepest = 2.0;
   /// Standard deviation of the ranges along the rays [unit]: so much more may the ends of a gap
   /// differ. 0: exact ranges.

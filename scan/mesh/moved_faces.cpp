@@ -19,7 +19,7 @@ namespace {
 // Thinner faces, against their longest side, would not survive in files of single precision.
 constexpr double kLeastThickness = 1e-5;
 
-// Of more than this part of all faces it takes less time to search the whole mesh.
+// Of more than this part of all faces (its inverse) it takes less time to search the whole mesh.
 constexpr std::size_t kMany = 20;
 
 // Cells of a coarse lattice that boxes meet.

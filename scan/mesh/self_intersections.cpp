@@ -13,7 +13,7 @@ namespace {
 
 using FacePair = std::array<std::uint32_t, 2>;
 
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kGrain = 1024;  // Faces of one range.
 // After so many ranges the search looks whether it has enough: a fixed number, so that the pairs
 // found do not depend on the threads.
 constexpr std::size_t kRangesAtOnce = 64;

@@ -12,9 +12,9 @@ namespace relief {
 
 namespace {
 
-constexpr std::uint32_t kLeafSize = 4;
+constexpr std::uint32_t kLeafSize = 4;  // [faces]; bounds the time.
 
-constexpr std::size_t kFacesAtOnce = 4096;
+constexpr std::size_t kFacesAtOnce = 4096;  // Of one piece of work.
 // Of the faces, which are sorted side by side.
 constexpr std::size_t kParts = 16;
 

@@ -14,7 +14,8 @@ struct FeatureMatch {
 };
 
 struct FeatureMatchOptions {
-  int keys = 400;  ///< Points of each view that are looked for in the other, evenly spread; > 0.
+  /// Points of each view that are looked for in the other, evenly spread; > 0. Bounds the time.
+  int keys = 400;
   int candidates = 3;  ///< Most similar points that are taken for each; > 0.
   /// For a view with itself: the points of its columns, and how far apart matched ones are at least
   /// [unit].

@@ -11,7 +11,7 @@ namespace relief::registration {
 
 namespace {
 
-constexpr int kBins = 11;            // Per angle.
+constexpr int kBins = 11;            // Per angle, as in PCL's FPFHSignature33.
 constexpr int kNumbers = 3 * kBins;  // Per radius.
 
 using Histogram = Eigen::Matrix<float, kNumbers, 1>;

@@ -10,9 +10,10 @@ namespace relief::registration {
 
 namespace {
 
-constexpr Eigen::Index kWords = 160;
+constexpr Eigen::Index kWords = 160;  // Kinds of features.
+// Bounds the time: 75 for each word.
 constexpr Eigen::Index kTrainingFeatures = 12000;
-constexpr int kRounds = 8;
+constexpr int kRounds = 8;  // Of k-means; bounds the time.
 
 // For each feature the word closest to it.
 std::vector<Eigen::Index> closest_words(const LocalFeatures& features, const LocalFeatures& words) {

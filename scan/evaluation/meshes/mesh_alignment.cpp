@@ -21,7 +21,8 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
-constexpr std::size_t kGrain = 512;
+constexpr std::size_t kGrain = 512;  // Points of one piece of work; changes no result.
+// Bounds of the time: many short fits of few points, and longer ones from the best of them.
 constexpr int kStarts = 96, kStartsKept = 4;
 constexpr std::size_t kFewSamples = 300;
 constexpr int kFewRounds = 12, kMostRounds = 100;

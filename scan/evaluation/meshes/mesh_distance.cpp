@@ -14,7 +14,7 @@ namespace relief::evaluation {
 
 namespace {
 
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kGrain = 1024;  // Points of one piece of work; changes no result.
 
 Result<void> check(const TriangleMesh& mesh, const std::string& which) {
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)

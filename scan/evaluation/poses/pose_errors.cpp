@@ -71,7 +71,7 @@ RigidMotion weighted_common_motion(const std::vector<PosedView>& views,
 RigidMotion common_motion(const std::vector<PosedView>& views, bool robust) {
   std::vector<double> weights(views.size(), 1.0);
   RigidMotion motion = weighted_common_motion(views, weights);
-  constexpr int kRounds = 50;
+  constexpr int kRounds = 50;  // Bounds the time.
   for (int round = 0; robust && round < kRounds; ++round) {
     double largest = 0.0;
     for (std::size_t i = 0; i < views.size(); ++i) {

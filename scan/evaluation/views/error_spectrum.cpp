@@ -14,12 +14,13 @@ namespace {
 
 using Tile = Eigen::MatrixXcd;
 
-constexpr int kSmallestTile = 16, kLargestTile = 512;
+constexpr int kSmallestTile = 16, kLargestTile = 512;  // [samples]
 constexpr int kBandsPerOctave = 4;
 constexpr int kBands = 40;  // down to 2^(-9.5), below one cycle in the largest tile
-// The cycles that a band should have in a tile, for the window to blur it little, and must have.
+// The cycles that a band should have in a tile, for the window to blur it little, and must have:
+// the main lobe of a Hann window ends at two.
 constexpr double kGoodCycles = 8.0, kFewestCycles = 2.0;
-constexpr double kLeastCoverage = 0.25;
+constexpr double kLeastCoverage = 0.25;  // Fraction of the samples that tiles must cover.
 
 // Band 0 ends at sqrt(1/2), the corner of the square of frequencies.
 double band_high(int band) { return std::exp2(-0.5 - static_cast<double>(band) / kBandsPerOctave); }
@@ -96,7 +97,7 @@ void fill_missing(Tile& tile) {
     for (Eigen::Index u = 0; u < tile.rows(); ++u)
       if (missing(tile(u, v))) absent.emplace_back(u, v);
   for (const auto& [u, v] : absent) tile(u, v) = 0.0;
-  constexpr int kRelaxations = 30;
+  constexpr int kRelaxations = 30;  // Bounds the time.
   for (int round = 0; round < kRelaxations && !absent.empty(); ++round) {
     for (const auto& [u, v] : absent) {
       std::complex<double> sum = 0.0;
@@ -223,6 +224,7 @@ ErrorSpectrum TileSpectra::spectrum() const {
 
 std::optional<double> crossing_frequency(const ErrorSpectrum& noisy_high,
                                          const ErrorSpectrum& noisy_low) {
+  // [cycles per sample] Beyond it central differences fade: they show sin(2 pi f) / (2 pi f).
   constexpr double kHighest = 0.25;
   std::optional<double> previous_frequency, previous_ratio;
   for (const SpectrumBand& high : noisy_high.bands) {

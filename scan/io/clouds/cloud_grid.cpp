@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kLeastPoints = 12;
 constexpr double kSameSurface = 3.0;      // [spacings] along the ray
 constexpr int kNearerNeighbours = 6;      // Of 8: then a point shows through a gap.
-constexpr double kAgainstNormals = -0.2;  // Mean slope of outlines.
+constexpr double kAgainstNormals = -0.2;  // Mean slope of outlines [unit per unit].
 constexpr double kManyHidden = 0.2;       // Fraction of points that is worth a warning.
 constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
 

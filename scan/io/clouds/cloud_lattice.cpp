@@ -13,12 +13,13 @@ namespace relief {
 
 namespace {
 
-constexpr std::size_t kQueries = 4000;   // Points whose neighbours are looked at.
+constexpr std::size_t kQueries = 4000;   // Points whose neighbours are looked at; bounds the time.
 constexpr std::size_t kNeighbours = 20;  // Enough for steps that differ by a factor of 4.
-constexpr double kSector = 0.5;          // Tangent of the half angle around an axis.
-constexpr double kInRows = 0.2;          // Agreement of the neighbours' directions.
+constexpr double kSector = 0.5;          // Tangent of the half angle around an axis, 27 degrees.
+constexpr double kInRows = 0.2;          // Agreement of the neighbours' directions, in [0, 1].
+// Bounds of the memory.
 constexpr double kPlacesPerPoint = 64.0, kFewPlaces = 2.5e5;
-constexpr double kMostSide = 65536.0;
+constexpr double kMostSide = 65536.0;  // [places], as of images.
 
 using Displacements = std::vector<std::vector<Eigen::Vector2d>>;
 

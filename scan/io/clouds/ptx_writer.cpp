@@ -8,8 +8,8 @@ namespace relief {
 
 namespace {
 
-constexpr double kNoIntensity = 0.5;  // What scanner programs write where there is none.
-constexpr std::size_t kPointBytes = 60;
+constexpr double kNoIntensity = 0.5;     // What scanner programs write where there is none.
+constexpr std::size_t kPointBytes = 60;  // Of text, that memory is reserved for.
 
 // The shortest text that reads back as the same number.
 void append_ptx_number(std::string& text, double value) {

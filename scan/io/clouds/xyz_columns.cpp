@@ -12,7 +12,7 @@ namespace relief {
 namespace {
 
 constexpr double kUnitLength = 0.02;  // Largest deviation of a normal's length from 1.
-constexpr double kNearlyAll = 0.95;   // Of the rows, that must have such a normal.
+constexpr double kNearlyAll = 0.95;   // Fraction of the rows that must have such a normal.
 
 bool separates(char c) {
   return c == ' ' || c == '\t' || c == ',' || c == ';' || c == '\r' || c == '\f' || c == '\v';

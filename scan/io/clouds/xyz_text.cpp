@@ -14,7 +14,7 @@ namespace relief {
 namespace {
 
 constexpr std::size_t kMostColumns = 64;
-constexpr double kLevels = 255.0;
+constexpr double kLevels = 255.0;  // The largest value of a byte.
 
 std::string_view without_comment_mark(std::string_view line) {
   while (!line.empty() && (line.front() == '#' || line.front() == '/')) line.remove_prefix(1);

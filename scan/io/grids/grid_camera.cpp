@@ -15,7 +15,7 @@ namespace relief {
 
 namespace {
 
-constexpr double kGoodProjectionPixels = 0.5;  // RMS up to which a projection is of use
+constexpr double kGoodProjectionPixels = 0.5;  // RMS: more names the pixel beside
 constexpr double kOnRay = 1e-3;                // of the sample spacing
 // The residual of a spherical camera over that of the other models: 1.5, as between those (see
 // fit_camera), for each of two coordinates, rounded down.

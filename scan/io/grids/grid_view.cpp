@@ -9,8 +9,8 @@ namespace relief {
 
 namespace {
 
-constexpr double kUnitQuaternion = 1e-3;
-constexpr double kRounding = 3e-7;  // of the length of a unit vector of 32-bit floats
+constexpr double kUnitQuaternion = 1e-3;  // the largest deviation of its length that is rounding
+constexpr double kRounding = 3e-7;        // of the length of a unit vector of 32-bit floats
 
 std::string size_text(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);

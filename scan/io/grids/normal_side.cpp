@@ -14,8 +14,8 @@ namespace relief {
 
 namespace {
 
-constexpr int kRadius = 3;
-constexpr double kMostWindows = 2000.0;
+constexpr int kRadius = 3;                // of windows [pixels]
+constexpr double kMostWindows = 2000.0;   // bounds the time
 constexpr double kClearlyCloser = 0.035;  // [rad], 2 deg between two median angles
 
 struct Window {

@@ -8,7 +8,8 @@ namespace relief {
 
 namespace {
 
-constexpr std::size_t kMaxSide = 1u << 16;
+// Bounds of the memory.
+constexpr std::size_t kMaxSide = 1u << 16;  // [pixels]
 constexpr std::size_t kMaxPixels = 1u << 28;
 // Masks of the largest cameras have as many in a few kilobytes.
 constexpr std::size_t kPixelsOfAnyFile = 1u << 26;

@@ -45,7 +45,7 @@ int distance_to_usual(const NormalEvidence& view, const NormalConvention& conven
 // Of `left`, the one nearest to the usual ones; of equally near ones that which agrees best.
 std::size_t nearest(const NormalEvidence& view, const std::vector<std::size_t>& left,
                     const ConventionScores& scores) {
-  constexpr double kRounding = 1e-9;
+  constexpr double kRounding = 1e-9;  // What rounding may make disagreements differ by.
   const auto& all = all_conventions(view.kind);
   std::size_t best = left.front();
   for (const std::size_t c : left) {

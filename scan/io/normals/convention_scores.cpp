@@ -11,11 +11,11 @@ namespace relief {
 
 namespace {
 
-constexpr double kMostParts = 64.0;  // of a view
-constexpr double kFewestParts = 8.0;
-constexpr double kDeviations = 5.0;  // of a mean over the parts, until it is no chance
-constexpr double kLeastGain = 0.02;  // mean gain of a loss in [0, 1] that matters
-constexpr double kAgreeing = 0.75;   // of the parts must say the same
+constexpr double kMostParts = 64.0;   // of a view, which is cut into squares
+constexpr double kFewestParts = 8.0;  // that can be compared
+constexpr double kDeviations = 5.0;   // of a mean over the parts: 6e-7 of a Gaussian lies beyond
+constexpr double kLeastGain = 0.02;   // mean gain of a loss in [0, 1] that matters
+constexpr double kAgreeing = 0.75;    // fraction of the parts that must say the same
 
 // 0 up to the angle that bias and noise explain, 1 from twice the bias above it.
 double direction_loss(double angle, double stddev) {

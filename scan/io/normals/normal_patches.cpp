@@ -17,10 +17,10 @@ namespace relief {
 
 namespace {
 
-constexpr int kSmallestRadius = 3, kLargestRadius = 12;
+constexpr int kSmallestRadius = 3, kLargestRadius = 12;  // [pixels]
 constexpr double kGoodNormal = 0.035;  // [rad] that a patch's normal should be good to
-constexpr int kMostPatches = 4000;
-constexpr double kCoherent = 0.7;  // mean length below which directions have no common one
+constexpr int kMostPatches = 4000;     // bounds the time
+constexpr double kCoherent = 0.7;      // mean length below which directions have no common one
 
 // Fits planes to the samples of a window that are connected to its middle inside it.
 class WindowFit {

@@ -73,7 +73,7 @@ std::vector<std::string_view> words_of(std::string_view line, std::size_t limit)
 
 std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
                                                 const Eigen::Vector3d& t) {
-  constexpr double kRounding = 1e-3;
+  constexpr double kRounding = 1e-3;  // Of a unit length, in texts of few digits.
   if (!t.allFinite() || !(std::abs(q.norm() - 1.0) < kRounding)) return std::nullopt;
   RigidMotion motion = RigidMotion::Identity();
   motion.linear() = q.normalized().toRotationMatrix();

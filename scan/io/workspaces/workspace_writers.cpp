@@ -72,7 +72,7 @@ Result<void> check_file_names(const std::vector<RangeView>& views, const fs::pat
 }
 
 Result<std::string> colmap_cameras(const std::vector<RangeView>& views, const fs::path& folder) {
-  constexpr double kColmapPixelCentre = 0.5;
+  constexpr double kColmapPixelCentre = 0.5;  // [pixels]; relief's is 0.
   std::string text = "# CAMERA_ID MODEL WIDTH HEIGHT fx fy cx cy\n";
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Camera& camera = views[i].camera;

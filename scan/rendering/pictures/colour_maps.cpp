@@ -10,7 +10,7 @@ namespace relief::rendering {
 
 namespace {
 
-constexpr int kSteps = 256;
+constexpr int kSteps = 256;  // Values of a byte.
 
 // Every thirty-second colour of viridis.
 constexpr std::array<Colour, 9> kViridis{{{68, 1, 84},

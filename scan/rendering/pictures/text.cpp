@@ -14,8 +14,8 @@ namespace relief::rendering {
 
 namespace {
 
-constexpr int kFontSize = 15, kDotsPerInch = 72;
-constexpr int kBaseline = 17;  // Below the top of the line [pixels].
+constexpr int kFontSize = 15, kDotsPerInch = 72;  // Points are pixels at 72.
+constexpr int kBaseline = 17;                     // Below the top of the line [pixels].
 
 // The opacity of every pixel of a text, with the font that VTK brings along. Its origin is at the
 // left end of the baseline, its rows go up.

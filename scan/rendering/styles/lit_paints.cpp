@@ -10,8 +10,9 @@ namespace relief::rendering {
 namespace {
 
 const LinearColour kClay(0.80, 0.78, 0.74), kBack(0.42, 0.20, 0.11);
-constexpr double kAmbient = 0.03;
+constexpr double kAmbient = 0.03;  // Fraction of the light.
 // Of accessibility: bytes are in proportion to what is open, so grooves stand out.
+// sRGB is near to the inverse.
 constexpr double kGamma = 2.2;
 
 const LinearColour& matter(const VisiblePoint& point) { return point.back ? kBack : kClay; }

@@ -24,8 +24,9 @@ std::uint8_t byte_of(double light) {
   return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(s, 0.0, 1.0)));
 }
 
+// Azimuth and elevation [deg].
 constexpr LightDirection kFrontLight{-25.0, 30.0}, kGrazingLight{-65.0, 30.0};
-constexpr double kFrontFill = 0.25, kGrazingFill = 0.02;
+constexpr double kFrontFill = 0.25, kGrazingFill = 0.02;  // Fraction of the light.
 
 // What a style needs, as an error says it.
 struct Need {

@@ -11,7 +11,8 @@ namespace relief::rendering {
 namespace {
 
 constexpr Colour kMeasured{205, 205, 200}, kFilled{235, 130, 30}, kUnknown{150, 150, 150};
-// Of the values, below the end of the bar: few large errors would make all others look alike.
+// Fraction of the values below the end of the bar: few large errors would make all others look
+// alike.
 constexpr double kShown = 0.95;
 
 std::string with_unit(const std::string& title, const std::string& unit) {

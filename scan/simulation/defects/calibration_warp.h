@@ -16,7 +16,7 @@ class CalibrationWarp {
   double at(double x, double y) const;
 
  private:
-  static constexpr int kDegree = 3;
+  static constexpr int kDegree = 3;  // Of (S9).
   std::array<double, (kDegree + 1) * (kDegree + 1)> coefficients_{};
 };
 

@@ -14,7 +14,7 @@ namespace relief::simulation {
 
 namespace {
 
-constexpr double kCorrelation = 3.0;  // [pixels]
+constexpr double kCorrelation = 3.0;  // [pixels], of g in (S18)
 
 std::vector<Eigen::Vector3d> lamp_directions(const Glare& glare) {
   std::vector<Eigen::Vector3d> lamps;

@@ -152,6 +152,7 @@ T chirp(const Direction<T>& d) {
   const T s = elliptic(d, kBack, 0.42, 0.66);
   if (value_of(s) >= 1.0) return T(0.0);
   const T shape = 1.0 - smooth_step(0.65, 1.0, s);
+  // [radii of 40 mm]: the longest wave is 8 mm.
   constexpr double kTop = 0.6, kHeight = 1.2, kLongest = 8.0 / 40.0;
   const T shrink = exp((kTop - d.z) * (std::numbers::ln10 / kHeight));  // 1 at the top, then to 10
   const T phase = shrink * (2.0 * std::numbers::pi / kLongest * kHeight / std::numbers::ln10);
@@ -174,7 +175,7 @@ T toes(const Direction<T>& d) {
 template <typename T>
 T pits(const Direction<T>& d) {
   static const Eigen::Vector3d kNape = Eigen::Vector3d(0.0, 0.62, 0.78).normalized();
-  constexpr double kRow = 0.36, kRadius = 0.018;
+  constexpr double kRow = 0.36, kRadius = 0.018;  // [radii of 40 mm]: pits of 1.4 mm.
   const T rho2 = chord_squared(d, kNape);
   if (std::abs(value_of(rho2) - square(kRow)) > 2.1 * kRow * kRadius) return T(0.0);
   static const std::array<Eigen::Vector3d, 24> kPits = [] {

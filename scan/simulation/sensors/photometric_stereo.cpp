@@ -16,7 +16,7 @@ namespace relief::simulation {
 
 namespace {
 
-constexpr int kMostLights = 64;
+constexpr int kMostLights = 64;  // Bounds the memory of a pixel.
 // One number per light, without allocation.
 using PerLight = Eigen::Array<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostLights, 1>;
 

@@ -26,7 +26,7 @@ double upper_quantile(double probability) {
 
 // 0 to 1 across the level; half of the width on either side.
 double soft_step(double value, double level) {
-  constexpr double kWidth = 0.1;
+  constexpr double kWidth = 0.1;  // Of the field's values.
   const double x = std::clamp((value - level) / kWidth + 0.5, 0.0, 1.0);
   return x * x * (3.0 - 2.0 * x);
 }

@@ -50,12 +50,16 @@ struct RefineOptions {
   std::optional<double> smoothing_scale;
 
   /// Rounds of reweighting that follow the plain least-squares solve; 0: no robust loss, and no
-  /// replacement of single wild normals either.
+  /// replacement of single wild normals either. They end when the samples settle: after 3 on the
+  /// built-in object (docs/results.md, Refining one view, by size).
   int robust_rounds = 5;
 
   Solver solver = Solver::kMultigrid;
-  double tolerance = 1e-6;   ///< Error of the displacements by the solver, relative.
-  int max_iterations = 500;  ///< Of conjugate gradients, per solve.
+  /// Error of the displacements by the solver, relative: as close to the direct solver's.
+  double tolerance = 1e-6;
+  /// Of conjugate gradients, per solve. The hardest masks take 113 (docs/results.md, Steps of the
+  /// solver).
+  int max_iterations = 500;
   /// Find the standard deviation of every refined sample, from simulated errors that the seed of
   /// the context chooses.
   bool deviation = true;

@@ -16,10 +16,11 @@ struct ViewSurfaceOptions {
   int normal_radius = 0;
   /// Samples nearer than this [pixels] to a silhouette, an occlusion edge or the border of the grid
   /// are not used to search and to judge by: they are the least accurate, and there overlap ends.
-  /// >= 1.
+  /// With 1 normals near them are too uncertain to judge poses by. >= 1.
   int boundary_margin = 2;
-  /// The same for the last steps of refining poses, which want all that is of any use. >= 1; no
-  /// effect from boundary_margin up.
+  /// The same for the last steps of refining poses, which want all that is of any use: 1 is
+  /// measured to be better than 2 (docs/results.md, Samples near boundaries). >= 1; no effect from
+  /// boundary_margin up.
   int final_margin = 1;
   /// Keep the view's normal map, freed of its smooth bias, as a signal to align by.
   bool normal_signal = true;
@@ -46,7 +47,8 @@ struct StartingPoseOptions {
   bool search = true;
   Association association = Association::kAuto;
   /// Two views are linked by shape when they share at least this fraction of their samples; in (0,
-  /// 1].
+  /// 1]. With it and the next `relief_coarse_runs` places no view wrongly (docs/results.md, Global
+  /// registration).
   double min_overlap = 0.15;
   /// At most this fraction of the samples that can be compared may lie in front of what the other
   /// view saw; in [0, 1].
@@ -55,7 +57,8 @@ struct StartingPoseOptions {
 
 struct JointRefinementOptions {
   Association association = Association::kAuto;
-  /// Correspondences per direction of a pair at the finest level; >= 6.
+  /// Correspondences per direction of a pair at the finest level; >= 6. Bounds the time; the last
+  /// steps use final_samples.
   int correspondences = 1500;
   /// Levels from coarse (few correspondences, wide search) to fine; >= 1.
   int levels = 3;
@@ -65,13 +68,15 @@ struct JointRefinementOptions {
   /// Samples per direction of a pair, at most, of the last steps, which determine the precision;
   /// 0: all.
   int final_samples = 0;
-  double max_normal_angle_deg = 40.0;  ///< Between corresponding normals.
-  double min_overlap = 0.04;           ///< Pairs of views that share less are not used; (0, 1].
-  int min_correspondences = 50;        ///< So are pairs that share fewer samples; >= 6.
+  /// Between corresponding normals [deg]; keeps the two sides of thin sheets apart.
+  double max_normal_angle_deg = 40.0;
+  double min_overlap = 0.04;     ///< Pairs of views that share less are not used; (0, 1].
+  int min_correspondences = 50;  ///< So are pairs that share fewer samples; >= 6.
   /// Poses stand still when renewing the correspondences moves no sample by more than this [sample
-  /// spacings].
+  /// spacings]. Poses err by about as much (docs/results.md, Poses against the least error
+  /// possible).
   double tolerance = 0.01;
-  int max_iterations = 40;  ///< Renewals of the correspondences, per level.
+  int max_iterations = 40;  ///< Renewals of the correspondences, per level; bounds the time.
 };
 
 struct AlignOptions {

@@ -21,22 +21,23 @@ enum class IcpObjective {
 struct IcpOptions {
   IcpObjective objective = IcpObjective::kSymmetric;
   Association association = Association::kAuto;
-  /// Correspondences per direction at the finest level; >= 6.
+  /// Correspondences per direction at the finest level; >= 6. Bounds the time.
   int correspondences = 2000;
   /// Samples of either view in the last steps, which determine the precision and give the
-  /// covariance; 0: no such steps. >= 0.
+  /// covariance; 0: no such steps. >= 0. Bounds the time.
   int final_samples = 8000;
   /// Levels from coarse (few correspondences, wide search) to fine; >= 1.
   int levels = 3;
   /// How far apart corresponding points may be at first [unit]. 0: a fifth of the smaller view's
   /// radius.
   double search_distance = 0.0;
-  double max_normal_angle_deg = 40.0;  ///< Between corresponding normals.
+  /// Between corresponding normals [deg]; keeps the two sides of thin sheets apart.
+  double max_normal_angle_deg = 40.0;
   /// Align the normal maps too, (R7), where both views have them.
   bool normal_maps = true;
   /// Stop when an iteration moves no point of the source by more than this [sample spacings].
   double tolerance = 0.005;
-  int max_iterations = 40;       ///< Per level.
+  int max_iterations = 40;       ///< Per level; bounds the time.
   int min_correspondences = 30;  ///< Both directions together; fewer mean no overlap. >= 6.
 };
 

@@ -181,7 +181,7 @@ Result<void> add_view_of_image(const ColmapSource& source, const ColmapImage& im
 
 void add_list_note(const std::string& what, const std::vector<std::string>& names,
                    std::vector<std::string>& notes) {
-  constexpr std::size_t kShown = 20;
+  constexpr std::size_t kShown = 20;  // Names in one note.
   if (names.empty()) return;
   std::string note = what;
   for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i)

@@ -210,7 +210,7 @@ Result<RgbdFrames> folder_frames(const fs::path& folder) {
 }  // namespace
 
 std::string first_bytes(const fs::path& path) {
-  constexpr std::size_t kFirstBytes = 1 << 14;
+  constexpr std::size_t kFirstBytes = 1 << 14;  // Bounds the time.
   std::ifstream file(path, std::ios::binary);
   std::string text(kFirstBytes, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));

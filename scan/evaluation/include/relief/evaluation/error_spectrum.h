@@ -45,6 +45,7 @@ struct ErrorSpectrum {
 /// it is filled in smoothly.
 class TileSpectra {
  public:
+  /// White noise is right to about twice this (docs/evaluation.md, Spectra of errors).
   static constexpr double kMostMissing = 1.0 / 32.0;
 
   /// Accumulates the tiles of one grid.

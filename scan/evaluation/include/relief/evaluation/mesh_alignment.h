@@ -10,7 +10,8 @@
 namespace relief::evaluation {
 
 struct MeshAlignmentOptions {
-  std::size_t samples = 20000;  ///< Points of the result in the final fit, >= 100.
+  /// Points of the result in the final fit, >= 100. Bounds the time.
+  std::size_t samples = 20000;
   /// Also try starts all over the rotations, with the centroids in one place, not only the
   /// identity: for results whose frame is any other. Costs some seconds.
   bool any_start = true;

@@ -13,7 +13,8 @@
 namespace relief::evaluation {
 
 struct MeshDistanceOptions {
-  std::size_t samples = 200000;  ///< Points on each of the two meshes, >= 1.
+  /// Points on each of the two meshes, >= 1. Bounds the time; fractions are told to 0.1 %.
+  std::size_t samples = 200000;
   /// Distances of the F-score [unit]. Empty: 0.25, 0.5, 1 and 2 times `spacing`.
   std::vector<double> thresholds;
   /// The sample spacing of the scans [unit]; 0: the median edge length of the true mesh.

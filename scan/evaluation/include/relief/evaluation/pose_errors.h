@@ -16,7 +16,7 @@ struct PoseErrorOptions {
   /// Fit the common motion to the sum over views of their displacements rather than of the squares:
   /// a few views that are far off then hardly move it, and only they are found wrong.
   bool robust = false;
-  /// At most so many samples of each view, evenly picked, stand for it. >= 3.
+  /// At most so many samples of each view, evenly picked, stand for it. >= 3. Bounds the time.
   std::size_t samples_per_view = 20000;
 };
 

@@ -9,6 +9,7 @@ namespace relief::simulation {
 
 /// A flat plate behind the object that stands still before the sensor while the object turns, such
 /// as a wall or the bed of a turntable's stand. It fills the image, is white and diffuse.
+/// The defaults are choices; docs/results.md has figures with them.
 struct BackgroundPlate {
   /// From the object's centre to the plate along the sensor's axis, at the working distance
   /// [diameters]; the plate lies outside of the object's sphere: distance x cos(tilt) > 0.5.

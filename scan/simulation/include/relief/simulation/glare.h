@@ -6,7 +6,8 @@
 namespace relief::simulation {
 
 /// Highlights of lamps that stand still before the sensor, on an object that is glossy all over.
-/// They wander over the object from view to view and spoil range and normals.
+/// They wander over the object from view to view and spoil range and normals. The defaults
+/// are choices; docs/results.md has figures with them.
 struct Glare {
   int lamps = 2;                 ///< Evenly on a cone round the viewing axis, in [1, 64].
   double lamp_angle_deg = 30.0;  ///< Between the lamps and the viewing axis, in (0, 90).

@@ -11,7 +11,8 @@ namespace relief::simulation {
 
 /// A camera that measures normals from the shading under several distant lights (Woodham 1980): it
 /// reads the brightness of each pixel under one light at a time and solves for the normal by least
-/// squares over the lights that are not in shadow.
+/// squares over the lights that are not in shadow. The defaults are choices; docs/results.md has
+/// figures with them.
 struct PhotometricStereo {
   int lights = 8;                 ///< Evenly on a cone round the viewing axis, in [3, 64].
   double light_angle_deg = 35.0;  ///< Between the lights and the viewing axis, in (0, 90).

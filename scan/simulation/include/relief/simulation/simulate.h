@@ -17,6 +17,7 @@
 
 namespace relief::simulation {
 
+/// The defaults are choices that most figures of docs/results.md are measured with.
 struct SimulationOptions {
   int views = 12;                 ///< >= 1.
   int width = 512, height = 512;  ///< Pixels of every view, >= 2.

@@ -8,6 +8,7 @@ namespace relief::simulation {
 /// A camera that measures how long its own light takes to come back (phase of modulated light).
 /// The amplitude of that light, 1 on a white surface that faces the camera at the working
 /// distance, rules its noise: albedo x cosine of the incidence x (working distance / range)^2.
+/// The defaults are choices; docs/results.md has figures with them.
 struct TimeOfFlightCamera {
   /// Standard deviation of the range at amplitude 1 [sample spacings], >= 0.
   double noise = 0.5;
