@@ -16,6 +16,7 @@
 #include "relief/fusion/merge_views.h"
 #include "relief/hybrid/polish_mesh.h"
 #include "relief/io/mesh_io.h"
+#include "relief/scan/threads.h"
 #include "tests/fusion/scenes.h"
 
 namespace relief {

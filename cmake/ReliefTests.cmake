@@ -62,16 +62,42 @@ function(relief_add_suites name files)
   endforeach()
 endfunction()
 
+# The thread sanitizer watches the tests that compare numbers of threads: of the source files with tests, those that have
+# such ones. Tests that read files are left out, and with them the libraries for that.
+function(relief_thread_tests_of files result)
+  set(kept "")
+  foreach(file IN LISTS files)
+    file(READ ${file} text)
+    if(NOT text MATCHES "\nTEST" OR (text MATCHES "\nTEST(_F|_P)?\\([A-Za-z]+, [A-Za-z0-9]*Thread" AND NOT text MATCHES "relief/io|scan/io"))
+      list(APPEND kept ${file})
+    endif()
+  endforeach()
+  set(${result} ${kept} PARENT_SCOPE)
+endfunction()
+
 # relief_test(NAME LIBRARIES ... SOURCES ...): one test program per folder, registered with CTest.
 function(relief_test name)
   cmake_parse_arguments(ARG "" "" "LIBRARIES;SOURCES" ${ARGN})
+  if(RELIEF_SANITIZE MATCHES "thread")
+    relief_thread_tests_of("${ARG_SOURCES}" ARG_SOURCES)
+    if(NOT ARG_SOURCES MATCHES "_test")
+      return()
+    endif()
+  endif()
   add_executable(relief_${name}_tests ${ARG_SOURCES})
   target_link_libraries(relief_${name}_tests PRIVATE ${ARG_LIBRARIES} relief_test_support relief_build_flags
                                                      GTest::gmock GTest::gtest_main)
   if(RELIEF_SANITIZE)
     # Tests spend their time in the libraries; their own code compiles in two thirds of the time like this.
     target_compile_options(relief_${name}_tests PRIVATE -Og)
-    relief_add_suites(${name} "${ARG_SOURCES}")
+    if(RELIEF_SANITIZE MATCHES "thread")
+      list(JOIN RELIEF_UNSANITIZED_TESTS ":" left_out)
+      add_test(NAME ${name}.threads
+        COMMAND relief_${name}_tests "--gtest_filter=*Thread*:ParallelFor.*:RunIn.*-${left_out}")
+      set_tests_properties(${name}.threads PROPERTIES TIMEOUT 1800)
+    else()
+      relief_add_suites(${name} "${ARG_SOURCES}")
+    endif()
   else()
     gtest_discover_tests(relief_${name}_tests DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
   endif()

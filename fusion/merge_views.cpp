@@ -137,8 +137,7 @@ std::unique_ptr<MemoryLimit> limit_of(const Context& context, std::vector<std::s
 }
 
 // All of the zero set. The field, the largest thing there is, is gone afterwards.
-Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views,
-                                    const MergeOptions& options, MergeResult& result,
+Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views, MergeResult& result,
                                     MemoryLimit* memory, const Progress& progress) {
   ClosedFieldOptions field_options;
   field_options.voxel_size = result.voxel_size;
@@ -219,7 +218,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   count_samples(*samplers, result);
   choose_scales(*samplers, options, *deviation > 0.0, result);
 
-  auto mesh = closed_surface(*samplers, options, result, memory.get(), context.progress);
+  auto mesh = closed_surface(*samplers, result, memory.get(), context.progress);
   if (!mesh) return mesh.error();
   result.mesh = std::move(mesh).value();
   release_freed_memory();

@@ -53,8 +53,7 @@ Result<TriangleMesh> read_truth(const RenderFlags& flags) {
   return truth;
 }
 
-Result<RenderModel> read_model(const std::filesystem::path& file, const TriangleMesh& truth,
-                               const RenderFlags& flags) {
+Result<RenderModel> read_model(const std::filesystem::path& file, const TriangleMesh& truth) {
   auto mesh = read_mesh(file);
   if (!mesh) return mesh.error();
   auto scene = MeshScene::of(*std::move(mesh));
@@ -144,7 +143,7 @@ Result<std::vector<RenderModel>> read_models(const std::vector<std::filesystem::
   if (!truth) return truth.error();
   std::vector<RenderModel> models;
   for (const auto& file : files) {
-    auto model = read_model(file, *truth, flags);
+    auto model = read_model(file, *truth);
     if (!model) return model.error();
     models.push_back(*std::move(model));
   }

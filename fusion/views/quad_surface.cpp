@@ -131,7 +131,7 @@ float sample_weight(const RangeView& view, int u, int v, const Eigen::Vector3f& 
 }  // namespace
 
 QuadSurface surface_of(const RangeView& measured, const QuadSurfaceOptions& options) {
-  const FilledView filled = fill_small_gaps(measured, {});
+  const FilledView filled = fill_small_gaps(measured);
   const RangeView& view = filled.view;
   const ConnectedGrid grid = connect_grid(view);
   const auto& [points, edges, border] = grid;

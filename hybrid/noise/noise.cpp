@@ -366,7 +366,7 @@ double bias_gradient(const RangeSteps& steps, const WalkFit& noise) {
           std::sqrt(6.0 * noise.position_variance + d.nodes * noise.normal_variance) / d.area);
     };
     for_each_walk(steps, 2 * k, std::max({k / 4, 2, thinning(steps)}), visit);
-    if (excess.values.size() >= 30) by_length[n] = variance_of(std::move(excess), 16.0, 1);
+    if (excess.values.size() >= 30) by_length[n] = variance_of(std::move(excess), 16.0);
   });
   double sum = 0.0, weights = 0.0;
   for (const ExcessVariance& variance : by_length) {

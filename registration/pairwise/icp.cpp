@@ -10,6 +10,7 @@
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/dense/pose_graph_refinement.h"
+#include "relief/scan/threads.h"
 
 namespace relief::registration {
 

@@ -1,7 +1,6 @@
 #include "scan/base/parallel.h"
 
 #include <algorithm>
-#include <optional>
 #include <stop_token>
 #include <utility>
 
@@ -9,12 +8,8 @@
 #include <malloc.h>
 #endif
 
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include "relief/scan/context.h"
+#include "scan/base/loop_threads.h"
 
 namespace relief {
 
@@ -47,7 +42,7 @@ struct Stopped {};
 
 }  // namespace
 
-int thread_count() { return loop_state.serial ? 1 : tbb::this_task_arena::max_concurrency(); }
+int thread_count() { return loop_state.serial ? 1 : available_threads(); }
 
 void run_on_threads(int threads, const std::function<void()>& work) {
   if (threads <= 0 || threads == thread_count()) return work();
@@ -57,12 +52,7 @@ void run_on_threads(int threads, const std::function<void()>& work) {
     work();
   };
   if (state.serial) return run();
-  // Threads come from one pool for the whole program, which grows beyond the number of cores only
-  // when it is asked to.
-  std::optional<tbb::global_control> more;
-  if (threads > tbb::info::default_concurrency())
-    more.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  tbb::task_arena(threads).execute(run);
+  with_available_threads(threads, run);
 }
 
 bool run_until_stopped(const Context& context, const std::function<void()>& work) {
@@ -96,14 +86,9 @@ void parallel_for(std::size_t count, std::size_t grain,
     for (std::size_t range = 0; range < ranges; ++range) run(range);
     return;
   }
-  const auto run_on_any_thread = [&](std::size_t range) {
+  visit_on_threads(ranges, [&](std::size_t range) {
     const LoopStateScope scope(state);
     run(range);
-  };
-  // Isolated: while a thread waits for the end of a loop inside a body, it must not take up another
-  // range of the loop around it.
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, ranges, run_on_any_thread, tbb::simple_partitioner{});
   });
 }
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
 #include "tests/fusion/scenes.h"
 
 namespace relief::fusion {

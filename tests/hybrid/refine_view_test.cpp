@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 

@@ -15,6 +15,7 @@
 #include "fusion/surface/vertex_attributes.h"
 #include "fusion/tsdf/closed_field.h"
 #include "relief/fusion/merge_views.h"
+#include "relief/scan/threads.h"
 #include "tests/fusion/scenes.h"
 #include "tests/support/temporary_folder.h"
 

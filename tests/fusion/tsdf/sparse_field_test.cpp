@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "fusion/tsdf/obstacle_solver.h"
+#include "relief/scan/threads.h"
 #include "tests/fusion/scenes.h"
 
 namespace relief::fusion {

@@ -12,6 +12,7 @@
 #include "relief/scan/counter_random.h"
 #include "relief/scan/mesh_check.h"
 #include "relief/scan/self_intersections.h"
+#include "relief/scan/threads.h"
 #include "tests/hybrid/mesh_shapes.h"
 
 namespace relief::hybrid {

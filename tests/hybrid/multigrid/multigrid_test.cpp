@@ -7,6 +7,7 @@
 #include "hybrid/multigrid/view_multigrid.h"
 #include "hybrid/solver/view_solver.h"
 #include "relief/hybrid/refine_view.h"
+#include "relief/scan/threads.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 

@@ -13,6 +13,7 @@
 #include "hybrid/noise/surface_average.h"
 #include "relief/hybrid/refine_view.h"
 #include "relief/scan/discontinuities.h"
+#include "relief/scan/threads.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/synthetic_views.h"
 

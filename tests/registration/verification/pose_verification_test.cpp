@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief::registration {

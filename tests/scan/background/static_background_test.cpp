@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief {

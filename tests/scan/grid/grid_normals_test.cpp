@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
 #include "scan/mesh/triangle_overlap.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 

@@ -13,6 +13,7 @@
 #include "registration/posegraph/dense/pair_information.h"
 #include "registration/posegraph/dense/pose_graph_system.h"
 #include "registration/posegraph/joint_refinement.h"
+#include "relief/scan/threads.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief::registration {

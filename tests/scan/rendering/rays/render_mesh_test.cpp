@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
 #include "tests/scan/rendering/shapes.h"
 
 namespace relief::rendering {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
 #include "relief/simulation/simulate.h"
 
 namespace relief::simulation {

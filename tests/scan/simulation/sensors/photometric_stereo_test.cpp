@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
 #include "tests/scan/simulation/sensor_bench.h"
 
 namespace relief::simulation {

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
+
 namespace relief::simulation {
 namespace {
 

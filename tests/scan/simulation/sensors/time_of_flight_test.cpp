@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/scan/threads.h"
 #include "tests/scan/simulation/sensor_bench.h"
 
 namespace relief::simulation {

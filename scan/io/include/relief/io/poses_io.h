@@ -1,18 +1,12 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <vector>
 
+#include "relief/scan/named_pose.h"
 #include "relief/scan/result.h"
-#include "relief/scan/rigid_motion.h"
 
 namespace relief {
-
-struct NamedPose {
-  std::string name;
-  RigidMotion world_from_view = RigidMotion::Identity();
-};
 
 /// Reads the poses of a JSON file whose `views` each have `name` and `world_from_view`: a
 /// scan.json, the truth.json of a simulation, or the `align` section of a report. Other keys are

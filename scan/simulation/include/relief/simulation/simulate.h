@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "relief/io/poses_io.h"
 #include "relief/scan/context.h"
+#include "relief/scan/named_pose.h"
 #include "relief/scan/result.h"
 #include "relief/scan/scan_project.h"
 #include "relief/scan/triangle_mesh.h"
