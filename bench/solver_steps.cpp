@@ -61,7 +61,7 @@ hybrid::ViewWeights weights_of(const hybrid::ViewProblem& problem, const Lengths
 }
 
 int steps_for(const hybrid::ViewProblem& problem, const Lengths& lengths, double jumps) {
-  const auto solver = hybrid::make_view_solver(problem, true, hybrid::Solver::kMultigrid, 0);
+  const auto solver = hybrid::make_view_solver(problem, true, hybrid::Solver::kMultigrid);
   if (!solver->set_weights(weights_of(problem, lengths, jumps))) std::abort();
   Eigen::VectorXd y = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(problem.size()));
   return solver->minimise(y, hybrid::RefineOptions().tolerance, 500).iterations;

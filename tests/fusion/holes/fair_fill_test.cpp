@@ -41,7 +41,7 @@ Merged merged(const std::vector<RangeView>& views) {
   options.truncation = kTruncation;
   const auto field = compute_closed_field(result.samplers, options, {});
   EXPECT_TRUE(field.ok());
-  result.mesh = extract_isosurface(field->finest(), 1, nullptr);
+  result.mesh = extract_isosurface(field->finest());
   keep_largest_component(result.mesh);
   set_vertex_attributes(result.mesh, result.samplers, {kTruncation, kVoxel, 0.1, nullptr});
   return result;

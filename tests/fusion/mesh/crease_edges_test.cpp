@@ -11,6 +11,7 @@
 
 #include "fusion/surface/isosurface.h"
 #include "relief/scan/mesh_check.h"
+#include "relief/scan/threads.h"
 #include "tests/fusion/scenes.h"
 
 namespace relief::fusion {
@@ -21,7 +22,7 @@ using testing::field_of;
 using testing::SignedDistance;
 
 constexpr double kVoxel = 0.5;
-constexpr CreaseEdgeOptions kOptions{kVoxel, 0.0, 2, nullptr};
+constexpr CreaseEdgeOptions kOptions{kVoxel, 0.0};
 
 // A box that lies askew in its lattice, as a distance in the frame of the mesh.
 SignedDistance tilted_box() {
@@ -36,7 +37,7 @@ TriangleMesh contour_of(const SignedDistance& distance) {
   const SparseField field = field_of(3, [&](const Node& node) {
     return distance(Eigen::Vector3d(1, 2, 3) + kVoxel * node.cast<double>());
   });
-  return extract_isosurface(field, 2);
+  return extract_isosurface(field);
 }
 
 // Root of the mean squared distance of the faces' points from the shape [voxels].
@@ -82,8 +83,10 @@ TEST(CreaseEdges, RunAlongTheEdgesOfABox) {
 
 TEST(CreaseEdges, AreTheSameOnAnyNumberOfThreads) {
   TriangleMesh one = contour_of(tilted_box()), four = one;
-  EXPECT_EQ(align_edges_with_creases(one, {kVoxel, 0.0, 1, nullptr}),
-            align_edges_with_creases(four, {kVoxel, 0.0, 4, nullptr}));
+  const auto align_on = [](int threads, TriangleMesh& mesh) {
+    return on_threads(threads, [&] { return align_edges_with_creases(mesh, {kVoxel, 0.0}); });
+  };
+  EXPECT_EQ(align_on(1, one), align_on(4, four));
   EXPECT_EQ(one.faces, four.faces);
   EXPECT_EQ(one.normals, four.normals);
 }
@@ -110,7 +113,7 @@ TEST(CreaseEdges, LeaveAClosedManifoldWhateverItsShape) {
     std::mt19937 random(seed);
     const SparseField field = field_of(
         3, [&](const Node&) { return static_cast<double>(random() % 2001) / 1000.0 - 1.0; });
-    TriangleMesh mesh = extract_isosurface(field, 1);
+    TriangleMesh mesh = extract_isosurface(field);
     const MeshCheck before = check_mesh(mesh);
     align_edges_with_creases(mesh, kOptions);
     MeshCheckOptions thorough;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "relief/scan/mesh_check.h"
+#include "relief/scan/threads.h"
 #include "tests/fusion/scenes.h"
 
 namespace relief::fusion {
@@ -19,7 +20,7 @@ TEST(Isosurface, OfADistanceIsTheSphere) {
   const Eigen::Vector3d centre(12.2, 11.9, 12.4);
   const SparseField field =
       field_of(3, [&](const Node& n) { return (n.cast<double>() - centre).norm() - 7.7; });
-  const TriangleMesh mesh = extract_isosurface(field, 2);
+  const TriangleMesh mesh = extract_isosurface(field);
   const MeshCheck check = check_mesh(mesh);
   EXPECT_TRUE(check.watertight());
   EXPECT_EQ(check.genus, 0);
@@ -50,7 +51,7 @@ TEST(Isosurface, IsManifoldWhateverTheSignsInTwoNeighbouringCells) {
             along >= 0 && along < 3 && beside >= 0 && beside < 2 && above >= 0 && above < 2;
         return among && (signs >> (along + 3 * beside + 6 * above) & 1) ? -1.0 : 1.0;
       });
-      expect_closed_manifold(extract_isosurface(field, 1),
+      expect_closed_manifold(extract_isosurface(field),
                              "signs " + std::to_string(signs) + ", axis " + std::to_string(axis));
     }
   }
@@ -62,7 +63,7 @@ TEST(Isosurface, OfRandomValuesIsAClosedManifold) {
     const SparseField field = field_of(3, [&](const Node&) {
       return static_cast<double>(random() % 2001) / 1000.0 - 1.0 + 0.1 * (seed % 5);
     });
-    expect_closed_manifold(extract_isosurface(field, 1), "seed " + std::to_string(seed));
+    expect_closed_manifold(extract_isosurface(field), "seed " + std::to_string(seed));
   }
 }
 
@@ -70,7 +71,7 @@ TEST(Isosurface, ThroughLatticeNodesHasNoDegenerateFaces) {
   const SparseField field = field_of(2, [](const Node& n) {
     return static_cast<double>((n - Node(7, 7, 7)).cwiseAbs().sum()) - 4.0;
   });
-  EXPECT_TRUE(check_mesh(extract_isosurface(field, 1)).watertight());
+  EXPECT_TRUE(check_mesh(extract_isosurface(field)).watertight());
 }
 
 // Beside a value ten million times as large the zero is nearer to a node than single precision can
@@ -80,7 +81,7 @@ TEST(Isosurface, OfValuesThatDifferBeyondPrecisionIsAClosedManifold) {
     const SparseField field = field_of(2, [&](const Node& n) {
       return (n.cast<double>() - Eigen::Vector3d(7.3, 7.1, 7.6)).norm() < 4.2 ? -1.0 : outside;
     });
-    const TriangleMesh mesh = extract_isosurface(field, 1);
+    const TriangleMesh mesh = extract_isosurface(field);
     const MeshCheck check = check_mesh(mesh);
     EXPECT_TRUE(check.closed()) << outside;
     EXPECT_TRUE(check.manifold()) << outside;
@@ -94,14 +95,17 @@ TEST(Isosurface, ThreadsDoNotChangeAByte) {
   std::mt19937 random(3);
   const SparseField field =
       field_of(4, [&](const Node&) { return static_cast<double>(random() % 11) - 5.0; });
-  const TriangleMesh a = extract_isosurface(field, 1), b = extract_isosurface(field, 4);
+  const auto extracted_on = [&](int threads) {
+    return on_threads(threads, [&] { return extract_isosurface(field); });
+  };
+  const TriangleMesh a = extracted_on(1), b = extracted_on(4);
   EXPECT_EQ(a.vertices, b.vertices);
   EXPECT_EQ(a.faces, b.faces);
 }
 
 TEST(Isosurface, OfAFieldOfOneSignIsEmpty) {
   const SparseField field = field_of(1, [](const Node&) { return 0.5; });
-  EXPECT_TRUE(extract_isosurface(field, 1).faces.empty());
+  EXPECT_TRUE(extract_isosurface(field).faces.empty());
 }
 
 }  // namespace

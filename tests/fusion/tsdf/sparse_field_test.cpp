@@ -36,7 +36,7 @@ TEST(SparseField, ProlongsLinearFunctionsExactly) {
   fill(coarse, linear);
   SparseField fine({Eigen::Vector3d::Zero(), 1.0}, {key_of({1, 1, 1}), key_of({2, 1, 1})}, &coarse,
                    1e6f);
-  fine.prolong(1e6f, 1);
+  fine.prolong(1e6f);
   for (const Node& n : {Node(9, 8, 15), Node(0, 3, 5), Node(24, 13, 1), Node(37, 36, 35)})
     EXPECT_FLOAT_EQ(fine.value(n),
                     static_cast<float>(0.25 * n.x() - 0.125 * n.y() + 1.0 * n.z() - 3.0));
@@ -61,8 +61,8 @@ TEST(SparseField, ClosesItsZeroSet) {
   SparseField coarse({Eigen::Vector3d::Zero(), 2.0}, cube_of_blocks(4), nullptr, 10.0f);
   fill(coarse, sphere);
   SparseField fine({Eigen::Vector3d::Zero(), 1.0}, {key_of({6, 4, 4})}, &coarse, 10.0f);
-  fine.prolong(10.0f, 2);
-  fine.close_zero_set(10.0f, 2);
+  fine.prolong(10.0f);
+  fine.close_zero_set(10.0f);
   for (std::size_t b = 0; b < fine.block_count(); ++b) {
     for (int i = 0; i < kBlockNodes; ++i) {
       const Node node = fine.first_node(b) + node_at_offset(i);

@@ -50,7 +50,7 @@ class Coarsening : public ::testing::Test {
     problem_.slopes.for_each([&](int axis, std::size_t i) {
       weights_.slope[static_cast<std::size_t>(axis)][i] = uniform(generator);
     });
-    stencil_.set_weights(weights_, 1);
+    stencil_.set_weights(weights_);
   }
 
   Eigen::Index count() const { return static_cast<Eigen::Index>(problem_.size()); }
@@ -164,7 +164,7 @@ TEST_F(Coarsening, TheStencilIsTheMatrixOfTheView) {
 }
 
 TEST_F(Coarsening, GroupsLieInBlocksAndSpanNoOcclusion) {
-  const Aggregates groups = aggregate_pixels(stencil_, 1);
+  const Aggregates groups = aggregate_pixels(stencil_);
   std::map<std::uint32_t, std::set<bool>> sides;
   for (const std::uint32_t i : problem_.pixels) {
     const int u = problem_.grid.u(i), v = problem_.grid.v(i);
@@ -193,8 +193,8 @@ TEST_F(Coarsening, RigidMotionsFollowTheConstraintsFromTheRoot) {
   for (const std::size_t axis : {0, 1})
     for (std::size_t i = 0; i < problem.grid.size(); ++i)
       if (!problem.slopes.exists(static_cast<int>(axis), i)) ones.slope[axis][i] = 0.0f;
-  stencil.set_weights(ones, 1);
-  const Aggregates groups = aggregate_pixels(stencil, 1);
+  stencil.set_weights(ones);
+  const Aggregates groups = aggregate_pixels(stencil);
   int checked = 0;
   problem.slopes.for_each([&](int axis, std::size_t i) {
     const auto ends = problem.slopes.ends(axis, i);
@@ -211,8 +211,8 @@ TEST_F(Coarsening, RigidMotionsFollowTheConstraintsFromTheRoot) {
 }
 
 TEST_F(Coarsening, CoarseMatricesAreGalerkinProducts) {
-  const Aggregates groups = aggregate_pixels(stencil_, 1);
-  const CoarseMatrix coarse = coarsen(stencil_, groups, kDamping, 2);
+  const Aggregates groups = aggregate_pixels(stencil_);
+  const CoarseMatrix coarse = coarsen(stencil_, groups, kDamping);
   Eigen::MatrixXd rigid =
       Eigen::MatrixXd::Zero(3 * count(), static_cast<Eigen::Index>(3 * groups.nodes.size()));
   for (Eigen::Index k = 0; k < count(); ++k) {
@@ -228,7 +228,7 @@ TEST_F(Coarsening, CoarseMatricesAreGalerkinProducts) {
   EXPECT_LT((found - expected).norm(), 1e-6 * expected.norm());
 
   const Aggregates next = aggregate_nodes(groups);
-  const CoarseMatrix coarser = coarsen(coarse, groups.rows, next, kDamping, 2);
+  const CoarseMatrix coarser = coarsen(coarse, groups.rows, next, kDamping);
   const auto nodes = static_cast<Eigen::Index>(groups.nodes.size());
   Eigen::MatrixXd rigid_nodes =
       Eigen::MatrixXd::Zero(3 * nodes, static_cast<Eigen::Index>(3 * next.nodes.size()));
@@ -244,7 +244,7 @@ TEST_F(Coarsening, CoarseMatricesAreGalerkinProducts) {
 }
 
 TEST_F(Coarsening, TheCycleIsSymmetricAndPositive) {
-  Multigrid multigrid(stencil_, 1);
+  Multigrid multigrid(stencil_);
   ASSERT_TRUE(multigrid.usable());
   const auto applied = [&](const Eigen::VectorXd& r) {
     Planes<float> x(problem_.grid.size());

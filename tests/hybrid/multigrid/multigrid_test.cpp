@@ -162,8 +162,8 @@ TEST(Multigrid, NeedsFewStepsWhateverTheMask) {
 
 TEST(Multigrid, OneSetupServesManyRightSides) {
   const ViewProblem problem = problem_of(noisy_view(40));
-  const auto solver = make_view_solver(problem, true, Solver::kMultigrid, 0);
-  const auto reference = make_view_solver(problem, true, Solver::kCholesky, 0);
+  const auto solver = make_view_solver(problem, true, Solver::kMultigrid);
+  const auto reference = make_view_solver(problem, true, Solver::kCholesky);
   const ViewWeights weights = weights_of(problem, {10, 1});
   ASSERT_TRUE(solver->set_weights(weights));
   ASSERT_TRUE(reference->set_weights(weights));

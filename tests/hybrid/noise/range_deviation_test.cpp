@@ -121,7 +121,7 @@ TEST(RangeDeviation, IsThatOfTheEstimatorWorkedOutWithDenseMatrices) {
     for (const bool with_bias : {true, false}) {
       const ViewProblem problem = make_view_problem(view, connect_samples(view), stencil);
       const ViewWeights weights = weights_of(problem);
-      const auto solver = make_view_solver(problem, with_bias, Solver::kCholesky, 1);
+      const auto solver = make_view_solver(problem, with_bias, Solver::kCholesky);
       ASSERT_TRUE(solver->set_weights(weights));
       DeviationOptions options;
       options.probes = 20000;  // good to 0.5 percent each

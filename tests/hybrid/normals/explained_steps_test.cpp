@@ -38,7 +38,7 @@ GridEdges no_edges() {
 TEST(ExplainedSteps, ConnectASurfaceUpToItsRimButNotToTheOneBehind) {
   const RangeView view = ball_before_a_wall();
   GridEdges edges = no_edges();
-  connect_explained_steps(view, 0.1, 2, edges);
+  connect_explained_steps(view, 0.1, edges);
   std::size_t joined = 0, possible = 0;
   for (int v = 0; v < kSide; ++v) {
     for (int u = 0; u + 1 < kSide; ++u) {
@@ -58,11 +58,11 @@ TEST(ExplainedSteps, NeedNormalsThatExplain) {
   RangeView view = ball_before_a_wall();
   for (auto& normal : view.normals) normal = Eigen::Vector3f(0.8f, 0.0f, -0.6f);
   GridEdges edges = no_edges();
-  connect_explained_steps(view, 0.01, 1, edges);
+  connect_explained_steps(view, 0.01, edges);
   EXPECT_LT(count(edges), 2u * kSide * kSide / 2);  // Along v the plane asks for no step.
   view.normals = {};
   edges = no_edges();
-  connect_explained_steps(view, 0.01, 1, edges);
+  connect_explained_steps(view, 0.01, edges);
   EXPECT_EQ(count(edges), 0u);
 }
 
@@ -70,7 +70,7 @@ TEST(ExplainedSteps, KeepOtherEdges) {
   const RangeView view = ball_before_a_wall();
   const GridEdges before = connect_samples(view);
   GridEdges edges = before;
-  connect_explained_steps(view, 0.1, 1, edges);
+  connect_explained_steps(view, 0.1, edges);
   EXPECT_GE(count(edges), count(before));
   for (std::size_t i = 0; i < before.right.size(); ++i) {
     EXPECT_GE(edges.right[i], before.right[i]);

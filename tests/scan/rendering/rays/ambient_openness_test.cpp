@@ -21,7 +21,7 @@ double tolerance(double share, const SkyRays& rays) {
 }
 
 double openness(const TriangleMesh& mesh, const Eigen::Vector3d& point, const SkyRays& rays) {
-  return ambient_openness(*RayCaster::of(mesh, 1), point, kUp, kUp, rays, 7);
+  return ambient_openness(*RayCaster::of(mesh), point, kUp, kUp, rays);
 }
 
 TEST(AmbientOpenness, AFlatPlaneIsFullyOpen) {
@@ -52,7 +52,7 @@ TEST(AmbientOpenness, WhatIsBeyondTheReachDoesNotBlock) {
 
 TEST(AmbientOpenness, FacetsOfAConvexSurfaceDoNotBlockEachOther) {
   const TriangleMesh ball = sphere(1.0, {0, 0, 0}, 4);
-  const auto caster = RayCaster::of(ball, 1);
+  const auto caster = RayCaster::of(ball);
   ASSERT_TRUE(caster);
   for (std::size_t f = 0; f < ball.faces.size(); ++f) {
     const Eigen::Vector3d side = face_cross(ball, f).normalized();
@@ -66,7 +66,7 @@ TEST(AmbientOpenness, FacetsOfAConvexSurfaceDoNotBlockEachOther) {
 }
 
 TEST(AmbientOpenness, DependsOnTheStreamOnly) {
-  const auto caster = RayCaster::of(floor_and_wall(1000.0), 1);
+  const auto caster = RayCaster::of(floor_and_wall(1000.0));
   ASSERT_TRUE(caster);
   const SkyRays rays{.per_side = 4, .reach = 1e9};
   const auto at = [&](std::uint64_t stream) {

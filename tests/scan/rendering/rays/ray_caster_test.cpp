@@ -19,7 +19,7 @@ using testing::sphere;
 
 TEST(RayCaster, HitsWhatTheExactTreeHits) {
   const TriangleMesh mesh = sphere(40.0, {500.0, -300.0, 20.0}, 12);
-  const auto caster = RayCaster::of(mesh, 1);
+  const auto caster = RayCaster::of(mesh);
   ASSERT_TRUE(caster);
   const TriangleTree tree(mesh);
   const CounterRandom random(1, 2);
@@ -46,7 +46,7 @@ TEST(RayCaster, HitsWhatTheExactTreeHits) {
 TEST(RayCaster, NoRaySlipsThroughBetweenFaces) {
   // Rays at vertices and along edges, where a test of single faces would lose some.
   const TriangleMesh mesh = sphere(1.0, {0, 0, 0}, 20);
-  const auto caster = RayCaster::of(mesh, 1);
+  const auto caster = RayCaster::of(mesh);
   ASSERT_TRUE(caster);
   const Eigen::Vector3d eye(0.0, -5.0, 0.3);
   for (const auto& face : mesh.faces) {
@@ -61,7 +61,7 @@ TEST(RayCaster, NoRaySlipsThroughBetweenFaces) {
 }
 
 TEST(RayCaster, LooksForwardFromASensorAndBothWaysAlongALine) {
-  const auto caster = RayCaster::of(plate(1.0), 1);
+  const auto caster = RayCaster::of(plate(1.0));
   ASSERT_TRUE(caster);
   const Ray away{{0.2, 0.3, 5.0}, {0, 0, 2}};
   EXPECT_FALSE(caster->first_hit(away, true));
@@ -73,7 +73,7 @@ TEST(RayCaster, LooksForwardFromASensorAndBothWaysAlongALine) {
 TEST(RayCaster, KeepsAccuracyFarFromTheOrigin) {
   // In floats of the world the sphere would have the shape of a cube.
   const Eigen::Vector3d centre(4e6, -2e6, 1e6);
-  const auto caster = RayCaster::of(sphere(1.0, centre), 1);
+  const auto caster = RayCaster::of(sphere(1.0, centre));
   ASSERT_TRUE(caster);
   const auto hit = caster->first_hit({centre + Eigen::Vector3d(0, 0, 7), {0, 0, -1}}, true);
   ASSERT_TRUE(hit);
@@ -82,7 +82,7 @@ TEST(RayCaster, KeepsAccuracyFarFromTheOrigin) {
 
 TEST(RayCaster, NamesWhatIsWrongWithAMesh) {
   const auto message = [](const TriangleMesh& mesh) {
-    const auto caster = RayCaster::of(mesh, 1);
+    const auto caster = RayCaster::of(mesh);
     return caster ? std::string() : caster.error().message;
   };
   EXPECT_THAT(message({}), HasSubstr("no faces"));
