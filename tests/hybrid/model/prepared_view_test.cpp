@@ -27,7 +27,7 @@ RangeView two_walls() {
 PreparedView with_a_flying_sample(int u, int v) {
   RangeView view = two_walls();
   view.range(u, v) = 86.0;
-  PreparedView prepared = prepare_view(view, {}, 1);
+  PreparedView prepared = prepare_view(view, {});
   EXPECT_EQ(prepared.flying, 1u);
   return prepared;
 }
@@ -48,7 +48,7 @@ TEST(PreparedView, LeavesFlyingSamplesAtTheRimOfANearerSurfaceOpen) {
 TEST(PreparedView, FillsGapsInsideASurface) {
   RangeView view = two_walls();
   view.range(30, 20) = kNoSample;
-  const PreparedView prepared = prepare_view(view, {}, 1);
+  const PreparedView prepared = prepare_view(view, {});
   EXPECT_EQ(prepared.filled, 1u);
   EXPECT_NEAR(prepared.view.range(30, 20), kFar, 0.3);
   EXPECT_TRUE(prepared.edges.connected(30, 20, 1, 0));
@@ -59,7 +59,7 @@ TEST(PreparedView, LeavesGapsBesideOcclusionEdgesOpen) {
   for (const int u : {19, 20}) {
     RangeView view = two_walls();
     view.range(u, 20) = kNoSample;
-    const PreparedView prepared = prepare_view(view, {}, 1);
+    const PreparedView prepared = prepare_view(view, {});
     EXPECT_EQ(prepared.filled, 0u);
     EXPECT_FALSE(prepared.view.has_sample(u, 20));
     for (const int du : {-1, 1}) EXPECT_FALSE(prepared.edges.connected(u, 20, du, 0));

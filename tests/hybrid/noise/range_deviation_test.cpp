@@ -355,7 +355,7 @@ TEST(SurfaceAverage, WeighsByTheDistanceAlongRowsAndColumnsAndCrossesNoCut) {
   RangeView view = plane_view(12);
   for (int v = 0; v < 12; ++v) view.range(7, v) = kNoSample;
   const ViewProblem problem = make_view_problem(view, connect_samples(view), Stencil::kCompactEdge);
-  const SurfaceAverage surface(problem, 2);
+  const SurfaceAverage surface(problem);
   const auto count = static_cast<Eigen::Index>(problem.size());
   Eigen::VectorXf values(count), expected(count), shares(count);
   for (Eigen::Index k = 0; k < count; ++k)
