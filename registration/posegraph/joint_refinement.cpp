@@ -7,9 +7,9 @@
 
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
-#include "registration/posegraph/dense/pose_graph_refinement.h"
 #include "registration/posegraph/joint_solver.h"
 #include "registration/posegraph/pair_matcher.h"
+#include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "registration/posegraph/view_graph.h"
 #include "scan/base/parallel.h"
 
@@ -168,26 +168,39 @@ bool all_finite(const std::vector<RigidMotion>& poses) {
                      [](const RigidMotion& pose) { return pose.matrix().allFinite(); });
 }
 
+// Whether they are finite; sets them.
+bool set_deviations(const PoseCovariance& covariance, JointRefinement& result) {
+  std::vector<RigidTangent> deviations;
+  for (std::size_t i = 0; i < result.pose_std.size(); ++i) {
+    const Matrix6d of_view = covariance.of(i);
+    if (!of_view.allFinite()) return false;
+    deviations.push_back(of_view.diagonal().cwiseMax(0.0).cwiseSqrt());
+  }
+  result.pose_std = std::move(deviations);
+  return true;
+}
+
 // The last steps, with all samples; gives the covariance too.
 void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair>& pairs,
             const SearchLevel& level, const std::vector<bool>& sliding,
             const JointRefinementOptions& options, JointRefinement& result) {
-  PoseGraphRefinementOptions dense;
-  dense.search = search_at(level, pairs.size(), kFewestAlone, options);
-  dense.last_samples = last_samples(options, pairs.size());
-  dense.step_samples = std::min(dense.step_samples, dense.last_samples);
-  dense.tolerance = kFinalTolerance * level.tolerance;
-  dense.threads = options.threads;
+  PoseGraphRefinementOptions last;
+  last.search = search_at(level, pairs.size(), kFewestAlone, options);
+  last.last_samples = last_samples(options, pairs.size());
+  last.step_samples = std::min(last.step_samples, last.last_samples);
+  last.tolerance = kFinalTolerance * level.tolerance;
+  last.threads = options.threads;
   if (std::find(sliding.begin(), sliding.end(), true) != sliding.end()) {
-    const PairMatcher match(surfaces, result.world_from_view, pairs, dense.search,
+    const PairMatcher match(surfaces, result.world_from_view, pairs, last.search,
                             level.signal_level, sliding);
-    dense.normals = parallel_map<NormalMatches>(match.size(), options.threads, [&](std::size_t i) {
+    last.normals = parallel_map<NormalMatches>(match.size(), options.threads, [&](std::size_t i) {
       return match.by_normal_maps(i) ? match(i).normals : NormalMatches();
     });
   }
   auto poses = result.world_from_view;
-  const auto refined = refine_pose_graph(pointers_to(surfaces), pairs, result.held, dense, poses);
-  if (!all_finite(poses) || !refined.covariance.allFinite()) {
+  const auto refined = refine_pose_graph(pointers_to(surfaces), pairs, result.held, last, poses);
+  result.solves.insert(result.solves.end(), refined.solves.begin(), refined.solves.end());
+  if (!refined.solved || !all_finite(poses) || !set_deviations(refined.covariance, result)) {
     result.termination = RefinementTermination::kSolverFailed;
     return;
   }
@@ -197,10 +210,6 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
   if (refined.last_motion > level.tolerance)
     result.termination = RefinementTermination::kIterationLimit;
   result.pose_covariance = refined.covariance;
-  const Eigen::VectorXd variance = refined.covariance.diagonal();
-  for (std::size_t i = 0; i < surfaces.size(); ++i)
-    result.pose_std[i] =
-        variance.segment<6>(static_cast<Eigen::Index>(6 * i)).cwiseMax(0.0).cwiseSqrt();
 }
 
 }  // namespace
@@ -216,8 +225,6 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   result.group = connected_groups(surfaces.size(), {});
   result.held = hold_one_per_group(result.group, roles);
   result.pose_std.assign(surfaces.size(), RigidTangent::Zero());
-  const auto size = static_cast<Eigen::Index>(6 * surfaces.size());
-  result.pose_covariance = Eigen::MatrixXd::Zero(size, size);
   const bool any_samples = std::any_of(surfaces.begin(), surfaces.end(), [](const auto& s) {
     return !s.samples().empty() && s.spacing() > 0.0;
   });
@@ -242,8 +249,9 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
                               levels[l].signal_level, sliding);
       const auto matches = parallel_map<DirectedMatches>(match.size(), options.threads, match);
       const auto before = result.world_from_view;
-      if (solve_poses(surfaces, matches, result.held, solver, result.world_from_view) ==
-          PoseSolution::kFailed) {
+      result.solves.push_back(
+          solve_poses(surfaces, matches, result.held, solver, result.world_from_view));
+      if (result.solves.back().termination == SolverTermination::kFailed) {
         result.termination = RefinementTermination::kSolverFailed;
         return result;
       }
