@@ -27,7 +27,7 @@ std::vector<std::string> pair_table(const registration::Alignment& alignment,
                                 100.0 * pair.overlap, pair.rms, pair.correspondences,
                                 to_string(pair.status), pair.normal_maps ? ", normal maps" : ""));
     for (const registration::DegenerateDirection& direction : pair.degenerate_directions)
-      lines.push_back("    alone leaves free: " + direction.description);
+      lines.push_back("    degenerate direction: " + direction.description);
   }
   return lines;
 }

@@ -83,9 +83,9 @@ CorrespondenceOptions search_at(const SearchLevel& level, std::size_t pairs, int
 
 // Views that all their correspondences together hardly hold, and that have normal maps: geometry
 // that holds a view well needs no help from maps, whose errors are less well known.
-std::vector<bool> sliding_views(const std::vector<ViewSurface>& surfaces,
-                                const std::vector<RigidMotion>& world_from_view,
-                                const std::vector<DirectedMatches>& matches) {
+std::vector<bool> nearly_degenerate_views(const std::vector<ViewSurface>& surfaces,
+                                          const std::vector<RigidMotion>& world_from_view,
+                                          const std::vector<DirectedMatches>& matches) {
   std::vector<std::vector<OrientedPoint>> points(surfaces.size());
   for (const auto& directed : matches) {
     const RigidMotion& pose = world_from_view[directed.target];
@@ -93,18 +93,18 @@ std::vector<bool> sliding_views(const std::vector<ViewSurface>& surfaces,
       for (const std::size_t view : {directed.source, directed.target})
         points[view].push_back({pose * c.target.point, pose.linear() * c.target.normal});
   }
-  std::vector<bool> sliding(surfaces.size());
+  std::vector<bool> nearly_degenerate(surfaces.size());
   for (std::size_t i = 0; i < surfaces.size(); ++i)
-    sliding[i] = surfaces[i].signal_levels() > 0 && !points[i].empty() &&
-                 is_nearly_degenerate(analyse_constraints(points[i]),
-                                      eigenvalue_threshold(surfaces[i].normal_noise()));
-  return sliding;
+    nearly_degenerate[i] = surfaces[i].signal_levels() > 0 && !points[i].empty() &&
+                           is_nearly_degenerate(analyse_constraints(points[i]),
+                                                eigenvalue_threshold(surfaces[i].normal_noise()));
+  return nearly_degenerate;
 }
 
 // How to search, coarse to fine, and for which views by normal maps too.
 struct SearchPlan {
   std::vector<SearchLevel> levels;
-  std::vector<bool> sliding;
+  std::vector<bool> nearly_degenerate;
 };
 
 SearchPlan plan_search(const std::vector<ViewSurface>& surfaces,
@@ -121,10 +121,11 @@ SearchPlan plan_search(const std::vector<ViewSurface>& surfaces,
   const SearchLevel& level = plan.levels.front();
   const PairMatcher match(surfaces, world_from_view, pairs,
                           search_at(level, pairs.size(), kFewestTogether, options),
-                          level.signal_level, plan.sliding);
+                          level.signal_level, plan.nearly_degenerate);
   const auto matches = parallel_map<DirectedMatches>(match.size(), options.threads, match);
-  plan.sliding = sliding_views(surfaces, world_from_view, matches);
-  if (std::find(plan.sliding.begin(), plan.sliding.end(), true) != plan.sliding.end())
+  plan.nearly_degenerate = nearly_degenerate_views(surfaces, world_from_view, matches);
+  if (std::find(plan.nearly_degenerate.begin(), plan.nearly_degenerate.end(), true) !=
+      plan.nearly_degenerate.end())
     plan.levels = levels_for(surfaces, options, signal_levels);
   return plan;
 }
@@ -182,7 +183,7 @@ bool set_deviations(const PoseCovariance& covariance, JointRefinement& result) {
 
 // The last steps, with all samples; gives the covariance too.
 void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair>& pairs,
-            const SearchLevel& level, const std::vector<bool>& sliding,
+            const SearchLevel& level, const std::vector<bool>& nearly_degenerate,
             const JointRefinementOptions& options, JointRefinement& result) {
   PoseGraphRefinementOptions last;
   last.search = search_at(level, pairs.size(), kFewestAlone, options);
@@ -190,9 +191,10 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
   last.step_samples = std::min(last.step_samples, last.last_samples);
   last.tolerance = kFinalTolerance * level.tolerance;
   last.threads = options.threads;
-  if (std::find(sliding.begin(), sliding.end(), true) != sliding.end()) {
+  if (std::find(nearly_degenerate.begin(), nearly_degenerate.end(), true) !=
+      nearly_degenerate.end()) {
     const PairMatcher match(surfaces, result.world_from_view, pairs, last.search,
-                            level.signal_level, sliding);
+                            level.signal_level, nearly_degenerate);
     last.normals = parallel_map<NormalMatches>(match.size(), options.threads, [&](std::size_t i) {
       return match.by_normal_maps(i) ? match(i).normals : NormalMatches();
     });
@@ -230,7 +232,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   });
   if (!any_samples) return result;
 
-  const auto [levels, sliding] = plan_search(surfaces, world_from_view, roles, options);
+  const auto [levels, nearly_degenerate] = plan_search(surfaces, world_from_view, roles, options);
   std::vector<ViewPair> pairs;
   for (std::size_t l = 0; l < levels.size(); ++l) {
     pairs = pairs_at(surfaces, result.world_from_view, roles, levels[l], options);
@@ -246,7 +248,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
         return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
       const PairMatcher match(surfaces, result.world_from_view, strongest,
                               search_at(levels[l], strongest.size(), kFewestTogether, options),
-                              levels[l].signal_level, sliding);
+                              levels[l].signal_level, nearly_degenerate);
       const auto matches = parallel_map<DirectedMatches>(match.size(), options.threads, match);
       const auto before = result.world_from_view;
       result.solves.push_back(
@@ -271,13 +273,13 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   release_freed_memory();  // What solving took; the last steps grow as large.
   if (!report_progress(progress, 0.0, "computing covariances"))
     return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-  finish(surfaces, pairs, levels.back(), sliding, options, result);
+  finish(surfaces, pairs, levels.back(), nearly_degenerate, options, result);
   if (result.termination == RefinementTermination::kSolverFailed) return result;
   const SearchLevel& last = levels.back();
-  describe_fit(
-      PairMatcher(surfaces, result.world_from_view, pairs,
-                  search_at(last, pairs.size(), kFewestAlone, options), last.signal_level, sliding),
-      surfaces, options.threads, result);
+  describe_fit(PairMatcher(surfaces, result.world_from_view, pairs,
+                           search_at(last, pairs.size(), kFewestAlone, options), last.signal_level,
+                           nearly_degenerate),
+               surfaces, options.threads, result);
   return result;
 }
 
