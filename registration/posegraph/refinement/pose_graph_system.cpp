@@ -70,6 +70,7 @@ std::vector<Matrix6d> PoseGraphSystem::information_of_views() const {
 
 // B of (R12). Few views see a patch, so few blocks are not zero.
 SymmetricBlocks PoseGraphSystem::scatter(const ClusterScores& scores) const {
+  const double inflation = variance_inflation(scores);  // Before the entries take their memory.
   SymmetricBlocks sum;
   const auto entries = scores.sorted();
   std::size_t patches = 0;
@@ -84,8 +85,7 @@ SymmetricBlocks PoseGraphSystem::scatter(const ClusterScores& scores) const {
   // The poses were fitted to these scores, which took as many degrees of freedom from them.
   const auto count = static_cast<double>(patches);
   const auto fitted = 6.0 * static_cast<double>(std::count(held_.begin(), held_.end(), false));
-  const double factor =
-      variance_inflation(scores) * std::min(2.0, count / std::max(1.0, count - fitted));
+  const double factor = inflation * std::min(2.0, count / std::max(1.0, count - fitted));
   for (auto& [place, block] : sum) block *= factor;
   for (std::size_t i = 0; i < prior_.size(); ++i) add_block(i, i, prior_[i].asDiagonal(), sum);
   for (const auto& pair : pairs_)
