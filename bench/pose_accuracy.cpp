@@ -77,6 +77,16 @@ RigidTangent error_about(const RigidMotion& estimate, const RigidMotion& truth,
   return error;
 }
 
+Eigen::MatrixXd covariance_but_of_the_first(const registration::PoseCovariance& covariance,
+                                            std::size_t views) {
+  Eigen::MatrixXd all(6 * (views - 1), 6 * (views - 1));
+  for (std::size_t a = 1; a < views; ++a)
+    for (std::size_t b = 1; b < views; ++b)
+      all.block<6, 6>(static_cast<Eigen::Index>(6 * (a - 1)),
+                      static_cast<Eigen::Index>(6 * (b - 1))) = covariance.between(a, b);
+  return all;
+}
+
 struct Sums {
   double bound = 0.0, whitened = 0.0, diagonal = 0.0, displacement = 0.0, seconds = 0.0;
   int iterations = 0;
@@ -109,7 +119,8 @@ void measure_run(const std::vector<RangeView>& truth, const Eigen::MatrixXd& inf
     about_views.segment<6>(row) = error_about(estimate, exact, surfaces[i].centre());
     displacement += about_views.segment<3>(row + 3).norm();
   }
-  const Eigen::MatrixXd covariance = refined->pose_covariance.bottomRightCorner(free, free);
+  const Eigen::MatrixXd covariance =
+      covariance_but_of_the_first(refined->pose_covariance, views.size());
   const auto d = static_cast<double>(free);
   sums.bound += about_centre.dot(information.bottomRightCorner(free, free) * about_centre) / d;
   sums.whitened += about_views.dot(covariance.ldlt().solve(about_views)) / d;

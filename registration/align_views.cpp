@@ -172,8 +172,7 @@ class Aligning {
       view.name = views_[i].name;
       view.world_from_view = refined_.world_from_view[i];
       view.pose_std = refined_.pose_std[i];
-      const auto row = static_cast<Eigen::Index>(6 * i);
-      view.pose_covariance = refined_.pose_covariance.block<6, 6>(row, row);
+      view.pose_covariance = refined_.pose_covariance.of(i);
       view.aligned = starts_.in_main_frame[i] && roles_[i] != ViewRole::kExcluded;
       const bool confirmed =
           verified_.group[i] == main || views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
@@ -190,6 +189,7 @@ class Aligning {
     result.termination = refined_.termination;
     result.iterations = refined_.iterations;
     result.rms = refined_.rms;
+    result.solves = std::move(refined_.solves);
     return result;
   }
 

@@ -27,7 +27,7 @@ std::vector<std::string> pair_table(const registration::Alignment& alignment,
                                 100.0 * pair.overlap, pair.rms, pair.correspondences,
                                 to_string(pair.status), pair.normal_maps ? ", normal maps" : ""));
     for (const registration::DegenerateDirection& direction : pair.degenerate_directions)
-      lines.push_back("    alone leaves free: " + direction.description);
+      lines.push_back("    degenerate direction: " + direction.description);
   }
   return lines;
 }
@@ -75,6 +75,24 @@ Json pair_report(const registration::PairFit& pair, const registration::Alignmen
           {"degenerate_directions", std::move(directions)}};
 }
 
+Json solve_report(const registration::SolverSummary& solve) {
+  return {{"stage", to_string(solve.stage)}, {"termination", to_string(solve.termination)},
+          {"iterations", solve.iterations},  {"initial_cost", solve.initial_cost},
+          {"final_cost", solve.final_cost},  {"message", solve.message},
+          {"seconds", solve.seconds}};
+}
+
+std::string count_solves(const registration::Alignment& alignment) {
+  int iterations = 0;
+  double seconds = 0.0;
+  for (const registration::SolverSummary& solve : alignment.solves) {
+    iterations += solve.iterations;
+    seconds += solve.seconds;
+  }
+  return fmt::format("{} solves for all poses in {} iterations, {:.2f} s", alignment.solves.size(),
+                     iterations, seconds);
+}
+
 std::string verdict_on(const reconstruction::AlignmentGain& gain) {
   switch (gain.verdict) {
     case reconstruction::GainVerdict::kGain:
@@ -96,11 +114,14 @@ Json to_json(const registration::Alignment& alignment) {
                  {"iterations", alignment.iterations},
                  {"rms", alignment.rms},
                  {"views", Json::array()},
-                 {"pairs", Json::array()}};
+                 {"pairs", Json::array()},
+                 {"solves", Json::array()}};
   for (const registration::ViewReport& view : alignment.views)
     report["views"].push_back(view_report(view));
   for (const registration::PairFit& pair : alignment.pairs)
     report["pairs"].push_back(pair_report(pair, alignment));
+  for (const registration::SolverSummary& solve : alignment.solves)
+    report["solves"].push_back(solve_report(solve));
   return report;
 }
 
@@ -120,6 +141,7 @@ void log_alignment(const registration::Alignment& alignment, const std::string& 
   if (!alignment.pairs.empty())
     for (const std::string& line : pair_table(alignment, unit)) log(line);
   Console::info(count_grades(alignment));
+  if (!alignment.solves.empty()) Console::detail(count_solves(alignment));
   if (!alignment.solved())
     Console::warning(
         "the poses are not refined to the end, as their equations are not finite: look for "

@@ -63,7 +63,7 @@ std::vector<DegenerateDirection> degenerate_directions(const ConstraintSpectrum&
                                                        double threshold) {
   const auto count = (spectrum.eigenvalues.array() < threshold).count();
   if (count == 0) return {};
-  // Within the slippable space any basis is as good; the singular vectors of its rotational part
+  // Within the degenerate space any basis is as good; the singular vectors of its rotational part
   // separate the pure translations (singular value 0) from the rest.
   const Eigen::MatrixXd space = spectrum.directions.leftCols(count);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(space.topRows(3), Eigen::ComputeFullV);

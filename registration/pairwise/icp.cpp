@@ -9,7 +9,7 @@
 #include "registration/pairwise/plane_step.h"
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
-#include "registration/posegraph/dense/pose_graph_refinement.h"
+#include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "relief/scan/threads.h"
 
 namespace relief::registration {
@@ -178,29 +178,29 @@ class PairAlignment {
 
   // The last steps of the joint refinement, of two views the second of which is held.
   void finish(const SearchLevel& level) {
-    PoseGraphRefinementOptions dense;
-    dense.search = search_at(level, options_);
-    dense.search.count = std::min(dense.search.count, kDeviationSamples);
-    dense.last_samples = static_cast<std::size_t>(options_.final_samples);
-    dense.step_samples = dense.last_samples / 4 + 1;
-    dense.max_iterations = 1;
-    dense.ignored = result_.degenerate_directions;
+    PoseGraphRefinementOptions last;
+    last.search = search_at(level, options_);
+    last.search.count = std::min(last.search.count, kDeviationSamples);
+    last.last_samples = static_cast<std::size_t>(options_.final_samples);
+    last.step_samples = last.last_samples / 4 + 1;
+    last.max_iterations = 1;
+    last.degenerate_directions = result_.degenerate_directions;
     std::vector<RigidMotion> poses = {result_.target_from_source, RigidMotion::Identity()};
     if (signal_levels_ > 0) {
       for (const bool forward : {true, false}) {
         const ViewSurface &from = forward ? source_ : target_, &to = forward ? target_ : source_;
         const RigidMotion to_from_from = forward ? poses[0] : poses[0].inverse();
         const auto found = find_correspondences(from, to, to_from_from, search_at(level, options_));
-        dense.normals.push_back(match_normals(from, to, to_from_from, found, level.signal_level));
+        last.normals.push_back(match_normals(from, to, to_from_from, found, level.signal_level));
       }
     }
     // Pairs are aligned side by side, so the two directions of one need no threads.
     const auto refined = on_threads(1, [&] {
-      return refine_pose_graph({&source_, &target_}, {{0, 1}}, {false, true}, dense, poses);
+      return refine_pose_graph({&source_, &target_}, {{0, 1}}, {false, true}, last, poses);
     });
     result_.iterations += refined.iterations;
     result_.target_from_source = poses[0];
-    result_.covariance = refined.covariance.topLeftCorner<6, 6>();
+    result_.covariance = refined.covariance.of(0);
     result_.covariance_centre = poses[0] * source_.centre();
   }
 

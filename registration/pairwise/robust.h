@@ -36,4 +36,27 @@ inline double cauchy_weight(double residual, double c) {
 /// % of the efficiency of least squares on Gaussian residuals (Holland and Welsch 1977).
 inline constexpr double kCauchyScale = 2.385;
 
+/// The sum of Cauchy losses c^2 log(1 + s / c^2) over squared residuals s.
+class CauchyLosses {
+ public:
+  explicit CauchyLosses(double scale) : square_(scale * scale) {}
+
+  /// Adds the loss of a squared residual and gives the weight that goes with it.
+  double add(double squared) {
+    const double factor = 1.0 + squared / square_;
+    product_ *= factor;
+    if (product_ > kLargest) {
+      logs_ += std::log(product_);
+      product_ = 1.0;
+    }
+    return 1.0 / factor;
+  }
+
+  double sum() const { return square_ * (logs_ + std::log(product_)); }
+
+ private:
+  static constexpr double kLargest = 1e100;  // One logarithm for many factors.
+  double square_, logs_ = 0.0, product_ = 1.0;
+};
+
 }  // namespace relief::registration

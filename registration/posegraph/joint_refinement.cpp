@@ -7,9 +7,9 @@
 
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
-#include "registration/posegraph/dense/pose_graph_refinement.h"
 #include "registration/posegraph/joint_solver.h"
 #include "registration/posegraph/pair_matcher.h"
+#include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "registration/posegraph/view_graph.h"
 #include "scan/base/parallel.h"
 
@@ -83,9 +83,9 @@ CorrespondenceOptions search_at(const SearchLevel& level, std::size_t pairs, int
 
 // Views that all their correspondences together hardly hold, and that have normal maps: geometry
 // that holds a view well needs no help from maps, whose errors are less well known.
-std::vector<bool> sliding_views(const std::vector<ViewSurface>& surfaces,
-                                const std::vector<RigidMotion>& world_from_view,
-                                const std::vector<DirectedMatches>& matches) {
+std::vector<bool> nearly_degenerate_views(const std::vector<ViewSurface>& surfaces,
+                                          const std::vector<RigidMotion>& world_from_view,
+                                          const std::vector<DirectedMatches>& matches) {
   std::vector<std::vector<OrientedPoint>> points(surfaces.size());
   for (const auto& directed : matches) {
     const RigidMotion& pose = world_from_view[directed.target];
@@ -93,18 +93,18 @@ std::vector<bool> sliding_views(const std::vector<ViewSurface>& surfaces,
       for (const std::size_t view : {directed.source, directed.target})
         points[view].push_back({pose * c.target.point, pose.linear() * c.target.normal});
   }
-  std::vector<bool> sliding(surfaces.size());
+  std::vector<bool> nearly_degenerate(surfaces.size());
   for (std::size_t i = 0; i < surfaces.size(); ++i)
-    sliding[i] = surfaces[i].signal_levels() > 0 && !points[i].empty() &&
-                 is_nearly_degenerate(analyse_constraints(points[i]),
-                                      eigenvalue_threshold(surfaces[i].normal_noise()));
-  return sliding;
+    nearly_degenerate[i] = surfaces[i].signal_levels() > 0 && !points[i].empty() &&
+                           is_nearly_degenerate(analyse_constraints(points[i]),
+                                                eigenvalue_threshold(surfaces[i].normal_noise()));
+  return nearly_degenerate;
 }
 
 // How to search, coarse to fine, and for which views by normal maps too.
 struct SearchPlan {
   std::vector<SearchLevel> levels;
-  std::vector<bool> sliding;
+  std::vector<bool> nearly_degenerate;
 };
 
 SearchPlan plan_search(const std::vector<ViewSurface>& surfaces,
@@ -121,10 +121,11 @@ SearchPlan plan_search(const std::vector<ViewSurface>& surfaces,
   const SearchLevel& level = plan.levels.front();
   const PairMatcher match(surfaces, world_from_view, pairs,
                           search_at(level, pairs.size(), kFewestTogether, options),
-                          level.signal_level, plan.sliding);
+                          level.signal_level, plan.nearly_degenerate);
   const auto matches = parallel_map<DirectedMatches>(match.size(), match);
-  plan.sliding = sliding_views(surfaces, world_from_view, matches);
-  if (std::find(plan.sliding.begin(), plan.sliding.end(), true) != plan.sliding.end())
+  plan.nearly_degenerate = nearly_degenerate_views(surfaces, world_from_view, matches);
+  if (std::find(plan.nearly_degenerate.begin(), plan.nearly_degenerate.end(), true) !=
+      plan.nearly_degenerate.end())
     plan.levels = levels_for(surfaces, options, signal_levels);
   return plan;
 }
@@ -168,25 +169,39 @@ bool all_finite(const std::vector<RigidMotion>& poses) {
                      [](const RigidMotion& pose) { return pose.matrix().allFinite(); });
 }
 
+// Whether they are finite; sets them.
+bool set_deviations(const PoseCovariance& covariance, JointRefinement& result) {
+  std::vector<RigidTangent> deviations;
+  for (std::size_t i = 0; i < result.pose_std.size(); ++i) {
+    const Matrix6d of_view = covariance.of(i);
+    if (!of_view.allFinite()) return false;
+    deviations.push_back(of_view.diagonal().cwiseMax(0.0).cwiseSqrt());
+  }
+  result.pose_std = std::move(deviations);
+  return true;
+}
+
 // The last steps, with all samples; gives the covariance too.
 void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair>& pairs,
-            const SearchLevel& level, const std::vector<bool>& sliding,
+            const SearchLevel& level, const std::vector<bool>& nearly_degenerate,
             const JointRefinementOptions& options, JointRefinement& result) {
-  PoseGraphRefinementOptions dense;
-  dense.search = search_at(level, pairs.size(), kFewestAlone, options);
-  dense.last_samples = last_samples(options, pairs.size());
-  dense.step_samples = std::min(dense.step_samples, dense.last_samples);
-  dense.tolerance = kFinalTolerance * level.tolerance;
-  if (std::find(sliding.begin(), sliding.end(), true) != sliding.end()) {
-    const PairMatcher match(surfaces, result.world_from_view, pairs, dense.search,
-                            level.signal_level, sliding);
-    dense.normals = parallel_map<NormalMatches>(match.size(), [&](std::size_t i) {
+  PoseGraphRefinementOptions last;
+  last.search = search_at(level, pairs.size(), kFewestAlone, options);
+  last.last_samples = last_samples(options, pairs.size());
+  last.step_samples = std::min(last.step_samples, last.last_samples);
+  last.tolerance = kFinalTolerance * level.tolerance;
+  if (std::find(nearly_degenerate.begin(), nearly_degenerate.end(), true) !=
+      nearly_degenerate.end()) {
+    const PairMatcher match(surfaces, result.world_from_view, pairs, last.search,
+                            level.signal_level, nearly_degenerate);
+    last.normals = parallel_map<NormalMatches>(match.size(), [&](std::size_t i) {
       return match.by_normal_maps(i) ? match(i).normals : NormalMatches();
     });
   }
   auto poses = result.world_from_view;
-  const auto refined = refine_pose_graph(pointers_to(surfaces), pairs, result.held, dense, poses);
-  if (!all_finite(poses) || !refined.covariance.allFinite()) {
+  const auto refined = refine_pose_graph(pointers_to(surfaces), pairs, result.held, last, poses);
+  result.solves.insert(result.solves.end(), refined.solves.begin(), refined.solves.end());
+  if (!refined.solved || !all_finite(poses) || !set_deviations(refined.covariance, result)) {
     result.termination = RefinementTermination::kSolverFailed;
     return;
   }
@@ -196,10 +211,6 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
   if (refined.last_motion > level.tolerance)
     result.termination = RefinementTermination::kIterationLimit;
   result.pose_covariance = refined.covariance;
-  const Eigen::VectorXd variance = refined.covariance.diagonal();
-  for (std::size_t i = 0; i < surfaces.size(); ++i)
-    result.pose_std[i] =
-        variance.segment<6>(static_cast<Eigen::Index>(6 * i)).cwiseMax(0.0).cwiseSqrt();
 }
 
 }  // namespace
@@ -215,14 +226,12 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   result.group = connected_groups(surfaces.size(), {});
   result.held = hold_one_per_group(result.group, roles);
   result.pose_std.assign(surfaces.size(), RigidTangent::Zero());
-  const auto size = static_cast<Eigen::Index>(6 * surfaces.size());
-  result.pose_covariance = Eigen::MatrixXd::Zero(size, size);
   const bool any_samples = std::any_of(surfaces.begin(), surfaces.end(), [](const auto& s) {
     return !s.samples().empty() && s.spacing() > 0.0;
   });
   if (!any_samples) return result;
 
-  const auto [levels, sliding] = plan_search(surfaces, world_from_view, roles, options);
+  const auto [levels, nearly_degenerate] = plan_search(surfaces, world_from_view, roles, options);
   std::vector<ViewPair> pairs;
   for (std::size_t l = 0; l < levels.size(); ++l) {
     pairs = pairs_at(surfaces, result.world_from_view, roles, levels[l], options);
@@ -238,11 +247,12 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
         return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
       const PairMatcher match(surfaces, result.world_from_view, strongest,
                               search_at(levels[l], strongest.size(), kFewestTogether, options),
-                              levels[l].signal_level, sliding);
+                              levels[l].signal_level, nearly_degenerate);
       const auto matches = parallel_map<DirectedMatches>(match.size(), match);
       const auto before = result.world_from_view;
-      if (solve_poses(surfaces, matches, result.held, solver, result.world_from_view) ==
-          PoseSolution::kFailed) {
+      result.solves.push_back(
+          solve_poses(surfaces, matches, result.held, solver, result.world_from_view));
+      if (result.solves.back().termination == SolverTermination::kFailed) {
         result.termination = RefinementTermination::kSolverFailed;
         return result;
       }
@@ -262,13 +272,13 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   release_freed_memory();  // What solving took; the last steps grow as large.
   if (!report_progress(progress, 0.0, "computing covariances"))
     return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-  finish(surfaces, pairs, levels.back(), sliding, options, result);
+  finish(surfaces, pairs, levels.back(), nearly_degenerate, options, result);
   if (result.termination == RefinementTermination::kSolverFailed) return result;
   const SearchLevel& last = levels.back();
-  describe_fit(
-      PairMatcher(surfaces, result.world_from_view, pairs,
-                  search_at(last, pairs.size(), kFewestAlone, options), last.signal_level, sliding),
-      surfaces, result);
+  describe_fit(PairMatcher(surfaces, result.world_from_view, pairs,
+                           search_at(last, pairs.size(), kFewestAlone, options), last.signal_level,
+                           nearly_degenerate),
+               surfaces, result);
   return result;
 }
 

@@ -6,10 +6,12 @@
 
 #include "registration/pairwise/correspondences.h"
 #include "registration/posegraph/pair_fit.h"
+#include "registration/posegraph/refinement/pose_covariance.h"
 #include "registration/surface/view_surface.h"
 #include "relief/registration/align_options.h"
 #include "relief/registration/align_views.h"
 #include "relief/registration/pair_fit.h"
+#include "relief/registration/solver_summary.h"
 #include "relief/scan/progress.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
@@ -28,10 +30,11 @@ struct JointRefinement {
   std::vector<std::size_t> group;
   /// Views that did not move: the fixed ones and, in groups without any, the first.
   std::vector<bool> held;
-  /// Covariance of all poses (6V x 6V), tangents (rotation [rad], translation [unit]) about each
-  /// view's centre in world axes; zero for held views. See PoseGraphSystem::covariance().
-  Eigen::MatrixXd pose_covariance;
+  /// Covariance of all poses, tangents (rotation [rad], translation [unit]) about each view's
+  /// centre in world axes; zero for held views. See PoseGraphSystem::covariance().
+  PoseCovariance pose_covariance;
   std::vector<RigidTangent> pose_std;  ///< The roots of its diagonal.
+  std::vector<SolverSummary> solves;   ///< In their order.
 };
 
 /// What the refinement may do with a view.

@@ -9,6 +9,7 @@
 
 #include "registration/posegraph/pair_terms.h"
 #include "registration/posegraph/pose_parameters.h"
+#include "registration/posegraph/sparse_solver.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -59,15 +60,17 @@ class CompressedPairs : public ceres::EvaluationCallback {
     pairs_.push_back({source, target, std::move(terms), {}});
   }
 
+  // Compresses all at the first poses. Whether they are finite: Ceres would print what is not.
+  bool start() {
+    compress();
+    started_ = true;
+    return std::all_of(pairs_.begin(), pairs_.end(),
+                       [](const Pair& pair) { return pair.now.residuals.allFinite(); });
+  }
+
   // With derivatives even if only the cost is asked for: most steps are taken, and then they are.
   void PrepareForEvaluation(bool, bool poses_moved) override {
-    if (!poses_moved) return;
-    parallel_for(pairs_.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        Pair& pair = pairs_[i];
-        pair.now = pair.terms.compress(relative_pose(poses_[pair.source], poses_[pair.target]));
-      }
-    });
+    if (poses_moved && !std::exchange(started_, false)) compress();
   }
 
   std::size_t size() const { return pairs_.size(); }
@@ -76,6 +79,15 @@ class CompressedPairs : public ceres::EvaluationCallback {
   const CompressedTerms& now(std::size_t i) const { return pairs_[i].now; }
 
  private:
+  void compress() {
+    parallel_for(pairs_.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        Pair& pair = pairs_[i];
+        pair.now = pair.terms.compress(relative_pose(poses_[pair.source], poses_[pair.target]));
+      }
+    });
+  }
+
   struct Pair {
     std::size_t source, target;
     PairTerms terms;
@@ -83,6 +95,7 @@ class CompressedPairs : public ceres::EvaluationCallback {
   };
   const std::vector<PoseParameters>& poses_;
   std::vector<Pair> pairs_;
+  bool started_ = false;  // Whether they are those of the first poses, not asked for yet.
 };
 
 class PairCost : public ceres::SizedCostFunction<7, 7, 7> {
@@ -111,10 +124,10 @@ class PairCost : public ceres::SizedCostFunction<7, 7, 7> {
 
 }  // namespace
 
-PoseSolution solve_poses(const std::vector<ViewSurface>& surfaces,
-                         const std::vector<DirectedMatches>& matches,
-                         const std::vector<bool>& fixed, const JointSolverOptions& options,
-                         std::vector<RigidMotion>& world_from_view) {
+SolverSummary solve_poses(const std::vector<ViewSurface>& surfaces,
+                          const std::vector<DirectedMatches>& matches,
+                          const std::vector<bool>& fixed, const JointSolverOptions& options,
+                          std::vector<RigidMotion>& world_from_view) {
   PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
   CompressedPairs pairs(blocks.values);
   for (const auto& pair : matches) {
@@ -123,6 +136,9 @@ PoseSolution solve_poses(const std::vector<ViewSurface>& surfaces,
               terms_of(pair, surfaces[pair.source], surfaces[pair.target],
                        world_from_view[pair.source].inverse() * world_from_view[pair.target]));
   }
+  if (!pairs.start())
+    return {.termination = SolverTermination::kFailed,
+            .message = "the residuals of a pair are not finite"};
   ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> rigid;
   ceres::Problem::Options problem_options;
   problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -135,19 +151,13 @@ PoseSolution solve_poses(const std::vector<ViewSurface>& surfaces,
   for (std::size_t i = 0; i < pairs.size(); ++i)
     problem.AddResidualBlock(new PairCost(pairs, i), nullptr, blocks.values[pairs.source(i)].data(),
                              blocks.values[pairs.target(i)].data());
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.max_num_iterations = options.max_iterations;
-  solver.num_threads = 1;  // Parallel sums would depend on the number of threads.
-  solver.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
-  if (!summary.IsSolutionUsable()) return PoseSolution::kFailed;
+  SolverSummary summary = solve_sparse(problem, {.max_iterations = options.max_iterations});
+  if (summary.termination == SolverTermination::kFailed) return summary;
   for (std::size_t i = 0; i < surfaces.size(); ++i)
     if (!fixed[i])
       world_from_view[i] =
           pose_from_parameters(blocks.values[i], surfaces[i].centre(), blocks.world_centre);
-  return PoseSolution::kUsable;
+  return summary;
 }
 
 }  // namespace relief::registration

@@ -8,6 +8,7 @@
 #include "registration/pairwise/correspondences.h"
 #include "registration/pairwise/normal_matches.h"
 #include "registration/surface/view_surface.h"
+#include "relief/registration/solver_summary.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {
@@ -23,18 +24,14 @@ struct JointSolverOptions {
   int max_iterations = 2;  ///< Levenberg-Marquardt steps; few, when correspondences are renewed.
 };
 
-enum class PoseSolution {
-  kUsable,  ///< The poses are those of the least cost found.
-  kFailed,  ///< No step could be computed, as of terms that are not finite: the poses are as given.
-};
-
 /// One minimisation of (R3) and (R9) over all poses with fixed correspondences: Levenberg-Marquardt
 /// with the Cauchy loss and a sparse Cholesky factorisation; the terms of a directed pair make
-/// seven residuals, whatever their number (R6). Poses with `fixed` are not touched.
-[[nodiscard]] PoseSolution solve_poses(const std::vector<ViewSurface>& surfaces,
-                                       const std::vector<DirectedMatches>& matches,
-                                       const std::vector<bool>& fixed,
-                                       const JointSolverOptions& options,
-                                       std::vector<RigidMotion>& world_from_view);
+/// seven residuals, whatever their number (R6). Poses with `fixed` are not touched; none is if it
+/// failed.
+[[nodiscard]] SolverSummary solve_poses(const std::vector<ViewSurface>& surfaces,
+                                        const std::vector<DirectedMatches>& matches,
+                                        const std::vector<bool>& fixed,
+                                        const JointSolverOptions& options,
+                                        std::vector<RigidMotion>& world_from_view);
 
 }  // namespace relief::registration

@@ -15,21 +15,22 @@ namespace relief::registration {
 /// outlive it.
 class PairMatcher {
  public:
-  /// Normal maps, at resolution `signal_level`, are matched where either view is `sliding`.
+  /// Normal maps, at resolution `signal_level`, are matched where either view is
+  /// `nearly_degenerate`.
   PairMatcher(const std::vector<ViewSurface>& surfaces,
               const std::vector<RigidMotion>& world_from_view, const std::vector<ViewPair>& pairs,
               const CorrespondenceOptions& search, int signal_level,
-              const std::vector<bool>& sliding)
+              const std::vector<bool>& nearly_degenerate)
       : surfaces_(surfaces),
         world_from_view_(world_from_view),
         pairs_(pairs),
         search_(search),
         signal_level_(signal_level),
-        sliding_(sliding) {}
+        nearly_degenerate_(nearly_degenerate) {}
 
   std::size_t size() const { return 2 * pairs_.size(); }  ///< Directed pairs.
   bool by_normal_maps(std::size_t i) const {
-    return sliding_[pairs_[i / 2].a] || sliding_[pairs_[i / 2].b];
+    return nearly_degenerate_[pairs_[i / 2].a] || nearly_degenerate_[pairs_[i / 2].b];
   }
 
   /// The matches of directed pair i, see source_of(). Motions that neither the normal maps nor the
@@ -42,7 +43,7 @@ class PairMatcher {
   const std::vector<ViewPair>& pairs_;
   CorrespondenceOptions search_;
   int signal_level_;
-  const std::vector<bool>& sliding_;
+  const std::vector<bool>& nearly_degenerate_;
 };
 
 }  // namespace relief::registration

@@ -17,30 +17,9 @@ namespace {
 // spacing of double precision, 2.2e-16.
 constexpr double kLeastEigenvalue = 1e-14;
 
-// c^2 sum of log(1 + s / c^2) over squared residuals s.
-class CauchyLosses {
- public:
-  explicit CauchyLosses(double scale) : square_(scale * scale) {}
+}  // namespace
 
-  /// Adds the loss of a squared residual and gives the weight that goes with it.
-  double add(double squared) {
-    const double factor = 1.0 + squared / square_;
-    product_ *= factor;
-    if (product_ > kLargest) {
-      logs_ += std::log(product_);
-      product_ = 1.0;
-    }
-    return 1.0 / factor;
-  }
-
-  double sum() const { return square_ * (logs_ + std::log(product_)); }
-
- private:
-  static constexpr double kLargest = 1e100;  // One logarithm for many factors.
-  double square_, logs_ = 0.0, product_ = 1.0;
-};
-
-CompressedTerms square_root(const NormalEquations& sum, double losses) {
+CompressedTerms compress(const NormalEquations& sum, double losses) {
   // Free of units: rotations count as much as translations.
   if (!sum.matrix.allFinite() || !sum.gradient.allFinite() || !std::isfinite(losses)) {
     // Without this, comparisons below would take the pair for one that says nothing.
@@ -67,8 +46,6 @@ CompressedTerms square_root(const NormalEquations& sum, double losses) {
   return terms;
 }
 
-}  // namespace
-
 CompressedTerms PairTerms::compress(const RigidMotion& target_from_source) const {
   NormalEquations sum;
   CauchyLosses of_planes(kCauchyScale);
@@ -85,7 +62,7 @@ CompressedTerms PairTerms::compress(const RigidMotion& target_from_source) const
     for (std::size_t k = 0; k < 2; ++k)
       sum.add(of_both[k], r[static_cast<Eigen::Index>(k)], weight);
   }
-  return square_root(sum, of_planes.sum() + of_normals.sum());
+  return registration::compress(sum, of_planes.sum() + of_normals.sum());
 }
 
 }  // namespace relief::registration

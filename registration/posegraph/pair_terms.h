@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "registration/pairwise/degenerate_directions.h"
+#include "registration/pairwise/normal_equations.h"
 #include "registration/pairwise/normal_residual.h"
 #include "registration/pairwise/plane_residual.h"
 #include "relief/scan/rigid_motion.h"
@@ -19,6 +20,11 @@ struct CompressedTerms {
   Eigen::Matrix<double, 7, 1> residuals = Eigen::Matrix<double, 7, 1>::Zero();
   Eigen::Matrix<double, 7, 6> derivative = Eigen::Matrix<double, 7, 6>::Zero();
 };
+
+/// The seven residuals of summed terms, `losses` the sum of what they cost (R6). Directions that
+/// the matrix does not determine, or determines negatively, have no say. Not finite if the sums are
+/// not.
+CompressedTerms compress(const NormalEquations& sum, double losses);
 
 /// All terms of the joint refinement between one view's samples and another's surface: (R3) and
 /// (R9), with the Cauchy loss.

@@ -1,5 +1,6 @@
 #include "registration/surface/neighbour_index.h"
 
+#include <algorithm>
 #include <cassert>
 
 #include <flann/flann.hpp>
@@ -46,6 +47,21 @@ std::vector<int> NeighbourIndex::nearest(const Eigen::Matrix3Xd& queries) const 
   exact.cores = 1;
   tree_->index.knnSearch(as_rows(centred), index_rows, distance_rows, 1, exact);
   return indices;
+}
+
+std::vector<std::vector<int>> NeighbourIndex::neighbours_within(double radius) const {
+  std::vector<std::vector<int>> neighbours;
+  std::vector<std::vector<float>> distances;
+  flann::SearchParams exact(flann::FLANN_CHECKS_UNLIMITED);
+  exact.cores = 1;
+  exact.sorted = false;
+  tree_->index.radiusSearch(as_rows(tree_->points), neighbours, distances,
+                            static_cast<float>(radius * radius), exact);
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    std::erase(neighbours[i], static_cast<int>(i));
+    std::sort(neighbours[i].begin(), neighbours[i].end());
+  }
+  return neighbours;
 }
 
 }  // namespace relief::registration

@@ -20,6 +20,11 @@ class NeighbourIndex {
   /// For each column the index of the closest point. Safe to call from several threads.
   std::vector<int> nearest(const Eigen::Matrix3Xd& queries) const;
 
+  /// For each point of the set the others within `radius` [unit] of it, by ascending index. Single
+  /// precision: those within a millionth of the set's size of the radius may be missing or too
+  /// many.
+  std::vector<std::vector<int>> neighbours_within(double radius) const;
+
  private:
   struct Tree;
   std::unique_ptr<Tree> tree_;

@@ -13,6 +13,7 @@ namespace {
 using Cell = std::array<long, 3>;
 using Cells = std::map<Cell, std::vector<Eigen::Index>>;
 
+// FLANN's radius search takes four times as long: 6.8 ms for 1500 points, instead of 1.8 ms.
 Cells sort_into_cells(const Eigen::Matrix3Xd& points, double side) {
   Cells cells;
   for (Eigen::Index i = 0; i < points.cols(); ++i) {

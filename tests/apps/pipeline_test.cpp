@@ -63,6 +63,10 @@ TEST(Program, RunsTheWholeWay) {
   EXPECT_EQ(report["merge"]["components"], 1);
   EXPECT_GT(report["merge"]["volume"], 0.0);
   for (const json& view : report["align"]["views"]) EXPECT_TRUE(view["aligned"]);
+  const json last_solve = report["align"]["solves"].back();
+  EXPECT_EQ(last_solve["stage"], "pose graph");
+  EXPECT_EQ(last_solve["termination"], "converged");
+  EXPECT_LT(last_solve["final_cost"], last_solve["initial_cost"]);
   EXPECT_EQ(report["refine"]["views"].size(), 8u);
 
   const json raw = evaluate(scans / "scan.json", scans / "truth/scan.json");

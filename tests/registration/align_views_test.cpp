@@ -55,6 +55,10 @@ TEST(AlignViews, ClosesARingOfNoisyViews) {
   EXPECT_TRUE(aligned->complete());
   EXPECT_EQ(aligned->termination, RefinementTermination::kConverged);
   EXPECT_LT(largest_error(*aligned), 0.1);
+  ASSERT_FALSE(aligned->solves.empty());
+  EXPECT_EQ(aligned->solves.front().stage, SolverStage::kJoint);
+  EXPECT_EQ(aligned->solves.back().stage, SolverStage::kPoseGraph);
+  EXPECT_EQ(aligned->solves.size(), static_cast<std::size_t>(aligned->iterations));
   EXPECT_TRUE(same_bytes(aligned->views[0].world_from_view, true_ring()[0].world_from_view));
   for (const auto& view : aligned->views)
     EXPECT_NEAR(view.world_from_view.linear().determinant(), 1.0, 1e-12);

@@ -56,6 +56,8 @@ CoarseScale coarse_scale(const std::vector<ViewSurface>& surfaces) {
   return scale;
 }
 
+// pcl::VoxelGrid keeps cells whose normals disagree, and 1.3 % fewer matches between views of the
+// Stanford bunny are true.
 ResampledView resample(const ViewSurface& surface, double cell) {
   assert(cell > 0.0);
   const std::size_t count = std::min(kMostSamples, surface.samples().size());

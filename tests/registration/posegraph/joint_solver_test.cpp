@@ -55,12 +55,18 @@ TEST(JointSolver, SaysWhetherItsSolutionIsOfUse) {
   std::vector<DirectedMatches> matches{matches_of(surfaces, views)};
   const auto given = poses_of(views);
   auto poses = given;
-  EXPECT_EQ(solve_poses(surfaces, matches, {true, false}, {}, poses), PoseSolution::kUsable);
+  const auto summary = solve_poses(surfaces, matches, {true, false}, {}, poses);
+  EXPECT_EQ(summary.termination, SolverTermination::kIterationLimit);
+  EXPECT_EQ(summary.stage, SolverStage::kJoint);
+  EXPECT_EQ(summary.iterations, JointSolverOptions().max_iterations);
+  EXPECT_LT(summary.final_cost, summary.initial_cost);
+  EXPECT_FALSE(summary.message.empty());
   EXPECT_FALSE(same_bytes(poses, given));
 
   poses = given;
   matches[0].found.items[7].weight = kInfinity;
-  EXPECT_EQ(solve_poses(surfaces, matches, {true, false}, {}, poses), PoseSolution::kFailed);
+  EXPECT_EQ(solve_poses(surfaces, matches, {true, false}, {}, poses).termination,
+            SolverTermination::kFailed);
   EXPECT_TRUE(same_bytes(poses, given));
 }
 
@@ -73,6 +79,8 @@ TEST(JointRefinement, SaysThatItsSolverFailed) {
   ASSERT_TRUE(refined.ok());
   EXPECT_EQ(refined->termination, RefinementTermination::kSolverFailed);
   EXPECT_EQ(to_string(refined->termination), "solver failed");
+  ASSERT_FALSE(refined->solves.empty());
+  EXPECT_EQ(to_string(refined->solves.back().termination), "failed");
   EXPECT_TRUE(same_bytes(refined->world_from_view, poses_of(views)));
 }
 

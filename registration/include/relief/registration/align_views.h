@@ -6,6 +6,7 @@
 
 #include "relief/registration/align_options.h"
 #include "relief/registration/pair_fit.h"
+#include "relief/registration/solver_summary.h"
 #include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
@@ -47,9 +48,10 @@ struct Alignment {
   std::vector<ViewReport> views;  ///< In the order given.
   std::vector<PairFit> pairs;     ///< Of all overlapping pairs.
   RefinementTermination termination = RefinementTermination::kNoOverlap;
-  int iterations = 0;              ///< Renewals of the correspondences.
-  double rms = 0.0;                ///< Of all point-to-plane distances [unit].
-  std::vector<std::string> notes;  ///< What the user should know, one line each.
+  int iterations = 0;                 ///< Renewals of the correspondences.
+  double rms = 0.0;                   ///< Of all point-to-plane distances [unit].
+  std::vector<SolverSummary> solves;  ///< Of the refinement that gave the poses, in their order.
+  std::vector<std::string> notes;     ///< What the user should know, one line each.
 
   /// Whether all views are in one frame.
   bool complete() const;

@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "registration/posegraph/dense/pair_information.h"
+#include "registration/posegraph/refinement/pair_information.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {

@@ -1,4 +1,4 @@
-#include "registration/posegraph/dense/pose_graph_refinement.h"
+#include "registration/posegraph/refinement/pose_graph_refinement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "registration/pairwise/robust.h"
-#include "registration/posegraph/dense/pair_information.h"
-#include "registration/posegraph/dense/pose_graph_system.h"
 #include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/refinement/pair_information.h"
+#include "registration/posegraph/refinement/pose_graph_system.h"
 #include "relief/scan/threads.h"
 #include "tests/registration/bumpy_object.h"
 
@@ -257,17 +257,43 @@ TEST(PoseGraphRefinement, DoesNotDependOnTheThreadCountNorTheHeldView) {
     EXPECT_LT(difference, 1e-3 * ring.spacing());
 }
 
+Eigen::MatrixXd covariance_but_of_the_first(const PoseCovariance& covariance, std::size_t views) {
+  Eigen::MatrixXd all(6 * (views - 1), 6 * (views - 1));
+  for (std::size_t a = 1; a < views; ++a)
+    for (std::size_t b = 1; b < views; ++b)
+      all.block<6, 6>(static_cast<Eigen::Index>(6 * (a - 1)),
+                      static_cast<Eigen::Index>(6 * (b - 1))) = covariance.between(a, b);
+  return all;
+}
+
 TEST(PoseGraphRefinement, LeavesHeldViewsWithoutVariance) {
   const Ring ring(3);
   auto poses = poses_of(ring.truth);
   const auto refined = refine_pose_graph(pointers_to(ring.surfaces), pairs_of(ring),
                                          first_held(poses.size()), options_for(ring), poses);
   EXPECT_TRUE(poses[0].matrix() == ring.truth[0].world_from_view.matrix());
-  EXPECT_TRUE(refined.covariance.topRows<6>().isZero());
-  EXPECT_TRUE(refined.covariance.leftCols<6>().isZero());
-  EXPECT_TRUE(refined.covariance.isApprox(refined.covariance.transpose()));
-  const auto free = refined.covariance.rows() - 6;
-  EXPECT_GT(refined.covariance.bottomRightCorner(free, free).ldlt().vectorD().minCoeff(), 0.0);
+  ASSERT_TRUE(refined.solved);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_TRUE(refined.covariance.between(0, i).isZero(0.0));
+    EXPECT_TRUE(refined.covariance.between(i, 0).isZero(0.0));
+  }
+  const Eigen::MatrixXd free = covariance_but_of_the_first(refined.covariance, poses.size());
+  EXPECT_TRUE(free.isApprox(free.transpose()));
+  EXPECT_GT(free.ldlt().vectorD().minCoeff(), 0.0);
+}
+
+TEST(PoseGraphRefinement, TellsWhatItsSolverDid) {
+  const Ring ring(3);
+  auto poses = poses_of(ring.truth);
+  const auto refined = refine_pose_graph(pointers_to(ring.surfaces), pairs_of(ring),
+                                         first_held(poses.size()), options_for(ring), poses);
+  ASSERT_EQ(refined.solves.size(), static_cast<std::size_t>(refined.iterations));
+  for (const SolverSummary& solve : refined.solves) {
+    EXPECT_EQ(solve.stage, SolverStage::kPoseGraph);
+    EXPECT_EQ(solve.termination, SolverTermination::kConverged) << solve.message;
+    EXPECT_GT(solve.initial_cost, solve.final_cost);
+    EXPECT_GT(solve.final_cost, 0.0);
+  }
 }
 
 // The squared error whitened by the whole reported covariance, per degree of freedom.
@@ -288,7 +314,8 @@ double whitened_error(std::uint32_t seed) {
     error.segment<6>(static_cast<Eigen::Index>(6 * (i - 1))) << turn.angle() * turn.axis(),
         estimate * c - truth * c;
   }
-  const Eigen::MatrixXd covariance = refined->pose_covariance.bottomRightCorner(free, free);
+  const Eigen::MatrixXd covariance =
+      covariance_but_of_the_first(refined->pose_covariance, start.size());
   return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(free);
 }
 

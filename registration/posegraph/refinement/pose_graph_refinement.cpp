@@ -1,13 +1,14 @@
-#include "registration/posegraph/dense/pose_graph_refinement.h"
+#include "registration/posegraph/refinement/pose_graph_refinement.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Geometry>
 
 #include "registration/pairwise/robust.h"
-#include "registration/posegraph/dense/pair_information.h"
-#include "registration/posegraph/dense/pose_graph_system.h"
+#include "registration/posegraph/refinement/pair_information.h"
+#include "registration/posegraph/refinement/pose_graph_system.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -134,7 +135,7 @@ class MovingPairs {
     if (!options_.normals.empty())
       add_normals(options_.normals[i], start_[target], compression_.centre,
                   since_[source] - since_[target], sum);
-    ignore_motions(options_.ignored, compression_.centre, sum);
+    ignore_motions(options_.degenerate_directions, compression_.centre, sum);
     return sum;
   }
 
@@ -160,30 +161,41 @@ double step_gain_at(const MovingPairs& views, const std::vector<const ViewSurfac
 
 // Renewed correspondences follow the motion, so the score changes by less than the information
 // matrix predicts, and a plain Gauss-Newton step falls short.
-std::vector<RigidTangent> newton_step(const PoseGraphSystem& system, double step_gain) {
-  auto step = system.step();
-  for (auto& tangent : step) tangent /= step_gain;
+PoseGraphStep newton_step(const PoseGraphSystem& system, double step_gain) {
+  PoseGraphStep step = system.step();
+  for (auto& tangent : step.tangents) tangent /= step_gain;
   return step;
 }
 
+// Takes a step. The largest motion of a sample [unit]; nothing for one that cannot be taken.
+std::optional<double> take(const PoseGraphStep& step, MovingPairs& views,
+                           PoseGraphRefinement& result) {
+  result.solves.push_back(step.summary);
+  if (!step.usable()) return std::nullopt;
+  ++result.iterations;
+  return views.move(step.tangents);
+}
+
 // Steps until the poses stand still. The gain of one step scales the next one (Barzilai and Borwein
-// 1988).
-void approach(const std::vector<const ViewSurface*>& surfaces, const std::vector<bool>& held,
+// 1988). Whether all could be taken.
+bool approach(const std::vector<const ViewSurface*>& surfaces, const std::vector<bool>& held,
               const PoseGraphRefinementOptions& options, MovingPairs& views,
               PoseGraphRefinement& result) {
   std::vector<PairInformation> before;
-  std::vector<RigidTangent> step;
+  PoseGraphStep step;
   do {
     auto pairs = views.compress(options.step_samples);
-    const double step_gain =
-        before.empty()
-            ? 1.0
-            : PoseGraphSystem(surfaces, before, held, views.centre()).step_gain(pairs, step);
+    const double step_gain = before.empty()
+                                 ? 1.0
+                                 : PoseGraphSystem(surfaces, before, held, views.centre())
+                                       .step_gain(pairs, step.tangents);
     step = newton_step(PoseGraphSystem(surfaces, pairs, held, views.centre()), step_gain);
     before = std::move(pairs);
-    result.last_motion = views.move(step);
-    ++result.iterations;
+    const auto motion = take(step, views, result);
+    if (!motion) return false;
+    result.last_motion = *motion;
   } while (result.last_motion > options.tolerance && result.iterations < options.max_iterations);
+  return true;
 }
 
 }  // namespace
@@ -195,17 +207,18 @@ PoseGraphRefinement refine_pose_graph(const std::vector<const ViewSurface*>& sur
                                       std::vector<RigidMotion>& world_from_view) {
   PoseGraphRefinement result;
   MovingPairs views(surfaces, pairs, options, world_from_view);
-  approach(surfaces, held, options, views, result);
+  if (!approach(surfaces, held, options, views, result)) return result;
   views.measure_deviations();
   const double step_gain = step_gain_at(views, surfaces, held, options.step_samples);
   ClusterScores scores(surfaces.size());
   const auto all =
       views.compress(options.last_samples, options.patch * median_spacing(surfaces), scores);
   const PoseGraphSystem system(surfaces, all, held, views.centre());
-  result.covariance = system.covariance(views.poses(), scores, step_gain);
-  views.move(newton_step(system, step_gain));
-  ++result.iterations;
+  auto covariance = system.covariance(views.poses(), scores, step_gain);
+  if (!covariance || !take(newton_step(system, step_gain), views, result)) return result;
+  result.covariance = std::move(*covariance);
   world_from_view = views.poses();
+  result.solved = true;
   return result;
 }
 

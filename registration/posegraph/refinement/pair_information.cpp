@@ -1,4 +1,4 @@
-#include "registration/posegraph/dense/pair_information.h"
+#include "registration/posegraph/refinement/pair_information.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ class Accumulator {
     RigidTangent j;
     j << point.cross(normal), normal;
     const double r = scale * distance;
-    const double w = cauchy_weight(r, kCauchyScale);
+    const double w = losses_.add(r * r);
     const RigidTangent score = (w * scale * r) * j;
     sum_.information.noalias() += (w * scale * scale) * j * j.transpose();
     sum_.score += score;
@@ -40,6 +40,7 @@ class Accumulator {
   }
 
   void finish() {
+    sum_.losses = losses_.sum();
     std::sort(sum_.patches.begin(), sum_.patches.end(),
               [](const auto& a, const auto& b) { return a.patch < b.patch; });
   }
@@ -53,6 +54,7 @@ class Accumulator {
 
   PairInformation& sum_;
   double patch_;
+  CauchyLosses losses_{kCauchyScale};
   std::unordered_map<std::uint64_t, std::size_t> place_of_;
 };
 
@@ -121,6 +123,7 @@ void add_normals(const NormalMatches& normals, const RigidMotion& world_from_tar
   const double precision = 1.0 / (normals.effective_sigma * normals.effective_sigma);
   Matrix6d information = Matrix6d::Zero();
   RigidTangent score = RigidTangent::Zero();
+  double losses = 0.0;
   for (const NormalMatch& in_target : normals.items) {
     const NormalMatch match = in_target.moved(centred_from_target);
     for (int k = 0; k < 2; ++k) {
@@ -133,10 +136,12 @@ void add_normals(const NormalMatches& normals, const RigidMotion& world_from_tar
       const RigidTangent s = j(match.source_gradient), t = j(match.target_gradient);
       information += 0.5 * weight * (s * t.transpose() + t * s.transpose());
       score += weight * match.residual[k] * j(match.gradient());
+      losses += weight * match.residual[k] * match.residual[k];
     }
   }
   sum.information += information;
   sum.independent += information;
+  sum.losses += losses + since.dot(2.0 * score + information * since);
   sum.score += score + information * since;
 }
 

@@ -30,6 +30,7 @@ struct PairInformation {
   std::size_t source = 0, target = 0;
   Matrix6d information = Matrix6d::Zero();    ///< sum of w j j^T, w the robust weight.
   RigidTangent score = RigidTangent::Zero();  ///< sum of w r j.
+  double losses = 0.0;                        ///< sum of rho(r); of normal maps, as linearised.
   std::size_t count = 0;                      ///< Residuals.
   /// The part of the information whose residuals count as independent: that of normal maps, whose
   /// deviation tells what neighbours share.

@@ -7,8 +7,10 @@
 
 #include "registration/pairwise/correspondences.h"
 #include "registration/pairwise/normal_matches.h"
+#include "registration/posegraph/refinement/pose_covariance.h"
 #include "registration/posegraph/view_graph.h"
 #include "registration/surface/view_surface.h"
+#include "relief/registration/solver_summary.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {
@@ -28,13 +30,15 @@ struct PoseGraphRefinementOptions {
   double patch = 8.0;
   /// For two views: relative motions that they do not determine, and that steps leave alone. World
   /// frame.
-  std::vector<DegenerateDirection> ignored;
+  std::vector<DegenerateDirection> degenerate_directions;
 };
 
 struct PoseGraphRefinement {
+  bool solved = false;  ///< Otherwise the equations are not finite: the poses are as given.
   int iterations = 0;
-  double last_motion = 0.0;    ///< Largest motion of a sample before the last step [unit].
-  Eigen::MatrixXd covariance;  ///< Of all poses, 6V x 6V: see PoseGraphSystem::covariance().
+  double last_motion = 0.0;           ///< Largest motion of a sample before the last step [unit].
+  PoseCovariance covariance;          ///< Of all poses: see PoseGraphSystem::covariance().
+  std::vector<SolverSummary> solves;  ///< Of all steps.
 };
 
 /// The last steps of the joint refinement, from nearly right poses: Gauss-Newton on the residuals

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "registration/posegraph/dense/cluster_scores.h"
-#include "registration/posegraph/dense/pair_information.h"
+#include "registration/posegraph/refinement/cluster_scores.h"
+#include "registration/posegraph/refinement/pair_information.h"
+#include "registration/posegraph/refinement/pose_covariance.h"
+#include "registration/posegraph/refinement/pose_graph_problem.h"
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
 
@@ -21,8 +24,8 @@ class PoseGraphSystem {
                   const std::vector<PairInformation>& pairs, const std::vector<bool>& held,
                   const Eigen::Vector3d& centre);
 
-  /// The Gauss-Newton step of every view, a tangent about the centre; zero for held views.
-  std::vector<RigidTangent> step() const;
+  /// The Gauss-Newton step of every view.
+  PoseGraphStep step() const;
 
   /// How much of a Gauss-Newton step the score follows: the change of the score along `tangents`
   /// over the change that the information matrix predicts. The step gain is 1 for least squares
@@ -35,28 +38,26 @@ class PoseGraphSystem {
   /// one standard deviation of the pose with all other views held.
   std::vector<RigidTangent> random_perturbation() const;
 
-  /// The covariance of all poses (6V x 6V), as tangents (rotation [rad], translation [unit]) about
-  /// each view's own centre in world axes; zero rows and columns for held views (R12). Residuals
-  /// of one cluster may depend on each other in any way, so a sample that takes part in many pairs
-  /// counts once. Those of different clusters count as independent, up to variance_inflation().
-  /// `scores`: of the same pairs.
-  Eigen::MatrixXd covariance(const std::vector<RigidMotion>& world_from_view,
-                             const ClusterScores& scores, double step_gain) const;
+  /// The covariance of all poses; zero for held views (R12). Residuals of one cluster may depend on
+  /// each other in any way, so a sample that takes part in many pairs counts once. Those of
+  /// different clusters count as independent, up to variance_inflation(). `scores`: of the same
+  /// pairs. Nothing if the equations are not finite.
+  std::optional<PoseCovariance> covariance(const std::vector<RigidMotion>& world_from_view,
+                                           const ClusterScores& scores, double step_gain) const;
 
   /// The variance of the scores of clusters four times as wide over that of independent clusters;
   /// >= 1. About 1.1 for white noise. Errors of longer range, as those of refined views, give more.
   double variance_inflation(const ClusterScores& scores) const;
 
  private:
-  Eigen::MatrixXd information(double factor) const;
+  std::vector<Matrix6d> information_of_views() const;
   double spread(const ClusterScores& scores) const;
-  Eigen::VectorXd score_of(const std::vector<PairInformation>& pairs) const;
-  Eigen::MatrixXd scatter(const ClusterScores& scores) const;
+  SymmetricBlocks scatter(const ClusterScores& scores) const;
 
   const std::vector<const ViewSurface*>& surfaces_;
   const std::vector<PairInformation>& pairs_;
+  std::vector<bool> held_;
   Eigen::Vector3d centre_;
-  std::vector<Eigen::Index> free_;   // The rows of views that are not held.
   std::vector<RigidTangent> prior_;  // Precisions: what keeps undetermined poses finite.
 };
 

@@ -1,4 +1,4 @@
-#include "registration/posegraph/dense/cluster_scores.h"
+#include "registration/posegraph/refinement/cluster_scores.h"
 
 #include <algorithm>
 #include <tuple>

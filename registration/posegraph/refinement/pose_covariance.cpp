@@ -1,0 +1,56 @@
+#include "registration/posegraph/refinement/pose_covariance.h"
+
+namespace relief::registration {
+
+namespace {
+
+// Turns tangents about the common centre into tangents about `point`, both in world axes.
+Matrix6d about_point(const Eigen::Vector3d& point_from_centre) {
+  Matrix6d change = Matrix6d::Identity();
+  const Eigen::Vector3d& d = point_from_centre;
+  change.bottomLeftCorner<3, 3>() << 0.0, d.z(), -d.y(), -d.z(), 0.0, d.x(), d.y(), -d.x(), 0.0;
+  return change;
+}
+
+// A view's rows of A^-1.
+std::vector<Matrix6d> rows_of(const PoseGraphProblem& information, std::size_t view,
+                              std::size_t views) {
+  std::vector<Matrix6d> rows;
+  for (std::size_t i = 0; i < views; ++i) rows.push_back(information.inverse(view, i));
+  return rows;
+}
+
+std::vector<Matrix6d> times(const std::vector<Matrix6d>& rows, const SymmetricBlocks& blocks) {
+  std::vector<Matrix6d> product(rows.size(), Matrix6d::Zero());
+  for (const auto& [place, block] : blocks) {
+    const auto [row, column] = place;
+    product[column].noalias() += rows[row] * block;
+    if (row != column) product[row].noalias() += rows[column] * block.transpose();
+  }
+  return product;
+}
+
+}  // namespace
+
+PoseCovariance::PoseCovariance(PoseGraphProblem information, SymmetricBlocks scatter,
+                               std::vector<Eigen::Vector3d> centres)
+    : parts_(std::make_shared<Parts>(
+          Parts{std::move(information), std::move(scatter), std::move(centres)})) {}
+
+Matrix6d PoseCovariance::of(std::size_t view) const {
+  const Matrix6d block = between(view, view);
+  return 0.5 * (block + block.transpose());
+}
+
+Matrix6d PoseCovariance::between(std::size_t a, std::size_t b) const {
+  if (!parts_) return Matrix6d::Zero();
+  const std::size_t views = parts_->centres.size();
+  const auto half = times(rows_of(parts_->information, a, views), parts_->scatter);
+  Matrix6d about_centre = Matrix6d::Zero();
+  for (std::size_t i = 0; i < views; ++i)
+    about_centre.noalias() += half[i] * parts_->information.inverse(i, b);
+  return about_point(parts_->centres[a]) * about_centre *
+         about_point(parts_->centres[b]).transpose();
+}
+
+}  // namespace relief::registration
