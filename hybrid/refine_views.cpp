@@ -35,7 +35,8 @@ int views_at_once(const std::vector<RangeView>& views, const RefineOptions& opti
 
 Result<std::vector<RefinedView>> refine_views(const std::vector<RangeView>& views,
                                               const RefineOptions& options,
-                                              const Progress& progress, std::size_t memory) {
+                                              const Progress& progress, std::size_t memory,
+                                              const RefineOne& refine) {
   const int threads = thread_count(options.threads);
   const int at_once = views_at_once(views, options, memory);
   RefineOptions view_options = options;
@@ -55,7 +56,7 @@ Result<std::vector<RefinedView>> refine_views(const std::vector<RangeView>& view
   };
   parallel_for(views.size(), 1, at_once, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end && tick(0.0, {}); ++i) {
-      results[i] = refine_view(views[i], view_options, tick);
+      results[i] = refine(views[i], view_options, tick);
       ++done;
     }
   });

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "reconstruction/cache/stage_units.h"
 #include "relief/scan/progress.h"
 #include "scan/base/parallel.h"
 
@@ -25,12 +26,12 @@ fusion::MergeOptions merge_options_of(const ModelOptions& options) {
 // Moving the vertices changes the check of the mesh, and what was closed must still be. After an
 // error the model is as it was.
 Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& options,
-                    const StageProgress& progress, Model& model) {
+                    const StageProgress& progress, UnitStore* store, Model& model) {
   hybrid::PolishOptions polish = *options.polish;
   polish.threads = options.threads;
   if (!(polish.normals.max_distance > 0.0)) polish.normals.max_distance = model.merged.truncation;
   auto polished =
-      hybrid::polish_mesh(model.mesh, views, polish, progress_of(progress, Stage::kPolish));
+      polish_or_find(store, model.mesh, views, polish, progress_of(progress, Stage::kPolish));
   if (!polished) return polished.error();
   model.polished = *polished;
   if (polished->rounds == 0) return {};
@@ -55,7 +56,7 @@ Result<void> decimate(const fusion::DecimationOptions& options, Model& model) {
 }
 
 Result<Model> finish(Result<fusion::MergeResult> merged, const LoadAllViews& all,
-                     const ModelOptions& options, const StageProgress& progress) {
+                     const ModelOptions& options, const StageProgress& progress, UnitStore* store) {
   if (!merged) return merged.error();
   const std::vector<RangeView>* views = nullptr;
   if (options.polish) {
@@ -69,7 +70,7 @@ Result<Model> finish(Result<fusion::MergeResult> merged, const LoadAllViews& all
   model.check = std::move(merged->check);
   model.merged = std::move(*merged);
   if (options.polish) {
-    if (const auto done = polish(*views, options, progress, model); !done) {
+    if (const auto done = polish(*views, options, progress, store, model); !done) {
       if (done.error().kind != ErrorKind::kUnsolvable) return done.error();
       model.merged.notes.push_back("the model is not polished: " + done.error().message);
     }
@@ -99,20 +100,20 @@ std::string_view to_string(Stage stage) {
 }
 
 Result<Model> build_model(const std::vector<RangeView>& views, const ModelOptions& options,
-                          const StageProgress& progress) {
+                          const StageProgress& progress, UnitStore* store) {
   const LoadAllViews all = [&](const fusion::MergeResult&) {
     return Result<const std::vector<RangeView>*>(&views);
   };
   return finish(
-      fusion::merge_views(views, merge_options_of(options), progress_of(progress, Stage::kMerge)),
-      all, options, progress);
+      merge_or_find(store, views, merge_options_of(options), progress_of(progress, Stage::kMerge)),
+      all, options, progress, store);
 }
 
 Result<Model> build_model_from_source(const fusion::ViewSource& views, const LoadAllViews& all,
                                       const ModelOptions& options, const StageProgress& progress) {
   return finish(fusion::merge_from_source(views, merge_options_of(options),
                                           progress_of(progress, Stage::kMerge)),
-                all, options, progress);
+                all, options, progress, nullptr);
 }
 
 }  // namespace relief::reconstruction

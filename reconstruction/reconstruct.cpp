@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "reconstruction/cache/stage_units.h"
+
 namespace relief::reconstruction {
 
 namespace {
@@ -10,8 +12,8 @@ namespace {
 class Reconstructor {
  public:
   Reconstructor(std::vector<RangeView> views, const ReconstructionOptions& options,
-                const ReconstructionCallbacks& callbacks)
-      : options_(options), callbacks_(callbacks) {
+                const ReconstructionCallbacks& callbacks, UnitStore* store)
+      : options_(options), callbacks_(callbacks), store_(store) {
     result_.views = std::move(views);
   }
 
@@ -31,7 +33,7 @@ class Reconstructor {
  private:
   Result<void> align() {
     auto alignment =
-        registration::align_views(result_.views, align_options(), progress_of(Stage::kAlign));
+        align_or_find(store_, "align", result_.views, align_options(), progress_of(Stage::kAlign));
     if (!alignment) return alignment.error();
     registration::apply_alignment(*alignment, result_.views);
     if (auto told = tell(callbacks_.aligned, *alignment); !told) return told;
@@ -63,8 +65,8 @@ class Reconstructor {
     CrossViewOptions compare;
     compare.correct = options_.contradicted == ContradictedRanges::kCorrect;
     compare.threads = options_.threads;
-    auto found = weigh_by_consistency(remaining_pairs(), compare, result_.views,
-                                      progress_of(Stage::kCompare));
+    auto found = weigh_or_find(store_, remaining_pairs(), compare, result_.views,
+                               progress_of(Stage::kCompare));
     if (!found) return found.error();
     result_.consistency = std::move(*found);
     return tell(callbacks_.compared, result_.consistency, result_.views);
@@ -82,8 +84,8 @@ class Reconstructor {
     hybrid::RefineOptions options = options_.refine;
     options.threads = options_.threads;
     options.seed = options_.seed;
-    auto refined = hybrid::refine_views(result_.views, options, progress_of(Stage::kRefine),
-                                        options_.refine_memory);
+    auto refined = refine_or_find(store_, result_.views, options, progress_of(Stage::kRefine),
+                                  options_.refine_memory);
     if (!refined) return refined.error();
     for (std::size_t i = 0; i < refined->size(); ++i) {
       hybrid::RefinedView& view = (*refined)[i];
@@ -103,8 +105,8 @@ class Reconstructor {
     if (any_refined() && result_.views.size() > 1) {
       registration::AlignOptions options = align_options();
       options.surface.normals = registration::NormalSource::kMeasured;
-      auto alignment =
-          registration::align_views(result_.views, options, progress_of(Stage::kAlignAgain));
+      auto alignment = align_or_find(store_, "align_again", result_.views, options,
+                                     progress_of(Stage::kAlignAgain));
       if (!alignment) return alignment.error();
       const AlignmentGain gain =
           compare_alignments(result_.first_alignment, *alignment, result_.views);
@@ -118,7 +120,7 @@ class Reconstructor {
   Result<void> merge() {
     ModelOptions options = options_.model;
     options.threads = options_.threads;
-    auto model = build_model(result_.views, options, callbacks_.progress);
+    auto model = build_model(result_.views, options, callbacks_.progress, store_);
     if (!model) return model.error();
     result_.model = std::move(*model);
     return {};
@@ -144,6 +146,7 @@ class Reconstructor {
 
   const ReconstructionOptions& options_;
   const ReconstructionCallbacks& callbacks_;
+  UnitStore* const store_;
   Reconstruction result_;
 };
 
@@ -157,8 +160,8 @@ bool Reconstruction::complete() const {
 
 Result<Reconstruction> reconstruct(std::vector<RangeView> views,
                                    const ReconstructionOptions& options,
-                                   const ReconstructionCallbacks& callbacks) {
-  return Reconstructor(std::move(views), options, callbacks).run();
+                                   const ReconstructionCallbacks& callbacks, UnitStore* store) {
+  return Reconstructor(std::move(views), options, callbacks, store).run();
 }
 
 }  // namespace relief::reconstruction

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "relief/hybrid/refine_view.h"
@@ -14,13 +15,18 @@ namespace relief::hybrid {
 int views_at_once(const std::vector<RangeView>& views, const RefineOptions& options,
                   std::size_t memory = 0);
 
+/// Refines one view, as refine_view() does.
+using RefineOne = std::function<Result<RefinedView>(
+    const RangeView& view, const RefineOptions& options, const Progress& progress)>;
+
 /// Refines all views, several at a time within `memory` [bytes] as above. The results are in the
 /// order of the views and do not depend on the number of threads, nor on the memory. A view that
-/// cannot be refined stays as measured; its status says why. Errors: kBadInput for an option out of
-/// range, kInterrupted when `progress` asks to stop.
+/// cannot be refined stays as measured; its status says why. `refine` is called for each view, from
+/// several threads at once. Errors: kBadInput for an option out of range, kInterrupted when
+/// `progress` asks to stop.
 Result<std::vector<RefinedView>> refine_views(const std::vector<RangeView>& views,
                                               const RefineOptions& options = {},
-                                              const Progress& progress = {},
-                                              std::size_t memory = 0);
+                                              const Progress& progress = {}, std::size_t memory = 0,
+                                              const RefineOne& refine = refine_view);
 
 }  // namespace relief::hybrid

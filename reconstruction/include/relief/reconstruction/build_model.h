@@ -13,6 +13,7 @@
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
+#include "relief/scan/unit_store.h"
 
 namespace relief::reconstruction {
 
@@ -46,9 +47,10 @@ struct Model {
 /// Merges views at their `world_from_view`, refines the mesh with the normals of the views, and
 /// decimates it as far as the options ask. A mesh that merging closed stays closed and manifold:
 /// where polishing would leave no closed manifold, the mesh stays as merged, and `merged.notes`
-/// says so. Errors: those of fusion::merge_views, hybrid::polish_mesh and fusion::decimate_mesh.
+/// says so. The merged and the polished mesh are units of `store`, which may be null. Errors: those
+/// of fusion::merge_views, hybrid::polish_mesh and fusion::decimate_mesh.
 Result<Model> build_model(const std::vector<RangeView>& views, const ModelOptions& options = {},
-                          const StageProgress& progress = {});
+                          const StageProgress& progress = {}, UnitStore* store = nullptr);
 
 /// The views that polishing looks at, all at once. Asked for after merging; its errors end the
 /// computation.

@@ -14,6 +14,7 @@
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/static_background.h"
+#include "relief/scan/unit_store.h"
 
 namespace relief::reconstruction {
 
@@ -79,12 +80,14 @@ struct ReconstructionCallbacks {
 /// normals, aligns them again, and builds the model. The poses of the second alignment are taken
 /// only when they are expected to be no worse. Views that cannot be aligned are left out; views
 /// that cannot be refined take part as measured. Positions are in the unit of the views, the model
-/// in their world frame.
+/// in their world frame. What `store` keeps of earlier calls is not computed again, and what is
+/// computed is kept there; it may be null. The result does not depend on it.
 ///
 /// Errors: those of registration::align_views, hybrid::refine_views and build_model; kUnsolvable
 /// when no view can be aligned; kInterrupted when `callbacks.progress` asks to stop.
 Result<Reconstruction> reconstruct(std::vector<RangeView> views,
                                    const ReconstructionOptions& options = {},
-                                   const ReconstructionCallbacks& callbacks = {});
+                                   const ReconstructionCallbacks& callbacks = {},
+                                   UnitStore* store = nullptr);
 
 }  // namespace relief::reconstruction

@@ -1,0 +1,88 @@
+#include "reconstruction/cache/option_hash.h"
+
+#include "scan/units/input_hash.h"
+
+// A structured binding names exactly the fields there are: whoever adds one comes by here.
+
+namespace relief::registration {
+
+void hash_into(ContentHash& hash, const ViewSurfaceOptions& options) {
+  const auto& [normals, normal_radius, boundary_margin, final_margin, normal_signal,
+               neighbour_index, threads] = options;
+  hash.add(normals, normal_radius, boundary_margin, final_margin, normal_signal, neighbour_index);
+}
+
+void hash_into(ContentHash& hash, const StartingPoseOptions& options) {
+  const auto& [given, search, association, min_overlap, max_free_space_violation, threads] =
+      options;
+  hash.add(given, search, association, min_overlap, max_free_space_violation);
+}
+
+void hash_into(ContentHash& hash, const JointRefinementOptions& options) {
+  const auto& [association, correspondences, levels, search_distance, final_samples,
+               max_normal_angle_deg, min_overlap, min_correspondences, tolerance, max_iterations,
+               threads] = options;
+  hash.add(association, correspondences, levels, search_distance, final_samples,
+           max_normal_angle_deg, min_overlap, min_correspondences, tolerance, max_iterations);
+}
+
+void hash_into(ContentHash& hash, const AlignOptions& options) {
+  const auto& [surface, starting_poses, refinement, threads] = options;
+  hash.add(surface, starting_poses, refinement);
+}
+
+void hash_into(ContentHash& hash, const DegenerateDirection& direction) {
+  const auto& [motion, centre, description] = direction;
+  hash.add(motion, centre, description);
+}
+
+void hash_into(ContentHash& hash, const PairFit& pair) {
+  const auto& [a, b, overlap, rms, correspondences, status, normal_maps, degenerate_directions] =
+      pair;
+  hash.add(a, b, overlap, rms, correspondences, status, normal_maps, degenerate_directions);
+}
+
+}  // namespace relief::registration
+
+namespace relief::hybrid {
+
+void hash_into(ContentHash& hash, const RefineOptions& options) {
+  const auto& [stencil, bias, sigma_position, sigma_normal, lambda, sigma_bias_step,
+               smoothing_scale, robust_rounds, solver, tolerance, max_iterations, deviation, seed,
+               discontinuities, threads] = options;
+  hash.add(stencil, bias, sigma_position, sigma_normal, lambda, sigma_bias_step, smoothing_scale,
+           robust_rounds, solver, tolerance, max_iterations, deviation, seed, discontinuities);
+}
+
+void hash_into(ContentHash& hash, const MeshNormalOptions& options) {
+  const auto& [max_distance, silhouette_ramp, sigma_view, edges, threads] = options;
+  hash.add(max_distance, silhouette_ramp, sigma_view, edges);
+}
+
+void hash_into(ContentHash& hash, const PolishOptions& options) {
+  const auto& [form, sigma_position, sigma_normal, tangential, robust_rounds, tolerance,
+               max_iterations, normals, threads] = options;
+  hash.add(form, sigma_position, sigma_normal, tangential, robust_rounds, tolerance, max_iterations,
+           normals);
+}
+
+}  // namespace relief::hybrid
+
+namespace relief::fusion {
+
+void hash_into(ContentHash& hash, const MergeOptions& options) {
+  const auto& [voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components,
+               threads, memory, scratch_folder] = options;
+  hash.add(voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components);
+}
+
+}  // namespace relief::fusion
+
+namespace relief::reconstruction {
+
+void hash_into(ContentHash& hash, const CrossViewOptions& options) {
+  const auto& [correct, threads] = options;
+  hash.add(correct);
+}
+
+}  // namespace relief::reconstruction
