@@ -6,31 +6,6 @@
 
 namespace relief::registration {
 
-void hash_into(ContentHash& hash, const ViewSurfaceOptions& options) {
-  const auto& [normals, normal_radius, boundary_margin, final_margin, normal_signal,
-               neighbour_index, threads] = options;
-  hash.add(normals, normal_radius, boundary_margin, final_margin, normal_signal, neighbour_index);
-}
-
-void hash_into(ContentHash& hash, const StartingPoseOptions& options) {
-  const auto& [given, search, association, min_overlap, max_free_space_violation, threads] =
-      options;
-  hash.add(given, search, association, min_overlap, max_free_space_violation);
-}
-
-void hash_into(ContentHash& hash, const JointRefinementOptions& options) {
-  const auto& [association, correspondences, levels, search_distance, final_samples,
-               max_normal_angle_deg, min_overlap, min_correspondences, tolerance, max_iterations,
-               threads] = options;
-  hash.add(association, correspondences, levels, search_distance, final_samples,
-           max_normal_angle_deg, min_overlap, min_correspondences, tolerance, max_iterations);
-}
-
-void hash_into(ContentHash& hash, const AlignOptions& options) {
-  const auto& [surface, starting_poses, refinement, threads] = options;
-  hash.add(surface, starting_poses, refinement);
-}
-
 void hash_into(ContentHash& hash, const DegenerateDirection& direction) {
   const auto& [motion, centre, description] = direction;
   hash.add(motion, centre, description);

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "registration/units/alignment_codec_private.h"
 #include "relief/fusion/merge_views.h"
 #include "relief/hybrid/polish_mesh.h"
 #include "relief/hybrid/refine_view.h"
 #include "relief/reconstruction/cross_view_consistency.h"
-#include "relief/registration/align_views.h"
 #include "relief/scan/mesh_check.h"
 #include "relief/scan/triangle_mesh.h"
 #include "scan/units/unit_codec_private.h"
@@ -37,34 +37,6 @@ void serialize(Archive& archive, MeshCheck& check) {
 }
 
 }  // namespace relief
-
-namespace relief::registration {
-
-template <class Archive>
-void serialize(Archive& archive, DegenerateDirection& direction) {
-  auto& [motion, centre, description] = direction;
-  archive(motion, centre, description);
-}
-
-template <class Archive>
-void serialize(Archive& archive, PairFit& pair) {
-  auto& [a, b, overlap, rms, correspondences, status, normal_maps, degenerate_directions] = pair;
-  archive(a, b, overlap, rms, correspondences, status, normal_maps, degenerate_directions);
-}
-
-template <class Archive>
-void serialize(Archive& archive, ViewReport& view) {
-  auto& [name, world_from_view, aligned, status, pose_covariance, pose_std, reason] = view;
-  archive(name, world_from_view, aligned, status, pose_covariance, pose_std, reason);
-}
-
-template <class Archive>
-void serialize(Archive& archive, Alignment& alignment) {
-  auto& [views, pairs, termination, iterations, rms, notes] = alignment;
-  archive(views, pairs, termination, iterations, rms, notes);
-}
-
-}  // namespace relief::registration
 
 namespace relief::hybrid {
 

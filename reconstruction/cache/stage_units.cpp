@@ -91,7 +91,7 @@ Result<registration::Alignment> align_or_find(UnitStore* store, std::string_view
                                               const Progress& progress) {
   return find_or_compute<registration::Alignment>(
       store, [&] { return unit_key(kind, hashes_of_views(views, options.threads), options); },
-      [&] { return registration::align_views(views, options, progress); });
+      [&] { return registration::align_views(views, options, progress, store); });
 }
 
 Result<std::vector<ViewConsistency>> weigh_or_find(UnitStore* store,

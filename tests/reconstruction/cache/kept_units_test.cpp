@@ -28,13 +28,17 @@ class MemoryStore : public UnitStore {
     const std::scoped_lock lock(mutex_);
     ++computed[key.kind];
     units[key.hash] = content;
+    kinds[key.hash] = key.kind;
+  }
+  void forget(const std::string& kind) {
+    std::erase_if(units, [&](const auto& unit) { return kinds[unit.first] == kind; });
   }
   void start_again() {
     found.clear();
     computed.clear();
   }
 
-  std::map<std::string, std::string> units;
+  std::map<std::string, std::string> units, kinds;  // By hash.
   std::map<std::string, int> found, computed;
 
  private:
@@ -86,9 +90,9 @@ const MemoryStore& full() {
 
 TEST(KeptUnits, AreOneForEachPieceOfWork) {
   EXPECT_THAT(full().found, ::testing::IsEmpty());
-  EXPECT_THAT(full().computed,
-              ElementsAre(Pair("align", 1), Pair("align_again", 1), Pair("compare", 1),
-                          Pair("merge", 1), Pair("polish", 1), Pair("refine", 8)));
+  EXPECT_THAT(full().computed, ElementsAre(Pair("align", 1), Pair("align_again", 1),
+                                           Pair("compare", 1), Pair("joint", 2), Pair("merge", 1),
+                                           Pair("polish", 1), Pair("refine", 8)));
 }
 
 TEST(KeptUnits, GiveTheBytesOfComputing) {
@@ -163,6 +167,33 @@ TEST(KeptUnits, OfRefiningDoNotDependOnPoseAndName) {
   EXPECT_EQ(run(views, &store, options), run(views, nullptr, options));
   EXPECT_EQ(store.computed["align"], 1);
   EXPECT_EQ(store.found["refine"], 8);
+}
+
+// As after an interruption while poses are looked for.
+TEST(KeptUnits, OfPairsAreTakenWherePosesAreFoundByShape) {
+  std::vector<RangeView> views = scans();
+  for (std::size_t i = 0; i < 3; ++i) {
+    views[i].pose = PoseKind::kAbsent;
+    views[i].world_from_view = RigidMotion::Identity();
+  }
+  MemoryStore store;
+  const std::string bytes = run(views, &store);
+  EXPECT_EQ(bytes, run(views, nullptr));
+  const int pairs = store.computed["pair"];
+  EXPECT_GT(pairs, 3);
+  store.forget("align");
+  store.forget("joint");
+  for (int forgotten = 0; forgotten < 2; ++forgotten) {
+    const auto pair = std::find_if(store.units.begin(), store.units.end(), [&](const auto& unit) {
+      return store.kinds[unit.first] == "pair";
+    });
+    store.units.erase(pair);
+  }
+  store.start_again();
+  EXPECT_EQ(run(views, &store), bytes);
+  EXPECT_EQ(store.found["pair"], pairs - 2);
+  EXPECT_EQ(store.computed["pair"], 2);
+  EXPECT_EQ(store.computed["refine"], 0);
 }
 
 TEST(KeptUnits, OfOtherOptionsAreNotTaken) {

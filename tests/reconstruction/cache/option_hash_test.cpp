@@ -1,5 +1,6 @@
 #include "reconstruction/cache/option_hash.h"
 
+#include <functional>
 #include <set>
 
 #include <gtest/gtest.h>

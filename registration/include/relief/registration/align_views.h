@@ -10,6 +10,7 @@
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
+#include "relief/scan/unit_store.h"
 
 namespace relief::registration {
 
@@ -62,9 +63,10 @@ struct Alignment {
 /// pose nothing confirms are searched for by shape. A given pose that no view refutes is kept even
 /// then, with the status kUnverified. Known poses are kept to the bit; else the first view of the
 /// largest group of overlapping views stays where it is. Views without a pose that fit none are
-/// reported, never forced. Errors: kBadInput for no views or impossible options, kInterrupted.
+/// reported, never forced. Pairs searched and poses refined together are units of `store`, which
+/// may be null. Errors: kBadInput for no views or impossible options, kInterrupted.
 Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOptions& options = {},
-                              const Progress& progress = {});
+                              const Progress& progress = {}, UnitStore* store = nullptr);
 
 /// `converged`, `iteration limit`, `no overlap` or `solver failed`.
 std::string_view to_string(RefinementTermination termination);
