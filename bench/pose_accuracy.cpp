@@ -120,7 +120,7 @@ void measure_run(const std::vector<RangeView>& truth, const Eigen::MatrixXd& inf
     displacement += about_views.segment<3>(row + 3).norm();
   }
   const Eigen::MatrixXd covariance =
-      covariance_but_of_the_first(refined->pose_covariance, views.size());
+      covariance_but_of_the_first(refined->joint_covariance, views.size());
   const auto d = static_cast<double>(free);
   sums.bound += about_centre.dot(information.bottomRightCorner(free, free) * about_centre) / d;
   sums.whitened += about_views.dot(covariance.ldlt().solve(about_views)) / d;

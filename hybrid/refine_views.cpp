@@ -36,7 +36,8 @@ namespace {
 
 // Some views at a time, each on its part of the threads.
 std::vector<std::optional<Result<RefinedView>>> refine_some_at_once(
-    const std::vector<RangeView>& views, const RefineOptions& options, const Context& context) {
+    const std::vector<RangeView>& views, const RefineOptions& options, const Context& context,
+    const RefineOne& refine) {
   const int at_once = views_at_once(views, options, context.memory);
   Context of_view = context;
   of_view.threads = std::max(1, thread_count() / at_once);
@@ -56,7 +57,7 @@ std::vector<std::optional<Result<RefinedView>>> refine_some_at_once(
   on_threads(at_once, [&] {
     parallel_for(views.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end && of_view.progress(0.0, {}); ++i) {
-        results[i] = refine_view(views[i], options, of_view);
+        results[i] = refine(views[i], options, of_view);
         ++done;
       }
     });
@@ -67,10 +68,10 @@ std::vector<std::optional<Result<RefinedView>>> refine_some_at_once(
 }  // namespace
 
 Result<std::vector<RefinedView>> refine_views(const std::vector<RangeView>& views,
-                                              const RefineOptions& options,
-                                              const Context& context) {
+                                              const RefineOptions& options, const Context& context,
+                                              const RefineOne& refine) {
   return run_in(context, [&]() -> Result<std::vector<RefinedView>> {
-    auto results = refine_some_at_once(views, options, context);
+    auto results = refine_some_at_once(views, options, context, refine);
     std::vector<RefinedView> refined;
     refined.reserve(views.size());
     for (auto& result : results) {

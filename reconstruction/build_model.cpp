@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "reconstruction/cache/stage_units.h"
 #include "reconstruction/stage_context.h"
 #include "scan/base/parallel.h"
 
@@ -15,7 +16,7 @@ Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& opt
                     const StageContext& context, Model& model) {
   hybrid::PolishOptions polish = *options.polish;
   if (!(polish.normals.max_distance > 0.0)) polish.normals.max_distance = model.merged.truncation;
-  auto polished = hybrid::polish_mesh(model.mesh, views, polish, context.of(Stage::kPolish));
+  auto polished = polish_or_find(model.mesh, views, polish, context.of(Stage::kPolish));
   if (!polished) return polished.error();
   model.polished = *polished;
   if (polished->rounds == 0) return {};
@@ -90,7 +91,7 @@ Result<Model> build_model(const std::vector<RangeView>& views, const ModelOption
   };
   return run_in(context, [&] {
     const StageContext stages{context, progress};
-    return finish(fusion::merge_views(views, options.merge, stages.of(Stage::kMerge)), all, options,
+    return finish(merge_or_find(views, options.merge, stages.of(Stage::kMerge)), all, options,
                   stages);
   });
 }

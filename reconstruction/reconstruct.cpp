@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "reconstruction/cache/stage_units.h"
 #include "reconstruction/stage_context.h"
 
 namespace relief::reconstruction {
@@ -33,7 +34,7 @@ class Reconstructor {
  private:
   Result<void> align() {
     auto alignment =
-        registration::align_views(result_.views, options_.align, stages_.of(Stage::kAlign));
+        align_or_find("align", result_.views, options_.align, stages_.of(Stage::kAlign));
     if (!alignment) return alignment.error();
     registration::apply_alignment(*alignment, result_.views);
     if (auto told = tell(callbacks_.aligned, *alignment); !told) return told;
@@ -64,8 +65,8 @@ class Reconstructor {
     if (options_.contradicted == ContradictedRanges::kKeep) return {};
     CrossViewOptions compare;
     compare.correct = options_.contradicted == ContradictedRanges::kCorrect;
-    auto found = weigh_by_consistency(remaining_pairs(), compare, result_.views,
-                                      stages_.of(Stage::kCompare));
+    auto found =
+        weigh_or_find(remaining_pairs(), compare, result_.views, stages_.of(Stage::kCompare));
     if (!found) return found.error();
     result_.consistency = std::move(*found);
     return tell(callbacks_.compared, result_.consistency, result_.views);
@@ -80,7 +81,7 @@ class Reconstructor {
   }
 
   Result<void> refine() {
-    auto refined = hybrid::refine_views(result_.views, options_.refine, stages_.of(Stage::kRefine));
+    auto refined = refine_or_find(result_.views, options_.refine, stages_.of(Stage::kRefine));
     if (!refined) return refined.error();
     for (std::size_t i = 0; i < refined->size(); ++i) {
       hybrid::RefinedView& view = (*refined)[i];
@@ -101,7 +102,7 @@ class Reconstructor {
       registration::AlignOptions options = options_.align;
       options.surface.normals = registration::NormalSource::kMeasured;
       auto alignment =
-          registration::align_views(result_.views, options, stages_.of(Stage::kAlignAgain));
+          align_or_find("align_again", result_.views, options, stages_.of(Stage::kAlignAgain));
       if (!alignment) return alignment.error();
       const AlignmentGain gain =
           compare_alignments(result_.first_alignment, *alignment, result_.views);

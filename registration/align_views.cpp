@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "registration/units/align_units.h"
 #include "registration/verification/given_poses.h"
 #include "scan/base/parallel.h"
 
@@ -45,12 +46,16 @@ const RangeView* view_without_projection(const std::vector<RangeView>& views,
   return nullptr;
 }
 
-Result<std::vector<ViewSurface>> build_surfaces(const std::vector<RangeView>& views,
-                                                const AlignOptions& options,
-                                                const Progress& progress) {
+ViewSurfaceOptions surface_options_of(const AlignOptions& options) {
   ViewSurfaceOptions surface = options.surface;
   surface.neighbour_index |= options.refinement.association == Association::kNearest ||
                              options.starting_poses.association == Association::kNearest;
+  return surface;
+}
+
+Result<std::vector<ViewSurface>> build_surfaces(const std::vector<RangeView>& views,
+                                                const ViewSurfaceOptions& surface,
+                                                const Progress& progress) {
   std::vector<ViewSurface> surfaces;
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!report_progress(progress, static_cast<double>(i) / static_cast<double>(views.size()),
@@ -101,17 +106,19 @@ std::vector<bool> find_misfits(const std::vector<bool>& found_by_shape,
 class Aligning {
  public:
   Aligning(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
-           const AlignOptions& options, const Progress& progress)
+           const AlignOptions& options, const AlignUnits& units, const Progress& progress)
       : views_(views),
         surfaces_(surfaces),
         starting_(options.starting_poses),
         refinement_(options.refinement),
+        units_(units),
         progress_(progress) {}
 
   Result<Alignment> run() {
-    auto given = refine_given_poses(surfaces_, views_, starting_, refinement_, progress_);
+    auto given = refine_given_poses(surfaces_, views_, starting_, refinement_, progress_, units_);
     if (!given) return given.error();
-    auto starts = find_starting_poses(surfaces_, views_, given->checked, starting_, progress_);
+    auto starts =
+        find_starting_poses(surfaces_, views_, given->checked, starting_, progress_, units_);
     if (!starts) return starts.error();
     starts_ = std::move(*starts);
     take_roles();
@@ -148,7 +155,7 @@ class Aligning {
   // from where it started, free of their influence.
   Result<void> refine_all() {
     for (;;) {
-      auto refined = refine_jointly(surfaces_, poses_, roles_, refinement_, progress_);
+      auto refined = units_.refine_jointly(surfaces_, poses_, roles_, refinement_, progress_);
       if (!refined) return refined.error();
       refined_ = std::move(*refined);
       const auto misfits = find_misfits(starts_.found_by_shape, roles_, refined_);
@@ -172,7 +179,7 @@ class Aligning {
       view.name = views_[i].name;
       view.world_from_view = refined_.world_from_view[i];
       view.pose_std = refined_.pose_std[i];
-      view.pose_covariance = refined_.pose_covariance.of(i);
+      view.pose_covariance = refined_.pose_covariance[i];
       view.aligned = starts_.in_main_frame[i] && roles_[i] != ViewRole::kExcluded;
       const bool confirmed =
           verified_.group[i] == main || views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
@@ -239,6 +246,7 @@ class Aligning {
   const std::vector<ViewSurface>& surfaces_;
   StartingPoseOptions starting_;
   JointRefinementOptions refinement_;
+  const AlignUnits& units_;
   const Progress& progress_;
   StartingPoses starts_;
   std::vector<RigidMotion> poses_;
@@ -271,9 +279,11 @@ Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOp
                      "the association auto or nearest"};
 
   return run_in(context, [&]() -> Result<Alignment> {
-    auto surfaces = build_surfaces(views, options, context.progress);
+    const ViewSurfaceOptions surface = surface_options_of(options);
+    auto surfaces = build_surfaces(views, surface, context.progress);
     if (!surfaces) return surfaces.error();
-    return Aligning(views, *surfaces, options, context.progress).run();
+    const AlignUnits units(context.store, views, surface);
+    return Aligning(views, *surfaces, options, units, context.progress).run();
   });
 }
 

@@ -41,6 +41,7 @@ void add_convert(CLI::App& app, Action& action);
 void add_init(CLI::App& app, Action& action);
 void add_render(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
+void add_clean(CLI::App& app, Action& action);
 
 /// Adds -q, -v, --progress, --json, --threads, --seed and --report to a command.
 void add_common_options(CLI::App& command, CommonOptions& options);

@@ -6,6 +6,7 @@
 
 #include "apps/commands/command.h"
 #include "apps/commands/export_views.h"
+#include "apps/commands/run_cache.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
@@ -42,6 +43,7 @@ struct RunCommand {
   std::vector<std::filesystem::path> exports;
   bool no_html_report = false;
   HtmlReportOptions html;
+  CacheFlags cache;
   Json record;  // The section `run` of the report.
 };
 
@@ -54,6 +56,8 @@ class Run {
     auto project = read_with_notes(command_.input, command_.common);
     if (!project) return fail(project.error());
     if (const auto ready = prepare_folder(command_.output); !ready) return fail(ready.error());
+    if (const auto ours = cache_.open(command_.output, command_.cache); !ours)
+      return fail(ours.error());
     project_ = std::move(*project);
     if (const auto kept = keep("run", command_.record); !kept) return fail(kept.error());
     const bool with_normals = std::any_of(project_.views.begin(), project_.views.end(),
@@ -62,14 +66,22 @@ class Run {
     watch_ = Stopwatch();
     auto result = reconstruction::reconstruct(std::move(project_.views), options(),
                                               reconstruction_context(), callbacks());
-    if (!result) return fail(result.error());
-    if (const auto written = write_model(result->model); !written) return fail(written.error());
+    if (!result) return stop(result.error());
+    cache_.log("merge", "merged mesh");
+    cache_.log("polish", "polished mesh");
+    if (const auto written = write_model(result->model); !written) return stop(written.error());
     Console::info("wrote " + (command_.output / "model.ply").string() + " and report.json");
-    if (const auto written = write_page(result->model.mesh); !written) return fail(written.error());
+    if (const auto written = write_page(result->model.mesh); !written) return stop(written.error());
     return result->complete() ? kDone : kDataDoesNotAllow;
   }
 
  private:
+  int stop(const Error& error) {
+    const int status = fail(error);
+    cache_.log_kept();
+    return status;
+  }
+
   reconstruction::ReconstructionOptions options() const {
     reconstruction::ReconstructionOptions options;
     options.remove_background = false;  // read_with_notes() did.
@@ -83,9 +95,10 @@ class Run {
   Context context(const std::string& stage) const { return context_of(command_.common, stage); }
 
   // Its stages are told apart by the callbacks.
-  Context reconstruction_context() const {
+  Context reconstruction_context() {
     Context context = context_of(command_.common, "").with_progress({});
     context.memory = command_.refine.memory();
+    context.store = cache_.store();
     return context;
   }
 
@@ -113,6 +126,7 @@ class Run {
   }
 
   Result<void> keep_alignment(const registration::Alignment& alignment) {
+    cache_.log("align", "alignment");
     Json report = to_json(alignment);
     report["seconds"] = watch_.seconds();
     log_alignment(alignment, project_.unit, report["seconds"]);
@@ -122,6 +136,7 @@ class Run {
 
   Result<void> keep_consistency(const std::vector<reconstruction::ViewConsistency>& consistency,
                                 const std::vector<RangeView>& views) {
+    cache_.log("compare", "comparison of the views");
     Json report = consistency_report(consistency, views);
     report["seconds"] = watch_.seconds();
     log_consistency(consistency, views, project_.unit, report["seconds"]);
@@ -130,6 +145,7 @@ class Run {
 
   Result<void> keep_refinement(const std::vector<hybrid::RefineSummary>& refinements,
                                const std::vector<RangeView>& views) {
+    cache_.log("refine", "refined views");
     Json report = refinement_report(refinements, views);
     report["seconds"] = watch_.seconds();
     log_refinement(refinements, views, project_.unit, report["seconds"]);
@@ -137,6 +153,7 @@ class Run {
   }
 
   Result<void> keep_second_alignment(const reconstruction::SecondAlignment& second) {
+    cache_.log("align_again", "second alignment");
     Json report = to_json(second.alignment);
     report["seconds"] = watch_.seconds();
     report["gain"] = to_json(second.gain);
@@ -161,6 +178,9 @@ class Run {
     log_model(model, project_.unit, report["seconds"]);
     if (auto written = write_mesh(model.mesh, command_.output / "model.ply"); !written)
       return written;
+    Json record = command_.record;
+    record["cache"] = cache_.report();
+    if (auto kept = keep("run", record); !kept) return kept;
     return write_report(report_path(command_.common, command_.output / "scan.json"), "merge",
                         report, command_.common);
   }
@@ -185,7 +205,8 @@ class Run {
 
   const RunCommand& command_;
   ScanProject project_;  // Its views are given away.
-  Stopwatch watch_;      // Of the stage.
+  RunCache cache_;
+  Stopwatch watch_;  // Of the stage.
 };
 
 }  // namespace
@@ -210,6 +231,7 @@ void add_run(CLI::App& app, Action& action) {
       ->default_str("correct");
   add_refine_options(*sub, command->refine);
   add_merge_options(*sub, command->merge);
+  add_cache_options(*sub, command->cache);
   sub->add_flag("--no-html-report", command->no_html_report, "Do not write report.html");
   add_html_report_options(*sub, command->html);
   add_common_options(*sub, command->common);

@@ -19,7 +19,7 @@ def measure(case, context):
 def by_relief(case, context):
     relief, folder = context.relief, case.folder / "run"
     try:
-        cost = relief.cost(case.folder / "run.log", "run", *case.input(), "-o", folder)
+        cost = relief.cost(case.folder / "run.log", "run", *case.input(), "-o", folder, "--fresh")
     except Failed as failure:
         return row(case, "relief", failure)
     figures = merge.figures_of(case, relief, folder / "model.ply", case.folder / "run-mesh.log")

@@ -114,7 +114,7 @@ def by_relief(case, context, name, options):
     spacing = case.spacing
     figures = {"before": depth_figures(relief, scans / "scan.json", scans, spacing, folder / "before.log").get("depth")}
     try:
-        cost = relief.cost(folder / "run.log", "run", scans / "scan.json", "-o", out)
+        cost = relief.cost(folder / "run.log", "run", scans / "scan.json", "-o", out, "--fresh")
     except Failed as failure:
         return failure, figures
     report = json.loads((out / "report.json").read_text()) if (out / "report.json").exists() else {}

@@ -62,7 +62,7 @@ def by_relief(case, context, start, folder):
     """Cost, figures and file of poses."""
     out = folder / "run"
     try:
-        cost = context.relief.cost(folder / "run.log", "run", start, "-o", out)
+        cost = context.relief.cost(folder / "run.log", "run", start, "-o", out, "--fresh")
     except Failed as failure:
         return failure, {}, None
     report = json.loads((out / "report.json").read_text()) if (out / "report.json").exists() else {}

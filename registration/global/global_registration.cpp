@@ -23,8 +23,13 @@ class GlobalRegistration {
  public:
   GlobalRegistration(const std::vector<ViewSurface>& surfaces, const ViewGroups& start,
                      const std::vector<bool>& known, const GlobalRegistrationOptions& options,
-                     const Progress& progress)
-      : surfaces_(surfaces), start_(start), known_(known), options_(options), progress_(progress) {
+                     const Progress& progress, const AlignUnits& units)
+      : surfaces_(surfaces),
+        start_(start),
+        known_(known),
+        options_(options),
+        progress_(progress),
+        units_(units) {
     grouping_.limits = options.limits;
     grouping_.ambiguity = options.ambiguity;
     grouping_.judge.association = options.association;
@@ -107,8 +112,8 @@ class GlobalRegistration {
       std::vector<std::vector<PoseHypothesis>> found(count);
       parallel_for(count, 1, [&](std::size_t from, std::size_t to) {
         for (std::size_t k = from; k < to; ++k)
-          found[k] = search_pair(views[pairs[begin + k].first], views[pairs[begin + k].second],
-                                 scale, options);
+          found[k] = units_.search_pair(views, pairs[begin + k].first, pairs[begin + k].second,
+                                        scale, options);
       });
       for (std::size_t k = 0; k < count; ++k) {
         const auto [a, b] = pairs[begin + k];
@@ -134,7 +139,7 @@ class GlobalRegistration {
       VerificationThresholds alone = limits;
       alone.min_overlap = grouping_.lone_overlap;
       repeats_[i] = is_mostly_planar(surfaces_[i]) ||
-                    fits_itself(view, scale, alone, {options_.association, 150, 20});
+                    units_.fits_itself(view, i, scale, alone, {options_.association, 150, 20});
     }
     return *repeats_[i];
   }
@@ -153,6 +158,7 @@ class GlobalRegistration {
   const std::vector<bool>& known_;
   const GlobalRegistrationOptions& options_;
   const Progress& progress_;
+  const AlignUnits& units_;
   ViewGroupOptions grouping_;
   std::vector<PoseLink> links_;
   std::vector<std::optional<bool>> repeats_;  // Whether views fit themselves, where it matters.
@@ -164,9 +170,9 @@ class GlobalRegistration {
 Result<ViewGroups> register_globally(const std::vector<ViewSurface>& surfaces,
                                      const ViewGroups& start, const std::vector<bool>& known,
                                      const GlobalRegistrationOptions& options,
-                                     const Progress& progress) {
+                                     const Progress& progress, const AlignUnits& units) {
   assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
-  return GlobalRegistration(surfaces, start, known, options, progress).run();
+  return GlobalRegistration(surfaces, start, known, options, progress, units).run();
 }
 
 }  // namespace relief::registration

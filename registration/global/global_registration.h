@@ -4,6 +4,7 @@
 
 #include "registration/global/view_groups.h"
 #include "registration/surface/view_surface.h"
+#include "registration/units/align_units.h"
 #include "registration/verification/pose_evidence.h"
 #include "relief/scan/progress.h"
 #include "relief/scan/result.h"
@@ -30,6 +31,6 @@ struct GlobalRegistrationOptions {
 Result<ViewGroups> register_globally(const std::vector<ViewSurface>& surfaces,
                                      const ViewGroups& start, const std::vector<bool>& known,
                                      const GlobalRegistrationOptions& options = {},
-                                     const Progress& progress = {});
+                                     const Progress& progress = {}, const AlignUnits& units = {});
 
 }  // namespace relief::registration

@@ -170,14 +170,17 @@ bool all_finite(const std::vector<RigidMotion>& poses) {
 }
 
 // Whether they are finite; sets them.
-bool set_deviations(const PoseCovariance& covariance, JointRefinement& result) {
+bool set_covariances(const PoseCovariance& covariance, JointRefinement& result) {
+  std::vector<Matrix6d> covariances;
   std::vector<RigidTangent> deviations;
   for (std::size_t i = 0; i < result.pose_std.size(); ++i) {
-    const Matrix6d of_view = covariance.of(i);
-    if (!of_view.allFinite()) return false;
-    deviations.push_back(of_view.diagonal().cwiseMax(0.0).cwiseSqrt());
+    covariances.push_back(covariance.of(i));
+    if (!covariances.back().allFinite()) return false;
+    deviations.push_back(covariances.back().diagonal().cwiseMax(0.0).cwiseSqrt());
   }
+  result.pose_covariance = std::move(covariances);
   result.pose_std = std::move(deviations);
+  result.joint_covariance = covariance;
   return true;
 }
 
@@ -201,7 +204,7 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
   auto poses = result.world_from_view;
   const auto refined = refine_pose_graph(pointers_to(surfaces), pairs, result.held, last, poses);
   result.solves.insert(result.solves.end(), refined.solves.begin(), refined.solves.end());
-  if (!refined.solved || !all_finite(poses) || !set_deviations(refined.covariance, result)) {
+  if (!refined.solved || !all_finite(poses) || !set_covariances(refined.covariance, result)) {
     result.termination = RefinementTermination::kSolverFailed;
     return;
   }
@@ -210,7 +213,6 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
   result.last_motion = refined.last_motion;
   if (refined.last_motion > level.tolerance)
     result.termination = RefinementTermination::kIterationLimit;
-  result.pose_covariance = refined.covariance;
 }
 
 }  // namespace
@@ -225,6 +227,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   result.world_from_view = world_from_view;
   result.group = connected_groups(surfaces.size(), {});
   result.held = hold_one_per_group(result.group, roles);
+  result.pose_covariance.assign(surfaces.size(), Matrix6d::Zero());
   result.pose_std.assign(surfaces.size(), RigidTangent::Zero());
   const bool any_samples = std::any_of(surfaces.begin(), surfaces.end(), [](const auto& s) {
     return !s.samples().empty() && s.spacing() > 0.0;

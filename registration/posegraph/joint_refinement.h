@@ -30,10 +30,11 @@ struct JointRefinement {
   std::vector<std::size_t> group;
   /// Views that did not move: the fixed ones and, in groups without any, the first.
   std::vector<bool> held;
-  /// Covariance of all poses, tangents (rotation [rad], translation [unit]) about each view's
+  /// Covariance of each pose as tangent (rotation [rad], translation [unit]) about the view's
   /// centre in world axes; zero for held views. See PoseGraphSystem::covariance().
-  PoseCovariance pose_covariance;
-  std::vector<RigidTangent> pose_std;  ///< The roots of its diagonal.
+  std::vector<Matrix6d> pose_covariance;
+  std::vector<RigidTangent> pose_std;  ///< The roots of their diagonals.
+  PoseCovariance joint_covariance;     ///< Of all poses together; not kept in a UnitStore.
   std::vector<SolverSummary> solves;   ///< In their order.
 };
 

@@ -59,14 +59,14 @@ Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& sur
                                              const std::vector<RangeView>& views,
                                              const StartingPoseOptions& options,
                                              const JointRefinementOptions& refinement,
-                                             const Progress& progress) {
+                                             const Progress& progress, const AlignUnits& units) {
   auto roles = roles_of(views, options.given);
   const bool trust = options.given == GivenPoses::kTrust;
   std::vector<RigidMotion> poses;
   for (const RangeView& view : views) poses.push_back(view.world_from_view);
   std::vector<bool> refuted(views.size(), false);
   for (;;) {
-    auto refined = refine_jointly(surfaces, poses, roles, refinement, progress);
+    auto refined = units.refine_jointly(surfaces, poses, roles, refinement, progress);
     if (!refined) return refined.error();
     if (!report_progress(progress, 0.0, "verifying poses"))
       return Error{ErrorKind::kInterrupted, "alignment was interrupted"};

@@ -4,6 +4,7 @@
 
 #include "registration/posegraph/joint_refinement.h"
 #include "registration/surface/view_surface.h"
+#include "registration/units/align_units.h"
 #include "registration/verification/pose_verification.h"
 #include "registration/verification/starting_poses.h"
 #include "relief/scan/progress.h"
@@ -27,7 +28,8 @@ Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& sur
                                              const std::vector<RangeView>& views,
                                              const StartingPoseOptions& options,
                                              const JointRefinementOptions& refinement,
-                                             const Progress& progress = {});
+                                             const Progress& progress = {},
+                                             const AlignUnits& units = {});
 
 /// What a pose must show of the set's own errors: see verify_poses().
 PoseVerificationOptions verification_options(const StartingPoseOptions& options);

@@ -237,11 +237,11 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
                                           const std::vector<RangeView>& views,
                                           const CheckedPoses& checked,
                                           const StartingPoseOptions& options,
-                                          const Progress& progress) {
+                                          const Progress& progress, const AlignUnits& units) {
   ViewGroups placed = groups_of(checked);
   if (options.search && !all_together(checked, surfaces)) {
     auto found =
-        register_globally(surfaces, placed, checked.known, place_options(options), progress);
+        register_globally(surfaces, placed, checked.known, place_options(options), progress, units);
     if (!found) return found.error();
     placed = std::move(*found);
   }

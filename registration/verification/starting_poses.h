@@ -7,6 +7,7 @@
 
 #include "registration/pairwise/correspondences.h"
 #include "registration/surface/view_surface.h"
+#include "registration/units/align_units.h"
 #include "relief/registration/align_options.h"
 #include "relief/scan/progress.h"
 #include "relief/scan/range_view.h"
@@ -46,6 +47,7 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
                                           const std::vector<RangeView>& views,
                                           const CheckedPoses& checked,
                                           const StartingPoseOptions& options = {},
-                                          const Progress& progress = {});
+                                          const Progress& progress = {},
+                                          const AlignUnits& units = {});
 
 }  // namespace relief::registration

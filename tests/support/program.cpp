@@ -30,9 +30,9 @@ namespace {
   _exit(127);
 }
 
-}  // namespace
-
-ProgramRun run_relief(const std::vector<std::string>& arguments, const ProgramLimits& limits) {
+// Starts the program, lets `wait` see to its end, and gathers what it left.
+ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramLimits& limits,
+                       const std::function<int(pid_t)>& wait) {
   const TemporaryFolder folder;
   const std::string out = folder / "out", err = folder / "err";
   std::string program = RELIEF_PROGRAM;
@@ -43,13 +43,39 @@ ProgramRun run_relief(const std::vector<std::string>& arguments, const ProgramLi
 
   const pid_t child = fork();
   if (child == 0) become_program(argv, out, err, limits);
-  int status = 0;
-  waitpid(child, &status, 0);
+  const int status = wait(child);
   ProgramRun run;
   run.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   run.standard_output = read_text(out);
   run.standard_error = read_text(err);
   return run;
+}
+
+}  // namespace
+
+ProgramRun run_relief(const std::vector<std::string>& arguments, const ProgramLimits& limits) {
+  return run_program(arguments, limits, [](pid_t child) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return status;
+  });
+}
+
+ProgramRun run_relief_until(const std::function<bool()>& enough,
+                            const std::vector<std::string>& arguments) {
+  return run_program(arguments, {}, [&](pid_t child) {
+    int status = 0;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+      if (!enough()) {
+        usleep(1000);
+        continue;
+      }
+      kill(child, SIGKILL);
+      waitpid(child, &status, 0);
+      break;
+    }
+    return status;
+  });
 }
 
 std::vector<std::string> files_below(const std::filesystem::path& folder) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,11 @@ struct ProgramLimits {
 
 /// Runs the program under test with `arguments` and waits for it.
 ProgramRun run_relief(const std::vector<std::string>& arguments, const ProgramLimits& limits = {});
+
+/// Runs it until it ends or `enough()` is true, which is asked all the time: the program is then
+/// killed (SIGKILL).
+ProgramRun run_relief_until(const std::function<bool()>& enough,
+                            const std::vector<std::string>& arguments);
 
 /// Names of all files below `folder`, relative to it, sorted.
 std::vector<std::string> files_below(const std::filesystem::path& folder);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "relief/hybrid/refine_view.h"
@@ -13,12 +14,18 @@ namespace relief::hybrid {
 int views_at_once(const std::vector<RangeView>& views, const RefineOptions& options,
                   std::size_t memory = 0);
 
+/// Refines one view, as refine_view() does.
+using RefineOne = std::function<Result<RefinedView>(
+    const RangeView& view, const RefineOptions& options, const Context& context)>;
+
 /// Refines all views, several at a time within the memory of the context as above. With fewer views
 /// than threads each view gets several threads. The results are in the order of the views and do
 /// not depend on the number of threads, nor on the memory. A view that cannot be refined stays as
-/// measured; its status says why. Errors: kBadInput for an option out of range, kInterrupted.
+/// measured; its status says why. `refine` is called for each view, from several threads at once.
+/// Errors: kBadInput for an option out of range, kInterrupted.
 Result<std::vector<RefinedView>> refine_views(const std::vector<RangeView>& views,
                                               const RefineOptions& options = {},
-                                              const Context& context = {});
+                                              const Context& context = {},
+                                              const RefineOne& refine = refine_view);
 
 }  // namespace relief::hybrid

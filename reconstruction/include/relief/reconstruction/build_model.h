@@ -47,8 +47,9 @@ struct Model {
 /// Merges views at their `world_from_view`, refines the mesh with the normals of the views, and
 /// decimates it as far as the options ask. A mesh that merging closed stays closed and manifold:
 /// where polishing would leave no closed manifold, the mesh stays as merged, and `merged.notes`
-/// says so. `progress` is told of each stage, the progress of the context of all stages together.
-/// Errors: those of fusion::merge_views, hybrid::polish_mesh and fusion::decimate_mesh.
+/// says so. The merged and the polished mesh are units of work. `progress` is told of each stage,
+/// the progress of the context of all stages together. Errors: those of fusion::merge_views,
+/// hybrid::polish_mesh and fusion::decimate_mesh.
 Result<Model> build_model(const std::vector<RangeView>& views, const ModelOptions& options = {},
                           const Context& context = {}, const StageProgress& progress = {});
 

@@ -76,8 +76,9 @@ struct ReconstructionCallbacks {
 /// normals, aligns them again, and builds the model. The poses of the second alignment are taken
 /// only when they are expected to be no worse. Views that cannot be aligned are left out; views
 /// that cannot be refined take part as measured. Positions are in the unit of the views, the model
-/// in their world frame. The memory of the context bounds what refining takes, see
-/// hybrid::refine_views; its progress is told of all stages together.
+/// in their world frame. Its stages are units of work, each view refined one of its own. The memory
+/// of the context bounds what refining takes, see hybrid::refine_views; its progress is told of all
+/// stages together.
 ///
 /// Errors: those of registration::align_views, hybrid::refine_views and build_model; kUnsolvable
 /// when no view can be aligned; kInterrupted.

@@ -64,7 +64,8 @@ struct Alignment {
 /// pose nothing confirms are searched for by shape. A given pose that no view refutes is kept even
 /// then, with the status kUnverified. Known poses are kept to the bit; else the first view of the
 /// largest group of overlapping views stays where it is. Views without a pose that fit none are
-/// reported, never forced. Errors: kBadInput for no views or impossible options, kInterrupted.
+/// reported, never forced. Pairs searched and poses refined together are units of work. Errors:
+/// kBadInput for no views or impossible options, kInterrupted.
 Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOptions& options = {},
                               const Context& context = {});
 

@@ -15,6 +15,8 @@
 
 namespace relief {
 
+class UnitStore;
+
 /// How a long computation is carried out: what it may take, and whom it tells. Options say what is
 /// computed. Of a context only `seed` may change a result.
 struct Context {
@@ -24,7 +26,10 @@ struct Context {
   std::size_t memory = 0;
   std::filesystem::path temporary_folder;  ///< For such files; empty: TMPDIR, or /tmp.
   std::uint64_t seed = 1;                  ///< Of everything random.
-  Progress progress;                       ///< Empty: nobody is told.
+  /// What earlier computations have finished is taken from here, and what is finished is kept here
+  /// (unit_store.h); null: all is computed. The result is the same to the bit.
+  UnitStore* store = nullptr;
+  Progress progress;  ///< Empty: nobody is told.
   /// Asks the computation to stop, from any thread. It then returns ErrorKind::kInterrupted at the
   /// end of what its loops have begun, as when `progress` returns false.
   std::stop_token stop;

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "relief/fusion/merge_views.h"
+#include "relief/hybrid/polish_mesh.h"
+#include "relief/hybrid/refine_views.h"
+#include "relief/reconstruction/cross_view_consistency.h"
+#include "relief/registration/align_views.h"
+
+namespace relief::reconstruction {
+
+// The stages as units of work: what the store of the context holds is not computed again. Each
+// gives what the function of the stage gives, to the bit, and its errors.
+
+/// registration::align_views. `kind` tells the first alignment from the second.
+Result<registration::Alignment> align_or_find(std::string_view kind,
+                                              const std::vector<RangeView>& views,
+                                              const registration::AlignOptions& options,
+                                              const Context& context);
+
+/// weigh_by_consistency.
+Result<std::vector<ViewConsistency>> weigh_or_find(const std::vector<registration::PairFit>& pairs,
+                                                   const CrossViewOptions& options,
+                                                   std::vector<RangeView>& views,
+                                                   const Context& context);
+
+/// hybrid::refine_views: a unit for each view, which does not depend on its pose and name. Each is
+/// kept as soon as it is finished.
+Result<std::vector<hybrid::RefinedView>> refine_or_find(const std::vector<RangeView>& views,
+                                                        const hybrid::RefineOptions& options,
+                                                        const Context& context);
+
+/// fusion::merge_views.
+Result<fusion::MergeResult> merge_or_find(const std::vector<RangeView>& views,
+                                          const fusion::MergeOptions& options,
+                                          const Context& context);
+
+/// hybrid::polish_mesh.
+Result<hybrid::PolishedMesh> polish_or_find(const TriangleMesh& mesh,
+                                            const std::vector<RangeView>& views,
+                                            const hybrid::PolishOptions& options,
+                                            const Context& context);
+
+}  // namespace relief::reconstruction

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "registration/global/pair_search.h"
+#include "registration/posegraph/joint_refinement.h"
+#include "relief/registration/align_views.h"
+#include "scan/units/unit_codec_private.h"
+
+// How cereal writes the results of aligning. A structured binding names exactly the fields there
+// are.
+
+namespace relief::registration {
+
+template <class Archive>
+void serialize(Archive& archive, DegenerateDirection& direction) {
+  auto& [motion, centre, description] = direction;
+  archive(motion, centre, description);
+}
+
+template <class Archive>
+void serialize(Archive& archive, PairFit& pair) {
+  auto& [a, b, overlap, rms, correspondences, status, normal_maps, degenerate_directions] = pair;
+  archive(a, b, overlap, rms, correspondences, status, normal_maps, degenerate_directions);
+}
+
+template <class Archive>
+void serialize(Archive& archive, ViewReport& view) {
+  auto& [name, world_from_view, aligned, status, pose_covariance, pose_std, reason] = view;
+  archive(name, world_from_view, aligned, status, pose_covariance, pose_std, reason);
+}
+
+template <class Archive>
+void serialize(Archive& archive, SolverSummary& solve) {
+  auto& [stage, termination, iterations, initial_cost, final_cost, message, seconds] = solve;
+  archive(stage, termination, iterations, initial_cost, final_cost, message, seconds);
+}
+
+template <class Archive>
+void serialize(Archive& archive, Alignment& alignment) {
+  auto& [views, pairs, termination, iterations, rms, solves, notes] = alignment;
+  archive(views, pairs, termination, iterations, rms, solves, notes);
+}
+
+template <class Archive>
+void serialize(Archive& archive, JointRefinement& refined) {
+  auto& [world_from_view, termination, iterations, last_motion, rms, pairs, group, held,
+         pose_covariance, pose_std, joint_covariance, solves] = refined;
+  static_cast<void>(joint_covariance);
+  archive(world_from_view, termination, iterations, last_motion, rms, pairs, group, held,
+          pose_covariance, pose_std, solves);
+}
+
+template <class Archive>
+void serialize(Archive& archive, PoseEvidence& evidence) {
+  auto& [overlap, rms, coherent_rms, local_rms, normal_rms, in_front, free_space_violation, missing,
+         missing_coverage, degenerate] = evidence;
+  archive(overlap, rms, coherent_rms, local_rms, normal_rms, in_front, free_space_violation,
+          missing, missing_coverage, degenerate);
+}
+
+template <class Archive>
+void serialize(Archive& archive, PoseHypothesis& hypothesis) {
+  auto& [b_from_a, evidence] = hypothesis;
+  archive(b_from_a, evidence);
+}
+
+}  // namespace relief::registration

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cereal/archives/binary.hpp>
+#include <cereal/types/array.hpp>
+#include <cereal/types/optional.hpp>
+#include <cereal/types/string.hpp>
+#include <cereal/types/utility.hpp>
+#include <cereal/types/vector.hpp>
+
+#include "relief/scan/grid.h"
+
+// How cereal writes the types of the data model: numbers by their bits, so that what is read is
+// what was computed. For source files only.
+
+namespace cereal {
+
+template <class Archive, typename S, int Rows, int Columns, int Options>
+void save(Archive& archive, const Eigen::Matrix<S, Rows, Columns, Options, Rows, Columns>& matrix) {
+  if constexpr (Rows == Eigen::Dynamic || Columns == Eigen::Dynamic)
+    archive(std::int64_t{matrix.rows()}, std::int64_t{matrix.cols()});
+  archive(binary_data(matrix.data(), static_cast<std::size_t>(matrix.size()) * sizeof(S)));
+}
+
+template <class Archive, typename S, int Rows, int Columns, int Options>
+void load(Archive& archive, Eigen::Matrix<S, Rows, Columns, Options, Rows, Columns>& matrix) {
+  if constexpr (Rows == Eigen::Dynamic || Columns == Eigen::Dynamic) {
+    std::int64_t rows = 0, columns = 0;
+    archive(rows, columns);
+    matrix.resize(rows, columns);
+  }
+  archive(binary_data(matrix.data(), static_cast<std::size_t>(matrix.size()) * sizeof(S)));
+}
+
+template <class Archive>
+void save(Archive& archive, const Eigen::Isometry3d& motion) {
+  archive(motion.matrix());
+}
+
+template <class Archive>
+void load(Archive& archive, Eigen::Isometry3d& motion) {
+  archive(motion.matrix());
+}
+
+template <class Archive, typename T>
+void save(Archive& archive, const relief::Grid<T>& grid) {
+  static_assert(std::is_trivially_destructible_v<T>);
+  archive(grid.width(), grid.height());
+  archive(binary_data(grid.data(), grid.size() * sizeof(T)));
+}
+
+template <class Archive, typename T>
+void load(Archive& archive, relief::Grid<T>& grid) {
+  int width = 0, height = 0;
+  archive(width, height);
+  if (width < 0 || height < 0) throw Exception("a grid of negative size");
+  grid = relief::Grid<T>(width, height);
+  archive(binary_data(grid.data(), grid.size() * sizeof(T)));
+}
+
+}  // namespace cereal
+
+namespace relief {
+
+template <typename Value>
+std::string encode_unit(const Value& value) {
+  std::ostringstream stream(std::ios::binary);
+  cereal::BinaryOutputArchive archive(stream);
+  archive(value);
+  return std::move(stream).str();
+}
+
+/// Nothing unless `content` is what encode_unit() made of such a value.
+template <typename Value>
+std::optional<Value> decode_unit(std::string content) {
+  std::istringstream stream(std::move(content), std::ios::binary);
+  try {
+    cereal::BinaryInputArchive archive(stream);
+    Value value;
+    archive(value);
+    if (stream.peek() != std::istringstream::traits_type::eof()) return std::nullopt;
+    return value;
+  } catch (const std::exception&) {  // Of cereal, or too large for the memory.
+    return std::nullopt;
+  }
+}
+
+}  // namespace relief

@@ -1,0 +1,86 @@
+#include "relief/reconstruction/folder_lock.h"
+
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/support/temporary_folder.h"
+
+namespace relief::reconstruction {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+TEST(FolderLock, TellsWhoHoldsTheFolder) {
+  const TemporaryFolder folder;
+  const auto first = FolderLock::acquire(folder.path());
+  ASSERT_TRUE(first);
+  EXPECT_TRUE(first->held());
+  const auto second = FolderLock::acquire(folder.path());
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().kind, ErrorKind::kCannotWrite);
+  EXPECT_THAT(second.error().message, HasSubstr(folder.path().string()));
+  EXPECT_THAT(second.error().message, HasSubstr("process " + std::to_string(getpid()) + " on "));
+  EXPECT_THAT(second.error().message, HasSubstr("UTC"));
+}
+
+TEST(FolderLock, EndsWithTheObject) {
+  const TemporaryFolder folder;
+  { const auto first = FolderLock::acquire(folder.path()); }
+  EXPECT_TRUE(FolderLock::acquire(folder.path()));
+}
+
+TEST(FolderLock, MayBeRemovedByItsHolder) {
+  const TemporaryFolder folder;
+  auto first = FolderLock::acquire(folder.path());
+  fs::remove_all(private_folder(folder.path()));
+  const auto second = FolderLock::acquire(folder.path());
+  EXPECT_TRUE(second);
+  EXPECT_FALSE(FolderLock::acquire(folder.path()));
+}
+
+// The child holds the folder until it is killed, with files half written.
+TEST(FolderLock, DoesNotOutliveAKilledProcessWhoseUnfinishedFilesGo) {
+  const TemporaryFolder folder;
+  int ready[2];
+  ASSERT_EQ(pipe(ready), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    const auto lock = FolderLock::acquire(folder.path());
+    const char told = lock ? 'y' : 'n';
+    if (write(ready[1], &told, 1) != 1) _exit(1);
+    for (;;) pause();
+  }
+  char told = 0;
+  ASSERT_EQ(read(ready[0], &told, 1), 1);
+  EXPECT_EQ(told, 'y');
+  const std::string own = ".partial-" + std::to_string(child) + "-0";
+  fs::create_directories(private_folder(folder.path()) / "cache");
+  folder.write(".model" + own + ".ply", "half");
+  folder.write(".relief/cache/.unit" + own, "half");
+  folder.write(".model.partial-" + std::to_string(child) + "9-0.ply", "another's");
+  folder.write("model.ply", "whole");
+  EXPECT_FALSE(FolderLock::acquire(folder.path()));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_TRUE(FolderLock::acquire(folder.path()));
+  EXPECT_FALSE(fs::exists(folder / (".model" + own + ".ply")));
+  EXPECT_FALSE(fs::exists(folder / (".relief/cache/.unit" + own)));
+  EXPECT_TRUE(fs::exists(folder / (".model.partial-" + std::to_string(child) + "9-0.ply")));
+  EXPECT_TRUE(fs::exists(folder / "model.ply"));
+}
+
+TEST(FolderLock, NeedsAFolder) {
+  const TemporaryFolder folder;
+  const auto lock = FolderLock::acquire(folder.write("file", ""));
+  ASSERT_FALSE(lock);
+  EXPECT_EQ(lock.error().kind, ErrorKind::kCannotWrite);
+}
+
+}  // namespace
+}  // namespace relief::reconstruction
