@@ -130,7 +130,8 @@ Context context_of(const CommonOptions& common, const std::string& stage) {
 }
 
 int fail(const Error& error) {
-  Console::error(error.message);
+  const bool late = error.kind == ErrorKind::kInterrupted && time_is_over();
+  Console::error(late ? "the time limit is over" : error.message);
   return exit_status(error);
 }
 

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <chrono>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -9,6 +11,7 @@
 #include "apps/commands/run_cache.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
+#include "apps/console/interruption.h"
 #include "apps/console/output.h"
 #include "apps/console/progress_display.h"
 #include "apps/options/stage_options.h"
@@ -41,6 +44,7 @@ struct RunCommand {
   MergeFlags merge;
   std::filesystem::path output;
   std::vector<std::filesystem::path> exports;
+  double time_limit = 0.0;  // [s]; 0: none.
   bool no_html_report = false;
   HtmlReportOptions html;
   CacheFlags cache;
@@ -53,6 +57,7 @@ class Run {
 
   // What a stage achieved is written before the next one starts.
   int operator()() {
+    if (command_.time_limit > 0.0) stop_after(std::chrono::duration<double>(command_.time_limit));
     auto project = read_with_notes(command_.input, command_.common);
     if (!project) return fail(project.error());
     if (const auto ready = prepare_folder(command_.output); !ready) return fail(ready.error());
@@ -232,6 +237,11 @@ void add_run(CLI::App& app, Action& action) {
   add_refine_options(*sub, command->refine);
   add_merge_options(*sub, command->merge);
   add_cache_options(*sub, command->cache);
+  sub->add_option("--time-limit", command->time_limit,
+                  "Stop after this time, as 90s, 30min or 2h; the same command goes on from there")
+      ->transform(CLI::AsNumberWithUnit(
+          std::map<std::string, double>{{"s", 1.0}, {"min", 60.0}, {"h", 3600.0}}))
+      ->check(CLI::PositiveNumber);
   sub->add_flag("--no-html-report", command->no_html_report, "Do not write report.html");
   add_html_report_options(*sub, command->html);
   add_common_options(*sub, command->common);

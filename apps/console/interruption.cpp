@@ -1,11 +1,14 @@
 #include "apps/console/interruption.h"
 
+#include <atomic>
 #include <csignal>
 #include <thread>
 
 namespace relief {
 
 namespace {
+
+std::atomic<bool> over{false};  // The time limit.
 
 std::stop_source& source() {
   static std::stop_source instance;
@@ -40,6 +43,16 @@ void catch_interrupts() {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::thread(wait_for_signals).detach();
 }
+
+void stop_after(std::chrono::duration<double> limit) {
+  std::thread([limit] {
+    std::this_thread::sleep_for(limit);
+    over = true;
+    source().request_stop();
+  }).detach();
+}
+
+bool time_is_over() { return over; }
 
 std::stop_token interruption() { return source().get_token(); }
 

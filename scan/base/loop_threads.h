@@ -12,7 +12,7 @@ namespace relief {
 int available_threads();
 
 /// Calls `work` with so many threads available.
-void with_available_threads(const std::function<void()>& work);
+void with_available_threads(int threads, const std::function<void()>& work);
 
 /// Calls `visit(i)` for each i below `count` on the threads available here, the caller among them.
 /// An exception of `visit` is rethrown after all threads have stopped.

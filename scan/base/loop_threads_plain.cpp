@@ -36,8 +36,8 @@ int available_threads() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-void with_available_threads(const std::function<void()>& work) {
-  const Restored restored(threads_here);
+void with_available_threads(int threads, const std::function<void()>& work) {
+  const Restored restored(threads_here, threads);
   work();
 }
 
@@ -47,7 +47,7 @@ void visit_on_threads(std::size_t count, const std::function<void(std::size_t)>&
   std::exception_ptr failure;
   std::mutex mutex;
   const auto take_part = [&] {
-    const Restored threads_restored(threads_here);
+    const Restored threads_restored(threads_here, threads);
     const Restored loop_restored(in_loop, true);
     try {
       for (std::size_t i = next++; i < count; i = next++) visit(i);
