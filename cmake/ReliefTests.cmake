@@ -18,6 +18,9 @@ set(RELIEF_UNSANITIZED_TESTS
   GlobalRegistration.KeepsTwoObjects*
   GlobalRegistration.PlacesTheBunny*
   Icp.ReportsTheCovariance*
+  KeptUnits.MayBeMissing*
+  KeptUnits.OfOther*
+  KeptUnits.OfPairs*
   Multigrid.NeedsFewSteps*
   PlanarShapes.NeighbouringSides*
   PoseGraphRefinement.ReportsTheCovariance*

@@ -1,10 +1,13 @@
 #include "relief/reconstruction/build_model.h"
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "reconstruction/cache/stage_units.h"
 #include "relief/scan/progress.h"
 #include "scan/base/parallel.h"
+#include "scan/units/input_hash.h"
 
 namespace relief::reconstruction {
 
@@ -23,15 +26,21 @@ fusion::MergeOptions merge_options_of(const ModelOptions& options) {
   return merge;
 }
 
+// Where finished meshes are kept, and what they depend on.
+struct KeptMeshes {
+  UnitStore* store = nullptr;
+  std::vector<std::string> view_hashes;
+};
+
 // Moving the vertices changes the check of the mesh, and what was closed must still be. After an
 // error the model is as it was.
 Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& options,
-                    const StageProgress& progress, UnitStore* store, Model& model) {
+                    const StageProgress& progress, const KeptMeshes& kept, Model& model) {
   hybrid::PolishOptions polish = *options.polish;
   polish.threads = options.threads;
   if (!(polish.normals.max_distance > 0.0)) polish.normals.max_distance = model.merged.truncation;
-  auto polished =
-      polish_or_find(store, model.mesh, views, polish, progress_of(progress, Stage::kPolish));
+  auto polished = polish_or_find(kept.store, kept.view_hashes, model.mesh, views, polish,
+                                 progress_of(progress, Stage::kPolish));
   if (!polished) return polished.error();
   model.polished = *polished;
   if (polished->rounds == 0) return {};
@@ -56,7 +65,8 @@ Result<void> decimate(const fusion::DecimationOptions& options, Model& model) {
 }
 
 Result<Model> finish(Result<fusion::MergeResult> merged, const LoadAllViews& all,
-                     const ModelOptions& options, const StageProgress& progress, UnitStore* store) {
+                     const ModelOptions& options, const StageProgress& progress,
+                     const KeptMeshes& kept) {
   if (!merged) return merged.error();
   const std::vector<RangeView>* views = nullptr;
   if (options.polish) {
@@ -70,7 +80,7 @@ Result<Model> finish(Result<fusion::MergeResult> merged, const LoadAllViews& all
   model.check = std::move(merged->check);
   model.merged = std::move(*merged);
   if (options.polish) {
-    if (const auto done = polish(*views, options, progress, store, model); !done) {
+    if (const auto done = polish(*views, options, progress, kept, model); !done) {
       if (done.error().kind != ErrorKind::kUnsolvable) return done.error();
       model.merged.notes.push_back("the model is not polished: " + done.error().message);
     }
@@ -104,16 +114,18 @@ Result<Model> build_model(const std::vector<RangeView>& views, const ModelOption
   const LoadAllViews all = [&](const fusion::MergeResult&) {
     return Result<const std::vector<RangeView>*>(&views);
   };
-  return finish(
-      merge_or_find(store, views, merge_options_of(options), progress_of(progress, Stage::kMerge)),
-      all, options, progress, store);
+  KeptMeshes kept{store, {}};
+  if (store != nullptr) kept.view_hashes = hashes_of_views(views, options.threads);
+  return finish(merge_or_find(store, kept.view_hashes, views, merge_options_of(options),
+                              progress_of(progress, Stage::kMerge)),
+                all, options, progress, kept);
 }
 
 Result<Model> build_model_from_source(const fusion::ViewSource& views, const LoadAllViews& all,
                                       const ModelOptions& options, const StageProgress& progress) {
   return finish(fusion::merge_from_source(views, merge_options_of(options),
                                           progress_of(progress, Stage::kMerge)),
-                all, options, progress, nullptr);
+                all, options, progress, {});
 }
 
 }  // namespace relief::reconstruction

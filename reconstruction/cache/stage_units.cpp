@@ -147,21 +147,23 @@ Result<std::vector<hybrid::RefinedView>> refine_or_find(UnitStore* store,
   return hybrid::refine_views(views, options, progress, memory, refine);
 }
 
-Result<fusion::MergeResult> merge_or_find(UnitStore* store, const std::vector<RangeView>& views,
+Result<fusion::MergeResult> merge_or_find(UnitStore* store, const std::vector<std::string>& hashes,
+                                          const std::vector<RangeView>& views,
                                           const fusion::MergeOptions& options,
                                           const Progress& progress) {
   return find_or_compute<fusion::MergeResult>(
-      store, [&] { return unit_key("merge", hashes_of_views(views, options.threads), options); },
+      store, [&] { return unit_key("merge", hashes, options); },
       [&] { return fusion::merge_views(views, options, progress); });
 }
 
-Result<hybrid::PolishedMesh> polish_or_find(UnitStore* store, const TriangleMesh& mesh,
+Result<hybrid::PolishedMesh> polish_or_find(UnitStore* store,
+                                            const std::vector<std::string>& hashes,
+                                            const TriangleMesh& mesh,
                                             const std::vector<RangeView>& views,
                                             const hybrid::PolishOptions& options,
                                             const Progress& progress) {
   return find_or_compute<hybrid::PolishedMesh>(
-      store,
-      [&] { return unit_key("polish", mesh, hashes_of_views(views, options.threads), options); },
+      store, [&] { return unit_key("polish", mesh, hashes, options); },
       [&] { return hybrid::polish_mesh(mesh, views, options, progress); });
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "relief/fusion/merge_views.h"
@@ -35,13 +37,16 @@ Result<std::vector<hybrid::RefinedView>> refine_or_find(UnitStore* store,
                                                         const Progress& progress,
                                                         std::size_t memory);
 
-/// fusion::merge_views.
-Result<fusion::MergeResult> merge_or_find(UnitStore* store, const std::vector<RangeView>& views,
+/// fusion::merge_views. `hashes`: hashes_of_views, where there is a store.
+Result<fusion::MergeResult> merge_or_find(UnitStore* store, const std::vector<std::string>& hashes,
+                                          const std::vector<RangeView>& views,
                                           const fusion::MergeOptions& options,
                                           const Progress& progress);
 
-/// hybrid::polish_mesh.
-Result<hybrid::PolishedMesh> polish_or_find(UnitStore* store, const TriangleMesh& mesh,
+/// hybrid::polish_mesh. `hashes` as above.
+Result<hybrid::PolishedMesh> polish_or_find(UnitStore* store,
+                                            const std::vector<std::string>& hashes,
+                                            const TriangleMesh& mesh,
                                             const std::vector<RangeView>& views,
                                             const hybrid::PolishOptions& options,
                                             const Progress& progress);
