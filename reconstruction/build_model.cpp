@@ -1,22 +1,28 @@
 #include "relief/reconstruction/build_model.h"
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "reconstruction/cache/stage_units.h"
 #include "reconstruction/stage_context.h"
 #include "scan/base/parallel.h"
+#include "scan/units/input_hash.h"
 
 namespace relief::reconstruction {
 
 namespace {
 
+// The units of a model depend on these.
+using ViewHashes = std::vector<std::string>;
+
 // Moving the vertices changes the check of the mesh, and what was closed must still be. After an
 // error the model is as it was.
 Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& options,
-                    const StageContext& context, Model& model) {
+                    const StageContext& context, const ViewHashes& hashes, Model& model) {
   hybrid::PolishOptions polish = *options.polish;
   if (!(polish.normals.max_distance > 0.0)) polish.normals.max_distance = model.merged.truncation;
-  auto polished = polish_or_find(model.mesh, views, polish, context.of(Stage::kPolish));
+  auto polished = polish_or_find(hashes, model.mesh, views, polish, context.of(Stage::kPolish));
   if (!polished) return polished.error();
   model.polished = *polished;
   if (polished->rounds == 0) return {};
@@ -41,7 +47,8 @@ Result<void> decimate(const fusion::DecimationOptions& options, Model& model) {
 }
 
 Result<Model> finish(Result<fusion::MergeResult> merged, const LoadAllViews& all,
-                     const ModelOptions& options, const StageContext& context) {
+                     const ModelOptions& options, const StageContext& context,
+                     const ViewHashes& hashes) {
   if (!merged) return merged.error();
   const std::vector<RangeView>* views = nullptr;
   if (options.polish) {
@@ -55,7 +62,7 @@ Result<Model> finish(Result<fusion::MergeResult> merged, const LoadAllViews& all
   model.check = std::move(merged->check);
   model.merged = std::move(*merged);
   if (options.polish) {
-    if (const auto done = polish(*views, options, context, model); !done) {
+    if (const auto done = polish(*views, options, context, hashes, model); !done) {
       if (done.error().kind != ErrorKind::kUnsolvable) return done.error();
       model.merged.notes.push_back("the model is not polished: " + done.error().message);
     }
@@ -91,8 +98,9 @@ Result<Model> build_model(const std::vector<RangeView>& views, const ModelOption
   };
   return run_in(context, [&] {
     const StageContext stages{context, progress};
-    return finish(merge_or_find(views, options.merge, stages.of(Stage::kMerge)), all, options,
-                  stages);
+    const ViewHashes hashes = context.store ? hashes_of_views(views) : ViewHashes();
+    return finish(merge_or_find(hashes, views, options.merge, stages.of(Stage::kMerge)), all,
+                  options, stages, hashes);
   });
 }
 
@@ -100,9 +108,11 @@ Result<Model> build_model_from_source(const fusion::ViewSource& views, const Loa
                                       const ModelOptions& options, const Context& context,
                                       const StageProgress& progress) {
   return run_in(context, [&] {
-    const StageContext stages{context, progress};
+    Context without_store = context;
+    without_store.store = nullptr;
+    const StageContext stages{without_store, progress};
     return finish(fusion::merge_from_source(views, options.merge, stages.of(Stage::kMerge)), all,
-                  options, stages);
+                  options, stages, {});
   });
 }
 

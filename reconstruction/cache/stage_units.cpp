@@ -144,20 +144,22 @@ Result<std::vector<hybrid::RefinedView>> refine_or_find(const std::vector<RangeV
   return hybrid::refine_views(views, options, context, refine);
 }
 
-Result<fusion::MergeResult> merge_or_find(const std::vector<RangeView>& views,
+Result<fusion::MergeResult> merge_or_find(const std::vector<std::string>& hashes,
+                                          const std::vector<RangeView>& views,
                                           const fusion::MergeOptions& options,
                                           const Context& context) {
   return find_or_compute<fusion::MergeResult>(
-      context.store, [&] { return unit_key("merge", hashes_of_views(views), options); },
+      context.store, [&] { return unit_key("merge", hashes, options); },
       [&] { return fusion::merge_views(views, options, context); });
 }
 
-Result<hybrid::PolishedMesh> polish_or_find(const TriangleMesh& mesh,
+Result<hybrid::PolishedMesh> polish_or_find(const std::vector<std::string>& hashes,
+                                            const TriangleMesh& mesh,
                                             const std::vector<RangeView>& views,
                                             const hybrid::PolishOptions& options,
                                             const Context& context) {
   return find_or_compute<hybrid::PolishedMesh>(
-      context.store, [&] { return unit_key("polish", mesh, hashes_of_views(views), options); },
+      context.store, [&] { return unit_key("polish", mesh, hashes, options); },
       [&] { return hybrid::polish_mesh(mesh, views, options, context); });
 }
 

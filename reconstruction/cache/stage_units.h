@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "relief/fusion/merge_views.h"
@@ -31,13 +33,15 @@ Result<std::vector<hybrid::RefinedView>> refine_or_find(const std::vector<RangeV
                                                         const hybrid::RefineOptions& options,
                                                         const Context& context);
 
-/// fusion::merge_views.
-Result<fusion::MergeResult> merge_or_find(const std::vector<RangeView>& views,
+/// fusion::merge_views. `hashes`: hashes_of_views, where there is a store.
+Result<fusion::MergeResult> merge_or_find(const std::vector<std::string>& hashes,
+                                          const std::vector<RangeView>& views,
                                           const fusion::MergeOptions& options,
                                           const Context& context);
 
-/// hybrid::polish_mesh.
-Result<hybrid::PolishedMesh> polish_or_find(const TriangleMesh& mesh,
+/// hybrid::polish_mesh. `hashes` as above.
+Result<hybrid::PolishedMesh> polish_or_find(const std::vector<std::string>& hashes,
+                                            const TriangleMesh& mesh,
                                             const std::vector<RangeView>& views,
                                             const hybrid::PolishOptions& options,
                                             const Context& context);

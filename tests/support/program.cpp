@@ -62,7 +62,7 @@ ProgramRun run_relief(const std::vector<std::string>& arguments, const ProgramLi
 }
 
 ProgramRun run_relief_until(const std::function<bool()>& enough,
-                            const std::vector<std::string>& arguments) {
+                            const std::vector<std::string>& arguments, int signal) {
   return run_program(arguments, {}, [&](pid_t child) {
     int status = 0;
     while (waitpid(child, &status, WNOHANG) == 0) {
@@ -70,7 +70,7 @@ ProgramRun run_relief_until(const std::function<bool()>& enough,
         usleep(1000);
         continue;
       }
-      kill(child, SIGKILL);
+      kill(child, signal);
       waitpid(child, &status, 0);
       break;
     }

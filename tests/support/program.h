@@ -1,5 +1,6 @@
 #pragma once
 
+#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -23,10 +24,10 @@ struct ProgramLimits {
 /// Runs the program under test with `arguments` and waits for it.
 ProgramRun run_relief(const std::vector<std::string>& arguments, const ProgramLimits& limits = {});
 
-/// Runs it until it ends or `enough()` is true, which is asked all the time: the program is then
-/// killed (SIGKILL).
+/// Runs it until it ends or `enough()` is true, which is asked all the time: the program then gets
+/// `signal`.
 ProgramRun run_relief_until(const std::function<bool()>& enough,
-                            const std::vector<std::string>& arguments);
+                            const std::vector<std::string>& arguments, int signal = SIGKILL);
 
 /// Names of all files below `folder`, relative to it, sorted.
 std::vector<std::string> files_below(const std::filesystem::path& folder);

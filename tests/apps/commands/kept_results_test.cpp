@@ -172,6 +172,20 @@ TEST_F(KeptResults, OfAKilledRunAreNotComputedAgain) {
   expect_same_results(plain(), out / "run");
 }
 
+TEST_F(KeptResults, AreNamedWhenARunIsInterrupted) {
+  const TemporaryFolder out;
+  const ProgramRun interrupted =
+      run_relief_until([&] { return kept_files(out / "run").size() >= 2; },
+                       command(scans(), out / "run", {"--threads", "1"}), SIGINT);
+  EXPECT_EQ(interrupted.exit_status, 130);
+  EXPECT_THAT(interrupted.standard_error, HasSubstr("finished results"));
+  EXPECT_THAT(interrupted.standard_error, HasSubstr("the same command goes on from there"));
+  const std::size_t kept = kept_files(out / "run").size();
+  ASSERT_EQ(run_relief(command(scans(), out / "run")).exit_status, 0);
+  EXPECT_EQ(sum_of(counts_of(out / "run"), "computed"), kUnits - kept);
+  expect_same_results(plain(), out / "run");
+}
+
 TEST_F(KeptResults, AreComputedAgainWhereTheyAreDamaged) {
   const TemporaryFolder out;
   copy_folder(full(), out / "again");
