@@ -4,7 +4,7 @@
 #include <new>
 
 // SHA-256 and no faster hash without cryptography: units may come from other people's machines, and
-// nobody can make another content of the same key. It takes a hundredth of the time of computing.
+// nobody can make another content of the same key. What it costs: docs/cache.md.
 #include <openssl/evp.h>
 
 namespace relief {
