@@ -77,7 +77,7 @@ TEST(Reconstruct, TellsOfTheStagesInOrder) {
     told.push_back("views finished");
     return Result<void>{Error{ErrorKind::kCannotWrite, "no room"}};
   };
-  const auto result = reconstruct(scans(), {}, callbacks);
+  const auto result = reconstruct(scans(), {}, {}, callbacks);
   EXPECT_THAT(told,
               ElementsAre("aligned", "compared", "refined", "aligned again", "views finished"));
   ASSERT_FALSE(result);
@@ -88,7 +88,7 @@ TEST(Reconstruct, StopsInEveryStage) {
   for (const Stage last : {Stage::kAlign, Stage::kCompare, Stage::kRefine, Stage::kMerge}) {
     ReconstructionCallbacks callbacks;
     callbacks.progress = [last](Stage stage, double, std::string_view) { return stage < last; };
-    const auto result = reconstruct(scans(), {}, callbacks);
+    const auto result = reconstruct(scans(), {}, {}, callbacks);
     ASSERT_FALSE(result) << to_string(last);
     EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted) << to_string(last);
   }

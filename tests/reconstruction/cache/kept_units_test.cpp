@@ -211,7 +211,7 @@ TEST(KeptUnits, OfOtherOptionsAreNotTaken) {
 
 TEST(KeptUnits, AreNeverErrors) {
   MemoryStore store;
-  EXPECT_FALSE(reconstruct({}, {}, {}, &store));
+  EXPECT_FALSE(reconstruct({}, {}, {.store = &store}));
   EXPECT_TRUE(store.units.empty());
 }
 

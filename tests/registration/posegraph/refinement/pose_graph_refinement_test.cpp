@@ -315,7 +315,7 @@ double whitened_error(std::uint32_t seed) {
         estimate * c - truth * c;
   }
   const Eigen::MatrixXd covariance =
-      covariance_but_of_the_first(refined->pose_covariance, start.size());
+      covariance_but_of_the_first(refined->joint_covariance, start.size());
   return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(free);
 }
 

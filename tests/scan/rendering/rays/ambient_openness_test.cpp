@@ -21,7 +21,7 @@ double tolerance(double share, const SkyRays& rays) {
 }
 
 double openness(const TriangleMesh& mesh, const Eigen::Vector3d& point, const SkyRays& rays) {
-  return ambient_openness(*RayCaster::of(mesh), point, kUp, kUp, rays);
+  return ambient_openness(*RayCaster::of(mesh), point, kUp, kUp, rays, 7);
 }
 
 TEST(AmbientOpenness, AFlatPlaneIsFullyOpen) {
