@@ -27,7 +27,7 @@ struct SensorBench {
   static Camera default_camera() { return Camera::pinhole(320, 240, {500, 500, 159.5, 119.5}); }
 
   simulation::SensorScene scene(int view = 0) const {
-    return {object, paint, truth, view, kDistance, kDistance / 500.0, kDiameter, 1, 0};
+    return {object, paint, truth, view, kDistance, kDistance / 500.0, kDiameter, 1};
   }
 
   static constexpr double kDistance = 10.0, kDiameter = 4.0;
