@@ -22,17 +22,24 @@ namespace relief::fusion {
 
 namespace {
 
-// The median of the views' median deviations; 0 when no view knows any.
-Result<double> typical_deviation(const ViewSource& views, MemoryLimit* memory) {
+struct SampleQuality {
+  double deviation = 0.0;  // Median of the views' median deviations; 0: no view has any.
+  bool refined = false;    // Any view is.
+};
+
+Result<SampleQuality> quality_of(const ViewSource& views, MemoryLimit* memory) {
+  SampleQuality quality;
   std::vector<double> medians;
   for (std::size_t i = 0; i < views.count; ++i) {
     const auto view = views.load(i);
     if (!view) return view.error();
     const double known = median_deviation(**view);
     if (known > 0.0) medians.push_back(known);
+    quality.refined |= (*view)->samples == SampleKind::kRefined;
     if (const auto kept = check(memory); !kept) return kept.error();
   }
-  return median(std::move(medians));
+  quality.deviation = median(std::move(medians));
+  return quality;
 }
 
 // What preparing a view takes for a while, per pixel of its grid [bytes]: normals, edges, borders,
@@ -102,9 +109,8 @@ void count_samples(const std::vector<ViewSampler>& views, MergeResult& result) {
   }
 }
 
-// Refined views, those that know their deviations, hold detail that a lattice as coarse as the
-// samples blurs; in views as measured there is only noise below the spacing (docs/results.md, Voxel
-// size).
+// Refined views hold detail that a lattice as coarse as the samples blurs; in raw views there is
+// only noise below the spacing (docs/results.md, Voxel size).
 constexpr double kRefinedVoxel = 0.8;  // [sample spacings]
 
 void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& options, bool refined,
@@ -210,13 +216,13 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   MergeResult result;
   if (!report_progress(context.progress, 0.0, "merge")) return interrupted;
   const std::unique_ptr<MemoryLimit> memory = limit_of(context, result.notes);
-  const auto deviation = typical_deviation(views, memory.get());
-  if (!deviation) return deviation.error();
-  const auto samplers = Preparation(options, *deviation, memory.get())(views, result.notes);
+  const auto quality = quality_of(views, memory.get());
+  if (!quality) return quality.error();
+  const auto samplers = Preparation(options, quality->deviation, memory.get())(views, result.notes);
   if (!samplers) return samplers.error();
   release_freed_memory();
   count_samples(*samplers, result);
-  choose_scales(*samplers, options, *deviation > 0.0, result);
+  choose_scales(*samplers, options, quality->refined, result);
 
   auto mesh = closed_surface(*samplers, result, memory.get(), context.progress);
   if (!mesh) return mesh.error();

@@ -230,6 +230,7 @@ Result<RangeView> view_of_surface(vtkPolyData& data) {
   if (!view) return view;
   view->name = frame.name;
   view->pose = frame.pose;
+  view->samples = frame.samples;
   view->deviation = std::move(arrays->deviation);
   return view;
 }

@@ -17,16 +17,17 @@ struct ViewGrids {
   Grid<Eigen::Vector3f> normals;
   Grid<float> confidence, deviation;
   Grid<Colour> colours;
+  SampleKind samples = SampleKind::kRaw;
 };
 
 template <class Archive>
 void serialize(Archive& archive, ViewGrids& grids) {
-  auto& [range, normals, confidence, deviation, colours] = grids;
-  archive(range, normals, confidence, deviation, colours);
+  auto& [range, normals, confidence, deviation, colours, samples] = grids;
+  archive(range, normals, confidence, deviation, colours, samples);
 }
 
 ViewGrids grids_of(const RangeView& view) {
-  return {view.range, view.normals, view.confidence, view.deviation, view.colours};
+  return {view.range, view.normals, view.confidence, view.deviation, view.colours, view.samples};
 }
 
 void put_back(ViewGrids grids, RangeView& view) {
@@ -35,6 +36,7 @@ void put_back(ViewGrids grids, RangeView& view) {
   view.confidence = std::move(grids.confidence);
   view.deviation = std::move(grids.deviation);
   view.colours = std::move(grids.colours);
+  view.samples = grids.samples;
 }
 
 struct KeptRefinement {

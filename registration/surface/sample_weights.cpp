@@ -8,9 +8,6 @@ namespace relief::registration {
 
 namespace {
 
-// Deviations of more than so many times what neighbours differ by are mostly of what they share.
-constexpr double kSharedErrors = 2.0;
-
 // Squares of `typical` over the deviation of each sample, times its confidence.
 template <typename Deviation>
 Grid<float> inverse_variances(const RangeView& view, double typical, const Deviation& deviation) {
@@ -27,11 +24,11 @@ Grid<float> inverse_variances(const RangeView& view, double typical, const Devia
 
 }  // namespace
 
-Grid<float> sample_weights(const RangeView& view, double noise, const RangeNoise& ranges) {
-  const double typical = median_deviation(view);
-  if (typical > 0.0 && typical <= kSharedErrors * noise)
+Grid<float> sample_weights(const RangeView& view, const RangeNoise& ranges) {
+  if (view.samples == SampleKind::kRefined) return {};
+  if (const double typical = median_deviation(view); typical > 0.0)
     return inverse_variances(view, typical, [&](int u, int v) { return view.deviation_at(u, v); });
-  if (typical > 0.0 || ranges.map.empty() || !ranges.known()) return {};
+  if (ranges.map.empty() || !ranges.known()) return {};
   auto weights = inverse_variances(view, ranges.sigma, [&](int u, int v) {
     return std::max(ranges.sigma, ranges.sigma_at(u, v));
   });

@@ -10,9 +10,9 @@ namespace relief::registration {
 /// have the confidence in them, the inverse of its variance relative to the view's median one.
 /// Without deviations, samples in regions whose ranges are noisier than the typical one (`ranges`)
 /// count by the inverse of their variance, times their confidence; smoother ones count no more than
-/// typical ones, lest few of them hold the pose alone. Empty: the confidence. So, too, where errors
-/// are shared by neighbours, whose sums over the surface move poses and do not become smaller as
-/// the deviations of single samples do. `noise`: white noise of positions [unit].
-Grid<float> sample_weights(const RangeView& view, double noise, const RangeNoise& ranges);
+/// typical ones, lest few of them hold the pose alone. Empty: the confidence. So, too, for refined
+/// views: neighbours share their errors, and sums of shared errors move poses, however small the
+/// deviations of single samples are.
+Grid<float> sample_weights(const RangeView& view, const RangeNoise& ranges);
 
 }  // namespace relief::registration

@@ -101,6 +101,7 @@ void ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise,
   whole.normals = view.normals;
   whole.confidence = view.confidence;
   whole.deviation = view.deviation;
+  whole.samples = view.samples;
   for (std::size_t i = 0; i < whole.confidence.size(); ++i)
     if (filled.bridged[i]) whole.confidence[i] = 1.0f;
   ConnectedGrid connected = connect_grid(whole);
@@ -123,7 +124,7 @@ void ViewSurface::smooth_normals(const ConnectedGrid& grid, const RangeNoise& ra
   spacing_ = sample_spacing(grid.points, grid.edges);
   noise_ = position_noise(view, grid);
   double step = typical_step(view, ranges);
-  if (options.normals == NormalSource::kGeometric) weights_ = sample_weights(view, noise_, ranges);
+  if (options.normals == NormalSource::kGeometric) weights_ = sample_weights(view, ranges);
   const auto radius_for = [&] {
     return options.normal_radius > 0 ? options.normal_radius
                                      : normal_radius(noise_, spacing_, step);

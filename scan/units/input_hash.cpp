@@ -70,9 +70,9 @@ void hash_into(ContentHash& hash, const DiscontinuityOptions& options) {
 namespace {
 
 void add_samples(const RangeView& view, ContentHash& hash) {
-  const auto& [name, camera, range, normals, confidence, deviation, colours, world_from_view,
-               pose] = view;
-  hash.add(camera, range, normals, confidence, deviation, colours);
+  const auto& [name, camera, range, normals, confidence, deviation, colours, world_from_view, pose,
+               samples] = view;
+  hash.add(camera, range, normals, confidence, deviation, colours, samples);
 }
 
 }  // namespace

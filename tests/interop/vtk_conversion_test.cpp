@@ -36,6 +36,7 @@ std::string message_of(const Result<Value>& result) {
 
 void expect_same_attributes(const RangeView& found, const RangeView& given) {
   EXPECT_EQ(found.name, given.name);
+  EXPECT_EQ(found.samples, given.samples);
   EXPECT_EQ(found.camera.can_project(), given.camera.can_project());
   for (int v = 0; v < given.height(); ++v) {
     for (int u = 0; u < given.width(); ++u) {

@@ -203,6 +203,7 @@ Result<void> write_project(const std::vector<RangeView>& views, const std::strin
                         : write_depth_view(view, folder, stem, options.declare_normals, entry);
     if (written) written = write_deviation(view, folder, stem, entry);
     if (!written) return written;
+    set_samples_json(entry, view.samples);
     set_pose_json(entry, view.world_from_view, view.pose);
     document["views"].push_back(std::move(entry));
   }

@@ -219,6 +219,9 @@ ViewSpec read_view(JsonObject view, const std::filesystem::path& project) {
   if (view.has("confidence")) spec.confidence = read_image_file(view.object("confidence"), project);
   if (view.has("color")) spec.colour = read_image_file(view.object("color"), project);
   if (view.has("deviation")) spec.deviation = read_deviation(view.object("deviation"), project);
+  if (view.has("samples"))
+    spec.samples = view.choice<SampleKind>(
+        "samples", {{"raw", SampleKind::kRaw}, {"refined", SampleKind::kRefined}});
   read_pose(view, spec);
   view.finish();
   return spec;

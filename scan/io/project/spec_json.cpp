@@ -52,6 +52,10 @@ void set_pose_json(SpecJson& entry, const RigidMotion& world_from_view, PoseKind
   entry["pose_is"] = kind == PoseKind::kKnown ? "known" : "guess";
 }
 
+void set_samples_json(SpecJson& entry, SampleKind kind) {
+  if (kind == SampleKind::kRefined) entry["samples"] = "refined";
+}
+
 fs::path path_from(const fs::path& file, const fs::path& folder) {
   std::error_code code;
   const fs::path target = fs::weakly_canonical(fs::absolute(file), code);
@@ -76,6 +80,7 @@ SpecJson view_json(const ViewSpec& spec, const fs::path& folder) {
     entry["deviation"] = image_json({spec.deviation->file, spec.deviation->size}, folder);
     entry["deviation"]["scale"] = spec.deviation->scale;
   }
+  set_samples_json(entry, spec.samples);
   set_pose_json(entry, spec.world_from_view, spec.pose);
   return entry;
 }

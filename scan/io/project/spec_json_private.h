@@ -15,6 +15,9 @@ nlohmann::ordered_json empty_project_json(const std::string& unit);
 void set_pose_json(nlohmann::ordered_json& entry, const RigidMotion& world_from_view,
                    PoseKind kind);
 
+/// Says so if the samples of a view's entry are not raw.
+void set_samples_json(nlohmann::ordered_json& entry, SampleKind kind);
+
 /// `file` as seen from `folder`; `file` itself where no such path exists.
 std::filesystem::path path_from(const std::filesystem::path& file,
                                 const std::filesystem::path& folder);

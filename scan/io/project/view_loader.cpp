@@ -258,6 +258,7 @@ Result<LoadedView> load_view(const ViewSpec& spec, MemoryBudget& memory) {
   loaded.view.name = spec.name;
   loaded.view.world_from_view = spec.world_from_view;
   loaded.view.pose = spec.pose;
+  loaded.view.samples = spec.samples;
   Result<void> step =
       spec.depth ? load_depth(spec, memory, loaded) : load_grid(spec, memory, loaded);
   Grid<std::uint8_t> masked;

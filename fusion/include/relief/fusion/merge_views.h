@@ -16,7 +16,7 @@ namespace relief::fusion {
 
 struct MergeOptions {
   /// Spacing of the lattice the surface is extracted from [unit]; 0: the median sample spacing of
-  /// the views, or 0.8 of it when they know their deviations (refined views do).
+  /// the views, or 0.8 of it where views are refined.
   double voxel_size = 0.0;
   /// Views contribute to the signed distance up to this far from their surface [unit]; 0: three
   /// voxels, or four standard deviations of the views' noise and one voxel if that is more.

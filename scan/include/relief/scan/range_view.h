@@ -21,6 +21,12 @@ enum class PoseKind {
   kKnown,   ///< Exact; alignment never moves it.
 };
 
+/// Where the samples of a view come from.
+enum class SampleKind {
+  kRaw,      ///< The sensor; `deviation`, where there is any, is what the sensor says.
+  kRefined,  ///< Ranges solved together with normals: neighbouring samples share their errors.
+};
+
 /// The marker of a pixel without a sample.
 inline constexpr double kNoSample = std::numeric_limits<double>::quiet_NaN();
 
@@ -38,6 +44,7 @@ struct RangeView {
   Grid<Colour> colours;  ///< Empty: none known; without meaning where there is no sample.
   RigidMotion world_from_view = RigidMotion::Identity();
   PoseKind pose = PoseKind::kAbsent;
+  SampleKind samples = SampleKind::kRaw;
 
   int width() const { return camera.width(); }
   int height() const { return camera.height(); }

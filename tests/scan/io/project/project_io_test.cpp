@@ -42,6 +42,7 @@ ScanProject all_cameras() {
   for (std::size_t i = 0; i < 4; ++i) project.views[i].name = names[i];
   project.views[0].pose = PoseKind::kKnown;
   project.views[2].pose = PoseKind::kAbsent;
+  project.views[1].samples = project.views[3].samples = SampleKind::kRefined;
   for (auto& view : project.views) {
     view.confidence = Grid<float>(view.width(), view.height(), 0.25f);
     view.deviation = Grid<float>(view.width(), view.height(), 0.125f);
@@ -60,6 +61,7 @@ void expect_same_view(const RangeView& read, const RangeView& written) {
   SCOPED_TRACE(written.name);
   EXPECT_EQ(read.name, written.name);
   EXPECT_EQ(read.pose, written.pose);
+  EXPECT_EQ(read.samples, written.samples);
   EXPECT_TRUE(read.world_from_view.isApprox(written.world_from_view, 1e-14));
   ASSERT_EQ(read.width(), written.width());
   ASSERT_EQ(read.height(), written.height());
