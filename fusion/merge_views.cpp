@@ -49,8 +49,8 @@ constexpr std::size_t kPreparation = 150;
 class Preparation {
  public:
   Preparation(const MergeOptions& options, double nominal_deviation, MemoryLimit* memory) {
-    options_.silhouette_ramp = options.silhouette_ramp;
-    options_.nominal_deviation = nominal_deviation;
+    options_.weights.silhouette_ramp = options.silhouette_ramp;
+    options_.weights.nominal_deviation = nominal_deviation;
     options_.memory = memory;
   }
 
@@ -97,7 +97,7 @@ class Preparation {
     return check(options_.memory);
   }
 
-  QuadSurfaceOptions options_;
+  PagedSurfaceOptions options_;
   std::vector<ViewSampler> samplers_;
   std::size_t without_pose_ = 0;
 };

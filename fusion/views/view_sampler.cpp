@@ -22,7 +22,7 @@ constexpr double kSameSurface = 0.9;  // Cosine.
 // Pixels by which the projection of a box may stand out of that of its corners.
 constexpr int kBoxMargin = 1;
 
-Eigen::Vector3d mean_direction(const RangeView& view, const QuadSurface& surface) {
+Eigen::Vector3d mean_direction(const RangeView& view, const PagedSurface& surface) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int v = 0; v < surface.pixels.height(); ++v)
     for (int u = 0; u < surface.pixels.width(); ++u)
@@ -31,7 +31,7 @@ Eigen::Vector3d mean_direction(const RangeView& view, const QuadSurface& surface
   return sum.normalized();
 }
 
-Grid<float> depths_along(const Eigen::Vector3d& axis, const QuadSurface& surface) {
+Grid<float> depths_along(const Eigen::Vector3d& axis, const PagedSurface& surface) {
   Grid<float> depths(surface.pixels.width(), surface.pixels.height(),
                      -std::numeric_limits<float>::infinity());
   for (int v = 0; v < depths.height(); ++v)
@@ -43,7 +43,7 @@ Grid<float> depths_along(const Eigen::Vector3d& axis, const QuadSurface& surface
 // Corner k of a quad, row by row.
 template <typename T>
 const T& corner(const PagedGrid<T>& grid, const ViewSampler::Quad& quad, int k) {
-  return grid(quad.u + (k & 1), quad.v + (k >> 1));
+  return grid(quad.corners.u + (k & 1), quad.corners.v + (k >> 1));
 }
 
 std::array<double, 8> numbers_of(const SurfacePixel& pixel) {
@@ -65,22 +65,13 @@ std::array<Eigen::Vector3d, 8> corners_of(const Eigen::AlignedBox3d& box) {
 
 }  // namespace
 
-// The surface where the ray of a point meets it, interpolated in a quad. View frame, relative to
-// the centre of the surface.
+// The surface where the ray of a point meets it.
 struct ViewSampler::Patch {
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
-  Eigen::Vector3d place = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
-  double tangent_offset = 0.0;  // Mean of normal . point over the corners.
-  double weight = 0.0, border = 0.0;
-
-  // Equation (F1). On a curved surface the chord between samples errs to one side and their tangent
-  // planes err by the same amount to the other.
-  double distance(const Eigen::Vector3d& point) const {
-    return normal.dot(point) - 0.5 * (normal.dot(place) + tangent_offset);
-  }
+  SurfacePatch surface;  // View frame.
+  double border = 0.0;   // Distance to the silhouette [pixels].
 };
 
-Result<ViewSampler> ViewSampler::create(const RangeView& view, const QuadSurfaceOptions& options) {
+Result<ViewSampler> ViewSampler::create(const RangeView& view, const PagedSurfaceOptions& options) {
   Result<ViewSampler> created = ViewSampler();
   ViewSampler& sampler = *created;
   sampler.world_from_view_ = view.world_from_view;
@@ -99,15 +90,10 @@ Result<ViewSampler> ViewSampler::create(const RangeView& view, const QuadSurface
 std::optional<ViewSampler::Quad> ViewSampler::quad_at(const Eigen::Vector3d& point) const {
   const auto projected = projection_.pixel_of(point);
   if (!projected) return std::nullopt;
-  const double x = projected->x() - surface_.first_u, y = projected->y() - surface_.first_v;
-  if (!(x >= 0.0 && y >= 0.0 && x < surface_.pixels.width() - 1 &&
-        y < surface_.pixels.height() - 1))
-    return std::nullopt;
-  const int u = static_cast<int>(x), v = static_cast<int>(y);
-  if (!surface_.quad(u, v)) return std::nullopt;
-
-  const double a = x - u, b = y - v;
-  return Quad{point, *projected, u, v, {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
+  const Eigen::Vector2d in_crop = *projected - Eigen::Vector2d(surface_.first_u, surface_.first_v);
+  const auto corners = SurfaceQuad::at(in_crop, surface_.pixels.width(), surface_.pixels.height());
+  if (!corners || !surface_.quad(corners->u, corners->v)) return std::nullopt;
+  return Quad{point, *projected, *corners};
 }
 
 std::optional<ViewSampler::Quad> ViewSampler::quad_on_ray_of(
@@ -120,7 +106,7 @@ ViewSampler::Side ViewSampler::side(const Quad& quad, double reach) const {
   const double depth = depth_axis_.dot(quad.point - surface_.centre);
   double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
   for (int k = 0; k < 4; ++k) {
-    const double at_corner = depths_.at(quad.u + (k & 1), quad.v + (k >> 1));
+    const double at_corner = depths_.at(quad.corners.u + (k & 1), quad.corners.v + (k >> 1));
     nearest = std::min(nearest, at_corner);
     farthest = std::max(farthest, at_corner);
   }
@@ -134,21 +120,13 @@ std::optional<ViewSampler::Patch> ViewSampler::patch_on(const Quad& quad) const 
   double offset = 0.0;
   for (int k = 0; k < 4; ++k) {
     const auto values = numbers_of(corner(surface_.pixels, quad, k));
-    const double share = quad.share[static_cast<std::size_t>(k)];
+    const double share = quad.corners.shares[static_cast<std::size_t>(k)];
     for (std::size_t i = 0; i < 8; ++i) sum[i] += share * values[i];
     offset += share * (values[0] * values[4] + values[1] * values[5] + values[2] * values[6]);
   }
-  Patch patch;
-  patch.pixel = quad.pixel;
-  patch.place = {sum[0], sum[1], sum[2]};
-  patch.weight = sum[3];
-  patch.normal = {sum[4], sum[5], sum[6]};
-  patch.border = sum[7];
-  patch.tangent_offset = offset;
-  const double length = patch.normal.norm();
-  if (!(length > 0.1)) return std::nullopt;
-  patch.normal /= length;
-  patch.tangent_offset /= length;
+  Patch patch{{surface_.centre, {sum[0], sum[1], sum[2]}, {sum[4], sum[5], sum[6]}, offset, sum[3]},
+              sum[7]};
+  if (!patch.surface.normalize()) return std::nullopt;
   return patch;
 }
 
@@ -162,23 +140,23 @@ std::optional<Observation> ViewSampler::observe(const Quad& quad, double foot_re
   const Eigen::Vector3d& point = quad.point;
   const auto patch = patch_on(quad);
   if (!patch) return std::nullopt;
-  const Eigen::Vector3d local = point - surface_.centre;
+  const auto& [surface, border] = *patch;
   Observation seen;
-  seen.distance = patch->distance(local);
-  seen.weight = patch->weight;
-  seen.border = patch->border;
-  seen.matter_depth = patch->border * surface_.spacing;
-  seen.range_gap = (local - patch->place).norm();
-  seen.normal = world_from_view_.linear() * patch->normal;
-  if (seen.distance > 0.0 && patch->border > 1.0) {
-    const double footprint = projection_.pixel_footprint(point, patch->pixel.x(), patch->pixel.y());
-    seen.clearance = std::min(seen.distance, (patch->border - 1.0) * footprint);
+  seen.distance = surface.distance(point);
+  seen.weight = surface.weight;
+  seen.border = border;
+  seen.matter_depth = border * surface_.spacing;
+  seen.range_gap = (point - surface.origin - surface.chord).norm();
+  seen.normal = world_from_view_.linear() * surface.normal;
+  if (seen.distance > 0.0 && border > 1.0) {
+    const double footprint = projection_.pixel_footprint(point, quad.pixel.x(), quad.pixel.y());
+    seen.clearance = std::min(seen.distance, (border - 1.0) * footprint);
   }
   if (std::abs(seen.distance) < foot_reach && std::abs(seen.distance) < kSteep * seen.range_gap) {
-    const auto quad_at_foot = quad_at(point - seen.distance * patch->normal);
+    const auto quad_at_foot = quad_at(point - seen.distance * surface.normal);
     const auto foot = quad_at_foot ? patch_on(*quad_at_foot) : std::nullopt;
-    if (foot && foot->normal.dot(patch->normal) > kSameSurface)
-      seen.distance = foot->distance(local);
+    if (foot && foot->surface.normal.dot(surface.normal) > kSameSurface)
+      seen.distance = foot->surface.distance(point);
   }
   return seen;
 }
@@ -190,7 +168,7 @@ std::optional<Eigen::Vector3d> ViewSampler::colour(const Eigen::Vector3d& point_
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int k = 0; k < 4; ++k) {
     const auto& [red, green, blue] = corner(surface_.colours, *quad, k);
-    sum += quad->share[static_cast<std::size_t>(k)] * Eigen::Vector3d(red, green, blue);
+    sum += quad->corners.shares[static_cast<std::size_t>(k)] * Eigen::Vector3d(red, green, blue);
   }
   return sum;
 }

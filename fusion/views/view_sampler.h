@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -8,9 +7,10 @@
 #include <Eigen/Geometry>
 
 #include "fusion/views/depth_pyramid.h"
-#include "fusion/views/quad_surface.h"
+#include "fusion/views/paged_surface.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
+#include "scan/surface/surface_patch.h"
 #include "scan/views/view_projection.h"
 
 namespace relief::fusion {
@@ -33,20 +33,19 @@ struct Observation {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Of the surface, unit, world frame.
 };
 
-/// A range view prepared to be asked for signed distances. Samples are joined into quads along
-/// connected grid edges; within a quad, points and normals are interpolated.
+/// The surface of a range view, prepared to be asked for signed distances: placed in the world,
+/// with a pyramid of depths.
 class ViewSampler {
  public:
   /// kUnsolvable where points cannot be projected into the view at all.
-  static Result<ViewSampler> create(const RangeView& view, const QuadSurfaceOptions& options);
+  static Result<ViewSampler> create(const RangeView& view, const PagedSurfaceOptions& options);
 
   /// The quad that the ray of a point meets, by its upper left corner, and what each of its corners
   /// counts for.
   struct Quad {
     Eigen::Vector3d point;  ///< View frame.
     Eigen::Vector2d pixel;
-    int u = 0, v = 0;  ///< In the crop.
-    std::array<double, 4> share;
+    SurfaceQuad corners;  ///< In the crop.
   };
   /// Nothing where the ray meets none.
   std::optional<Quad> quad_on_ray_of(const Eigen::Vector3d& point_in_world) const;
@@ -89,10 +88,10 @@ class ViewSampler {
            surface_.colours.size() * sizeof(Colour);
   }
 
-  double spacing() const { return surface_.spacing; }     ///< See QuadSurface.
-  double noise() const { return surface_.noise; }         ///< See QuadSurface.
-  std::size_t flying() const { return surface_.flying; }  ///< See QuadSurface.
-  std::size_t filled() const { return surface_.filled; }  ///< See QuadSurface.
+  double spacing() const { return surface_.spacing; }     ///< See PagedSurface.
+  double noise() const { return surface_.noise; }         ///< See PagedSurface.
+  std::size_t flying() const { return surface_.flying; }  ///< See PagedSurface.
+  std::size_t filled() const { return surface_.filled; }  ///< See PagedSurface.
 
  private:
   struct Patch;
@@ -102,7 +101,7 @@ class ViewSampler {
   ViewProjection projection_;
   RigidMotion view_from_world_ = RigidMotion::Identity();
   RigidMotion world_from_view_ = RigidMotion::Identity();
-  QuadSurface surface_;
+  PagedSurface surface_;
   Eigen::Vector3d depth_axis_ = Eigen::Vector3d::UnitZ();  // Mean ray direction, view frame.
   DepthPyramid depths_;  // Of the surface along the axis, from its centre.
 };

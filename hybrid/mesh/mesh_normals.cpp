@@ -14,8 +14,9 @@
 #include "relief/scan/discontinuities.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
-#include "scan/base/silhouette_weight.h"
 #include "scan/base/usable_pose.h"
+#include "scan/surface/observation_weights.h"
+#include "scan/surface/range_surface.h"
 #include "scan/views/view_projection.h"
 
 namespace relief::hybrid {
@@ -41,68 +42,44 @@ struct NormalObservation {
   double weight;
 };
 
-// A view prepared to be asked for its normal at a point.
+// The surface of a view with its measured normals, placed in the world.
 class NormalSampler {
  public:
   NormalSampler(const RangeView& view, ViewProjection projection, const MeshNormalOptions& options)
-      : view_(&view),
-        projection_(std::move(projection)),
-        view_from_world_(view.world_from_view.inverse()),
-        ramp_(options.silhouette_ramp) {
-    ConnectedGrid grid = connect_grid(view);
-    spacing_ = sample_spacing(grid.points, grid.edges);
-    edges_ = std::move(grid.edges);
-    border_ = std::move(grid.boundary);
+      : projection_(std::move(projection)), view_from_world_(view.world_from_view.inverse()) {
+    const ConnectedGrid grid = connect_grid(view);
+    const ObservationWeightOptions weights{.silhouette_ramp = options.silhouette_ramp};
+    surface_ = RangeSurface(view, grid, view.normals,
+                            observation_weights(view, grid, view.normals, weights));
   }
 
-  double spacing() const { return spacing_; }
+  double spacing() const { return surface_.spacing(); }
 
   std::optional<NormalObservation> at(const Eigen::Vector3d& vertex,
                                       const Eigen::Vector3d& mesh_normal,
                                       double max_distance) const {
     const Eigen::Vector3d point = view_from_world_ * vertex;
     const auto pixel = projection_.pixel_of(point);
-    if (!pixel || !(pixel->x() >= 0.0 && pixel->y() >= 0.0 && pixel->x() < view_->width() - 1 &&
-                    pixel->y() < view_->height() - 1))
-      return std::nullopt;
-    const int u = static_cast<int>(pixel->x()), v = static_cast<int>(pixel->y());
-    if (!edges_.connected_quad(u, v)) return std::nullopt;
-
+    const auto quad = pixel ? surface_.quad_at(*pixel) : std::nullopt;
+    if (!quad) return std::nullopt;
     // Most views see something else there: of these nothing more is looked up.
-    if (!((point - view_->point(u, v)).norm() < kFar * max_distance)) return std::nullopt;
-    const double a = pixel->x() - u, b = pixel->y() - v;
-    const std::array<double, 4> share{(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();
-    for (int k = 0; k < 4; ++k)
-      place += share[static_cast<std::size_t>(k)] * view_->point(u + (k & 1), v + (k >> 1));
-    if (!((point - place).norm() < 2.0 * max_distance)) return std::nullopt;
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-    double confidence = 0.0, border = 0.0;
-    for (int k = 0; k < 4; ++k) {
-      const int uk = u + (k & 1), vk = v + (k >> 1);
-      if (!view_->has_normal(uk, vk)) return std::nullopt;
-      const double s = share[static_cast<std::size_t>(k)];
-      normal += s * view_->normals(uk, vk).cast<double>();
-      confidence += s * view_->confidence_at(uk, vk);
-      border += s * border_(uk, vk);
-    }
-    normal.normalize();
-    const double cosine = -normal.dot(view_->camera.ray(u, v).direction.normalized());
-    const NormalObservation observation{view_->world_from_view.linear() * normal,
-                                        confidence * cosine * silhouette_weight(border, ramp_)};
-    const bool sees =
-        cosine > kLeastCosine && observation.normal.dot(mesh_normal) > kLeastAgreement &&
-        std::abs(normal.dot(point - place)) < max_distance && observation.weight > 0.0;
-    return sees ? std::optional(observation) : std::nullopt;
+    if (!((point - surface_.point(quad->u, quad->v)).norm() < kFar * max_distance))
+      return std::nullopt;
+    const auto patch = surface_.patch(*quad);
+    if (!patch || !((point - patch->point()).norm() < 2.0 * max_distance)) return std::nullopt;
+    const RangeView& view = surface_.view();
+    const Eigen::Vector3d ray = view.camera.ray(quad->u, quad->v).direction.normalized();
+    const Eigen::Vector3d normal = view.world_from_view.linear() * patch->normal;
+    const bool sees = -patch->normal.dot(ray) > kLeastCosine &&
+                      normal.dot(mesh_normal) > kLeastAgreement &&
+                      std::abs(patch->distance(point)) < max_distance && patch->weight > 0.0;
+    return sees ? std::optional(NormalObservation{normal, patch->weight}) : std::nullopt;
   }
 
  private:
-  const RangeView* view_;
+  RangeSurface surface_;
   ViewProjection projection_;
   RigidMotion view_from_world_;
-  GridEdges edges_;
-  Grid<std::uint8_t> border_;
-  double ramp_, spacing_;
 };
 
 Result<std::vector<NormalSampler>> prepare(const std::vector<RangeView>& views,

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "registration/surface/packed_normals.h"
 #include "relief/scan/grid.h"
+#include "scan/surface/packed_normals.h"
 
 namespace relief::registration {
 

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -70,16 +71,22 @@ double terrace_slope(double rounding, double spacing, int radius) {
 
 }  // namespace
 
-ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& options) : view_(&view) {
+ViewSurface::ViewSurface(const RangeView& given, const ViewSurfaceOptions& options)
+    : inner_margin_(options.boundary_margin) {
   assert(options.boundary_margin >= 1 && options.final_margin >= 1);
-  if (options.normal_signal && view.has_normals())
+  const RangeNoise noise = estimate_range_noise(given);
+  ConnectedGrid grid = connect_grid(given, noise);
+  Grid<std::uint8_t> bridged;
+  const RangeView& view = bridge_gaps(given, noise, grid, bridged);
+  const auto normals = smooth_normals(view, grid, noise, bridged, options);
+  const bool geometric = options.normals == NormalSource::kGeometric;
+  surface_ =
+      RangeSurface(view, grid, normals, geometric ? sample_weights(view, noise) : Grid<float>());
+  select_samples(grid.points, bridged);
+  if (options.normal_signal && view.has_normals()) {
     signal_levels_ = NormalSignal::levels_of(view.width(), view.height());
-  const RangeNoise noise = estimate_range_noise(view);
-  ConnectedGrid grid = connect_grid(view, noise);
-  bridge_gaps(view, noise, options, grid);
-  smooth_normals(grid, noise, options);
-  select_samples(grid.points);
-  if (options.normal_signal && view.has_normals()) signal_->edges = std::move(grid.edges);
+    signal_->edges = std::move(grid.edges);
+  }
   if (samples_.empty() || (can_project() && !options.neighbour_index)) return;
   Eigen::Matrix3Xd points(3, samples_.size());
   for (std::size_t i = 0; i < samples_.size(); ++i)
@@ -87,13 +94,14 @@ ViewSurface::ViewSurface(const RangeView& view, const ViewSurfaceOptions& option
   index_ = std::make_unique<NeighbourIndex>(points);
 }
 
-void ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise,
-                              const ViewSurfaceOptions& options, ConnectedGrid& grid) {
+// The view given, or filled_.
+const RangeView& ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise,
+                                          ConnectedGrid& grid, Grid<std::uint8_t>& bridged) {
   BridgedRange filled = bridge_small_gaps(view, {.sigma = noise.sigma});
   // Each bridged sample has about four measured ones beside it.
   if (4.0 * static_cast<double>(filled.bridged_count) <
       kFewBesideGaps * static_cast<double>(view.sample_count()))
-    return;
+    return view;
   RangeView whole;
   whole.name = view.name;
   whole.camera = view.camera;
@@ -108,26 +116,26 @@ void ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise,
   const auto inner = [&](const ConnectedGrid& of) {
     double count = 0.0;
     for (std::size_t i = 0; i < of.boundary.size(); ++i)
-      count += !filled.bridged[i] && of.boundary[i] >= options.boundary_margin ? 1.0 : 0.0;
+      count += !filled.bridged[i] && of.boundary[i] >= inner_margin_ ? 1.0 : 0.0;
     return count;
   };
-  if (inner(grid) > (1.0 - kLostToGaps) * inner(connected)) return;
+  if (inner(grid) > (1.0 - kLostToGaps) * inner(connected)) return view;
   grid = std::move(connected);
-  bridged_ = std::move(filled.bridged);
+  bridged = std::move(filled.bridged);
   filled_ = std::make_unique<const RangeView>(std::move(whole));
-  view_ = filled_.get();
+  return *filled_;
 }
 
-void ViewSurface::smooth_normals(const ConnectedGrid& grid, const RangeNoise& ranges,
-                                 const ViewSurfaceOptions& options) {
-  const RangeView& view = *view_;
-  spacing_ = sample_spacing(grid.points, grid.edges);
+// Finds the noise of the view as well, which the window of the normals depends on.
+Grid<Eigen::Vector3f> ViewSurface::smooth_normals(const RangeView& view, const ConnectedGrid& grid,
+                                                  const RangeNoise& ranges,
+                                                  const Grid<std::uint8_t>& bridged,
+                                                  const ViewSurfaceOptions& options) {
+  const double spacing = sample_spacing(grid.points, grid.edges);
   noise_ = position_noise(view, grid);
   double step = typical_step(view, ranges);
-  if (options.normals == NormalSource::kGeometric) weights_ = sample_weights(view, ranges);
   const auto radius_for = [&] {
-    return options.normal_radius > 0 ? options.normal_radius
-                                     : normal_radius(noise_, spacing_, step);
+    return options.normal_radius > 0 ? options.normal_radius : normal_radius(noise_, spacing, step);
   };
   if (step > 0.0) {
     // Differences of rounded ranges are mostly zero: the ranges as a whole tell more.
@@ -141,48 +149,39 @@ void ViewSurface::smooth_normals(const ConnectedGrid& grid, const RangeNoise& ra
     }
   }
   const int radius = radius_for();
-  normal_noise_ = slope_noise(noise_, spacing_, radius);
+  normal_noise_ = slope_noise(noise_, spacing, radius);
   noise_ = std::max(noise_ * noise_ratio(view, ranges), rounding_);
   normal_error_ =
-      std::hypot(slope_noise(noise_, spacing_, radius), terrace_slope(rounding_, spacing_, radius));
+      std::hypot(slope_noise(noise_, spacing, radius), terrace_slope(rounding_, spacing, radius));
   const int outermost = std::min(options.boundary_margin, options.final_margin);
   auto normals = estimate_normals(view, grid, {.radius = radius, .margin = outermost});
-  if (options.normals == NormalSource::kMeasured && view.has_normals()) {
-    for (std::size_t i = 0; i < normals.size(); ++i)
-      if (view.normals[i].allFinite() && measured(i)) normals[i] = view.normals[i];
-  }
   for (std::size_t i = 0; i < normals.size(); ++i) {
-    if (grid.boundary[i] < outermost || !(weight(i) > 0.0))
+    if (grid.boundary[i] < outermost)
       normals[i].setConstant(std::numeric_limits<float>::quiet_NaN());
+    else if (options.normals == NormalSource::kMeasured && view.has_normals() &&
+             view.normals[i].allFinite() && (bridged.empty() || !bridged[i]))
+      normals[i] = view.normals[i];
   }
-  normals_ = PackedNormals(normals);
-  normals_.for_each([&](int u, int v, PackedNormal& normal) {
-    normal.note = grid.boundary(u, v) < options.boundary_margin ? kEdge : kInner;
-    if (normal.note == kInner && !measured(grid.points.index(u, v))) normal.note = kBridged;
-  });
-}
-
-double ViewSurface::weight(std::size_t index) const {
-  if (!weights_.empty()) return weights_[index];
-  return view_->confidence.empty() ? 1.0 : view_->confidence[index];
+  return normals;
 }
 
 const NormalSignal& ViewSurface::prepared_signal() const {
   std::call_once(signal_->once, [this] {
-    const UnbiasedNormalOptions options{.noise = noise_, .spacing = spacing_};
+    const UnbiasedNormalOptions options{.noise = noise_, .spacing = spacing()};
     const GridEdges edges = std::move(signal_->edges);
-    signal_->signal = NormalSignal(unbiased_normals(*view_, edges, options));
+    signal_->signal = NormalSignal(unbiased_normals(view(), edges, options));
   });
   return signal_->signal;
 }
 
-void ViewSurface::select_samples(const Grid<Eigen::Vector3d>& points) {
-  normals_.for_each([&](int u, int v, const PackedNormal& normal) {
+void ViewSurface::select_samples(const Grid<Eigen::Vector3d>& points,
+                                 const Grid<std::uint8_t>& bridged) {
+  surface_.for_each_sample([&](int u, int v) {
     const std::size_t index = points.index(u, v);
-    if (!measured(index)) return;
-    const bool inner = normal.note == kInner;
+    if (!bridged.empty() && bridged[index]) return;
+    const bool inner = surface_.boundary_distance(u, v) >= inner_margin_;
     (inner ? samples_ : edge_samples_).push_back(static_cast<std::uint32_t>(index));
-    if (inner) mean_normal_ += normal.scaled();
+    if (inner) mean_normal_ += surface_.normal(u, v);
   });
   scatter(edge_samples_);
   if (samples_.empty()) return;
@@ -196,76 +195,30 @@ void ViewSurface::select_samples(const Grid<Eigen::Vector3d>& points) {
   scatter(samples_);
 }
 
-SurfacePoint ViewSurface::sample(std::uint32_t index) const {
-  const int u = static_cast<int>(index) % view_->width();
-  const int v = static_cast<int>(index) / view_->width();
-  return {view_->point(u, v), normals_(u, v).scaled().normalized(), weight(index),
+SurfacePoint ViewSurface::sample(int u, int v) const {
+  return {surface_.point(u, v), surface_.normal(u, v), surface_.weight(u, v),
           Eigen::Vector2d(u, v)};
 }
 
-// The four samples round a place of the grid, and what each counts for.
-struct ViewSurface::Corners {
-  int u, v;  // The first; the others are right of it, below it, and both.
-  std::array<double, 4> weights;
-};
-
-std::optional<ViewSurface::Corners> ViewSurface::corners_of(const Eigen::Vector2d& pixel,
-                                                            SurfacePart part) const {
-  const double u_floor = std::floor(pixel.x()), v_floor = std::floor(pixel.y());
-  if (!(u_floor >= 0.0 && v_floor >= 0.0 && u_floor + 1.0 < view_->width() &&
-        v_floor + 1.0 < view_->height()))
-    return std::nullopt;
-  const int u = static_cast<int>(u_floor), v = static_cast<int>(v_floor);
-  if (!normals_.holds(u, v, u + 1, v + 1)) return std::nullopt;
-  for (int k = 0; k < 4; ++k) {
-    const PackedNormal& normal = normals_(u + k % 2, v + k / 2);
-    if (!normal.exists() || (part == SurfacePart::kInner && normal.note == kEdge))
-      return std::nullopt;
-  }
-  const double a = pixel.x() - u_floor, b = pixel.y() - v_floor;
-  return Corners{u, v, {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
-}
-
-// The normals tell the sag of the chords: the mean height of the chord point over the tangent
-// planes at the corners is twice that of a quadratic surface. Noise of the corners cancels in it;
-// only the differences of the normals count.
-SurfacePoint ViewSurface::on_bent_chords(const Eigen::Vector2d& pixel,
-                                         const Corners& corners) const {
-  const Eigen::Vector3d first = view_->point(corners.u, corners.v);
-  Eigen::Vector3d chord = Eigen::Vector3d::Zero(), normal = chord;  // The chord point from `first`.
-  double planes = 0.0, confidence = 0.0;
-  for (int k = 0; k < 4; ++k) {
-    const int u = corners.u + k % 2, v = corners.v + k / 2;
-    const double share = corners.weights[static_cast<std::size_t>(k)];
-    const Eigen::Vector3d corner = view_->point(u, v) - first;
-    const Eigen::Vector3d corner_normal = share * normals_(u, v).scaled();
-    chord += share * corner;
-    normal += corner_normal;
-    planes += corner_normal.dot(corner);
-    confidence += share * weight(view_->range.index(u, v));
-  }
-  const double sag = 0.5 / PackedNormal::kUnit * (normal.dot(chord) - planes);
-  normal.normalize();
-  return {first + chord - sag * normal, normal, confidence, pixel};
+SurfacePoint ViewSurface::sample(std::uint32_t index) const {
+  const int width = view().width();
+  return sample(static_cast<int>(index) % width, static_cast<int>(index) / width);
 }
 
 std::optional<SurfacePoint> ViewSurface::at(const Eigen::Vector2d& pixel, SurfacePart part) const {
-  const auto corners = corners_of(pixel, part);
-  if (!corners) return std::nullopt;
-  return on_bent_chords(pixel, *corners);
+  const auto quad = surface_.quad_at(pixel, margin(part));
+  const auto patch = quad ? surface_.patch(*quad) : std::nullopt;
+  if (!patch) return std::nullopt;
+  return SurfacePoint{patch->point(), patch->normal, patch->weight, pixel};
 }
 
 std::optional<SurfacePoint> ViewSurface::nearest(const Eigen::Vector2d& pixel,
                                                  SurfacePart part) const {
-  const double u_round = std::round(pixel.x()), v_round = std::round(pixel.y());
-  if (!(u_round >= 0.0 && v_round >= 0.0 && u_round < view_->width() && v_round < view_->height()))
+  const double u = std::round(pixel.x()), v = std::round(pixel.y());
+  if (!(u >= 0.0 && v >= 0.0 && u < view().width() && v < view().height())) return std::nullopt;
+  if (!surface_.has_sample(static_cast<int>(u), static_cast<int>(v), margin(part)))
     return std::nullopt;
-  const int u = static_cast<int>(u_round), v = static_cast<int>(v_round);
-  if (!normals_.holds(u, v, u, v)) return std::nullopt;
-  const PackedNormal& normal = normals_(u, v);
-  if (!normal.exists() || (part == SurfacePart::kInner && normal.note == kEdge))
-    return std::nullopt;
-  return sample(static_cast<std::uint32_t>(view_->range.index(u, v)));
+  return sample(static_cast<int>(u), static_cast<int>(v));
 }
 
 std::optional<SignalPoint> ViewSurface::signal(const SurfacePoint& place, int level) const {
@@ -273,7 +226,7 @@ std::optional<SignalPoint> ViewSurface::signal(const SurfacePoint& place, int le
   if (!sample) return std::nullopt;
   // Where the rays of the next pixels meet the tangent plane: steps free of the noise of samples.
   const auto step_to = [&](double u, double v) -> Eigen::Vector3d {
-    const Ray ray = view_->camera.ray_at(u, v);
+    const Ray ray = view().camera.ray_at(u, v);
     const double t = place.normal.dot(place.point - ray.origin) / place.normal.dot(ray.direction);
     return ray.at(t) - place.point;
   };
@@ -286,14 +239,14 @@ std::optional<SignalPoint> ViewSurface::signal(const SurfacePoint& place, int le
 
 bool ViewSurface::blank(const Eigen::Vector2d& pixel) const {
   const double u = std::round(pixel.x()), v = std::round(pixel.y());
-  if (!(u >= 0.0 && v >= 0.0 && u < view_->width() && v < view_->height())) return false;
+  if (!(u >= 0.0 && v >= 0.0 && u < view().width() && v < view().height())) return false;
   const int left = std::max(0, static_cast<int>(u) - kBlankReach);
   const int top = std::max(0, static_cast<int>(v) - kBlankReach);
-  const int right = std::min(view_->width() - 1, static_cast<int>(u) + kBlankReach);
-  const int bottom = std::min(view_->height() - 1, static_cast<int>(v) + kBlankReach);
+  const int right = std::min(view().width() - 1, static_cast<int>(u) + kBlankReach);
+  const int bottom = std::min(view().height() - 1, static_cast<int>(v) + kBlankReach);
   for (int y = top; y <= bottom; ++y)
     for (int x = left; x <= right; ++x)
-      if (!std::isnan(view_->range(x, y))) return false;
+      if (!std::isnan(view().range(x, y))) return false;
   return true;
 }
 
@@ -303,10 +256,10 @@ std::vector<Eigen::Vector2d> ViewSurface::closest(const Eigen::Matrix3Xd& points
   std::vector<Eigen::Vector2d> pixels(nearest.size());
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     const std::uint32_t index = samples_[static_cast<std::size_t>(nearest[i])];
-    const int u = static_cast<int>(index) % view_->width();
-    const int v = static_cast<int>(index) / view_->width();
+    const int u = static_cast<int>(index) % view().width();
+    const int v = static_cast<int>(index) / view().width();
     // Usable samples are off the boundary, so their neighbours exist and are connected.
-    const auto point = [&](int x, int y) { return view_->point(x, y); };
+    const auto point = [&](int x, int y) { return view().point(x, y); };
     Eigen::Matrix<double, 3, 2> tangents;
     tangents.col(0) = 0.5 * (point(u + 1, v) - point(u - 1, v));
     tangents.col(1) = 0.5 * (point(u, v + 1) - point(u, v - 1));

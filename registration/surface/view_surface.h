@@ -10,10 +10,10 @@
 
 #include "registration/surface/neighbour_index.h"
 #include "registration/surface/normal_signal.h"
-#include "registration/surface/packed_normals.h"
 #include "relief/registration/align_options.h"
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/range_view.h"
+#include "scan/surface/range_surface.h"
 
 namespace relief::registration {
 
@@ -37,8 +37,9 @@ struct SignalPoint {
   Eigen::Matrix3d gradient;  ///< Its derivative by the position on the surface [rad/unit].
 };
 
-/// What alignment needs of a range view, computed once: an interpolated surface with normals and
-/// the two ways of finding the place in it that is closest to a point. Movable, not copyable.
+/// What alignment needs of a range view, computed once: its surface with smooth normals, samples to
+/// match, the noise, the two ways of finding the place that is closest to a point, and the normal
+/// map as a signal. Movable, not copyable.
 class ViewSurface {
  public:
   /// The view outlives the surface with its grids unchanged: ranges are copied only where small
@@ -54,8 +55,8 @@ class ViewSurface {
   /// The sample at a grid index of samples() or edge_samples().
   SurfacePoint sample(std::uint32_t index) const;
 
-  /// The surface at fractional pixel coordinates, bilinear between samples and bent by their
-  /// normals: exact to second order. Nothing unless the four samples around are usable.
+  /// The surface at fractional pixel coordinates: RangeSurface::patch(). Nothing unless the four
+  /// samples around are usable.
   std::optional<SurfacePoint> at(const Eigen::Vector2d& pixel,
                                  SurfacePart part = SurfacePart::kInner) const;
   /// The sample nearest to a pixel: cheaper. Nothing where it is not usable.
@@ -68,15 +69,15 @@ class ViewSurface {
   /// the map: most shapes need none.
   std::optional<SignalPoint> signal(const SurfacePoint& place, int level) const;
 
-  bool can_project() const { return view_->camera.can_project(); }
+  bool can_project() const { return view().camera.can_project(); }
   /// Constant-time association: the pixel that sees `point`.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point) const {
-    return view_->camera.project(point);
+    return view().camera.project(point);
   }
 
   /// The line of sight through a pixel that project() gave, away from the sensor, not normalised.
   Eigen::Vector3d sight(const Eigen::Vector2d& pixel) const {
-    return view_->camera.ray_at(pixel.x(), pixel.y()).direction;
+    return view().camera.ray_at(pixel.x(), pixel.y()).direction;
   }
   /// Whether the view measured nothing at a place of its grid nor within two pixels of it.
   bool blank(const Eigen::Vector2d& pixel) const;
@@ -86,7 +87,7 @@ class ViewSurface {
   /// sample, moved within its tangent plane to the foot of the query. Needs the index and a sample.
   std::vector<Eigen::Vector2d> closest(const Eigen::Matrix3Xd& points) const;
 
-  double spacing() const { return spacing_; }  ///< Median sample spacing [unit].
+  double spacing() const { return surface_.spacing(); }  ///< Median sample spacing [unit].
   /// Standard deviation of the noise of positions along the normal [unit]: of the white part
   /// robustly from third differences, of rounded ranges at least what their steps make; where it
   /// changes over the view, its root mean square.
@@ -107,20 +108,16 @@ class ViewSurface {
   }  ///< Of the sphere about centre() that holds all samples.
 
  private:
-  void bridge_gaps(const RangeView& view, const RangeNoise& noise,
-                   const ViewSurfaceOptions& options, ConnectedGrid& grid);
-  bool measured(std::size_t index) const { return bridged_.empty() || !bridged_[index]; }
-  void smooth_normals(const ConnectedGrid& grid, const RangeNoise& noise,
-                      const ViewSurfaceOptions& options);
-  void select_samples(const Grid<Eigen::Vector3d>& points);
-  struct Corners;
-  std::optional<Corners> corners_of(const Eigen::Vector2d& pixel, SurfacePart part) const;
-  SurfacePoint on_bent_chords(const Eigen::Vector2d& pixel, const Corners& corners) const;
-
-  double weight(std::size_t index) const;
+  const RangeView& view() const { return surface_.view(); }
+  int margin(SurfacePart part) const { return part == SurfacePart::kInner ? inner_margin_ : 0; }
+  const RangeView& bridge_gaps(const RangeView& view, const RangeNoise& noise, ConnectedGrid& grid,
+                               Grid<std::uint8_t>& bridged);
+  Grid<Eigen::Vector3f> smooth_normals(const RangeView& view, const ConnectedGrid& grid,
+                                       const RangeNoise& noise, const Grid<std::uint8_t>& bridged,
+                                       const ViewSurfaceOptions& options);
+  void select_samples(const Grid<Eigen::Vector3d>& points, const Grid<std::uint8_t>& bridged);
+  SurfacePoint sample(int u, int v) const;
   const NormalSignal& prepared_signal() const;
-
-  static constexpr std::uint16_t kEdge = 0, kInner = 1, kBridged = 2;
 
   struct LazySignal {
     std::once_flag once;
@@ -128,18 +125,14 @@ class ViewSurface {
     NormalSignal signal;
   };
 
-  const RangeView* view_;                    // The one given, or filled_.
-  std::unique_ptr<const RangeView> filled_;  // The one given with its small gaps bridged.
-  Grid<std::uint8_t> bridged_;               // Empty: no gap was bridged.
-  PackedNormals
-      normals_;          // Of usable samples, noting whether kInner or kEdge, and of kBridged ones.
-  Grid<float> weights_;  // Empty: the view's confidences.
+  std::unique_ptr<const RangeView> filled_;  // The view given with its small gaps bridged.
+  RangeSurface surface_;                     // Of the view given, or of filled_.
+  int inner_margin_;                         // [pixels]
   int signal_levels_ = 0;
   std::unique_ptr<LazySignal> signal_ = std::make_unique<LazySignal>();
   std::vector<std::uint32_t> samples_, edge_samples_;
   std::unique_ptr<NeighbourIndex> index_;
-  double spacing_ = 0.0, noise_ = 0.0, rounding_ = 0.0, normal_noise_ = 0.0, normal_error_ = 0.0,
-         radius_ = 0.0;
+  double noise_ = 0.0, rounding_ = 0.0, normal_noise_ = 0.0, normal_error_ = 0.0, radius_ = 0.0;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), mean_normal_ = Eigen::Vector3d::Zero();
 };
 

@@ -105,7 +105,7 @@ std::vector<RangeView> scene() {
 TriangleMesh surface_of_scene(const std::vector<RangeView>& views, MemoryLimit* memory) {
   std::vector<ViewSampler> samplers;
   for (const RangeView& view : views) {
-    QuadSurfaceOptions options;
+    PagedSurfaceOptions options;
     options.memory = memory;
     samplers.push_back(ViewSampler::create(view, options).value());
   }

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fusion/views/quad_surface.h"
+#include "fusion/views/paged_surface.h"
 #include "tests/fusion/scenes.h"
 
 namespace relief::fusion {
@@ -193,13 +193,13 @@ TEST(ViewSampler, KnownDeviationsTakeThePlaceOfConfidence) {
   RangeView view = render(testing::plane({0, 0, 0}, {0, 0, 1}), cameras()[0],
                           testing::look_at({0, 0, 200}, {0, 0, 0}, Eigen::Vector3d::UnitY()));
   view.confidence = Grid<float>(60, 60, 0.5f);
-  QuadSurfaceOptions options;
+  PagedSurfaceOptions options;
   const double plain = surface_of(view, options).pixels(30, 30).weight;
   view.deviation = Grid<float>(60, 60, 0.1f);
   view.deviation(20, 20) = static_cast<float>(kNoSample);
   EXPECT_NEAR(surface_of(view, options).pixels(30, 30).weight, plain, 1e-6) << "no nominal one";
-  options.nominal_deviation = 0.2;
-  const QuadSurface surface = surface_of(view, options);
+  options.weights.nominal_deviation = 0.2;
+  const PagedSurface surface = surface_of(view, options);
   EXPECT_NEAR(surface.pixels(30, 30).weight / plain, 4.0 / 0.5, 0.05);
   EXPECT_NEAR(surface.pixels(20, 20).weight / plain, 1.0, 0.05) << "unknown there";
 }

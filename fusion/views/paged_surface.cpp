@@ -1,16 +1,17 @@
-#include "fusion/views/quad_surface.h"
+#include "fusion/views/paged_surface.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "relief/scan/discontinuities.h"
 #include "scan/base/median.h"
-#include "scan/base/silhouette_weight.h"
 #include "scan/grid/filled_view.h"
 #include "scan/grid/grid_normals.h"
+#include "scan/surface/range_surface.h"
 
 namespace relief::fusion {
 
@@ -35,9 +36,10 @@ Grid<Eigen::Vector3f> surface_normals(const RangeView& view, const ConnectedGrid
 
 constexpr std::array<std::pair<int, int>, 4> kNeighbours{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
-// 1 for samples of patches of at least `smallest` connected samples.
-Grid<std::uint8_t> in_large_patch(const RangeView& view, const GridEdges& edges, int smallest) {
-  Grid<std::uint8_t> large(view.width(), view.height(), 0), visited = large;
+// Takes the normals from patches of fewer than `smallest` connected samples.
+void leave_out_small_patches(const RangeView& view, const GridEdges& edges, int smallest,
+                             Grid<Eigen::Vector3f>& normals) {
+  Grid<std::uint8_t> visited(view.width(), view.height(), 0);
   std::vector<std::pair<int, int>> patch;
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
@@ -52,11 +54,11 @@ Grid<std::uint8_t> in_large_patch(const RangeView& view, const GridEdges& edges,
           patch.emplace_back(pu + du, pv + dv);
         }
       }
-      if (patch.size() < static_cast<std::size_t>(smallest)) continue;
-      for (const auto& [pu, pv] : patch) large(pu, pv) = 1;
+      if (patch.size() >= static_cast<std::size_t>(smallest)) continue;
+      for (const auto& [pu, pv] : patch)
+        normals(pu, pv).setConstant(std::numeric_limits<float>::quiet_NaN());
     }
   }
-  return large;
 }
 
 // For white noise the distance between a sample and the mean of its four neighbours has variance
@@ -78,31 +80,14 @@ double position_noise(const ConnectedGrid& grid, const Grid<Eigen::Vector3f>& no
   return 1.4826 * median(deviations) / std::sqrt(1.25);
 }
 
-// 1 at the upper left corner of each quad.
-Grid<std::uint8_t> find_quads(const RangeView& view, const GridEdges& edges,
-                              const Grid<Eigen::Vector3f>& normals, int smallest_patch) {
-  Grid<std::uint8_t> sound = in_large_patch(view, edges, smallest_patch);
-  for (int v = 0; v < view.height(); ++v)
-    for (int u = 0; u < view.width(); ++u)
-      sound(u, v) = sound(u, v) && normals(u, v).allFinite() && view.confidence_at(u, v) > 0.0f;
-  Grid<std::uint8_t> quads(view.width(), view.height(), 0);
-  for (int v = 0; v + 1 < view.height(); ++v)
-    for (int u = 0; u + 1 < view.width(); ++u)
-      quads(u, v) = edges.connected_quad(u, v) && sound(u, v) && sound(u + 1, v) &&
-                    sound(u, v + 1) && sound(u + 1, v + 1);
-  return quads;
-}
-
 // Crops the surface to its quads and marks them.
-void place_quads(const Grid<std::uint8_t>& quads, MemoryLimit* memory, QuadSurface& surface) {
-  int u0 = quads.width(), v0 = quads.height(), u1 = -1, v1 = -1;
-  for (int v = 0; v < quads.height(); ++v) {
-    for (int u = 0; u < quads.width(); ++u) {
-      if (!quads(u, v)) continue;
-      u0 = std::min(u0, u), u1 = std::max(u1, u + 1);
-      v0 = std::min(v0, v), v1 = std::max(v1, v + 1);
-    }
-  }
+void place_quads(const RangeSurface& range, MemoryLimit* memory, PagedSurface& surface) {
+  int u0 = range.width(), v0 = range.height(), u1 = -1, v1 = -1;
+  range.for_each_sample([&](int u, int v) {
+    if (!range.has_quad(u, v)) return;
+    u0 = std::min(u0, u), u1 = std::max(u1, u + 1);
+    v0 = std::min(v0, v), v1 = std::max(v1, v + 1);
+  });
   if (u1 < 0) return;
   surface.first_u = u0;
   surface.first_v = v0;
@@ -110,38 +95,29 @@ void place_quads(const Grid<std::uint8_t>& quads, MemoryLimit* memory, QuadSurfa
   surface.marks = PagedGrid<std::uint8_t>(u1 - u0 + 1, v1 - v0 + 1, memory);
   for (int v = v0; v < v1; ++v) {
     for (int u = u0; u < u1; ++u) {
-      if (!quads(u, v)) continue;
+      if (!range.has_quad(u, v)) continue;
       surface.marks(u - u0, v - v0) |= kQuad;
       for (int k = 0; k < 4; ++k) surface.marks(u - u0 + (k & 1), v - v0 + (k >> 1)) |= kCorner;
     }
   }
 }
 
-float sample_weight(const RangeView& view, int u, int v, const Eigen::Vector3f& normal, int border,
-                    const QuadSurfaceOptions& options) {
-  constexpr double kLeastCosine = 0.05;  // 87 degrees; keeps weights positive.
-  const double cosine = std::max(
-      kLeastCosine, -normal.cast<double>().dot(view.camera.ray(u, v).direction.normalized()));
-  double trust = view.confidence_at(u, v);
-  if (options.nominal_deviation > 0.0 && view.deviation_at(u, v) > 0.0f)
-    trust = std::pow(options.nominal_deviation / (cosine * view.deviation_at(u, v)), 2);
-  return static_cast<float>(trust * cosine * silhouette_weight(border, options.silhouette_ramp));
-}
-
 }  // namespace
 
-QuadSurface surface_of(const RangeView& measured, const QuadSurfaceOptions& options) {
+PagedSurface surface_of(const RangeView& measured, const PagedSurfaceOptions& options) {
   const FilledView filled = fill_small_gaps(measured);
   const RangeView& view = filled.view;
   const ConnectedGrid grid = connect_grid(view);
-  const auto& [points, edges, border] = grid;
-  const Grid<Eigen::Vector3f> normals = surface_normals(view, grid);
-  QuadSurface surface;
+  Grid<Eigen::Vector3f> normals = surface_normals(view, grid);
+  PagedSurface surface;
   surface.flying = filled.flying;
   surface.filled = filled.filled_count;
-  surface.spacing = sample_spacing(points, edges);
   surface.noise = position_noise(grid, normals);
-  place_quads(find_quads(view, edges, normals, options.smallest_patch), options.memory, surface);
+  leave_out_small_patches(view, grid.edges, options.smallest_patch, normals);
+  const RangeSurface range(view, grid, normals,
+                           observation_weights(view, grid, normals, options.weights));
+  surface.spacing = range.spacing();
+  place_quads(range, options.memory, surface);
 
   std::size_t corners = 0;
   const auto for_corners = [&](const auto& visit) {
@@ -151,17 +127,17 @@ QuadSurface surface_of(const RangeView& measured, const QuadSurfaceOptions& opti
           visit(u + surface.first_u, v + surface.first_v, surface.pixels(u, v));
   };
   for_corners([&](int u, int v, const SurfacePixel&) {
-    surface.centre += points(u, v);
+    surface.centre += range.point(u, v);
     ++corners;
   });
   if (corners > 0) surface.centre /= static_cast<double>(corners);
   for_corners([&](int u, int v, SurfacePixel& pixel) {
-    const Eigen::Vector3f point = (points(u, v) - surface.centre).cast<float>();
-    const Eigen::Vector3f& normal = normals(u, v);
+    const Eigen::Vector3f point = (range.point(u, v) - surface.centre).cast<float>();
+    const Eigen::Vector3f normal = range.normal(u, v).cast<float>();
     pixel = {{point.x(), point.y(), point.z()},
-             sample_weight(view, u, v, normal, border(u, v), options),
+             static_cast<float>(range.weight(u, v)),
              {normal.x(), normal.y(), normal.z()},
-             static_cast<float>(border(u, v))};
+             static_cast<float>(range.boundary_distance(u, v))};
   });
   if (view.colours.empty()) return surface;
   surface.colours =

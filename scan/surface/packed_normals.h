@@ -8,7 +8,7 @@
 
 #include "relief/scan/grid.h"
 
-namespace relief::registration {
+namespace relief {
 
 /// A unit normal in six bytes, good to 3e-5 rad, and two bytes for whoever keeps it.
 struct PackedNormal {
@@ -54,14 +54,24 @@ class PackedNormals {
   /// Calls visit(u, v, normal) for all that exist, row by row.
   template <typename Visit>
   void for_each(const Visit& visit) {
-    for (int v = 0; v < stored_.height(); ++v)
-      for (int u = 0; u < stored_.width(); ++u)
-        if (stored_(u, v).exists()) visit(u + left_, v + top_, stored_(u, v));
+    visit_all(*this, visit);
+  }
+  template <typename Visit>
+  void for_each(const Visit& visit) const {
+    visit_all(*this, visit);
   }
 
  private:
+  template <typename Normals, typename Visit>
+  static void visit_all(Normals& normals, const Visit& visit) {
+    auto& stored = normals.stored_;
+    for (int v = 0; v < stored.height(); ++v)
+      for (int u = 0; u < stored.width(); ++u)
+        if (stored(u, v).exists()) visit(u + normals.left_, v + normals.top_, stored(u, v));
+  }
+
   int width_ = 0, height_ = 0, left_ = 0, top_ = 0;
   Grid<PackedNormal> stored_;
 };
 
-}  // namespace relief::registration
+}  // namespace relief

@@ -1,8 +1,8 @@
-#include "registration/surface/packed_normals.h"
+#include "scan/surface/packed_normals.h"
 
 #include <algorithm>
 
-namespace relief::registration {
+namespace relief {
 
 PackedNormals::PackedNormals(const Grid<Eigen::Vector3f>& normals)
     : width_(normals.width()), height_(normals.height()) {
@@ -25,4 +25,4 @@ PackedNormals::PackedNormals(const Grid<Eigen::Vector3f>& normals)
       if (normals(u, v).allFinite()) (*this)(u, v) = PackedNormal(normals(u, v));
 }
 
-}  // namespace relief::registration
+}  // namespace relief

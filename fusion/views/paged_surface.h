@@ -8,15 +8,14 @@
 
 #include "fusion/memory/paged_array.h"
 #include "relief/scan/range_view.h"
+#include "scan/surface/observation_weights.h"
 
 namespace relief::fusion {
 
 /// One sample of a view as merging needs it: numbers side by side, to be interpolated in one loop.
 struct SurfacePixel {
-  std::array<float, 3> point;  ///< View frame, relative to the centre.
-  /// Confidence, or (nominal deviation / deviation along the normal)^2 where that is known, x
-  /// cosine of the viewing angle x ramp from the silhouette.
-  float weight;
+  std::array<float, 3> point;   ///< View frame, relative to the centre.
+  float weight;                 ///< See observation_weights.
   std::array<float, 3> normal;  ///< Unit, facing the sensor.
   float border;                 ///< Distance to the silhouette [pixels].
 };
@@ -27,19 +26,16 @@ enum SurfaceMark : std::uint8_t {
   kCorner = 2,  ///< The sample belongs to some quad.
 };
 
-struct QuadSurfaceOptions {
-  int silhouette_ramp = 6;  ///< The weight grows from the silhouette over this many pixels.
+struct PagedSurfaceOptions {
+  ObservationWeightOptions weights;
   /// Patches of fewer connected samples are taken for stray measurements and left out.
   int smallest_patch = 20;
-  /// Deviation that gives a sample the weight of confidence 1 [unit]; the same for all views. 0:
-  /// deviations are ignored.
-  double nominal_deviation = 0.0;
   MemoryLimit* memory = nullptr;  ///< Of the surface's pixels; may be null.
 };
 
-/// The surface a view measured: its samples joined into quads along connected grid edges. A crop of
-/// the view's grid to where there are quads.
-struct QuadSurface {
+/// A RangeSurface as merging asks it most often: without its view, its samples as floats side by
+/// side, in files under a limit of memory. A crop of the view's grid to where there are quads.
+struct PagedSurface {
   PagedGrid<SurfacePixel> pixels;  ///< Empty when the view has no quad. Zeros but at corners.
   PagedGrid<std::uint8_t> marks;   ///< Of the same samples: SurfaceMark, added up.
   PagedGrid<Colour> colours;       ///< Of the same samples; empty when the view has none.
@@ -64,6 +60,6 @@ struct QuadSurface {
 /// Normals are the measured ones where there are any, else those of the measured surface. Samples
 /// without confidence and flying samples are left out, and small gaps are filled: a filled sample
 /// weighs as much as those it is interpolated from.
-QuadSurface surface_of(const RangeView& view, const QuadSurfaceOptions& options);
+PagedSurface surface_of(const RangeView& view, const PagedSurfaceOptions& options);
 
 }  // namespace relief::fusion

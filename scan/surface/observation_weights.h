@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "relief/scan/discontinuities.h"
+#include "relief/scan/grid.h"
+#include "relief/scan/range_view.h"
+
+namespace relief {
+
+struct ObservationWeightOptions {
+  int silhouette_ramp = 6;  ///< The weight grows from the silhouette over this many pixels.
+  /// Deviation that gives a sample the weight of confidence 1 [unit]; the same for all views. 0:
+  /// deviations are ignored.
+  double nominal_deviation = 0.0;
+};
+
+/// What each sample counts for where several views are averaged (Turk and Levoy 1994): confidence x
+/// cosine of the viewing angle x ramp from the silhouette. Where a sample's deviation is known,
+/// (nominal deviation / deviation along the normal)^2 takes the place of the confidence; a
+/// confidence of zero stays. `normals` are unit, in the view frame. Zero where there is no sample
+/// or no normal.
+Grid<float> observation_weights(const RangeView& view, const ConnectedGrid& grid,
+                                const Grid<Eigen::Vector3f>& normals,
+                                const ObservationWeightOptions& options);
+
+}  // namespace relief
