@@ -52,7 +52,7 @@ double step_noise(const Grid<float>& steps, int du, int dv) {
       if (difference == difference) differences.push_back(difference);
     }
   }
-  return 1.4826 * median(differences) / std::numbers::sqrt3;
+  return kSigmaPerMedian * median(differences) / std::numbers::sqrt3;
 }
 
 // So many standard deviations of a step are noise; 6e-5 of a Gaussian lies beyond.
@@ -127,7 +127,8 @@ class StepJudge {
   // Rounded slopes come as steps of changing size: their mean explains one that it differs from by
   // no more than errors.
   bool follows_trend(int u, int v, int side, double step, const StepErrors::At& error) const {
-    constexpr int kReach = 3;  // [steps]
+    // [steps] A sum of rounded steps is off by one rounding at most, the mean of 3 by a third.
+    constexpr int kReach = 3;
     double sum = 0.0;
     for (int k = 1; k <= kReach; ++k) {
       const int at_u = u + side * k * du_, at_v = v + side * k * dv_;

@@ -177,7 +177,9 @@ class Filling {
 
 // Whether most pixels around have samples: where most have none a gap is no gap.
 bool mostly_samples(const RangeView& measured, int u, int v) {
-  constexpr int kReach = 2;  // Of the 5 x 5 pixels around.
+  // Of the 5 x 5 pixels around. Where 15 % are missing at random, most are in 6e-5 of all places;
+  // of 3 x 3 pixels in 2 %.
+  constexpr int kReach = 2;
   int samples = 0, pixels = 0;
   for (int y = v - kReach; y <= v + kReach; ++y) {
     for (int x = u - kReach; x <= u + kReach; ++x) {

@@ -12,24 +12,30 @@ namespace relief {
 
 namespace {
 
-// Differences along each direction that the step is looked for in. Bounds the time.
+// Differences along each direction that the step is looked for in, at least, where there are so
+// many. Bounds the time; of 4000, 20 lie below the least of kQuantiles.
 constexpr double kEnough = 4000.0;
-constexpr std::size_t kFewest = 40;
+constexpr std::size_t kFewest = 40;  // By chance 0 +- 0.08 of so many are multiples.
 
-// Errors of a difference of two numbers rounded to single precision, per size of these.
+// Errors of a difference of two numbers rounded to single precision, per size of these. Rounding of
+// both is one epsilon at most; the rest is for what was computed from them.
 constexpr double kRounding = 4.0 * std::numeric_limits<float>::epsilon();
 
 // A difference is a multiple when it is off by no more than this part of the step. By chance a
 // fifth of all is, and is subtracted.
 constexpr double kOffLattice = 0.1;
-// Nor is one whose own error exceeds this part of the step of any use.
+// Nor is one whose own error exceeds this part of the step of any use: by chance, three of five
+// such are multiples.
 constexpr double kMostError = 0.2;
-// Differences of more steps say little: errors of the step itself add up.
+// Differences of more steps say little: errors of the step itself add up. For 16 the step must be
+// known to kOffLattice / 16 = 0.6 %.
 constexpr double kMostSteps = 16.0;
-// This part of the differences must be multiples, beyond those that are by chance.
+// This part of the differences must be multiples, beyond those that are by chance: 7 standard
+// deviations of chance for kFewest, and reached where up to 22 % of the samples are stray.
 constexpr double kMultiples = 0.6;
 // Two multiples at least, zero among them, must each be had by this part of the differences. An
-// exact plane has one only.
+// exact plane has one only. Less lets single stray samples count as a second one; more misses
+// surfaces that rise by a step at few samples.
 constexpr double kCommon = 0.02;
 
 // The number that a sensor may have rounded.

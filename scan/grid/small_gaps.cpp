@@ -10,7 +10,7 @@ namespace relief {
 namespace {
 
 // Ranges at both ends of a gap differ by noise of this many standard deviations of one range: three
-// of a difference.
+// of a difference, 3 sqrt(2).
 constexpr double kNoiseDeviations = 4.25;
 
 struct Interpolated {

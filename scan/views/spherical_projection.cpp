@@ -15,8 +15,9 @@ constexpr double kFullTurn = 2.0 * std::numbers::pi;
 constexpr double kUnknownAngle = std::numeric_limits<double>::quiet_NaN();
 
 // Even angles are taken where they project the samples almost as well as the tables of medians.
+// Medians of n samples fit even angles with noise better by 0.2 / n only: 1.1 is far beyond chance.
 constexpr double kEvenIsAsGood = 1.1;   // ratio of residuals
-constexpr double kEvenResidual = 0.01;  // pixels; below it no table is needed
+constexpr double kEvenResidual = 0.01;  // pixels; a fiftieth of what names the pixel beside
 
 double angle_at(const std::vector<double>& angles, double place) {
   const auto last = static_cast<double>(angles.size() - 1);

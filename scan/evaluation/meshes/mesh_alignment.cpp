@@ -22,10 +22,16 @@ namespace {
 using Points = std::vector<Eigen::Vector3d>;
 
 constexpr std::size_t kGrain = 512;  // Points of one piece of work; changes no result.
-// Bounds of the time: many short fits of few points, and longer ones from the best of them.
+// Many short fits of few points, and longer ones from the best of them. Of 96 random rotations one
+// is within 30 degrees of any in half of all cases, and within 49 degrees in 95 %.
 constexpr int kStarts = 96, kStartsKept = 4;
+// Bounds of the time: 96 x 300 x 12 closest points for all short fits. More rank the starts better.
 constexpr std::size_t kFewSamples = 300;
 constexpr int kFewRounds = 12, kMostRounds = 100;
+
+// Where Tukey's biweight ends [standard deviations]: 95 % of the efficiency of least squares on
+// Gaussian errors (Holland and Welsch 1977).
+constexpr double kTukey = 4.685;
 
 Points surface_points(const TriangleMesh& mesh, std::size_t count, std::uint64_t seed) {
   Points points;
@@ -77,9 +83,9 @@ double median_distance(const std::vector<Foot>& feet) {
   return median(distances);
 }
 
-// Tukey's biweight at the usual multiple of the standard deviation that the median stands for.
+// Tukey's biweight for the standard deviation that the median stands for.
 double tukey_weight(double distance, double median_distance) {
-  const double limit = 4.685 * 1.4826 * median_distance;
+  const double limit = kTukey * kSigmaPerMedian * median_distance;
   if (distance > limit) return 0.0;
   const double share = limit > 0.0 ? distance / limit : 0.0;
   return (1.0 - share * share) * (1.0 - share * share);

@@ -10,7 +10,8 @@ namespace relief::evaluation {
 
 namespace {
 
-// Views see one point when their ranges agree to this many sample spacings over the cosine.
+// Views see one point when their ranges agree to this many sample spacings over the cosine. The
+// nearest sample of a plane is up to sqrt(1/2) away; the rest is for curvature.
 constexpr double kAgreement = 1.0;
 
 struct Look {

@@ -71,7 +71,9 @@ RigidMotion weighted_common_motion(const std::vector<PosedView>& views,
 RigidMotion common_motion(const std::vector<PosedView>& views, bool robust) {
   std::vector<double> weights(views.size(), 1.0);
   RigidMotion motion = weighted_common_motion(views, weights);
-  constexpr int kRounds = 50;  // Bounds the time.
+  // Bounds the time: a round costs one fit. Converges linearly, as Weiszfeld's iteration (1937) for
+  // the median of points.
+  constexpr int kRounds = 50;
   for (int round = 0; robust && round < kRounds; ++round) {
     double largest = 0.0;
     for (std::size_t i = 0; i < views.size(); ++i) {

@@ -16,11 +16,13 @@ using Tile = Eigen::MatrixXcd;
 
 constexpr int kSmallestTile = 16, kLargestTile = 512;  // [samples]
 constexpr int kBandsPerOctave = 4;
-constexpr int kBands = 40;  // down to 2^(-9.5), below one cycle in the largest tile
-// The cycles that a band should have in a tile, for the window to blur it little, and must have:
-// the main lobe of a Hann window ends at two.
+constexpr int kBands = 40;  // Ten octaves, to 2^(-10.5): below 1 / kLargestTile = 2^(-9).
+// The cycles that a band should have in a tile, and must have. From 8 on a band is as wide as the
+// window's main lobe at half power: 8 (2^(1/4) - 1) = 1.51 against 1.44; that lobe ends at 2.
 constexpr double kGoodCycles = 8.0, kFewestCycles = 2.0;
-constexpr double kLeastCoverage = 0.25;  // Fraction of the samples that tiles must cover.
+// Fraction of the samples that tiles must cover. Less stands for small parts of the views only;
+// more leaves out the lowest bands of views with gaps.
+constexpr double kLeastCoverage = 0.25;
 
 // Band 0 ends at sqrt(1/2), the corner of the square of frequencies.
 double band_high(int band) { return std::exp2(-0.5 - static_cast<double>(band) / kBandsPerOctave); }
@@ -97,7 +99,9 @@ void fill_missing(Tile& tile) {
     for (Eigen::Index u = 0; u < tile.rows(); ++u)
       if (missing(tile(u, v))) absent.emplace_back(u, v);
   for (const auto& [u, v] : absent) tile(u, v) = 0.0;
-  constexpr int kRelaxations = 30;  // Bounds the time.
+  // Of a hole of n x n the error falls by cos^2(pi / (n + 1)) a round (Gauss-Seidel): in 30 rounds
+  // to 2e-4 for n = 5, and to 2 % for n = 8.
+  constexpr int kRelaxations = 30;
   for (int round = 0; round < kRelaxations && !absent.empty(); ++round) {
     for (const auto& [u, v] : absent) {
       std::complex<double> sum = 0.0;

@@ -14,12 +14,18 @@ namespace relief {
 
 namespace {
 
-constexpr std::size_t kMostPoints = 40000;    // That a direction is judged by; bounds the time.
-constexpr int kDirections = 240;              // All over the sphere: about 13 degrees apart.
-constexpr double kCell = 1.0, kBehind = 4.0;  // [spacings] Side of a cell; depth that hides.
-constexpr double kAverted = 0.2;      // Cosine beyond which a normal looks away, 78 degrees.
-constexpr double kAreaWeight = 0.05;  // Of the picture's area against hidden points.
-constexpr double kAsGood = 0.005;     // Fraction of hidden points that makes no difference.
+constexpr std::size_t kMostPoints = 40000;  // That a direction is judged by; bounds the time.
+// All over the sphere, sqrt(4 pi / 240) = 13 degrees apart: refine_direction() turns by 8 at first.
+constexpr int kDirections = 240;
+// [spacings] Side of a cell; depth that hides. One surface is as deep in a cell at atan 4 = 76 deg.
+constexpr double kCell = 1.0, kBehind = 4.0;
+// Cosine beyond which a normal looks away: 12 degrees past grazing, as estimated ones may err.
+constexpr double kAverted = 0.2;
+// Of the picture's area against hidden points: half of the area is worth 2.5 % of the points. 0
+// leaves open which way an open surface is seen; 1 takes wide pictures that hide points.
+constexpr double kAreaWeight = 0.05;
+// Fraction of hidden points that makes no difference: 2.5 standard errors of 0.2 among kMostPoints.
+constexpr double kAsGood = 0.005;
 
 // The least depth of each cell of a plane, by hashing.
 class DepthCells {

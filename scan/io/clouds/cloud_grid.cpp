@@ -18,10 +18,13 @@ namespace relief {
 namespace {
 
 constexpr std::size_t kLeastPoints = 12;
-constexpr double kSameSurface = 3.0;      // [spacings] along the ray
-constexpr int kNearerNeighbours = 6;      // Of 8: then a point shows through a gap.
-constexpr double kAgainstNormals = -0.2;  // Mean slope of outlines [unit per unit].
-constexpr double kManyHidden = 0.2;       // Fraction of points that is worth a warning.
+// [spacings] along the ray: one surface is as deep over a spacing at atan 3 = 72 degrees.
+constexpr double kSameSurface = 3.0;
+// Of 8: then a point shows through a gap. Beside a straight edge 3 are nearer, in its corner 5.
+constexpr int kNearerNeighbours = 6;
+// Mean slope of outlines [unit per unit], 11 degrees: beyond the 0 of flat sheets. For a note only.
+constexpr double kAgainstNormals = -0.2;
+constexpr double kManyHidden = 0.2;  // Fraction of points that is worth a warning, no more.
 constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
 
 std::string cloud_vector_text(const Eigen::Vector3d& vector) {

@@ -8,6 +8,7 @@
 #include "scan/base/median.h"
 #include "scan/io/clouds/cloud_direction.h"
 #include "scan/io/clouds/nearest_points.h"
+#include "scan/io/images/image_limits.h"
 
 namespace relief {
 
@@ -15,11 +16,14 @@ namespace {
 
 constexpr std::size_t kQueries = 4000;   // Points whose neighbours are looked at; bounds the time.
 constexpr std::size_t kNeighbours = 20;  // Enough for steps that differ by a factor of 4.
-constexpr double kSector = 0.5;          // Tangent of the half angle around an axis, 27 degrees.
-constexpr double kInRows = 0.2;          // Agreement of the neighbours' directions, in [0, 1].
-// Bounds of the memory.
+// Tangent of the half angle around an axis, 27 degrees: less than the 1 of a square's diagonal.
+constexpr double kSector = 0.5;
+// Agreement of the neighbours' directions, in [0, 1]: exp(-8 s^2) in rows with scatter s, here 26
+// degrees. Without rows 1 / sqrt(4 kQueries) = 0.008.
+constexpr double kInRows = 0.2;
+// Bounds of the memory: an object may leave 63 of 64 places empty, a small cloud all but its points
+// of 500 x 500.
 constexpr double kPlacesPerPoint = 64.0, kFewPlaces = 2.5e5;
-constexpr double kMostSide = 65536.0;  // [places], as of images.
 
 using Displacements = std::vector<std::vector<Eigen::Vector2d>>;
 
@@ -125,7 +129,7 @@ Result<CloudLattice> fit_lattice(const std::vector<Eigen::Vector2d>& at, bool tu
   }
   const double most = kPlacesPerPoint * static_cast<double>(at.size()) + kFewPlaces;
   const auto fits = [&] {
-    return u.places() * v.places() <= most && std::max(u.places(), v.places()) <= kMostSide;
+    return u.places() * v.places() <= most && std::max(u.places(), v.places()) <= kMaxImageSide;
   };
   u.limit(false), v.limit(false);
   if (!fits()) u.limit(true), v.limit(true);

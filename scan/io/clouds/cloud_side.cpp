@@ -10,7 +10,8 @@ namespace relief {
 
 namespace {
 
-constexpr double kStep = 3.0;  // [spacings] Depths that differ by more are of two surfaces.
+// [spacings] Depths that differ by more are of two surfaces: one is as steep at 72 degrees, atan 3.
+constexpr double kStep = 3.0;
 
 // Depths along the rays in spacings, with NaN outside the grid.
 class DepthGrid {

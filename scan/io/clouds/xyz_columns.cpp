@@ -7,12 +7,17 @@
 
 #include <Eigen/Core>
 
+#include "scan/io/files/unit_quaternion.h"
+
 namespace relief {
 
 namespace {
 
-constexpr double kUnitLength = 0.02;  // Largest deviation of a normal's length from 1.
-constexpr double kNearlyAll = 0.95;   // Fraction of the rows that must have such a normal.
+// Largest deviation of a normal's length from 1. Two decimals leave 0.005 sqrt(3) = 0.009.
+constexpr double kUnitLength = 0.02;
+// Fraction of the rows that must have such a normal; of random triples in [0, 1] 6 % have. The
+// other rows may be points without one.
+constexpr double kNearlyAll = 0.95;
 
 bool separates(char c) {
   return c == ' ' || c == '\t' || c == ',' || c == ';' || c == '\r' || c == '\f' || c == '\v';
@@ -136,15 +141,14 @@ std::optional<XyzColumns> columns_by_name(std::string_view line, std::size_t& na
 
 bool is_trajectory(const NumberTable& table) {
   if (table.columns != 7 && table.columns != 8) return false;
-  constexpr double kTolerance = 1e-3;  // Of numbers with four digits.
   // The last three alone have unit length where they are a normal behind an intensity of 0.
   bool normals = true;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     Eigen::Vector4d last;
     for (Eigen::Index k = 0; k < 4; ++k)
       last[k] = table.at(row, table.columns - 4 + static_cast<std::size_t>(k));
-    if (!(std::abs(last.norm() - 1.0) < kTolerance)) return false;
-    normals = normals && std::abs(last.tail<3>().norm() - 1.0) < kTolerance;
+    if (!(std::abs(last.norm() - 1.0) < kUnitQuaternion)) return false;
+    normals = normals && std::abs(last.tail<3>().norm() - 1.0) < kUnitQuaternion;
   }
   return table.rows() > 0 && !normals;
 }

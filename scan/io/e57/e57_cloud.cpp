@@ -9,6 +9,7 @@
 #include "scan/io/e57/e57_layout.h"
 #include "scan/io/e57/e57_records.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/image_limits.h"
 
 namespace relief {
 
@@ -200,7 +201,7 @@ class CloudReader {
   }
 
   static bool is_side(std::int64_t first, std::int64_t last) {
-    return first >= -kMaxIndex && last <= kMaxIndex && last - first < kMaxSide;
+    return first >= -kMaxIndex && last <= kMaxIndex && last - first < kMaxImageSide;
   }
 
   // Grid bounds as the file tells, or as the points need.
@@ -236,7 +237,7 @@ class CloudReader {
     const std::int64_t height = grid.row_maximum - grid.row_minimum + 1;
     const std::int64_t width = grid.column_maximum - grid.column_minimum + 1;
     if (height < 2 || width < 2) return no_grid("");
-    if (height > kMaxSide || width > kMaxSide)
+    if (height > kMaxImageSide || width > kMaxImageSide)
       return no_grid("the grid of the scan would be " + std::to_string(width) + "x" +
                      std::to_string(height) + ", which is too large; its indices were left out");
     for (int& row : cloud_.rows) row -= static_cast<int>(grid.row_minimum);
@@ -247,7 +248,6 @@ class CloudReader {
   }
 
   static constexpr std::uint8_t kInvalid = 1, kNoColour = 2;
-  static constexpr int kMaxSide = 1 << 16;   // rows or columns of a grid
   static constexpr int kMaxIndex = 1 << 30;  // so that differences stay within 32 bits
 
   E57Pages& pages_;

@@ -10,12 +10,12 @@
 
 #include "scan/io/files/io_error.h"
 #include "scan/io/files/text_lines.h"
+#include "scan/io/files/unit_quaternion.h"
 
 namespace relief {
 
 namespace {
 
-constexpr double kUnitQuaternion = 1e-3;  // the largest deviation of its length that is rounding
 constexpr int kMaxNesting = 8;            // of structures in a record
 constexpr std::size_t kMaxFields = 1024;  // of a record
 // The published extension, and an earlier spelling that files in use have.

@@ -16,7 +16,9 @@ namespace relief {
 namespace {
 
 constexpr double kGoodProjectionPixels = 0.5;  // RMS: more names the pixel beside
-constexpr double kOnRay = 1e-3;                // of the sample spacing
+// Of the sample spacing. Single precision, 2^-24, allows so much up to 16,000 spacings off; beyond,
+// a camera without a formula keeps the points where they are.
+constexpr double kOnRay = 1e-3;
 // The residual of a spherical camera over that of the other models: 1.5, as between those (see
 // fit_camera), for each of two coordinates, rounded down.
 constexpr double kSphericalGain = 0.4;

@@ -24,7 +24,8 @@ void set_usable_normals(const Grid<Eigen::Vector3f>& given, RangeView& view);
 
 /// The pose that a viewpoint stands for, as PCD files and PCL's clouds have it: where the sensor is
 /// in the world, and the rotation of its axes. Nothing for the identity, which stands for unknown.
-/// kBadInput when it is not finite or the quaternion's length differs from 1 by more than 1e-3.
+/// kBadInput when it is not finite or the quaternion's length differs from 1 by more than
+/// kUnitQuaternion.
 Result<std::optional<RigidMotion>> pose_from_viewpoint(const Eigen::Vector3f& origin,
                                                        const Eigen::Quaternionf& orientation);
 

@@ -14,9 +14,10 @@ namespace relief {
 
 namespace {
 
-constexpr int kRadius = 3;                // of windows [pixels]
-constexpr double kMostWindows = 2000.0;   // bounds the time
-constexpr double kClearlyCloser = 0.035;  // [rad], 2 deg between two median angles
+constexpr int kRadius = 3;               // of windows [pixels]
+constexpr double kMostWindows = 2000.0;  // bounds the time
+// [rad], 2 deg between two median angles: 5 standard errors of kMostWindows that scatter by 10 deg.
+constexpr double kClearlyCloser = 0.035;
 
 struct Window {
   Eigen::Vector3d surface, stored;  // Unit vectors; the sign of `surface` is arbitrary.

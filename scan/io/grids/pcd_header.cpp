@@ -12,12 +12,12 @@
 
 #include "scan/io/files/io_error.h"
 #include "scan/io/files/text_lines.h"
+#include "scan/io/images/image_limits.h"
 
 namespace relief {
 
 namespace {
 
-constexpr std::size_t kMaxSide = 1u << 16;
 constexpr std::size_t kMaxPoints = (std::size_t{1} << 31) - 1;  // In one row.
 // Bounds products of what a header says. No point is longer.
 constexpr std::size_t kMaxCount = 1u << 16;
@@ -135,9 +135,9 @@ class PcdHeaderReader {
     if (organized_ && header_.height == 1)
       return bad_input(path_,
                        "this PCD is not organized (HEIGHT 1); a scan needs the sensor's grid");
-    const std::size_t most = organized_ ? kMaxSide : kMaxPoints;
+    const std::size_t most = organized_ ? std::size_t{kMaxImageSide} : kMaxPoints;
     if (header_.width == 0 || header_.height == 0 || header_.width > most ||
-        header_.height > most || header_.points > kMaxSide * kMaxSide ||
+        header_.height > most || header_.points > std::size_t{kMaxImageSide} * kMaxImageSide ||
         header_.points != header_.width * header_.height)
       return bad_input(path_, "bad size in the PCD header");
     std::error_code code;

@@ -8,12 +8,11 @@
 #include "scan/io/files/io_error.h"
 #include "scan/io/files/ply_file.h"
 #include "scan/io/grids/grid_file.h"
+#include "scan/io/images/image_limits.h"
 
 namespace relief {
 
 namespace {
-
-constexpr int kMaxSide = 1 << 16;
 
 // Columns of three scalar properties, if all are there.
 using Columns = std::array<const std::vector<double>*, 3>;
@@ -41,7 +40,8 @@ Result<int> grid_side(const PlyFile& ply, const char* key, const std::filesystem
   const std::string& text = found->second;
   int value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value <= 0 || value > kMaxSide)
+  if (error != std::errc() || end != text.data() + text.size() || value <= 0 ||
+      value > kMaxImageSide)
     return bad_input(path, std::string("obj_info ") + key + " is '" + text +
                                "'; expected a count of grid places");
   return value;

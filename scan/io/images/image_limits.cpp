@@ -8,8 +8,7 @@ namespace relief {
 
 namespace {
 
-// Bounds of the memory.
-constexpr std::size_t kMaxSide = 1u << 16;  // [pixels]
+// Bounds the memory: 1 GiB for a channel of floats.
 constexpr std::size_t kMaxPixels = 1u << 28;
 // Masks of the largest cameras have as many in a few kilobytes.
 constexpr std::size_t kPixelsOfAnyFile = 1u << 26;
@@ -24,7 +23,7 @@ Result<void> check_image_header(const ImageHeader& header, std::size_t file_byte
   const std::size_t width = header.width, height = header.height;
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   if (width == 0 || height == 0) return bad_input(path, "the image is empty (" + size + ")");
-  if (width > kMaxSide || height > kMaxSide || width * height > kMaxPixels)
+  if (width > kMaxImageSide || height > kMaxImageSide || width * height > kMaxPixels)
     return bad_input(path, "the header says " + size + " pixels, more than can be read");
   const std::size_t pixels = width * height, stored = pixels * header.pixel_bits / 8;
   if (stored / header.compression > file_bytes ||

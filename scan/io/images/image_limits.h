@@ -8,6 +8,10 @@
 
 namespace relief {
 
+/// The most pixels on a side of an image, and places on a side of a grid: bounds what a damaged
+/// header makes a reader allocate.
+inline constexpr int kMaxImageSide = 1 << 16;
+
 /// The most that bytes of pixels can shrink to one byte of a file, by how they are stored.
 inline constexpr std::size_t kUncompressed = 1;
 inline constexpr std::size_t kDeflate = 1032;  ///< zlib's own bound.

@@ -13,6 +13,7 @@
 #include "scan/io/images/codecs/hdr_header.h"
 #include "scan/io/images/codecs/little_endian.h"
 #include "scan/io/images/codecs/npy_header.h"
+#include "scan/io/images/image_limits.h"
 
 namespace relief {
 
@@ -20,7 +21,6 @@ namespace {
 
 // Headers of JPEG files hold thumbnails and profiles before the size.
 constexpr std::size_t kHeaderBytes = 1 << 20;
-constexpr unsigned kMaxImageSide = 1 << 16;
 
 unsigned byte_at(std::string_view bytes, std::size_t i) {
   return static_cast<unsigned char>(bytes[i]);

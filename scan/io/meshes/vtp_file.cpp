@@ -16,6 +16,7 @@
 #include <zlib.h>
 
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/image_limits.h"
 
 namespace relief {
 
@@ -23,7 +24,6 @@ namespace {
 
 // Elements are freed one inside the other: their number bounds their depth.
 constexpr std::ptrdiff_t kMostTags = 10000;
-constexpr std::size_t kMaxCompression = 1032;  // zlib gives at most so many bytes for one.
 
 std::string attribute(vtkXMLDataElement& element, const char* name) {
   const char* text = element.GetAttribute(name);
@@ -136,7 +136,7 @@ VtpFile::VtpFile(VtpFile&&) noexcept = default;
 
 vtkXMLDataElement& VtpFile::root() const { return *elements_->parser->GetRootElement(); }
 
-std::size_t VtpFile::most_values() const { return kMaxCompression * content_.size(); }
+std::size_t VtpFile::most_values() const { return kDeflate * content_.size(); }
 
 Result<VtpFile> VtpFile::parse(std::string content, std::filesystem::path path) {
   VtpFile file(std::move(content), std::move(path));

@@ -14,8 +14,11 @@ namespace relief {
 
 namespace {
 
-constexpr double kUnrelated = 0.611;  // [rad], 35 deg: no error of a sensor
-constexpr double kSame = 0.087;       // [rad], 5 deg: two conventions that hardly differ in a view
+// [rad], 35 deg: no error of a sensor, whose bias is 4 to 10 deg (docs/real-scans.md). Two
+// unrelated normals of a visible half sphere have a mean cosine of (2/3)^2, 64 deg.
+constexpr double kUnrelated = 0.611;
+// [rad], 5 deg: two conventions that hardly differ in a view. For notes only.
+constexpr double kSame = 0.087;
 constexpr std::size_t kFewestPatches = 8;
 
 // Views whose normals are stored and declared alike.

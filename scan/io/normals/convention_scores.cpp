@@ -14,8 +14,10 @@ namespace {
 constexpr double kMostParts = 64.0;   // of a view, which is cut into squares
 constexpr double kFewestParts = 8.0;  // that can be compared
 constexpr double kDeviations = 5.0;   // of a mean over the parts: 6e-7 of a Gaussian lies beyond
-constexpr double kLeastGain = 0.02;   // mean gain of a loss in [0, 1] that matters
-constexpr double kAgreeing = 0.75;    // fraction of the parts that must say the same
+// Mean gain of a loss in [0, 1] that matters: one window of 50 turns from right to wrong.
+constexpr double kLeastGain = 0.02;
+// Fraction of the parts that must say the same: by chance 14 % of times of 8 parts, 4e-5 of 64.
+constexpr double kAgreeing = 0.75;
 
 // 0 up to the angle that bias and noise explain, 1 from twice the bias above it.
 double direction_loss(double angle, double stddev) {

@@ -5,6 +5,7 @@
 
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/codecs/raw_floats.h"
+#include "scan/io/images/image_limits.h"
 #include "scan/io/project/json_object_private.h"
 #include "scan/io/project/view_spec.h"
 
@@ -21,10 +22,9 @@ std::filesystem::path resolve(const std::string& file, const std::filesystem::pa
 }
 
 ImageSize read_size(JsonObject& image) {
-  constexpr int kLargestSide = 1 << 16;  // pixels
   const Eigen::VectorXd sides = image.numbers("size", 2);
   for (const double side : sides)
-    if (side < 1.0 || side > kLargestSide || side != std::floor(side))
+    if (side < 1.0 || side > kMaxImageSide || side != std::floor(side))
       throw JsonError(image.place("size") +
                       ": expected [width, height], two whole numbers from 1 to 65536");
   return {static_cast<int>(sides[0]), static_cast<int>(sides[1])};

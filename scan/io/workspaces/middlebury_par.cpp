@@ -15,7 +15,8 @@ Result<PinholeIntrinsics> intrinsics_of_par(const double* numbers, const Numbere
   const Eigen::Matrix3d k = Eigen::Map<const RowMatrix3d>(numbers) / numbers[8];
   if (!k.allFinite() || k(0, 0) == 0.0 || k(1, 1) == 0.0)
     return lines.error("k11, k22 and k33 must not be 0");
-  // Rounding of decomposed projection matrices leaves traces of skew.
+  // Of the focal length. Rounding of decomposed projection matrices leaves traces of skew; in an
+  // image of 4000 pixels over 90 degrees 1e-6 moves none by more than 0.002.
   constexpr double kSkewOfRounding = 1e-6;
   if (std::abs(k(0, 1)) > kSkewOfRounding * std::abs(k(0, 0)) || k(1, 0) != 0.0 || k(2, 0) != 0.0 ||
       k(2, 1) != 0.0)

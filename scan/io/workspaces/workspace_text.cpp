@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "scan/io/files/unit_quaternion.h"
+
 namespace relief {
 
 namespace {
@@ -73,8 +75,7 @@ std::vector<std::string_view> words_of(std::string_view line, std::size_t limit)
 
 std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
                                                 const Eigen::Vector3d& t) {
-  constexpr double kRounding = 1e-3;  // Of a unit length, in texts of few digits.
-  if (!t.allFinite() || !(std::abs(q.norm() - 1.0) < kRounding)) return std::nullopt;
+  if (!t.allFinite() || !(std::abs(q.norm() - 1.0) < kUnitQuaternion)) return std::nullopt;
   RigidMotion motion = RigidMotion::Identity();
   motion.linear() = q.normalized().toRotationMatrix();
   motion.translation() = t;

@@ -54,7 +54,7 @@ std::vector<double> leading_numbers(std::string_view line, std::size_t limit = 3
 std::vector<std::string_view> words_of(std::string_view line, std::size_t limit = 64);
 
 /// The motion x -> R(q) x + t. Nothing for numbers that are not finite, and for a quaternion whose
-/// length differs from 1 by more than 1e-3, which is more than rounding to four digits gives.
+/// length differs from 1 by more than kUnitQuaternion.
 std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
                                                 const Eigen::Vector3d& t);
 

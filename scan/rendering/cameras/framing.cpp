@@ -146,7 +146,7 @@ PictureCamera frame_view(const RangeView& view, int width, int height) {
     for (int u = 0; u < view.width(); ++u)
       if (view.has_sample(u, v)) box.extend(Eigen::Vector2d(u, v));
   if (box.isEmpty()) box = {Eigen::Vector2d::Zero(), Eigen::Vector2d(view.width(), view.height())};
-  constexpr double kMargin = 2.0;  // [pixels of the view]
+  constexpr double kMargin = 2.0;  // [pixels of the view] Samples reach half a pixel outwards.
   box.extend((box.min().array() - kMargin).matrix().eval());
   box.extend((box.max().array() + kMargin).matrix().eval());
   PictureCamera picture{view.camera, view.world_from_view};

@@ -10,7 +10,7 @@ namespace relief::rendering {
 namespace {
 
 const LinearColour kClay(0.80, 0.78, 0.74), kBack(0.42, 0.20, 0.11);
-constexpr double kAmbient = 0.03;  // Fraction of the light.
+constexpr double kAmbient = 0.03;  // Fraction of the light: shadow is byte 48 of white, not black.
 // Of accessibility: bytes are in proportion to what is open, so grooves stand out.
 // sRGB is near to the inverse.
 constexpr double kGamma = 2.2;

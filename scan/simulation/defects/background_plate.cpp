@@ -15,7 +15,8 @@ namespace relief::simulation {
 
 namespace {
 
-// The axis of the tilt in the image plane lies oblique, so that no image axis is special.
+// The axis of the tilt in the image plane lies oblique, so that no image axis is special. A free
+// choice of the scene, away from multiples of 45 degrees.
 constexpr double kTiltAxisDeg = 30.0;
 
 // Range of the first surface of `object` along a ray of the view; infinite when there is none.

@@ -14,7 +14,8 @@ namespace relief::simulation {
 
 namespace {
 
-constexpr double kCorrelation = 3.0;  // [pixels], of g in (S18)
+// [pixels], of g in (S18). A free choice of the scene: as the noise of the laser line.
+constexpr double kCorrelation = 3.0;
 
 std::vector<Eigen::Vector3d> lamp_directions(const Glare& glare) {
   std::vector<Eigen::Vector3d> lamps;

@@ -26,7 +26,9 @@ double upper_quantile(double probability) {
 
 // 0 to 1 across the level; half of the width on either side.
 double soft_step(double value, double level) {
-  constexpr double kWidth = 0.1;  // Of the field's values.
+  // [standard deviations of the field] Soft borders of about 3 % of a wavelength: 0.1 over the
+  // field's gradient, sqrt(2/3) 2 pi / 1.5.
+  constexpr double kWidth = 0.1;
   const double x = std::clamp((value - level) / kWidth + 0.5, 0.0, 1.0);
   return x * x * (3.0 - 2.0 * x);
 }

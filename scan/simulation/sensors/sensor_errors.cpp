@@ -32,7 +32,8 @@ double turn_rms(const RangeView& view, const Grid<Eigen::Vector3d>& rotations) {
 
 Eigen::Vector3f facing_sensor(Eigen::Vector3d normal, const Eigen::Vector3d& ray_direction) {
   const Eigen::Vector3d viewing = ray_direction.normalized();
-  constexpr double kLeastCosine = 1e-3;  // 89.94 degrees: just facing the sensor.
+  // 89.94 degrees: just facing the sensor, far beyond the rounding of floats, 6e-8.
+  constexpr double kLeastCosine = 1e-3;
   const double beyond = normal.dot(viewing) + kLeastCosine;
   if (beyond > 0.0) normal -= beyond * viewing;
   return normal.normalized().cast<float>();

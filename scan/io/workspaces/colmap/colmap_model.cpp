@@ -6,6 +6,7 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/image_limits.h"
 #include "scan/io/workspaces/workspace_text.h"
 
 namespace relief {
@@ -13,9 +14,6 @@ namespace relief {
 namespace {
 
 namespace fs = std::filesystem;
-
-// As many as an image of relief has on a side.
-constexpr double kMaxColmapSide = 1 << 16;
 
 template <typename T>
 using ColmapParser = Result<T> (*)(std::string_view, const fs::path&);
@@ -60,7 +58,7 @@ Result<ColmapCamera> colmap_camera(std::uint32_t id, const std::string& model, d
     return bad_input(path, place + "camera " + std::to_string(id) + " has the model " + model +
                                "; depth maps belong to images without distortion (PINHOLE): run "
                                "colmap image_undistorter, and read the workspace it writes");
-  if (!(width >= 1.0 && width <= kMaxColmapSide && height >= 1.0 && height <= kMaxColmapSide))
+  if (!(width >= 1.0 && width <= kMaxImageSide && height >= 1.0 && height <= kMaxImageSide))
     return bad_input(path, place + "camera " + std::to_string(id) +
                                " has no usable image size (1 to 65536 pixels a side)");
   if (parameters.size() != (simple ? 3u : 4u))

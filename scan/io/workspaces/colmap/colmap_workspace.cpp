@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 // Fewer sparse points than this say nothing about a depth map.
 constexpr std::size_t kEnoughPoints = 20;
 // A depth map whose median difference from the sparse points is larger is named. Those of usable
-// maps are a hundredth and less.
+// maps are a hundredth and less. For a note only.
 constexpr double kBadDepth = 0.1;
 
 struct ColmapFolders {

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/images/image_limits.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
 #include "scan/io/workspaces/workspace_text.h"
 
@@ -64,7 +65,7 @@ Result<CalibrationWords> calibration_words(std::string_view text, const fs::path
 
 std::optional<ImageSize> size_of_numbers(double width, double height) {
   const auto is_side = [](double side) {
-    return side >= 1.0 && side <= 65536.0 && side == std::floor(side);
+    return side >= 1.0 && side <= kMaxImageSide && side == std::floor(side);
   };
   if (!is_side(width) || !is_side(height)) return std::nullopt;
   return ImageSize{static_cast<int>(width), static_cast<int>(height)};
@@ -74,7 +75,8 @@ std::optional<ImageSize> size_of_numbers(double width, double height) {
 void take_single_row(const CalibrationLine& row, Calibration& calibration) {
   const std::vector<double>& n = row.numbers;
   calibration.intrinsics = PinholeIntrinsics{n[0], n[1], n[2], n[3]};
-  // Coefficients of distortion are small or fractions, sizes are whole and large.
+  // Coefficients of distortion are small or fractions, sizes are whole and large: no depth camera
+  // has fewer pixels.
   constexpr double kSmallestSide = 16.0;
   if (n.size() == 6 && n[4] >= kSmallestSide && n[5] >= kSmallestSide) {
     calibration.size = size_of_numbers(n[4], n[5]);
