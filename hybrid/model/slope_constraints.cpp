@@ -10,10 +10,6 @@ namespace relief::hybrid {
 
 namespace {
 
-// Beyond this incidence (cosine, 89 degrees) a normal says next to nothing about the range, and its
-// error turns the sign of the constraint's coefficients.
-constexpr double kEdgeOnCosine = 0.02;
-
 constexpr std::size_t kRowsAtOnce = 16;  // Of one piece of work; changes no result.
 
 struct Pixel {

@@ -8,6 +8,7 @@
 #include "hybrid/noise/constraint_median.h"
 #include "hybrid/noise/range_deviation.h"
 #include "hybrid/solver/view_solver.h"
+#include "scan/base/median.h"
 #include "scan/base/parallel.h"
 
 namespace relief::hybrid {
@@ -64,7 +65,7 @@ ViewWeights reweighted(const ViewProblem& problem, ViewWeights weights,
   });
   const double median = median_over_constraints(
       problem, [&](std::size_t axis, std::size_t i) { return residuals[axis][i]; });
-  const float scale = 1.4826f * static_cast<float>(median);
+  const float scale = static_cast<float>(kSigmaPerMedian) * static_cast<float>(median);
   const float width = static_cast<float>(kRobustWidth) * std::max(1.0f, scale);
   each([&](std::size_t axis, std::size_t i) {
     const float ratio = residuals[axis][i] / width;
