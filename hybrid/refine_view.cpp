@@ -82,8 +82,8 @@ Result<void> validate(const RefineOptions& options) {
   return {};
 }
 
-// Noise that is more harmful than it looks from sample to sample by this factor is shared.
-// Neighbours rounded alike seem to share up to as much.
+// Noise that does this many times the harm that it shows from sample to sample is shared, as that
+// of rounding is not. Half of it would take rounding for it, twice would miss shared noise.
 constexpr double kShared = 3.0;
 
 // The steps of refine_view, each of which may end it early.

@@ -15,10 +15,11 @@ namespace relief::fusion {
 
 namespace {
 
-// How far a filled vertex may be in space seen empty, and in front of a surface where the outermost
-// rays meet it: what the lattice resolves.
+// How far a filled vertex may be in space seen empty, as presumed matter (kSeenThrough), and in
+// front of a surface where the outermost rays meet it, as measured vertices (vertex_attributes).
 constexpr double kIntrusion = 0.25, kInFront = 0.5;  // [voxels]
-// The closed field's surface is that far at most in the way of such rays.
+// The closed field's surface is that far at most in the way of such rays. A vertex that would have
+// to go farther stays.
 constexpr double kFarthestRetreat = 1.5;  // [voxels]
 
 // Rounds of finding invalid faces and holding their vertices. Bounds the time: what is left then
@@ -29,14 +30,15 @@ constexpr int kRounds = 3;
 // there is no slope to continue.
 constexpr double kHeld = 0.0;
 
-// How far holding a vertex changes the plate [edges]: the plate moves by a voxel or two there, and
-// not at all beyond.
+// How far holding a vertex changes the plate [edges]: it moves by a voxel or two there, and not at
+// all beyond. Two over 12 edges tilt it by 9 degrees; half as many would by 18.
 constexpr int kChangedRings = 12;
 
-// Of places that are solved for step by step. While vertices are still to be held, a part of the
-// intrusion by which they are chosen; then a tenth of what the lattice's zeros are good to.
+// Of places that are solved for step by step. While vertices are still to be held, a fifth of the
+// intrusion by which they are chosen; then as the closed field (ObstacleSolverOptions::tolerance).
 constexpr double kRoughTolerance = 0.05, kTolerance = 1e-3;  // [voxels]
-// While vertices are still to be held these places may be a few times as far off as in the end.
+// While vertices are still to be held these places may be so many times as far off as in the end:
+// 5 % of their distance, which reaches the intrusion at five voxels. Bounds the time.
 constexpr double kRough = 5.0;
 
 // Memory for each vertex of the mesh, and for each that may move besides [bytes].

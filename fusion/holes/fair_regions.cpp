@@ -14,28 +14,27 @@ namespace relief::fusion {
 
 namespace {
 
-// Between the surface that was measured and that of the closed field, at a common border: with less
-// than 30 degrees the surface goes on, with more than 60 the object has an edge.
-// Cosines.
+// Cosines at a border between the measured surface and that of the closed field: below 30 degrees
+// the surface goes on, above 60 the object has an edge. Thirds of the 90 degrees of a block.
 constexpr double kSmooth = 0.866, kSharp = 0.5;
 
-// Where the middle of a region lies against its border's tangent planes, as sine: this far behind
-// them (30 degrees) the surface turns away on all sides, this far in front of them (3 degrees) it
-// is a crevice.
+// Sines at which the middle of a region lies against its border's tangent planes. So far behind
+// (the cap of a sphere of half angle 30 degrees) it may be a lid, so far in front (3) a crevice.
 constexpr double kBehind = 0.5, kAheadOfSurface = 0.05;
 
-// Vertices across a crevice, twice its area over the length of its border.
+// Twice the area of a crevice over the length of its border [vertices]: 16 across a strip, 32 a
+// disc. With plates there the falcon is 0.143 off, not 0.115 (docs/results.md, Hole filling).
 constexpr double kNarrow = 16.0;
 
-// Rings of measured vertices round the filled ones that move with them.
+// Rings of measured vertices round the filled ones that move with them. Those of the third follow
+// what was measured from waves of 2 pi / 4 voxels on: almost to the voxel.
 constexpr int kMargin = 3;
 
 // Rings of measured vertices beyond these that tell how the surface curves towards the border.
 constexpr int kApproach = 6;
 
-// A surface that, as it curves where it was measured, would turn by less than this part of what the
-// filled surface has to turn by has an edge at its border: the wall of a block, not a sphere. By
-// (F8) the part is 0 for a block and 69 of 89 degrees for a sphere.
+// A surface that, as it curves, turns by less than this part of what the filled one has to has an
+// edge at its border. By (F8) a block turns by 0, a sphere by 69 of 89 degrees: 0.1 to 0.7 will do.
 constexpr double kCarried = 0.5;
 
 // Of each vertex the number of edges to the nearest filled one, at most `most` + 1.

@@ -6,7 +6,8 @@ namespace relief::fusion {
 
 namespace {
 
-// Rings over which normals are averaged.
+// Rings over which normals are averaged, one pass each. The area grows with their number: with half
+// of it noise and ragged borders tilt the mean 1.4 times as far, with twice it reaches past edges.
 constexpr int kRings = 4;
 
 }  // namespace

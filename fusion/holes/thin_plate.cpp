@@ -16,7 +16,7 @@ namespace relief::fusion {
 namespace {
 
 // Contours have slivers. A face counts as no thinner than this against its longest side, which
-// bounds its cotangents, by 20, and so the condition of the system.
+// bounds its cotangents by 20 (40 with half of it), and so the condition of the system.
 constexpr double kLeastThickness = 0.05;
 
 // What a system takes without its factor, for each free vertex [bytes].

@@ -17,12 +17,15 @@ namespace relief::fusion {
 
 namespace {
 
-// Part of the squared length of an edge in its cost: where all is flat, short edges go first and
-// faces stay well shaped.
+// Part of the squared length of an edge in its cost. Where errors are below 0.01 lengths (0.007
+// with half of it, 0.014 with twice), short edges go first and faces stay well shaped.
 constexpr double kLengthShare = 1e-4;
 
-constexpr double kLeastCosine = 0.5;      // Between a face before and after: 60 degrees.
-constexpr double kLeastRoundness = 0.05;  // Twice the area over the longest edge squared.
+// Between a face before and after, 60 degrees: faces that were flat are at most 120 apart, and
+// neither folds back onto the other.
+constexpr double kLeastCosine = 0.5;
+// Twice the area over the longest edge squared: no angle is below atan(0.05) = 2.9 degrees.
+constexpr double kLeastRoundness = 0.05;
 
 struct Candidate {
   double cost;

@@ -12,7 +12,8 @@ namespace relief::fusion {
 
 namespace {
 
-// How many measurements the view noise counts for against a vertex's own scatter, (F6).
+// How many measurements the view noise counts for against a vertex's own scatter, (F6): as many as
+// four views. The variance of two views then scatters by sqrt(2) / 4 = 35 %, without it by 141.
 constexpr double kPriorWeight = 3.0;
 
 float standard_error(const TsdfSample& evidence, double view_noise) {

@@ -15,9 +15,11 @@ namespace relief::fusion {
 
 namespace {
 
-// Free cells of the coarsest lattice on each side of the object.
+// Free cells of the coarsest lattice on each side of the object. Fewer press what closes an open
+// side against the border; twice as many make 1.7 times the nodes (60^3 / 50^3).
 constexpr int kPaddingCells = 5;
-// Cells round the zero set of a level that the next finer one covers.
+// Cells round the zero set of a level that the next finer one covers. Where the finer zero set
+// leaves them all the same, close_zero_set() adds blocks, with values of the coarser level.
 constexpr int kBandCells = 2;
 
 Eigen::AlignedBox3d bounds_of(const std::vector<ViewSampler>& views, MemoryLimit* memory) {

@@ -16,8 +16,8 @@ constexpr std::size_t kBlocksAtOnce = 16;  // Of one piece of work; changes no r
 constexpr std::array<std::array<int, 3>, 6> kSides{
     {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 
-// Nodes with values beyond this are not beside the zero set [spacings]. What they change by counts
-// for so much less.
+// Nodes with values beyond this are not beside the zero set [spacings]: a cell's diagonal is
+// sqrt(3). What they change by counts for so much less, so they rest at 0.03 spacings, not 0.001.
 constexpr float kBeside = 2.0f, kFarShare = 1.0f / 30.0f;
 
 // Relaxes the free nodes of one colour (parity of x + y + z) in a block; the largest change, of

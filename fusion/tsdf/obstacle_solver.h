@@ -18,8 +18,10 @@ struct NodeConstraint {
 inline constexpr NodeConstraint kFixedNode{std::numeric_limits<float>::quiet_NaN()};
 
 struct ObstacleSolverOptions {
-  double relaxation = 1.5;  ///< Over-relaxation factor, 1 to below 2.
-  int max_sweeps = 1000;    ///< Bounds the time; ObstacleSolution tells what still moves.
+  /// Over-relaxation factor, 1 to below 2. 1.5 is the optimum, 2 / (1 + sin(pi / n)), for waves of
+  /// n = 9 cells. It changes the time and, within the tolerance, no value.
+  double relaxation = 1.5;
+  int max_sweeps = 1000;  ///< Bounds the time; ObstacleSolution tells what still moves.
   /// A block rests while no value in it and beside it changes by more than this times the spacing;
   /// by thirty times as much where the value is more than two spacings.
   double tolerance = 1e-3;

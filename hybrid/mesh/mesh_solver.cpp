@@ -15,8 +15,9 @@ namespace relief::hybrid {
 namespace {
 
 // Both make the preconditioner: they change the number of steps, not what is minimised.
-constexpr std::size_t kRange = 4096;    // vertices that one Gauss-Seidel sweep couples
-constexpr std::size_t kAggregate = 48;  // vertices of an aggregate
+constexpr std::size_t kRange = 4096;  // vertices that one Gauss-Seidel sweep couples
+// Vertices of an aggregate: of 2 million the direct solve has 42 thousand.
+constexpr std::size_t kAggregate = 48;
 constexpr std::uint32_t kNone = 0xffffffffu;
 
 // Breadth-first patches of up to kAggregate vertices. What is cut off between patches joins the

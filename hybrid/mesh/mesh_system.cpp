@@ -12,15 +12,17 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;  // vertices of one piece of work; changes no result
 constexpr double kCauchy = 2.385;     // 95 % efficiency on normal errors (Holland and Welsch 1977)
-// How stiff the surface keeps its shape where no normals tell [rad].
+// How stiff the surface keeps its shape where no normals tell [rad]. A move dies out over a length
+// of quality / 0.05: 20 edges where that is an edge, 40 with half of it, 10 with twice.
 constexpr double kShapeSigma = 0.05;
 // How far off the mean normal of an edge may be on which the normals turn, for each radian: as if
 // they turned at one place, at either end.
 constexpr double kTurnError = 0.5;
-// Edges on which normals turn as far as this cross a crease and say nothing [rad].
+// Edges on which normals turn as far as this cross a crease and say nothing [rad]. Half of the
+// weight is left at 0.32 (19 degrees). At half of it relief of radius 6 edges would lose as much.
 constexpr double kCrease = 0.6;
-// Vertices move along the blended normals only if these are this close to the mesh's own (cosine,
-// 60 degrees).
+// Cosine between the blended normal of a vertex and the mesh's own along which it moves: moving the
+// surface by d then takes a way of 2 d at most.
 constexpr double kLeastAgreement = 0.5;
 
 }  // namespace

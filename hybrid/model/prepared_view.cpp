@@ -100,7 +100,9 @@ void leave_gaps_at_occlusions_open(FilledView& filled, GridEdges& edges) {
 }  // namespace
 
 bool confirms(const RangeSteps& steps, const Grid<float>& map) {
-  constexpr double kShare = 0.5;  // Of the ratio of the map, on a logarithmic scale.
+  // Of the logarithm of the map's ratio: midway between noise that does not change (0) and noise
+  // that changes as the map says (1).
+  constexpr double kShare = 0.5;
   std::vector<Shown> shown = changes_of(steps, map);
   if (shown.size() < 100) return false;
   std::stable_sort(shown.begin(), shown.end(),

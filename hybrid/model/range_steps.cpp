@@ -7,8 +7,6 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr double kEdgeOnCosine = 0.02;  // As in slope_constraints.cpp.
-
 RangeSteps::Direction empty_direction(const RangeView& view) {
   const Grid<float> none(view.width(), view.height(), static_cast<float>(kNoSample));
   return {none, none, none, 1};

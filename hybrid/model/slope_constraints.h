@@ -15,6 +15,10 @@
 
 namespace relief::hybrid {
 
+/// Cosine of incidence below which normals constrain nothing (89 degrees): an error of 0.02 rad
+/// (1.1 degrees) turns the sign of a slope there. At half of it 0.6 degrees would.
+inline constexpr double kEdgeOnCosine = 0.02;
+
 /// Linear constraints of the measured normals on two samples each, equations (H3) and (H4), at most
 /// one per pixel and axis. Samples move along their rays by x = |d| (t - t^m) [unit]; with b the
 /// slope error of the normals along the constraint's axis [rad], a constraint asks of

@@ -14,8 +14,10 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr int kSide = 8;          // Of a block [samples].
-constexpr double kLeftOut = 0.1;  // Fraction of the blocks, those of the largest changes.
+constexpr int kSide = 8;  // Of a block [samples]: its mean has an eighth of the samples' noise.
+// Fraction of the blocks, those of the largest changes: so much of a view may have wrong normals
+// without a contradiction.
+constexpr double kLeftOut = 0.1;
 constexpr double kLeast = 0.5 * kSide * kSide;  // Samples of a block that counts: half of it.
 
 // Sums over the samples of a block, of (1, u, v) and the change.

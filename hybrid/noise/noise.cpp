@@ -37,8 +37,8 @@ double starting_sigma(std::vector<double>& values) {
 
 constexpr std::size_t kValuesAtOnce = 1 << 14;  // Of one piece of work, summed in order.
 
-// Iterations to a fixed point end when it changes by less than this part. What they find is good to
-// a percent.
+// Iterations to a fixed point end when it changes by less than this part: a thousandth of the
+// percent that samples tell it to.
 constexpr double kSettled = 1e-5;
 
 // Standard deviation of the Gaussian core of `values`: the fixed point of the second moment of what
@@ -124,9 +124,11 @@ void each(const std::array<int, kCount>& lengths, const Visit& visit) {
   parallel_for(kCount, 1, [&](std::size_t n, std::size_t) { visit(n, lengths[n]); });
 }
 
-// Samples of a grid to step over such that a statistic has enough to be good to about a percent.
+// Samples of a grid to step over such that a statistic has enough.
 int thinning(const RangeSteps& steps) {
-  constexpr double kEnough = 60000.0;  // Bounds the time.
+  // Bounds the time. As many values tell a standard deviation to 1 / sqrt(2 n) = 0.3 %; to 0.9 % if
+  // only one in nine is independent.
+  constexpr double kEnough = 60000.0;
   return std::max(
       1,
       static_cast<int>(std::sqrt(static_cast<double>(steps.along_rows.expected.size()) / kEnough)));
@@ -302,7 +304,7 @@ BlockFit fit_blocks(const RangeSteps& steps) {
 // theirs does over long waves: n times the variance of means over n samples, for large n. Over
 // blocks of growing side it approaches this limit, for noise of finite reach, as 1 / side.
 double long_wave_variance(const RangeSteps& steps, double local_variance) {
-  constexpr int kSide = 4;  // [samples]
+  constexpr int kSide = 4;  // [samples]; blocks of 8 would leave a quarter of the differences
   // Standard deviations by which blocks must differ from independent samples: 3e-5 of a Gaussian
   // does.
   constexpr double kDeviations = 4.0;

@@ -11,8 +11,8 @@ namespace relief::hybrid {
 
 namespace {
 
-// Deviations are averaged over this part of the crossover length. They scatter by 8 % with it
-// (docs/results.md, Range standard deviations).
+// Part of the crossover length over which deviations are averaged. They scatter by 8 % with it
+// (docs/results.md, Range standard deviations); by twice as much with half, a quarter of the area.
 constexpr double kWindow = 0.7;
 
 // At a straight border half of the surroundings are missing and the variance is about three times

@@ -15,11 +15,16 @@ namespace {
 
 // Standard deviations that noise does not reach: 2e-9 of a Gaussian lies beyond.
 constexpr double kDeviations = 6.0;
-constexpr double kPrecision = 0.03;         // [rad] that the mean slope of a window is good to
+// That the mean slope of a window is good to [rad]. At 0.3 spacings and 1.5 degrees windows have 7
+// samples and find errors of 11 degrees; at half of it 11 and 5, at twice 5 and 19.
+constexpr double kPrecision = 0.03;
 constexpr int kSmallest = 2, kLargest = 6;  // half widths of windows [samples]
-constexpr int kRing = 6;                    // distance of the windows round about, in half-windows
-constexpr std::size_t kFewest = 5;          // of the eight windows round about: more than half
-constexpr float kTrusted = 0.25f;           // confidence of ranges that may contradict normals
+// Distance of the windows round about [half-windows]: clear of patches up to ten of these across.
+constexpr int kRing = 6;
+constexpr std::size_t kFewest = 5;  // of the eight windows round about: more than half
+// Confidence of ranges that may contradict normals: theirs is at most twice the typical deviation,
+// so that six deviations are still three.
+constexpr float kTrusted = 0.25f;
 
 // Sums over rectangles of a grid in constant time.
 class RectangleSums {

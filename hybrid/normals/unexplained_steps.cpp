@@ -11,9 +11,11 @@ namespace relief::hybrid {
 namespace {
 
 constexpr int kReach = 3;  // samples on either side
-// Standard deviations of the difference that is called a step: 6e-7 of a Gaussian lies beyond.
+// Standard deviations of the difference that is called a step: one of the two million edges of a
+// megapixel is cut by chance (6e-7).
 constexpr double kDeviations = 5.0;
-constexpr double kMedianVariance = 0.449;  // of the median of three Gaussian samples
+// Of the median of three Gaussian samples: 1 - sqrt(3) / pi.
+constexpr double kMedianVariance = 0.449;
 
 double median(std::array<double, kReach> values, int count) {
   std::sort(values.begin(), values.begin() + count);

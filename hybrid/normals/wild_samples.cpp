@@ -8,8 +8,10 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr double kDeviations = 5.0;  // Standard deviations; 6e-7 of a Gaussian lies beyond.
-constexpr int kFewestSteps = 2;      // One step does not tell which of its samples is wild.
+// Standard deviations of a step, 5 sqrt(2) = 7.1 of the one sample that is wrong: no more than one
+// step of the two million of a megapixel is so large by chance (6e-7).
+constexpr double kDeviations = 5.0;
+constexpr int kFewestSteps = 2;  // One step does not tell which of its samples is wild.
 
 // The steps from one sample to its neighbours, in their standard deviations.
 struct StepCount {
