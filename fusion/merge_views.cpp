@@ -35,7 +35,7 @@ Result<SampleQuality> quality_of(const ViewSource& views, MemoryLimit* memory) {
     if (!view) return view.error();
     const double known = median_deviation(**view);
     if (known > 0.0) medians.push_back(known);
-    quality.refined |= (*view)->samples == SampleKind::kRefined;
+    quality.refined |= (*view)->samples == SampleOrigin::kRefined;
     if (const auto kept = check(memory); !kept) return kept.error();
   }
   quality.deviation = median(std::move(medians));

@@ -266,7 +266,7 @@ class Refinement {
       deviation = deviations(result_.view, problem_, noise_.sigma_position, solved.deviation);
     result_.view.confidence = std::move(ranges_.confidence);
     result_.view.deviation = std::move(deviation);
-    result_.view.samples = SampleKind::kRefined;
+    result_.view.samples = SampleOrigin::kRefined;
     result_.flying = ranges_.flying;
     result_.filled = ranges_.filled;
     result_.rms_change = rms(y.head(count));

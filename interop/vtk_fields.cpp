@@ -190,7 +190,7 @@ void write_view_fields(const RangeView& view, vtkDataSet& data) {
   vtkFieldData& fields = *data.GetFieldData();
   add_text(fields, "name", view.name);
   add_text(fields, "pose", std::string(kPoseNames[static_cast<std::size_t>(view.pose)]));
-  if (view.samples == SampleKind::kRefined) add_text(fields, "samples", "refined");
+  if (view.samples == SampleOrigin::kRefined) add_text(fields, "samples", "refined");
   add_text(fields, "camera_model", std::string(to_string(view.camera.model())));
   std::vector<double> pose;
   for (Eigen::Index row = 0; row < 4; ++row)
@@ -204,7 +204,7 @@ void write_view_fields(const RangeView& view, vtkDataSet& data) {
 Result<void> read_pose_fields(vtkDataSet& data, RangeView& view) {
   vtkFieldData& fields = *data.GetFieldData();
   view.name = text_of(fields, "name");
-  if (text_of(fields, "samples") == "refined") view.samples = SampleKind::kRefined;
+  if (text_of(fields, "samples") == "refined") view.samples = SampleOrigin::kRefined;
   if (!fields.GetArray("world_from_view")) return {};
   const auto numbers = read_doubles(fields, "world_from_view", 16, 1);
   if (!numbers) return numbers.error();

@@ -69,7 +69,7 @@ Json view_info(const RangeView& view, const std::string& unit) {
                {"camera", to_string(view.camera.model())},
                {"projects", view.camera.can_project()},
                {"samples", view.sample_count()},
-               {"refined", view.samples == SampleKind::kRefined},
+               {"refined", view.samples == SampleOrigin::kRefined},
                {"normals", normal_count(view)},
                {"confidence", !view.confidence.empty()},
                {"colour", !view.colours.empty()},

@@ -77,7 +77,7 @@ double position_noise(const ConnectedGrid& grid, const Grid<Eigen::Vector3f>& no
       if (std::isfinite(deviation)) deviations.push_back(deviation);
     }
   }
-  return 1.4826 * median(deviations) / std::sqrt(1.25);
+  return kSigmaPerMedian * median(deviations) / std::sqrt(1.25);
 }
 
 // Crops the surface to its quads and marks them.

@@ -34,7 +34,7 @@ class PixelErrors {
 };
 
 // What the right sides of (H10) and (H11) are made from.
-struct Context {
+struct ErrorSystem {
   const ViewProblem& problem;
   const ViewWeights& weights;
   std::vector<std::uint32_t> number;  // of movable samples, by padded index
@@ -45,15 +45,15 @@ struct Context {
 };
 
 // The right side of (H10) for one set of errors.
-Eigen::VectorXd perturbation(const Context& context, const MeasurementNoise& noise,
+Eigen::VectorXd perturbation(const ErrorSystem& system, const MeasurementNoise& noise,
                              const CounterRandom& random) {
-  const ViewProblem& problem = context.problem;
-  Eigen::VectorXd rhs = context.zero();
+  const ViewProblem& problem = system.problem;
+  Eigen::VectorXd rhs = system.zero();
   for_each_sample(problem, [&](Eigen::Index k, std::uint32_t pixel) {
     const double confidence = problem.confidence[k];
     if (!(confidence > 0.0)) return;
     const double sigma = noise.sigma_position / std::sqrt(confidence);
-    rhs[k] = context.weights.position[pixel] * sigma * PixelErrors(random, pixel).range();
+    rhs[k] = system.weights.position[pixel] * sigma * PixelErrors(random, pixel).range();
   });
   problem.slopes.parallel_for_each([&](int axis, std::size_t i) {
     const auto a = static_cast<std::size_t>(axis);
@@ -65,25 +65,25 @@ Eigen::VectorXd perturbation(const Context& context, const MeasurementNoise& noi
         half_length * noise.sigma_normal * (at0.slope(axis) + at1.slope(axis)) +
         std::sqrt(problem.slopes.truncation_variance(axis, i, noise.sigma_normal)) *
             here.truncation(axis);
-    const double weighted = context.weights.slope[a][i] * error;
-    rhs[context.number[ends.tail]] += weighted * plane.tail_slope[i];
-    rhs[context.number[ends.head]] -= weighted * plane.head_slope[i];
-    if (!context.with_bias) return;
+    const double weighted = system.weights.slope[a][i] * error;
+    rhs[system.number[ends.tail]] += weighted * plane.tail_slope[i];
+    rhs[system.number[ends.head]] -= weighted * plane.head_slope[i];
+    if (!system.with_bias) return;
     for (const std::size_t at : {ends.at0, ends.at1})
-      rhs[(1 + axis) * context.count() + context.number[at]] += weighted * half_length;
+      rhs[(1 + axis) * system.count() + system.number[at]] += weighted * half_length;
   });
   return rhs;
 }
 
 // The right side of (H11): what the prior of the bias takes from the bias in `y`.
-Eigen::VectorXd shrinkage(const Context& context, const Eigen::VectorXd& y) {
-  const Eigen::Index count = context.count();
-  Eigen::VectorXd rhs = context.zero();
-  rhs.tail(2 * count) = double{context.weights.bias_size} * y.tail(2 * count);
-  for_each_bias_pair(context.problem, [&](std::size_t at0, std::size_t at1) {
+Eigen::VectorXd shrinkage(const ErrorSystem& system, const Eigen::VectorXd& y) {
+  const Eigen::Index count = system.count();
+  Eigen::VectorXd rhs = system.zero();
+  rhs.tail(2 * count) = double{system.weights.bias_size} * y.tail(2 * count);
+  for_each_bias_pair(system.problem, [&](std::size_t at0, std::size_t at1) {
     for (const Eigen::Index block : {count, 2 * count}) {
-      const Eigen::Index a = block + context.number[at0], b = block + context.number[at1];
-      const double change = context.weights.bias_step * (y[a] - y[b]);
+      const Eigen::Index a = block + system.number[at0], b = block + system.number[at1];
+      const double change = system.weights.bias_step * (y[a] - y[b]);
       rhs[a] += change;
       rhs[b] -= change;
     }
@@ -120,19 +120,19 @@ Eigen::VectorXf range_deviation(const ViewProblem& problem, const ViewWeights& w
                                 const MeasurementNoise& noise, const Eigen::VectorXd& y,
                                 ViewSolver& solver, const DeviationOptions& options) {
   const bool with_bias = y.size() > static_cast<Eigen::Index>(problem.size());
-  const Context context{problem, weights, numbers_of(problem), with_bias};
-  Eigen::VectorXf from_noise = Eigen::VectorXf::Zero(context.count()), from_bias = from_noise;
+  const ErrorSystem system{problem, weights, numbers_of(problem), with_bias};
+  Eigen::VectorXf from_noise = Eigen::VectorXf::Zero(system.count()), from_bias = from_noise;
   const auto add_squared_error = [&](Eigen::VectorXd rhs, Eigen::VectorXf& sum) {
     const bool solved = solver.solve(rhs, options.tolerance, options.max_iterations).converged;
-    if (solved) sum += rhs.head(context.count()).cwiseAbs2().cast<float>();
+    if (solved) sum += rhs.head(system.count()).cwiseAbs2().cast<float>();
     return solved;
   };
   for (int probe = 0; probe < options.probes; ++probe) {
     const CounterRandom random(options.seed, static_cast<std::uint64_t>(probe));
-    if (!add_squared_error(perturbation(context, noise, random), from_noise)) return {};
+    if (!add_squared_error(perturbation(system, noise, random), from_noise)) return {};
   }
   from_noise /= static_cast<float>(options.probes);
-  if (with_bias && !add_squared_error(shrinkage(context, y), from_bias)) return {};
+  if (with_bias && !add_squared_error(shrinkage(system, y), from_bias)) return {};
   if (options.crossover > 0.0)
     return smoothed(problem, from_noise, from_bias, options.crossover).cwiseSqrt();
   return (from_noise + from_bias).cwiseSqrt();

@@ -17,7 +17,7 @@ struct ViewGrids {
   Grid<Eigen::Vector3f> normals;
   Grid<float> confidence, deviation;
   Grid<Colour> colours;
-  SampleKind samples = SampleKind::kRaw;
+  SampleOrigin samples = SampleOrigin::kRaw;
 };
 
 template <class Archive>

@@ -25,7 +25,7 @@ Grid<float> inverse_variances(const RangeView& view, double typical, const Devia
 }  // namespace
 
 Grid<float> sample_weights(const RangeView& view, const RangeNoise& ranges) {
-  if (view.samples == SampleKind::kRefined) return {};
+  if (view.samples == SampleOrigin::kRefined) return {};
   if (const double typical = median_deviation(view); typical > 0.0)
     return inverse_variances(view, typical, [&](int u, int v) { return view.deviation_at(u, v); });
   if (ranges.map.empty() || !ranges.known()) return {};

@@ -110,7 +110,7 @@ TEST(MergeViews, RefinedViewsGetAFinerLattice) {
   auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 4, 40, 50.0);
   for (RangeView& view : views) view.deviation = Grid<float>(view.width(), view.height(), 0.1f);
   const double raw = merged(views).voxel_size;
-  for (RangeView& view : views) view.samples = SampleKind::kRefined;
+  for (RangeView& view : views) view.samples = SampleOrigin::kRefined;
   EXPECT_DOUBLE_EQ(merged(views).voxel_size, 0.8 * raw);
 }
 

@@ -60,7 +60,7 @@ TEST(RefineView, APlaneWithItsNormalsStaysAsItIs) {
     const RefinedView result = refined(view, with_known_noise(0.1, 0.01));
     EXPECT_EQ(result.status, RefineStatus::kRefined);
     EXPECT_EQ(result.refined, view.sample_count());
-    EXPECT_EQ(result.view.samples, SampleKind::kRefined);
+    EXPECT_EQ(result.view.samples, SampleOrigin::kRefined);
     EXPECT_LT(largest_change(view, result.view), 2e-5);  // normals are floats
   }
 }

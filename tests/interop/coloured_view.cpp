@@ -35,7 +35,7 @@ RangeView coloured_view(const Camera& camera) {
   RangeView view = render(sphere(pose * Eigen::Vector3d(0, 0, side), 1.87), camera, pose);
   view.name = "front";
   view.pose = PoseKind::kGuess;
-  if (camera.model() == Camera::Model::kOrthographic) view.samples = SampleKind::kRefined;
+  if (camera.model() == Camera::Model::kOrthographic) view.samples = SampleOrigin::kRefined;
   view.confidence = Grid<float>(view.width(), view.height(), 0.75f);
   view.deviation = Grid<float>(view.width(), view.height(), 0.125f);
   view.colours = Grid<Colour>(view.width(), view.height());

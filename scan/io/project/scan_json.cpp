@@ -220,8 +220,8 @@ ViewSpec read_view(JsonObject view, const std::filesystem::path& project) {
   if (view.has("color")) spec.colour = read_image_file(view.object("color"), project);
   if (view.has("deviation")) spec.deviation = read_deviation(view.object("deviation"), project);
   if (view.has("samples"))
-    spec.samples = view.choice<SampleKind>(
-        "samples", {{"raw", SampleKind::kRaw}, {"refined", SampleKind::kRefined}});
+    spec.samples = view.choice<SampleOrigin>(
+        "samples", {{"raw", SampleOrigin::kRaw}, {"refined", SampleOrigin::kRefined}});
   read_pose(view, spec);
   view.finish();
   return spec;

@@ -52,8 +52,8 @@ void set_pose_json(SpecJson& entry, const RigidMotion& world_from_view, PoseKind
   entry["pose_is"] = kind == PoseKind::kKnown ? "known" : "guess";
 }
 
-void set_samples_json(SpecJson& entry, SampleKind kind) {
-  if (kind == SampleKind::kRefined) entry["samples"] = "refined";
+void set_samples_json(SpecJson& entry, SampleOrigin kind) {
+  if (kind == SampleOrigin::kRefined) entry["samples"] = "refined";
 }
 
 fs::path path_from(const fs::path& file, const fs::path& folder) {

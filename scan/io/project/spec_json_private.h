@@ -16,7 +16,7 @@ void set_pose_json(nlohmann::ordered_json& entry, const RigidMotion& world_from_
                    PoseKind kind);
 
 /// Says so if the samples of a view's entry are not raw.
-void set_samples_json(nlohmann::ordered_json& entry, SampleKind kind);
+void set_samples_json(nlohmann::ordered_json& entry, SampleOrigin kind);
 
 /// `file` as seen from `folder`; `file` itself where no such path exists.
 std::filesystem::path path_from(const std::filesystem::path& file,

@@ -82,7 +82,7 @@ struct ViewSpec {
   std::optional<DeviationSpec> deviation;
   RigidMotion world_from_view = RigidMotion::Identity();
   PoseKind pose = PoseKind::kAbsent;
-  SampleKind samples = SampleKind::kRaw;
+  SampleOrigin samples = SampleOrigin::kRaw;
 };
 
 struct ProjectSpec {

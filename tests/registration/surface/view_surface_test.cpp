@@ -95,7 +95,7 @@ TEST(ViewSurface, DoesNotWeighByDeviationsOfErrorsThatNeighboursShare) {
   RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
   view.deviation = Grid<float>(80, 60, 0.03f);
   view.deviation(20, 20) = 0.06f;
-  view.samples = SampleKind::kRefined;
+  view.samples = SampleOrigin::kRefined;
   testing::add_range_noise(view, 0.01, 1);
   EXPECT_DOUBLE_EQ(ViewSurface(view).at({20.0, 20.0})->confidence, 1.0);
 }

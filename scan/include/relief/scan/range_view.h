@@ -22,7 +22,7 @@ enum class PoseKind {
 };
 
 /// Where the samples of a view come from.
-enum class SampleKind {
+enum class SampleOrigin {
   kRaw,      ///< The sensor; `deviation`, where there is any, is what the sensor says.
   kRefined,  ///< Ranges solved together with normals: neighbouring samples share their errors.
 };
@@ -44,7 +44,7 @@ struct RangeView {
   Grid<Colour> colours;  ///< Empty: none known; without meaning where there is no sample.
   RigidMotion world_from_view = RigidMotion::Identity();
   PoseKind pose = PoseKind::kAbsent;
-  SampleKind samples = SampleKind::kRaw;
+  SampleOrigin samples = SampleOrigin::kRaw;
 
   int width() const { return camera.width(); }
   int height() const { return camera.height(); }

@@ -130,7 +130,7 @@ TEST(ViewJson, IsReadBack) {
   view.normals = NormalSpec{folder / "n.png", NormalEncoding::kRgb, NormalAxes::kOpengl, {}};
   view.mask = ImageFile{folder / "m.png"};
   view.deviation = DeviationSpec{folder / "d.tiff", 0.5};
-  view.samples = SampleKind::kRefined;
+  view.samples = SampleOrigin::kRefined;
   view.world_from_view.translation() = Eigen::Vector3d(0.1, 0.2, 0.3);
   view.pose = PoseKind::kKnown;
   auto document = empty_project_json("m");

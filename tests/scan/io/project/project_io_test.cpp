@@ -42,7 +42,7 @@ ScanProject all_cameras() {
   for (std::size_t i = 0; i < 4; ++i) project.views[i].name = names[i];
   project.views[0].pose = PoseKind::kKnown;
   project.views[2].pose = PoseKind::kAbsent;
-  project.views[1].samples = project.views[3].samples = SampleKind::kRefined;
+  project.views[1].samples = project.views[3].samples = SampleOrigin::kRefined;
   for (auto& view : project.views) {
     view.confidence = Grid<float>(view.width(), view.height(), 0.25f);
     view.deviation = Grid<float>(view.width(), view.height(), 0.125f);
