@@ -6,6 +6,10 @@
 
 namespace relief {
 
+/// Turns the median absolute value of Gaussian numbers of mean zero into their standard deviation:
+/// 1 / Phi^-1(3/4).
+inline constexpr double kSigmaPerMedian = 1.4826;
+
 /// The median of `values`, the upper one of an even number; 0 for none. Reorders them.
 template <typename T>
 T median(std::vector<T>& values) {
