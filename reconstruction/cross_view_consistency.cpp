@@ -19,12 +19,18 @@ namespace relief::reconstruction {
 namespace {
 
 constexpr std::size_t kFewestOthers = 2;  // One alone may be the one that is wrong.
-constexpr double kReach = 10.0;           // Beyond so many sample spacings lies another surface.
-constexpr double kSteepest = 0.3;         // Cosine of incidence: ranges tell little at 73 degrees.
-constexpr double kCoarsest = 2.0;         // Local spacing of another view against its own.
-constexpr int kHalfWindow = 2;            // [samples]
-constexpr int kFewestInWindow = 13;       // Half of 5 x 5: fewer are far off by chance.
-constexpr double kTypical = 4.0;  // Mean squares up to two deviations are left alone, (H16).
+// Beyond so many sample spacings lies another surface. Larger takes the far side of thin parts for
+// the same; smaller believes glare, whose noise of three spacings reaches nine.
+constexpr double kReach = 10.0;
+// Cosine of incidence: at 73 degrees the spacing is 3.3 times as wide, and ranges tell little.
+constexpr double kSteepest = 0.3;
+// Local spacing of another view against its own: coarser ones show detail of two samples as flat.
+constexpr double kCoarsest = 2.0;
+constexpr int kHalfWindow = 2;       // [samples]
+constexpr int kFewestInWindow = 13;  // Half of 5 x 5: fewer are far off by chance.
+// Mean squares up to two deviations are left alone, (H16): the mean of 25 of white noise is 1, with
+// a deviation of 0.28 (sqrt(2 / 25)).
+constexpr double kTypical = 4.0;
 
 // A view with all that comparing needs to know of it, in its own frame.
 struct ComparedView {
@@ -157,11 +163,10 @@ Distances distances_to_others(const ComparedView& own_view,
 
 // Of the distances that are not 0; at least the noise of the ranges.
 double robust_deviation(const Grid<float>& distances, const RangeNoise& noise) {
-  constexpr double kOfMedian = 1.4826;  // 1 / Phi^-1(3/4)
   std::vector<float> sizes;
   for (const float distance : distances)
     if (std::abs(distance) > 0.0f) sizes.push_back(std::abs(distance));
-  return std::max(kOfMedian * double{median(sizes)}, noise.sigma);
+  return std::max(kSigmaPerMedian * double{median(sizes)}, noise.sigma);
 }
 
 // The square of the distances in deviations, averaged over the window round a pixel; 0 where too

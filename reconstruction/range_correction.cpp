@@ -62,7 +62,9 @@ Steps steps_of(const std::vector<Pixel>& group, const Grid<double>& corrected,
 }  // namespace
 
 std::size_t correct_ranges(const Grid<float>& correction, RangeView& view) {
-  constexpr double kHalf = 0.5;  // Fraction of the squares of the steps that may be left.
+  // Fraction of the squares of the steps that may be left: nearly 0 where what stands apart comes
+  // back, 1 and more where the surface was smooth.
+  constexpr double kHalf = 0.5;
   const auto largest_flying = static_cast<std::size_t>(FillOptions().largest_flying);
   Grid<double> corrected = view.range;
   for (std::size_t i = 0; i < corrected.size(); ++i)

@@ -17,23 +17,26 @@ namespace {
 // With the limits of this file `relief_coarse_runs` places no view of 200 difficult scenes wrongly
 // (docs/results.md, Global registration).
 
-// How well loops of three close [radii of a view], [sample spacings].
+// How well loops of three close [radii of a view], a turn of 4.6 degrees or a shift, and [sample
+// spacings], as far as the finest level of ICP searches in exact views.
 constexpr double kLoopRadii = 0.04, kLoopSpacings = 4.0;
-constexpr double kTypicalQuantile = 0.25;  // Of links; wrong ones are among them.
+constexpr double kTypicalQuantile = 0.25;  // Of links: right while a quarter of them are.
 // Limits are not tightened below these: exact scans differ by what interpolation misses.
-constexpr double kLeastRmsLimit = 0.6;        // Relative to noise and sampling.
-constexpr double kLeastNormalLimit = 0.12;    // Length of a difference of unit normals: 7 degrees.
-constexpr double kLeastCoherentLimit = 0.12;  // [sample spacings]
+// Relative to largest_plausible_rms(): 0.09 spacings. White noise gives 0.67, 1 / 1.5.
+constexpr double kLeastRmsLimit = 0.6;
+// Length of a difference of unit normals: 7 degrees. Two that are good to 2 differ by 2.8.
+constexpr double kLeastNormalLimit = 0.12;
+constexpr double kLeastCoherentLimit = 0.12;  // [sample spacings]; general is 0.2.
 // A triangle may close by chance; more links that close loops tell the errors of the views.
 constexpr std::size_t kTellingLinks = 4;
 // Pairs at poses of chains, and links that loops confirm, may deviate by so many times what the
-// better quarter of the pairs of views does.
+// better quarter of the pairs of views does: more than links that stand alone, with 1.5.
 constexpr double kConfirmedExcess = 1.75;
 // Absence and strays depend on the pair: most links believed otherwise show no more.
 constexpr double kAbsenceQuantile = 0.9, kStraysQuantile = 0.75, kStraysExcess = 1.6;
-// A calibration is made to the noise of its sensor: its errors are hardly more than twice that.
-constexpr double kWarpDeviations = 2.0;
-// How far limits may follow [general limits].
+// How far limits may follow [general limits]: to 0.8 spacings of RMS in exact views, one of
+// coherent residual and a twentieth in front. Wrong poses settle at a spacing and rarely show less
+// in front.
 constexpr double kWidestRms = 2.5, kWidestCoherent = 5.0, kWidestContradiction = 2.5;
 // Standard deviations of the normals' noise by which those of right poses may differ: 0.3 % of a
 // Gaussian lies beyond.

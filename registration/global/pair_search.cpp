@@ -16,16 +16,18 @@ namespace {
 
 // Lengths in cells. With the numbers of this file `relief_coarse_runs` places no view of 200
 // difficult scenes wrongly (docs/results.md, Global registration).
+// Discs of these radii hold 28 and 113 points (pi r^2).
 constexpr double kSmallFeature = 3.0, kLargeFeature = 6.0;
-constexpr double kMatchTolerance = 1.5;  // Of (R13) and (R14).
+// Of (R13) and (R14): points of either view are up to 0.7 from the nearest one of a lattice, half a
+// diagonal, so two distances differ by 1.4.
+constexpr double kMatchTolerance = 1.5;
 // Over it kMatchTolerance changes a direction by up to 17 degrees.
 constexpr double kLeastDistance = 5.0;
-constexpr double kReach = 2.0;  // Of poses from matches.
+constexpr double kReach = 2.0;  // Of poses from matches, which err by kMatchTolerance.
 
 // Matches: three determine a motion, the fourth confirms it.
 constexpr std::size_t kLeastConsensus = 4;
-// Samples of either view; bounds the time. A fraction of 0.08 is told to 0.022.
-constexpr int kRoughProbes = 150;
+// Of rough_agreement(): half of the 0.15 that links must overlap, 3.6 deviations above none.
 constexpr double kLeastAgreement = 0.08;
 constexpr int kQuickCorrespondences = 250;  // Bounds the time.
 

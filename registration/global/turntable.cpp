@@ -14,9 +14,10 @@ namespace relief::registration {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-constexpr double kSearchRadii = 0.3;  // Of ICP [radii of a view].
-constexpr double kReachRadii = 0.15;  // Of poses that turns give [radii of a view].
-constexpr int kProbes = 150;          // Samples of either view; bounds the time.
+// Of ICP [radii of a view]: turns are at most 30 degrees apart, and 15 move the rim by 0.26.
+constexpr double kSearchRadii = 0.3;
+// Of poses that turns give [radii of a view]: half of that. Only ranks them.
+constexpr double kReachRadii = 0.15;
 constexpr std::size_t kRefined = 16;  // Of 61 turns; bounds the time.
 
 // The object turned by `angle` about an axis in the sensor's vertical plane, `tilt` off the y axis,
@@ -49,7 +50,7 @@ void keep_promising(const ViewSurface& view, const ViewSurface& reference,
   const double reach = kReachRadii * std::min(view.radius(), reference.radius());
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = 0; k < starts.size(); ++k)
-    order.emplace_back(-rough_agreement(view, reference, starts[k], reach, kProbes), k);
+    order.emplace_back(-rough_agreement(view, reference, starts[k], reach, kRoughProbes), k);
   std::sort(order.begin(), order.end());
   std::vector<RigidMotion> kept;
   for (std::size_t k = 0; k < std::min(kRefined, order.size()); ++k)

@@ -12,9 +12,10 @@ namespace relief::registration {
 
 namespace {
 
-// Samples that are tried before what they found is counted.
+// Samples that are tried before what they found is counted: up to 511 more than wanted are found.
 constexpr std::size_t kBatch = 512;
-// The smallest standard deviation taken for true [sample spacings]: exact data has none.
+// The smallest standard deviation taken for true [sample spacings]: exact data has none, and its
+// poses err by as much (docs/results.md, Poses against the least error possible).
 constexpr double kLeastSigma = 1e-3;
 
 // The target's surface where it sees `point`. The foot of the point on the tangent plane there is

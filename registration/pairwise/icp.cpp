@@ -16,7 +16,6 @@ namespace relief::registration {
 
 namespace {
 
-constexpr double kSearchRadii = 0.2;  // [radii of the smaller view]
 // Correspondences that tell the deviation of a direction to 4 percent (1.17 / sqrt(n)).
 constexpr int kDeviationSamples = 1000;
 
@@ -89,7 +88,7 @@ std::vector<SearchLevel> levels_for(const ViewSurface& source, const ViewSurface
   schedule.correspondences = options.correspondences;
   schedule.first_distance = options.search_distance > 0.0
                                 ? options.search_distance
-                                : kSearchRadii * std::min(source.radius(), target.radius());
+                                : kFirstSearchRadii * std::min(source.radius(), target.radius());
   schedule.last_distance = finest_search_distance(spacing, noise);
   schedule.tolerance = options.tolerance * std::min(source.spacing(), target.spacing());
   return search_schedule(schedule);

@@ -16,16 +16,21 @@ namespace relief::registration {
 
 namespace {
 
-constexpr double kLeastSigma = 1e-3;  // [rad]; normals stored in 16 bits are no better.
-constexpr double kMaxSigmas = 4.0;    // Standard deviations; 6e-5 of a Gaussian lies beyond.
+// [rad]; exact maps have none. Half of what the rounding of 8 bits leaves, 2 / 255 / sqrt(12).
+constexpr double kLeastSigma = 1e-3;
+constexpr double kMaxSigmas = 4.0;  // Standard deviations; 6e-5 of a Gaussian lies beyond.
 // Standard deviations by which the agreement of gradients must exceed chance: 3e-7 of a Gaussian
 // does.
 constexpr double kSignificant = 5.0;
+// Derivatives correlate by 1 / (1 + n) under noise of n times their variance: 0.3 allows 2.3.
 constexpr double kLeastCorrelation = 0.3;
 
-constexpr double kNearlySliding = 16.0;  // Squares of slopes: four times the slope.
-constexpr int kPatch = 32;               // [pixels]
-// Cells that enter one value and its derivatives to equal parts.
+// Squares of slopes: four times the slope. Far larger takes maps everywhere, which is worse on the
+// bear (docs/results.md, Normal maps); 1 leaves slopes just above the threshold to noise.
+constexpr double kNearlySliding = 16.0;
+// [pixels]. Smaller misses what neighbours share farther; larger leaves few sums, 25 of 160 x 160.
+constexpr int kPatch = 32;
+// Cells that enter one value and its derivatives to equal parts: interpolation is bilinear.
 constexpr double kCellsOfAMatch = 4.0;
 
 using Gradient = Eigen::Matrix<double, 3, 2>;

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <vector>
 
+#include "scan/base/median.h"
+
 namespace relief::registration {
 
-/// Turns the median absolute value of Gaussian numbers of mean zero into their standard deviation:
-/// 1 / Phi^-1(3/4).
-inline constexpr double kSigmaPerMedian = 1.4826;
+/// A pair of views that deviates by so many times the median of all pairs is uncommon. Chance alone
+/// scatters an RMS of 50 residuals by 10 % (1 / sqrt(2 n)); incidence and range do the rest.
+inline constexpr double kUncommon = 2.0;
 
 /// The value at `fraction` in [0, 1] of the sorted values; 0 for none. Reorders its copy only.
 inline double quantile(std::vector<double> values, double fraction) {
@@ -55,7 +57,7 @@ class CauchyLosses {
   double sum() const { return square_ * (logs_ + std::log(product_)); }
 
  private:
-  static constexpr double kLargest = 1e100;  // One logarithm for many factors.
+  static constexpr double kLargest = 1e100;  // Times a factor below 1e208 it is a double.
   double square_, logs_ = 0.0, product_ = 1.0;
 };
 

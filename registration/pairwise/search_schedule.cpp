@@ -8,8 +8,9 @@ namespace relief::registration {
 
 namespace {
 
-// A coarse level need not converge further than to this fraction of its search distance. Bounds the
-// time, as do the next two: the last steps use more samples and determine the precision.
+// A coarse level need not converge further than to this fraction of its search distance: the next
+// one searches some 0.4 of it, twenty times as far. Bounds the time, as do the next two: the last
+// steps use more samples and determine the precision.
 constexpr double kCoarseTolerance = 0.02;
 constexpr int kFewestCorrespondences = 200;
 constexpr int kHalvings = 2;  // Of the correspondences, towards the coarsest level.

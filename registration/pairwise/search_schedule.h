@@ -22,6 +22,10 @@ struct SearchScheduleOptions {
   int signal_levels = 0;
 };
 
+/// The search distance of the coarsest level where none is asked for [radii of a view]: what a turn
+/// of 11.5 degrees moves the rim by. The bunny returns from 8 (docs/results.md, Registration).
+inline constexpr double kFirstSearchRadii = 0.2;
+
 /// The distance [unit] within which corresponding points lie once two views are aligned: a few
 /// spacings and standard deviations of the noise.
 inline double finest_search_distance(double spacing, double noise) {

@@ -17,7 +17,6 @@ namespace relief::registration {
 
 namespace {
 
-constexpr double kSearchRadii = 0.2;  // [median radii of the views]
 // Of all pairs at a time, before the last steps, which use all samples. Bounds the memory.
 constexpr std::size_t kMostCorrespondences = 250'000;
 // Of one direction of a pair, where many pairs are solved for together, and where one is judged:
@@ -26,7 +25,8 @@ constexpr int kFewestTogether = 20, kFewestAlone = 60;
 // All pairs of hundreds of views would get so few each, and still need gigabytes. The last steps,
 // which keep nothing for a residual, use all.
 constexpr int kMostPairsOfAView = 24;
-// The last steps are precise enough to stop at less than the levels before them [tolerances].
+// The last steps are precise enough to stop at less than the levels before them [tolerances]. Poses
+// err by one, and a last step follows anyway. Smaller costs steps, of which there are 6 at most.
 constexpr double kFinalTolerance = 0.5;
 // Residuals of all pairs together in the last step: some ten seconds of processor time.
 constexpr std::size_t kMostLastResiduals = 50'000'000;
@@ -44,8 +44,9 @@ std::vector<SearchLevel> levels_for(const std::vector<ViewSurface>& surfaces,
   schedule.levels = options.levels;
   schedule.signal_levels = signal_levels;
   schedule.correspondences = options.correspondences;
-  schedule.first_distance =
-      options.search_distance > 0.0 ? options.search_distance : kSearchRadii * quantile(radii, 0.5);
+  schedule.first_distance = options.search_distance > 0.0
+                                ? options.search_distance
+                                : kFirstSearchRadii * quantile(radii, 0.5);
   schedule.last_distance =
       finest_search_distance(quantile(spacings, 1.0), std::sqrt(2.0) * quantile(noises, 1.0));
   schedule.tolerance = options.tolerance * quantile(spacings, 0.0);

@@ -11,9 +11,9 @@ namespace relief::registration {
 namespace {
 
 // Pairs that share fewer samples or less of the views than this are thin. Only their status in
-// reports depends on it.
+// reports depends on it. 200 samples tell an RMS to 5 % (1 / sqrt(2 n)).
 constexpr double kThinSamples = 200.0;
-constexpr double kThinOverlap = 0.1;
+constexpr double kThinOverlap = 0.1;  // Fraction; 2.5 times what a pair must share to be used.
 
 // In the order of what matters most about a pair.
 PairStatus grade_of(const PairFit& fit, double shared_samples, double largest_rms) {
@@ -73,11 +73,9 @@ void set_pair_statuses(const std::vector<ViewSurface>& surfaces, std::vector<Pai
 
 std::vector<double> largest_fitting_rms(const std::vector<ViewSurface>& surfaces,
                                         const std::vector<PairFit>& pairs) {
-  // A pair that deviates by this many times the median of all pairs is uncommon.
-  constexpr double kCommonRms = 2.0;
   std::vector<double> all, limits;
   for (const auto& pair : pairs) all.push_back(pair.rms);
-  const double common = kCommonRms * quantile(all, 0.5);
+  const double common = kUncommon * quantile(all, 0.5);
   for (const auto& pair : pairs) {
     const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
     limits.push_back(std::max(common, largest_plausible_rms(std::max(a.spacing(), b.spacing()),

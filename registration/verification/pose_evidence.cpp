@@ -15,7 +15,8 @@ namespace {
 
 // Samples of a view; bounds the time. A fraction of 0.02 is told to 0.006.
 constexpr std::size_t kProbes = 500;
-constexpr double kRoughCosine = 0.8;  // Of normals that may belong together, 37 degrees.
+// Of normals that may belong together: 37 degrees, near the 40 at which correspondences end.
+constexpr double kRoughCosine = 0.8;
 
 // Signed distance of each probe from what the target sees there, and its normal's cosine.
 struct Sighting {
@@ -59,14 +60,19 @@ double directed_agreement(const ViewSurface& source, const ViewSurface& target,
   return score / static_cast<double>(count);
 }
 
-// The band of distances in which residuals should agree: beyond the reach of the sensor's noise,
-// whose samples share it over a few pixels.
-constexpr double kNoiseReach = 5.0;       // [sample spacings], (R10)
-constexpr double kCoherenceRadii = 0.1;   // Over the smaller view's radius, (R10),
-constexpr double kCoherenceReach = 10.0;  // but at least as many sample spacings.
-constexpr double kStrays = 0.005;         // Part of a view's samples that may be anywhere,
-constexpr double kLost = 0.02;            // and that the other sensor may have lost.
-constexpr double kFacing = 0.6;           // Cosine at which a sensor should see a surface, (R15).
+// The band of distances in which residuals should agree, (R10): beyond the reach of the sensor's
+// noise, whose samples share it over a few pixels [sample spacings]. Smaller takes that for misfit,
+// larger misses misfits that change sign within it (see PoseEvidence::local_rms).
+constexpr double kNoiseReach = 5.0;
+// Over the smaller view's radius. Smaller leaves few pairs; in larger bands misfits cancel, since
+// their sum over the views is nearly zero once ICP has settled.
+constexpr double kCoherenceRadii = 0.1;
+constexpr double kCoherenceReach = 10.0;  // [sample spacings], at least: the band is never empty.
+constexpr double kStrays = 0.005;  // Part of a view that may be anywhere: 2 of kProbes samples,
+constexpr double kLost = 0.02;     // and that the other sensor may have lost: 3 deviations.
+// Cosine at which a sensor should see a surface, (R15): 53 degrees, where its samples are 1.7 times
+// as far apart. Smaller expects what sensors lose at grazing angles, larger ignores more of a view.
+constexpr double kFacing = 0.6;
 
 // What the line of sight from the target to samples of the source tells, as fractions of them.
 struct SightLines {

@@ -41,6 +41,18 @@ struct JudgeOptions {
   double max_normal_angle_deg = 40.0;
 };
 
+/// Pairs of views that share less than this fraction of their samples say little of their fit: it
+/// is 25 of the 500 samples of judge_free_space(), five deviations from none.
+inline constexpr double kCountingOverlap = 0.05;
+
+/// A calibration is made to the noise of its sensor: its errors are hardly more than twice that.
+/// Matters where that is more than five times VerificationThresholds::max_coherent_rms.
+inline constexpr double kWarpDeviations = 2.0;
+
+/// Samples of either view for rough_agreement(); bounds the time. A fraction of 0.08 is told to
+/// 0.022.
+inline constexpr int kRoughProbes = 150;
+
 /// What a pose must show to be believed. With these numbers `relief_coarse_runs` places no view of
 /// 200 difficult scenes wrongly (docs/results.md, Global registration).
 struct VerificationThresholds {

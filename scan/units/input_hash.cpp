@@ -28,7 +28,8 @@ namespace {
 
 // Steps from pixel to pixel are read far outside the grid, where every bit of them tells.
 void add_orthographic(const Camera& camera, ContentHash& hash) {
-  constexpr double kFar = 0x1p60;  // [pixels]; a power of two, so that nothing is rounded.
+  // [pixels]; a power of two, so that steps are not rounded, beyond the 53 bits of a double.
+  constexpr double kFar = 0x1p60;
   hash.add(camera.ray_at(0.0, 0.0), camera.ray_at(kFar, 0.0), camera.ray_at(0.0, kFar));
 }
 

@@ -26,7 +26,8 @@ struct Neighbour {
 using Neighbourhoods = std::vector<std::vector<Neighbour>>;
 
 Neighbourhoods neighbours_within(const ResampledView& view, double radius) {
-  constexpr double kRounding = 1e-4;  // The index has single precision.
+  // The index has single precision: 6e-8 of a view of some 12 radii. What is too far goes below.
+  constexpr double kRounding = 1e-4;
   const auto indices = NeighbourIndex(view.points).neighbours_within((1.0 + kRounding) * radius);
   Neighbourhoods all(indices.size());
   for (std::size_t i = 0; i < all.size(); ++i) {

@@ -21,7 +21,8 @@ constexpr double kPlanarFraction = 0.85;
 // tenth of them once in 68 times (0.9^40).
 constexpr std::size_t kProbes = 800, kSeeds = 40;
 // How far from a plane its samples are: noise [standard deviations], which 0.3 % of a Gaussian
-// exceeds, and what sampling and calibration add [sample spacings].
+// exceeds, and what sampling and calibration add [sample spacings], as much as poses may show of it
+// (VerificationThresholds::max_coherent_rms).
 constexpr double kNoiseDeviations = 3.0, kSpacings = 0.2;
 // The first guess of a plane is from one sample's normal, so samples far from it may be missed: it
 // is fitted again as the tolerance falls to what noise explains [tolerances]. Each fit halves it:

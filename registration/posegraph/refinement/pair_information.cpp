@@ -13,6 +13,7 @@ namespace relief::registration {
 
 namespace {
 
+// Samples whose correspondences are held at a time. Bounds the memory, changes no result.
 constexpr std::size_t kBatch = 4096;
 
 // The cube of a lattice that holds `p`.

@@ -139,7 +139,8 @@ double PoseGraphSystem::step_gain(const std::vector<PairInformation>& moved,
     expected += relative.dot(pair.information * relative);
   }
   for (std::size_t i = 0; i < tangents.size(); ++i) found += tangents[i].dot(after[i] - before[i]);
-  // Beyond these the perturbation met something else than noise.
+  // Beyond these the perturbation met something else than noise: Gaussian residuals give 0.79, the
+  // mean second derivative of the Cauchy loss over its mean weight, and 0.4 is half of that.
   constexpr double kLeast = 0.4, kMost = 1.0;
   return expected > 0.0 ? std::clamp(found / expected, kLeast, kMost) : kMost;
 }
