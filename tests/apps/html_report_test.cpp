@@ -20,6 +20,7 @@
 #include "relief/fusion/decimate_mesh.h"
 #include "relief/io/mesh_io.h"
 #include "tests/support/program.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief {
 namespace {
@@ -116,7 +117,7 @@ TriangleMesh ellipsoid(int rings) {
 }
 
 void write_model(const TemporaryFolder& folder, const TriangleMesh& mesh) {
-  ASSERT_TRUE(write_mesh(mesh, folder / "model.ply").ok());
+  ASSERT_THAT(write_mesh(mesh, folder / "model.ply"), IsOk());
   folder.write("report.json", json{{"relief", "0"}, {"merge", {{"vertices", 1}}}}.dump());
 }
 
@@ -162,11 +163,9 @@ TEST(HtmlReport, HoldsTheDecimatedModel) {
   const TriangleMesh mesh = ellipsoid(60);
   write_model(folder, mesh);
   const std::string page = page_of(folder, {"--viewer-faces", "10000"});
-  const auto stored = read_mesh(folder / "model.ply");
-  ASSERT_TRUE(stored.ok());
-  const auto expected = fusion::decimate_mesh(*stored, {.faces = 10000});
-  ASSERT_TRUE(expected.ok());
-  const TriangleMesh& model = expected->mesh;
+  const auto stored = value_of(read_mesh(folder / "model.ply"));
+  const auto expected = value_of(fusion::decimate_mesh(stored, {.faces = 10000}));
+  const TriangleMesh& model = expected.mesh;
 
   const auto faces = array_of<std::uint32_t>(page, "faces");
   ASSERT_EQ(faces.size(), 3 * model.faces.size());

@@ -8,6 +8,7 @@
 
 #include "relief/fusion/merge_views.h"
 #include "tests/fusion/scenes.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::fusion {
 namespace {
@@ -56,11 +57,9 @@ Errors errors_of(const MergeResult& result, const SignedDistance& distance) {
 }
 
 MergeResult merged(const std::vector<RangeView>& views, const MergeOptions& options = {}) {
-  auto result = merge_views(views, options);
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  if (!result) return {};
-  EXPECT_TRUE(result->check.watertight());
-  return std::move(result).value();
+  auto result = value_of(merge_views(views, options));
+  EXPECT_TRUE(result.check.watertight());
+  return result;
 }
 
 TEST(AnalyticShapes, ATorusConvergesWithTheSquareOfTheResolution) {

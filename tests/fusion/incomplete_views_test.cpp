@@ -6,6 +6,7 @@
 
 #include "relief/fusion/merge_views.h"
 #include "tests/fusion/scenes.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::fusion {
 namespace {
@@ -36,18 +37,16 @@ struct Outcome {
 };
 
 Outcome outcome_of(const std::vector<RangeView>& views) {
-  const auto result = merge_views(views);
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  if (!result.ok()) return {};
-  EXPECT_EQ(result->check.genus, 1);
+  const auto result = value_of(merge_views(views));
+  EXPECT_EQ(result.check.genus, 1);
   double squares = 0.0, count = 0.0;
-  for (std::size_t v = 0; v < result->mesh.vertices.size(); ++v) {
-    if (result->mesh.filled[v]) continue;
-    squares += std::pow(kTorus(result->mesh.vertices[v]), 2);
+  for (std::size_t v = 0; v < result.mesh.vertices.size(); ++v) {
+    if (result.mesh.filled[v]) continue;
+    squares += std::pow(kTorus(result.mesh.vertices[v]), 2);
     count += 1.0;
   }
-  return {std::sqrt(squares / count), result->filled_area_fraction, result->flying_samples,
-          result->filled_samples};
+  return {std::sqrt(squares / count), result.filled_area_fraction, result.flying_samples,
+          result.filled_samples};
 }
 
 TEST(IncompleteViews, MissingSamplesCostLittle) {

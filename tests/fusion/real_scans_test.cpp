@@ -2,6 +2,7 @@
 
 #include "relief/fusion/merge_views.h"
 #include "relief/io/project_io.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/test_data.h"
 
 namespace relief::fusion {
@@ -9,13 +10,11 @@ namespace {
 
 TEST(RealScans, TheBunnyIsOneClosedManifold) {
   RELIEF_REQUIRE_TEST_DATA(path, "bunny/bun.conf");
-  const auto project = read_project(path);
-  ASSERT_TRUE(project.ok()) << project.error().message;
+  const auto project = value_of(read_project(path));
   MergeOptions options;
   options.voxel_size = 1.5e-3;  // [m] twice the sample spacing, for speed
-  const auto merged = merge_views(project.value().views, options);
-  ASSERT_TRUE(merged.ok()) << merged.error().message;
-  const MergeResult& result = merged.value();
+  const auto merged = value_of(merge_views(project.views, options));
+  const MergeResult& result = merged;
   EXPECT_TRUE(result.check.watertight());
   EXPECT_EQ(result.check.components, 1u);
   EXPECT_EQ(result.check.genus, 0);

@@ -8,6 +8,7 @@
 
 #include "relief/hybrid/refine_view.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::hybrid {
@@ -22,10 +23,9 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180.0;
 
 RangeView refined(const RangeView& view, const RefineOptions& options = {}) {
-  auto result = refine_view(view, options);
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  EXPECT_EQ(result->status, RefineStatus::kRefined);
-  return std::move(result->view);
+  auto result = value_of(refine_view(view, options));
+  EXPECT_EQ(result.status, RefineStatus::kRefined);
+  return std::move(result.view);
 }
 
 // Samples at unit spacing on parallel rays.

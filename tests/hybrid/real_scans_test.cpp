@@ -8,6 +8,7 @@
 #include "relief/hybrid/refine_view.h"
 #include "relief/io/project_io.h"
 #include "scan/grid/grid_normals.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/test_data.h"
 
 namespace relief::hybrid {
@@ -27,22 +28,19 @@ TEST(RefineRealScans, TheGeometryOfThePanelTakesUpItsMeasuredNormals) {
   RELIEF_REQUIRE_TEST_DATA(panel, "panel");
   ReadProjectOptions read_options;
   read_options.fc_file = panel / "panel-small.fc";
-  const auto project = read_project(panel / "panel-small-conf.ply", read_options);
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const RangeView& view = project->views.front();
+  const auto project = value_of(read_project(panel / "panel-small-conf.ply", read_options));
+  const RangeView& view = project.views.front();
   const GridEdges edges = connect_samples(view);
-  const auto refined = refine_view(view);
-  ASSERT_TRUE(refined.ok());
-  EXPECT_EQ(refined->status, RefineStatus::kRefined);
+  const auto refined = value_of(refine_view(view));
+  EXPECT_EQ(refined.status, RefineStatus::kRefined);
   const double before = median_angle_deg(finite_difference_normals(view, edges), view.normals);
   const double after =
-      median_angle_deg(finite_difference_normals(refined->view, edges), view.normals);
+      median_angle_deg(finite_difference_normals(refined.view, edges), view.normals);
   EXPECT_GT(before, 10.0);
   // The rest is smooth bias of the measured normals, which the refined geometry does not take up.
   EXPECT_LT(after, 0.8 * before);
-  EXPECT_LT(
-      median_angle_deg(finite_difference_normals(refined->view, edges), refined->view.normals),
-      3.0);
+  EXPECT_LT(median_angle_deg(finite_difference_normals(refined.view, edges), refined.view.normals),
+            3.0);
 }
 
 }  // namespace

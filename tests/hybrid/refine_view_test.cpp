@@ -10,6 +10,7 @@
 
 #include "relief/scan/threads.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::hybrid {
@@ -32,9 +33,7 @@ RangeView noisy_view(double range_noise, double normal_noise_deg, double bias_de
 }
 
 RefinedView refined(const RangeView& view, const RefineOptions& options = {}) {
-  auto result = refine_view(view, options);
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  return *result;
+  return value_of(refine_view(view, options));
 }
 
 double largest_change(const RangeView& a, const RangeView& b) {
@@ -151,17 +150,13 @@ TEST(RefineView, BadOptionsAreNamed) {
   const RangeView view = noisy_view(0.3, 1.0, 0.0, 16);
   RefineOptions options;
   options.lambda = 1.0;
-  const auto result = refine_view(view, options);
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().kind, ErrorKind::kBadInput);
-  EXPECT_NE(result.error().message.find("lambda"), std::string::npos);
+  EXPECT_THAT(refine_view(view, options), HasError(ErrorKind::kBadInput, "lambda"));
 }
 
 TEST(RefineView, StopsOnRequest) {
   const auto result = refine_view(noisy_view(0.3, 1.0, 0.0, 32), {},
                                   {.progress = [](double, std::string_view) { return false; }});
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
+  EXPECT_THAT(result, HasError(ErrorKind::kInterrupted));
 }
 
 TEST(RefineView, TheNumberOfThreadsChangesNoByte) {

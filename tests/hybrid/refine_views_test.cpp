@@ -6,6 +6,7 @@
 
 #include "relief/scan/threads.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::hybrid {
@@ -44,31 +45,28 @@ TEST(RefineViews, AreAsManyAtOnceAsThreadsAndMemoryAllow) {
 
 TEST(RefineViews, NeitherMemoryNorThreadsChangeAByte) {
   const std::vector<RangeView> views = noisy_views(3);
-  const auto together = refine_views(views, {}, {.threads = 4});
-  const auto one_by_one = refine_views(views, {}, {.threads = 1, .memory = 1});
-  ASSERT_TRUE(together.ok() && one_by_one.ok());
+  const auto together = value_of(refine_views(views, {}, {.threads = 4}));
+  const auto one_by_one = value_of(refine_views(views, {}, {.threads = 1, .memory = 1}));
   for (std::size_t i = 0; i < views.size(); ++i) {
-    EXPECT_EQ((*together)[i].view.name, views[i].name);
-    EXPECT_TRUE(same_ranges((*together)[i].view, (*one_by_one)[i].view)) << i;
+    EXPECT_EQ(together[i].view.name, views[i].name);
+    EXPECT_TRUE(same_ranges(together[i].view, one_by_one[i].view)) << i;
   }
 }
 
 TEST(RefineViews, AViewThatCannotBeRefinedStaysAsMeasuredAmongTheOthers) {
   std::vector<RangeView> views = noisy_views(3);
   views[1].normals = {};
-  const auto refined = refine_views(views);
-  ASSERT_TRUE(refined.ok());
-  EXPECT_EQ((*refined)[0].status, RefineStatus::kRefined);
-  EXPECT_EQ((*refined)[1].status, RefineStatus::kNoNormals);
-  EXPECT_TRUE(same_ranges((*refined)[1].view, views[1]));
-  EXPECT_EQ((*refined)[2].status, RefineStatus::kRefined);
+  const auto refined = value_of(refine_views(views));
+  EXPECT_EQ(refined[0].status, RefineStatus::kRefined);
+  EXPECT_EQ(refined[1].status, RefineStatus::kNoNormals);
+  EXPECT_TRUE(same_ranges(refined[1].view, views[1]));
+  EXPECT_EQ(refined[2].status, RefineStatus::kRefined);
 }
 
 TEST(RefineViews, StopOnRequest) {
   const auto stopped = refine_views(noisy_views(2), {},
                                     {.progress = [](double, std::string_view) { return false; }});
-  ASSERT_FALSE(stopped.ok());
-  EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
+  EXPECT_THAT(stopped, HasError(ErrorKind::kInterrupted));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "relief/hybrid/refine_view.h"
 #include "relief/simulation/simulate.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::hybrid {
@@ -29,11 +30,7 @@ RangeView noisy(RangeView view, double range_noise = 0.3, double normal_noise_de
   return view;
 }
 
-RefinedView refined(const RangeView& view) {
-  auto result = refine_view(view);
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  return std::move(result).value();
-}
+RefinedView refined(const RangeView& view) { return value_of(refine_view(view)); }
 
 RangeView masked(RangeView view, const std::function<bool(int, int)>& keep) {
   for (int v = 0; v < view.height(); ++v)
@@ -97,10 +94,9 @@ TEST(Robustness, IslandsTooSmallToShowTheNoiseStayAsMeasuredUnlessItIsGiven) {
   RefineOptions options;
   options.sigma_position = 0.3;
   options.sigma_normal = 1.5 * kDegree;
-  const auto known = refine_view(view, options);
-  ASSERT_TRUE(known.ok());
-  EXPECT_EQ(known->status, RefineStatus::kRefined);
-  EXPECT_LT(errors_of(known->view, whole).depth_rms, 0.8 * 0.3);
+  const auto known = value_of(refine_view(view, options));
+  EXPECT_EQ(known.status, RefineStatus::kRefined);
+  EXPECT_LT(errors_of(known.view, whole).depth_rms, 0.8 * 0.3);
 }
 
 TEST(Robustness, AMaskOfRandomPixelsHarmsNothing) {
@@ -202,10 +198,9 @@ TEST(Robustness, RealisticSensorsComeOutBetterInEveryRespect) {
   for (const simulation::TriangulationScanner& scanner :
        {simulation::structured_light_scanner(), simulation::laser_line_scanner()}) {
     options.range_sensor = scanner;
-    const auto simulation = simulation::simulate(options);
-    ASSERT_TRUE(simulation.ok());
-    const RangeView& view = simulation->scans.views.front();
-    RangeView inner = simulation->truth.views.front();
+    const auto simulation = value_of(simulation::simulate(options));
+    const RangeView& view = simulation.scans.views.front();
+    RangeView inner = simulation.truth.views.front();
     const GridEdges edges = connect_samples(inner);
     const RangeView exact = inner;
     for (int v = 0; v < inner.height(); ++v)
@@ -213,7 +208,7 @@ TEST(Robustness, RealisticSensorsComeOutBetterInEveryRespect) {
         if (!view.has_sample(u, v) || !edges.connected(u, v, 1, 0) ||
             !edges.connected(u, v, -1, 0) || !edges.connected(u, v, 0, 1) ||
             !edges.connected(u, v, 0, -1) ||
-            std::abs(view.range(u, v) - exact.range(u, v)) > 3.0 * simulation->spacing)
+            std::abs(view.range(u, v) - exact.range(u, v)) > 3.0 * simulation.spacing)
           inner.range(u, v) = kNoSample;
     const ViewErrors raw = errors_of(view, inner), after = errors_of(refined(view).view, inner);
     EXPECT_LT(after.depth_rms, 0.75 * raw.depth_rms);

@@ -12,6 +12,7 @@
 #include "relief/interop/pcl_registration.h"
 #include "tests/interop/coloured_view.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::interop {
 namespace {
@@ -33,25 +34,23 @@ TEST(PclConversion, GivesViewsBackForEveryCamera) {
   for (const Camera& camera : cameras_of_all_models()) {
     SCOPED_TRACE(std::string(to_string(camera.model())));
     const RangeView view = coloured_view(camera);
-    const auto found = from_pcl(to_pcl<pcl::PointXYZRGBNormal>(view), camera);
-    ASSERT_TRUE(found.ok()) << found.error().message;
-    expect_same_samples(*found, view, kFloat);
+    const auto found = value_of(from_pcl(to_pcl<pcl::PointXYZRGBNormal>(view), camera));
+    expect_same_samples(found, view, kFloat);
     EXPECT_TRUE(
-        std::equal(found->colours.begin(), found->colours.end(), view.colours.begin(),
+        std::equal(found.colours.begin(), found.colours.end(), view.colours.begin(),
                    [&](const Colour& a, const Colour& b) { return a == b || a == Colour{}; }));
-    EXPECT_EQ(found->colours(24, 18), view.colours(24, 18));
+    EXPECT_EQ(found.colours(24, 18), view.colours(24, 18));
   }
 }
 
 TEST(PclConversion, FindsTheCamera) {
   const RangeView view = coloured_view(cameras_of_all_models()[0]);
-  const auto found = from_pcl(to_pcl<pcl::PointNormal>(view));
-  ASSERT_TRUE(found.ok()) << found.error().message;
-  expect_same_samples(*found, view, 1e-5);
-  ASSERT_EQ(found->camera.model(), Camera::Model::kPinhole);
-  EXPECT_NEAR(found->camera.intrinsics().fx, 60.0, 1e-3);
-  EXPECT_NEAR(found->camera.intrinsics().cy, 17.5, 1e-3);
-  EXPECT_TRUE(found->colours.empty());
+  const auto found = value_of(from_pcl(to_pcl<pcl::PointNormal>(view)));
+  expect_same_samples(found, view, 1e-5);
+  ASSERT_EQ(found.camera.model(), Camera::Model::kPinhole);
+  EXPECT_NEAR(found.camera.intrinsics().fx, 60.0, 1e-3);
+  EXPECT_NEAR(found.camera.intrinsics().cy, 17.5, 1e-3);
+  EXPECT_TRUE(found.colours.empty());
 }
 
 TEST(PclConversion, TheViewpointPutsPointsIntoTheWorld) {
@@ -72,36 +71,28 @@ TEST(PclConversion, ViewsWithoutNormalsOrColoursStayWithout) {
   view.normals = {};
   view.colours = {};
   view.world_from_view.setIdentity();
-  const auto found = from_pcl(to_pcl<pcl::PointXYZRGBNormal>(view));
-  ASSERT_TRUE(found.ok()) << found.error().message;
-  EXPECT_FALSE(found->has_normals());
-  EXPECT_TRUE(found->colours.empty());
-  EXPECT_EQ(found->pose, PoseKind::kAbsent);
-}
-
-template <typename Value>
-std::string message_of(const Result<Value>& result) {
-  return result.ok() ? "no error" : result.error().message;
+  const auto found = value_of(from_pcl(to_pcl<pcl::PointXYZRGBNormal>(view)));
+  EXPECT_FALSE(found.has_normals());
+  EXPECT_TRUE(found.colours.empty());
+  EXPECT_EQ(found.pose, PoseKind::kAbsent);
 }
 
 TEST(PclConversion, NamesWhatIsNoView) {
-  EXPECT_THAT(message_of(from_pcl(Cloud())), HasSubstr("no points"));
-  EXPECT_THAT(message_of(from_pcl(Cloud(100, 1))), HasSubstr("not organized"));
+  EXPECT_THAT(from_pcl(Cloud()), HasError("no points"));
+  EXPECT_THAT(from_pcl(Cloud(100, 1)), HasError("not organized"));
   Cloud cloud = to_pcl<pcl::PointNormal>(coloured_view(cameras_of_all_models()[0]));
-  EXPECT_THAT(message_of(from_pcl(cloud, cameras_of_all_models()[2])),
-              HasSubstr("camera is 40x40"));
+  EXPECT_THAT(from_pcl(cloud, cameras_of_all_models()[2]), HasError("camera is 40x40"));
   cloud.sensor_orientation_.coeffs().setZero();
-  EXPECT_THAT(message_of(from_pcl(cloud)), HasSubstr("viewpoint"));
+  EXPECT_THAT(from_pcl(cloud), HasError("viewpoint"));
   for (auto& point : cloud) point.x = std::numeric_limits<float>::quiet_NaN();
   cloud.sensor_orientation_.setIdentity();
-  EXPECT_THAT(message_of(from_pcl(cloud)), HasSubstr("finite"));
+  EXPECT_THAT(from_pcl(cloud), HasError("finite"));
 }
 
 TEST(PclConversion, GivesMeshesBack) {
   const TriangleMesh mesh = mesh_with_attributes();
-  const auto found = from_pcl(to_pcl(mesh));
-  ASSERT_TRUE(found.ok()) << found.error().message;
-  expect_same_mesh(*found, mesh, 1e-6);
+  const auto found = value_of(from_pcl(to_pcl(mesh)));
+  expect_same_mesh(found, mesh, 1e-6);
   TriangleMesh bare;
   bare.vertices = mesh.vertices;
   bare.faces = mesh.faces;
@@ -121,15 +112,15 @@ TEST(PclConversion, MeshesAreReadableByPcl) {
 TEST(PclConversion, NamesWhatIsNoMesh) {
   pcl::PolygonMesh mesh = to_pcl(mesh_with_attributes());
   mesh.polygons[2].vertices[1] = 9;
-  EXPECT_THAT(message_of(from_pcl(mesh)), HasSubstr("polygon 2: vertex index 9 of 4"));
+  EXPECT_THAT(from_pcl(mesh), HasError("polygon 2: vertex index 9 of 4"));
   mesh.polygons[2].vertices.resize(2);
-  EXPECT_THAT(message_of(from_pcl(mesh)), HasSubstr("2 corners"));
+  EXPECT_THAT(from_pcl(mesh), HasError("2 corners"));
   mesh.polygons[2].vertices = {0, 1, 2, 3};
   EXPECT_EQ(from_pcl(mesh)->faces.size(), 5u);
   mesh.cloud.fields[0].name = "a";
-  EXPECT_THAT(message_of(from_pcl(mesh)), HasSubstr("x, y and z"));
+  EXPECT_THAT(from_pcl(mesh), HasError("x, y and z"));
   mesh.cloud.data.resize(10);
-  EXPECT_THAT(message_of(from_pcl(mesh)), HasSubstr("less data"));
+  EXPECT_THAT(from_pcl(mesh), HasError("less data"));
 }
 
 // Two neighbouring views of a bumpy object with noise, and a guess that is wrong by three degrees.

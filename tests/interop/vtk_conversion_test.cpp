@@ -15,6 +15,7 @@
 
 #include "relief/io/mesh_io.h"
 #include "tests/interop/coloured_view.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief::interop {
@@ -24,15 +25,9 @@ using testing::cameras_of_all_models;
 using testing::coloured_view;
 using testing::expect_same_mesh;
 using testing::expect_same_samples;
-using ::testing::HasSubstr;
 using testing::mesh_with_attributes;
 
 RangeView pinhole_view() { return coloured_view(cameras_of_all_models()[0]); }
-
-template <typename Value>
-std::string message_of(const Result<Value>& result) {
-  return result.ok() ? "no error" : result.error().message;
-}
 
 void expect_same_attributes(const RangeView& found, const RangeView& given) {
   EXPECT_EQ(found.name, given.name);
@@ -52,11 +47,10 @@ TEST(VtkConversion, ImagesGiveViewsBackForEveryCamera) {
   for (const Camera& camera : cameras_of_all_models()) {
     SCOPED_TRACE(std::string(to_string(camera.model())));
     const RangeView view = coloured_view(camera);
-    const auto found = to_range_view(*to_image_data(view));
-    ASSERT_TRUE(found.ok()) << found.error().message;
-    EXPECT_EQ(found->camera.model(), camera.model());
-    expect_same_samples(*found, view, 1e-14);
-    expect_same_attributes(*found, view);
+    const auto found = value_of(to_range_view(*to_image_data(view)));
+    EXPECT_EQ(found.camera.model(), camera.model());
+    expect_same_samples(found, view, 1e-14);
+    expect_same_attributes(found, view);
   }
 }
 
@@ -64,11 +58,10 @@ TEST(VtkConversion, SurfacesGiveViewsBackForEveryCamera) {
   for (const Camera& camera : cameras_of_all_models()) {
     SCOPED_TRACE(std::string(to_string(camera.model())));
     const RangeView view = coloured_view(camera);
-    const auto found = to_range_view(*to_poly_data(view));
-    ASSERT_TRUE(found.ok()) << found.error().message;
-    EXPECT_EQ(found->camera.model(), camera.model());
-    expect_same_samples(*found, view, 1e-13);
-    expect_same_attributes(*found, view);
+    const auto found = value_of(to_range_view(*to_poly_data(view)));
+    EXPECT_EQ(found.camera.model(), camera.model());
+    expect_same_samples(found, view, 1e-13);
+    expect_same_attributes(found, view);
   }
 }
 
@@ -110,11 +103,10 @@ TEST(VtkConversion, WhatAViewDoesNotHaveStaysAway) {
   for (const vtkSmartPointer<vtkDataSet>& data :
        {vtkSmartPointer<vtkDataSet>(to_image_data(bare)),
         vtkSmartPointer<vtkDataSet>(to_poly_data(bare))}) {
-    const auto found = to_range_view(*data);
-    ASSERT_TRUE(found.ok()) << found.error().message;
-    EXPECT_FALSE(found->has_normals());
-    EXPECT_TRUE(found->confidence.empty() && found->deviation.empty() && found->colours.empty());
-    EXPECT_EQ(found->pose, PoseKind::kAbsent);
+    const auto found = value_of(to_range_view(*data));
+    EXPECT_FALSE(found.has_normals());
+    EXPECT_TRUE(found.confidence.empty() && found.deviation.empty() && found.colours.empty());
+    EXPECT_EQ(found.pose, PoseKind::kAbsent);
   }
 }
 
@@ -122,35 +114,32 @@ TEST(VtkConversion, AMaskTakesSamplesAway) {
   const RangeView view = pinhole_view();
   const auto image = to_image_data(view);
   image->GetPointData()->GetArray("mask")->SetComponent(image->FindPoint(20, 15, 0), 0, 0.0);
-  const auto found = to_range_view(*image);
-  ASSERT_TRUE(found.ok()) << found.error().message;
-  EXPECT_EQ(found->sample_count() + 1, view.sample_count());
-  EXPECT_FALSE(found->has_sample(20, 15));
+  const auto found = value_of(to_range_view(*image));
+  EXPECT_EQ(found.sample_count() + 1, view.sample_count());
+  EXPECT_FALSE(found.has_sample(20, 15));
 }
 
 TEST(VtkConversion, ASurfaceWithoutACameraGetsOne) {
   const RangeView view = pinhole_view();
   const auto surface = to_poly_data(view);
   surface->GetFieldData()->RemoveArray("camera_model");
-  const auto found = to_range_view(*surface);
-  ASSERT_TRUE(found.ok()) << found.error().message;
-  EXPECT_EQ(found->camera.model(), Camera::Model::kPinhole);
-  expect_same_samples(*found, view, 1e-9);
+  const auto found = value_of(to_range_view(*surface));
+  EXPECT_EQ(found.camera.model(), Camera::Model::kPinhole);
+  expect_same_samples(found, view, 1e-9);
 }
 
 TEST(VtkConversion, NamesWhatIsWrongWithAnImage) {
-  const auto error_without = [](const char* point_array, const char* field_array) {
+  const auto read = [](const char* point_array, const char* field_array) {
     const auto image = to_image_data(pinhole_view());
     image->GetPointData()->RemoveArray(point_array);
     image->GetFieldData()->RemoveArray(field_array);
-    return message_of(to_range_view(*image));
+    return to_range_view(*image);
   };
-  EXPECT_THAT(error_without("range", ""), HasSubstr("no point array 'range'"));
-  EXPECT_THAT(error_without("", "camera_model"), HasSubstr("no camera"));
-  EXPECT_THAT(error_without("", "camera"), HasSubstr("no array 'camera'"));
-  EXPECT_THAT(message_of(to_range_view(*vtkNew<vtkImageData>())), HasSubstr("empty"));
-  EXPECT_THAT(message_of(to_range_view(*vtkNew<vtkUnstructuredGrid>())),
-              HasSubstr("vtkUnstructuredGrid"));
+  EXPECT_THAT(read("range", ""), HasError("no point array 'range'"));
+  EXPECT_THAT(read("", "camera_model"), HasError("no camera"));
+  EXPECT_THAT(read("", "camera"), HasError("no array 'camera'"));
+  EXPECT_THAT(to_range_view(*vtkNew<vtkImageData>()), HasError("empty"));
+  EXPECT_THAT(to_range_view(*vtkNew<vtkUnstructuredGrid>()), HasError("vtkUnstructuredGrid"));
 }
 
 TEST(VtkConversion, NamesArraysOfTheWrongSizeOrContent) {
@@ -160,33 +149,32 @@ TEST(VtkConversion, NamesArraysOfTheWrongSizeOrContent) {
   normals->SetNumberOfComponents(3);
   normals->SetNumberOfTuples(7);
   image->GetPointData()->AddArray(normals);
-  EXPECT_THAT(message_of(to_range_view(*image)), HasSubstr("'normals' has 7 x 3 numbers"));
+  EXPECT_THAT(to_range_view(*image), HasError("'normals' has 7 x 3 numbers"));
   const auto other = to_image_data(pinhole_view());
   other->GetFieldData()->GetArray("world_from_view")->SetComponent(0, 0, 5.0);
-  EXPECT_THAT(message_of(to_range_view(*other)), HasSubstr("world_from_view"));
+  EXPECT_THAT(to_range_view(*other), HasError("world_from_view"));
   other->GetFieldData()->GetArray("camera")->SetComponent(0, 0,
                                                           std::numeric_limits<double>::infinity());
-  EXPECT_THAT(message_of(to_range_view(*other)), HasSubstr("no number"));
+  EXPECT_THAT(to_range_view(*other), HasError("no number"));
   other->GetFieldData()->GetArray("camera")->SetComponent(0, 0, 0.0);
-  EXPECT_THAT(message_of(to_range_view(*other)), HasSubstr("focal length"));
+  EXPECT_THAT(to_range_view(*other), HasError("focal length"));
 }
 
 TEST(VtkConversion, NamesWhatIsWrongWithASurface) {
-  EXPECT_THAT(message_of(to_range_view(*vtkNew<vtkPolyData>())), HasSubstr("grid_size"));
+  EXPECT_THAT(to_range_view(*vtkNew<vtkPolyData>()), HasError("grid_size"));
   const auto surface = to_poly_data(pinhole_view());
   surface->GetPointData()->GetArray("pixel")->SetComponent(3, 0, 48.0);
-  EXPECT_THAT(message_of(to_range_view(*surface)), HasSubstr("pixel of point 3"));
+  EXPECT_THAT(to_range_view(*surface), HasError("pixel of point 3"));
   surface->GetPointData()->RemoveArray("pixel");
-  EXPECT_THAT(message_of(to_range_view(*surface)), HasSubstr("'pixel'"));
+  EXPECT_THAT(to_range_view(*surface), HasError("'pixel'"));
 }
 
 TEST(VtkConversion, GivesMeshesBack) {
   const TriangleMesh mesh = mesh_with_attributes();
   const auto data = to_poly_data(mesh);
   EXPECT_NE(data->GetPointData()->GetNormals(), nullptr);
-  const auto found = to_triangle_mesh(*data);
-  ASSERT_TRUE(found.ok()) << found.error().message;
-  expect_same_mesh(*found, mesh, 0.0);
+  const auto found = value_of(to_triangle_mesh(*data));
+  expect_same_mesh(found, mesh, 0.0);
 }
 
 TEST(VtkConversion, FilesOfVtkAreReadInEveryEncoding) {
@@ -204,9 +192,8 @@ TEST(VtkConversion, FilesOfVtkAreReadInEveryEncoding) {
     writer->SetByteOrder(variant / 24 % 2);
     writer->SetBlockSize(1000);
     ASSERT_EQ(writer->Write(), 1);
-    const auto read = read_mesh(folder / "a.vtp");
-    ASSERT_TRUE(read.ok()) << read.error().message;
-    expect_same_mesh(*read, mesh, 1e-5);
+    const auto read = value_of(read_mesh(folder / "a.vtp"));
+    expect_same_mesh(read, mesh, 1e-5);
   }
 }
 
@@ -219,10 +206,9 @@ TEST(VtkConversion, LargeFilesOfVtkAreRead) {
   writer->SetFileName((folder / "a.vtp").c_str());
   writer->SetBlockSize(1000);
   ASSERT_EQ(writer->Write(), 1);
-  const auto read = read_mesh(folder / "a.vtp");
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_EQ(read->vertices, mesh.vertices);
-  EXPECT_EQ(read->faces, mesh.faces);
+  const auto read = value_of(read_mesh(folder / "a.vtp"));
+  EXPECT_EQ(read.vertices, mesh.vertices);
+  EXPECT_EQ(read.faces, mesh.faces);
 }
 
 TEST(VtkConversion, StripsBecomeTriangles) {
@@ -231,22 +217,20 @@ TEST(VtkConversion, StripsBecomeTriangles) {
   strips->InsertNextCell({0, 1, 2, 3});
   data->SetPolys(nullptr);
   data->SetStrips(strips);
-  const auto found = to_triangle_mesh(*data);
-  ASSERT_TRUE(found.ok()) << found.error().message;
-  EXPECT_EQ(found->faces, (std::vector<TriangleMesh::Face>{{0, 1, 2}, {2, 1, 3}}));
+  const auto found = value_of(to_triangle_mesh(*data));
+  EXPECT_EQ(found.faces, (std::vector<TriangleMesh::Face>{{0, 1, 2}, {2, 1, 3}}));
   strips->InsertNextCell({0, 1, 7});
-  EXPECT_THAT(message_of(to_triangle_mesh(*data)), HasSubstr("cell 1: vertex index 7 of 4"));
+  EXPECT_THAT(to_triangle_mesh(*data), HasError("cell 1: vertex index 7 of 4"));
 }
 
 TEST(VtkConversion, PosesAreMatrices) {
   const RigidMotion pose = pinhole_view().world_from_view;
   const auto matrix = to_vtk_matrices({pose}).front();
   EXPECT_EQ(matrix->GetElement(1, 3), pose.translation().y());
-  const auto found = to_rigid_motion(*matrix);
-  ASSERT_TRUE(found.ok()) << found.error().message;
-  EXPECT_TRUE(found->isApprox(pose, 1e-14));
+  const auto found = value_of(to_rigid_motion(*matrix));
+  EXPECT_TRUE(found.isApprox(pose, 1e-14));
   matrix->SetElement(0, 0, 2.0);
-  EXPECT_THAT(message_of(to_rigid_motion(*matrix)), HasSubstr("vtkMatrix4x4"));
+  EXPECT_THAT(to_rigid_motion(*matrix), HasError("vtkMatrix4x4"));
 }
 
 }  // namespace

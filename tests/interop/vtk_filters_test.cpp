@@ -15,6 +15,7 @@
 #include "relief/interop/vtk_merge_views.h"
 #include "relief/interop/vtk_refine_view.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::interop {
 namespace {
@@ -71,18 +72,16 @@ TEST(VtkFilters, RefiningGivesTheSameAsTheDirectCall) {
   refine->SetRobustRounds(2);
   refine->Update();
   EXPECT_EQ(refine->GetStatus(), "refined") << reports->error << reports->warning;
-  const auto found = to_range_view(*refine->GetOutput());
-  ASSERT_TRUE(found.ok()) << found.error().message;
+  const auto found = value_of(to_range_view(*refine->GetOutput()));
   hybrid::RefineOptions options;
   options.sigma_normal = 0.02;
   options.robust_rounds = 2;
-  const auto direct = hybrid::refine_view(views()[0], options);
-  ASSERT_TRUE(direct.ok());
-  EXPECT_EQ(refine->GetNumberOfRefinedSamples(), static_cast<vtkIdType>(direct->refined));
-  EXPECT_EQ(refine->GetRmsChange(), direct->rms_change);
-  ASSERT_EQ(found->sample_count(), direct->view.sample_count());
-  EXPECT_EQ(found->deviation(32, 32), direct->view.deviation(32, 32));
-  EXPECT_NEAR((found->point(32, 32) - direct->view.point(32, 32)).norm(), 0.0, 1e-10);
+  const auto direct = value_of(hybrid::refine_view(views()[0], options));
+  EXPECT_EQ(refine->GetNumberOfRefinedSamples(), static_cast<vtkIdType>(direct.refined));
+  EXPECT_EQ(refine->GetRmsChange(), direct.rms_change);
+  ASSERT_EQ(found.sample_count(), direct.view.sample_count());
+  EXPECT_EQ(found.deviation(32, 32), direct.view.deviation(32, 32));
+  EXPECT_NEAR((found.point(32, 32) - direct.view.point(32, 32)).norm(), 0.0, 1e-10);
 }
 
 TEST(VtkFilters, APipelineGivesTheSameMeshAsTheDirectCalls) {
@@ -97,16 +96,14 @@ TEST(VtkFilters, APipelineGivesTheSameMeshAsTheDirectCalls) {
   }
   merge->Update();
   ASSERT_THAT(reports->error, IsEmpty());
-  const auto direct = fusion::merge_views(refined);
-  ASSERT_TRUE(direct.ok()) << direct.error().message;
-  const auto found = to_triangle_mesh(*merge->GetOutput());
-  ASSERT_TRUE(found.ok()) << found.error().message;
+  const auto direct = value_of(fusion::merge_views(refined));
+  const auto found = value_of(to_triangle_mesh(*merge->GetOutput()));
   EXPECT_TRUE(merge->GetWatertight());
-  EXPECT_NEAR(merge->GetUsedVoxelSize(), direct->voxel_size, 1e-9);
-  EXPECT_NEAR(merge->GetFilledAreaFraction(), direct->filled_area_fraction, 1e-6);
-  EXPECT_EQ(found->views, direct->mesh.views);
-  EXPECT_EQ(found->faces, direct->mesh.faces);
-  EXPECT_LT(largest_distance(*found, direct->mesh), 1e-5 * direct->voxel_size);
+  EXPECT_NEAR(merge->GetUsedVoxelSize(), direct.voxel_size, 1e-9);
+  EXPECT_NEAR(merge->GetFilledAreaFraction(), direct.filled_area_fraction, 1e-6);
+  EXPECT_EQ(found.views, direct.mesh.views);
+  EXPECT_EQ(found.faces, direct.mesh.faces);
+  EXPECT_LT(largest_distance(found, direct.mesh), 1e-5 * direct.voxel_size);
 }
 
 TEST(VtkFilters, PropertiesReachTheMerging) {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::reconstruction {
@@ -60,9 +61,7 @@ void spoil_patch(RangeView& view) {
 }
 
 std::vector<ViewConsistency> weigh(std::vector<RangeView>& views, int threads = 2) {
-  auto found = weigh_by_consistency(all_pairs(views.size()), {}, views, {.threads = threads});
-  EXPECT_TRUE(found);
-  return *found;
+  return value_of(weigh_by_consistency(all_pairs(views.size()), {}, views, {.threads = threads}));
 }
 
 double mean_confidence(const RangeView& view, bool inside) {
@@ -196,8 +195,7 @@ TEST(CrossViewConsistency, StopsOnRequest) {
   spoil_patch(views[1]);
   const auto stopped = weigh_by_consistency(
       all_pairs(3), {}, views, {.progress = [](double, std::string_view) { return false; }});
-  ASSERT_FALSE(stopped);
-  EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
+  EXPECT_THAT(stopped, HasError(ErrorKind::kInterrupted));
   EXPECT_TRUE(views[1].confidence.empty());
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "relief/simulation/simulate.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::reconstruction {
 namespace {
@@ -80,7 +81,7 @@ TEST(Reconstruct, TellsOfTheStagesInOrder) {
   const auto result = reconstruct(scans(), {}, {}, callbacks);
   EXPECT_THAT(told,
               ElementsAre("aligned", "compared", "refined", "aligned again", "views finished"));
-  ASSERT_FALSE(result);
+  ASSERT_THAT(result, HasError());
   EXPECT_EQ(result.error().message, "no room");
 }
 
@@ -88,17 +89,12 @@ TEST(Reconstruct, StopsInEveryStage) {
   for (const Stage last : {Stage::kAlign, Stage::kCompare, Stage::kRefine, Stage::kMerge}) {
     ReconstructionCallbacks callbacks;
     callbacks.progress = [last](Stage stage, double, std::string_view) { return stage < last; };
-    const auto result = reconstruct(scans(), {}, {}, callbacks);
-    ASSERT_FALSE(result) << to_string(last);
-    EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted) << to_string(last);
+    EXPECT_THAT(reconstruct(scans(), {}, {}, callbacks), HasError(ErrorKind::kInterrupted))
+        << to_string(last);
   }
 }
 
-TEST(Reconstruct, NeedsViews) {
-  const auto result = reconstruct({});
-  ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().kind, ErrorKind::kBadInput);
-}
+TEST(Reconstruct, NeedsViews) { EXPECT_THAT(reconstruct({}), HasError(ErrorKind::kBadInput)); }
 
 }  // namespace
 }  // namespace relief::reconstruction

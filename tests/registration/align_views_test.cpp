@@ -9,6 +9,7 @@
 #include "registration/pairwise/icp.h"
 #include "registration/posegraph/joint_refinement.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::registration {
 namespace {
@@ -50,27 +51,25 @@ double largest_difference(const std::vector<RigidMotion>& a, const std::vector<R
 }
 
 TEST(AlignViews, ClosesARingOfNoisyViews) {
-  const auto aligned = align_views(disturbed_ring());
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(aligned->complete());
-  EXPECT_EQ(aligned->termination, RefinementTermination::kConverged);
-  EXPECT_LT(largest_error(*aligned), 0.1);
-  ASSERT_FALSE(aligned->solves.empty());
-  EXPECT_EQ(aligned->solves.front().stage, SolverStage::kJoint);
-  EXPECT_EQ(aligned->solves.back().stage, SolverStage::kPoseGraph);
-  EXPECT_EQ(aligned->solves.size(), static_cast<std::size_t>(aligned->iterations));
-  EXPECT_TRUE(same_bytes(aligned->views[0].world_from_view, true_ring()[0].world_from_view));
-  for (const auto& view : aligned->views)
+  const auto aligned = value_of(align_views(disturbed_ring()));
+  EXPECT_TRUE(aligned.complete());
+  EXPECT_EQ(aligned.termination, RefinementTermination::kConverged);
+  EXPECT_LT(largest_error(aligned), 0.1);
+  ASSERT_FALSE(aligned.solves.empty());
+  EXPECT_EQ(aligned.solves.front().stage, SolverStage::kJoint);
+  EXPECT_EQ(aligned.solves.back().stage, SolverStage::kPoseGraph);
+  EXPECT_EQ(aligned.solves.size(), static_cast<std::size_t>(aligned.iterations));
+  EXPECT_TRUE(same_bytes(aligned.views[0].world_from_view, true_ring()[0].world_from_view));
+  for (const auto& view : aligned.views)
     EXPECT_NEAR(view.world_from_view.linear().determinant(), 1.0, 1e-12);
 }
 
 TEST(AlignViews, AssociatesNearestPointsWhenAskedTo) {
   AlignOptions options;
   options.refinement.association = options.starting_poses.association = Association::kNearest;
-  const auto aligned = align_views(disturbed_ring(), options);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(aligned->complete());
-  EXPECT_LT(largest_error(*aligned), 0.1);
+  const auto aligned = value_of(align_views(disturbed_ring(), options));
+  EXPECT_TRUE(aligned.complete());
+  EXPECT_LT(largest_error(aligned), 0.1);
 }
 
 TEST(AlignViews, RefusesToProjectIntoACameraThatCannot) {
@@ -82,10 +81,7 @@ TEST(AlignViews, RefusesToProjectIntoACameraThatCannot) {
   views[2].name = "table";
   AlignOptions options;
   options.refinement.association = Association::kProjective;
-  const auto aligned = align_views(views, options);
-  ASSERT_FALSE(aligned.ok());
-  EXPECT_EQ(aligned.error().kind, ErrorKind::kBadInput);
-  EXPECT_THAT(aligned.error().message, HasSubstr("view table"));
+  EXPECT_THAT(align_views(views, options), HasError(ErrorKind::kBadInput, "view table"));
 }
 
 TEST(AlignViews, DoesNotDependOnTheThreadCount) {
@@ -195,21 +191,19 @@ TEST(AlignViews, ReportsViewsThatOverlapNothing) {
   views[2].world_from_view = Eigen::Translation3d(1e4, 0, 0) * views[2].world_from_view;
   AlignOptions options;
   options.starting_poses.given = GivenPoses::kTrust;
-  const auto aligned = align_views(views, options);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(aligned->complete());
-  EXPECT_EQ(aligned->views[0].status, PoseStatus::kVerified);
-  EXPECT_EQ(aligned->views[1].status, PoseStatus::kVerified);
-  EXPECT_EQ(aligned->views[2].status, PoseStatus::kUnverified);
-  EXPECT_THAT(aligned->views[2].reason, HasSubstr("overlaps no other view"));
-  EXPECT_TRUE(same_bytes(aligned->views[2].world_from_view, views[2].world_from_view));
+  const auto aligned = value_of(align_views(views, options));
+  EXPECT_TRUE(aligned.complete());
+  EXPECT_EQ(aligned.views[0].status, PoseStatus::kVerified);
+  EXPECT_EQ(aligned.views[1].status, PoseStatus::kVerified);
+  EXPECT_EQ(aligned.views[2].status, PoseStatus::kUnverified);
+  EXPECT_THAT(aligned.views[2].reason, HasSubstr("overlaps no other view"));
+  EXPECT_TRUE(same_bytes(aligned.views[2].world_from_view, views[2].world_from_view));
 }
 
 TEST(AlignViews, KeepsGivenPosesThatNothingConfirmsAndSaysSo) {
-  const auto aligned = align_views({true_ring()[0], true_ring()[4]});
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_EQ(aligned->termination, RefinementTermination::kNoOverlap);
-  for (const auto& view : aligned->views) {
+  const auto aligned = value_of(align_views({true_ring()[0], true_ring()[4]}));
+  EXPECT_EQ(aligned.termination, RefinementTermination::kNoOverlap);
+  for (const auto& view : aligned.views) {
     EXPECT_TRUE(view.aligned);
     EXPECT_EQ(view.status, PoseStatus::kUnverified);
     EXPECT_THAT(view.reason, HasSubstr("nothing confirms it"));
@@ -219,9 +213,8 @@ TEST(AlignViews, KeepsGivenPosesThatNothingConfirmsAndSaysSo) {
 TEST(AlignViews, AlignsNeitherOfTwoViewsWithoutPosesThatDoNotOverlap) {
   std::vector<RangeView> views = {true_ring()[0], true_ring()[4]};
   for (auto& view : views) view.pose = PoseKind::kAbsent;
-  const auto aligned = align_views(views);
-  ASSERT_TRUE(aligned.ok());
-  for (const auto& view : aligned->views) EXPECT_EQ(view.status, PoseStatus::kLeftOut);
+  const auto aligned = value_of(align_views(views));
+  for (const auto& view : aligned.views) EXPECT_EQ(view.status, PoseStatus::kLeftOut);
 }
 
 TEST(AlignViews, NeverSplitsANetworkThatTheUserGave) {
@@ -251,12 +244,11 @@ TEST(AlignViews, TakesOutAViewWhosePoseIsFarOff) {
   views[3].world_from_view = off * views[3].world_from_view;
   AlignOptions options;
   options.starting_poses.search = false;
-  const auto aligned = align_views(views, options);
-  ASSERT_TRUE(aligned.ok());
-  for (std::size_t i = 0; i < views.size(); ++i) EXPECT_EQ(aligned->views[i].aligned, i != 3);
-  EXPECT_THAT(aligned->views[3].reason, HasSubstr("other views saw through"));
+  const auto aligned = value_of(align_views(views, options));
+  for (std::size_t i = 0; i < views.size(); ++i) EXPECT_EQ(aligned.views[i].aligned, i != 3);
+  EXPECT_THAT(aligned.views[3].reason, HasSubstr("other views saw through"));
   // The others are none the worse for it.
-  auto truth = poses_of(true_ring()), found = aligned->world_from_view();
+  auto truth = poses_of(true_ring()), found = aligned.world_from_view();
   views.erase(views.begin() + 3);
   truth.erase(truth.begin() + 3);
   found.erase(found.begin() + 3);
@@ -279,36 +271,32 @@ TEST(AlignViews, LeavesViewsWithHardlyAnySamples) {
   std::fill(views[1].range.begin(), views[1].range.end(), kNoSample);
   std::fill(views[2].range.begin(), views[2].range.end(), kNoSample);
   views[2].range(80, 80) = true_ring()[2].range(80, 80);
-  const auto aligned = align_views(views);
-  ASSERT_TRUE(aligned.ok());
+  const auto aligned = value_of(align_views(views));
   for (const std::size_t i : {1u, 2u}) {
-    EXPECT_FALSE(aligned->views[i].aligned);
-    EXPECT_THAT(aligned->views[i].reason, HasSubstr("no usable samples"));
+    EXPECT_FALSE(aligned.views[i].aligned);
+    EXPECT_THAT(aligned.views[i].reason, HasSubstr("no usable samples"));
   }
 }
 
 TEST(AlignViews, OfOneViewIsThatView) {
-  const auto aligned = align_views({true_ring()[1]});
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(aligned->complete());
-  EXPECT_TRUE(same_bytes(aligned->views[0].world_from_view, true_ring()[1].world_from_view));
-  EXPECT_THAT(aligned->notes, ::testing::Contains(HasSubstr("one view only")));
+  const auto aligned = value_of(align_views({true_ring()[1]}));
+  EXPECT_TRUE(aligned.complete());
+  EXPECT_TRUE(same_bytes(aligned.views[0].world_from_view, true_ring()[1].world_from_view));
+  EXPECT_THAT(aligned.notes, ::testing::Contains(HasSubstr("one view only")));
 }
 
 TEST(AlignViews, RejectsNoViewsAndBadOptions) {
-  EXPECT_FALSE(align_views({}).ok());
+  EXPECT_THAT(align_views({}), HasError());
   AlignOptions options;
   options.refinement.min_overlap = 2.0;
-  const auto refused = align_views({true_ring()[0]}, options);
-  ASSERT_FALSE(refused.ok());
-  EXPECT_THAT(refused.error().message, HasSubstr("refinement.min_overlap must be in (0, 1]"));
+  EXPECT_THAT(align_views({true_ring()[0]}, options),
+              HasError("refinement.min_overlap must be in (0, 1]"));
 }
 
 TEST(AlignViews, StopsWhenAsked) {
   const auto stopped = align_views(disturbed_ring(), {},
                                    {.progress = [](double, std::string_view) { return false; }});
-  ASSERT_FALSE(stopped.ok());
-  EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
+  EXPECT_THAT(stopped, HasError(ErrorKind::kInterrupted));
 }
 
 TEST(AlignViews, FindsPosesOfATurntableWithoutAnyGuess) {
@@ -318,12 +306,11 @@ TEST(AlignViews, FindsPosesOfATurntableWithoutAnyGuess) {
     view.pose = PoseKind::kAbsent;
     view.world_from_view = RigidMotion::Identity();
   }
-  const auto aligned = align_views(views);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(aligned->complete());
-  for (const double error : mean_displacements(truth, aligned->world_from_view(), poses_of(truth)))
+  const auto aligned = value_of(align_views(views));
+  EXPECT_TRUE(aligned.complete());
+  for (const double error : mean_displacements(truth, aligned.world_from_view(), poses_of(truth)))
     EXPECT_LT(error, 0.2 * spacing());
-  EXPECT_THAT(aligned->notes, ::testing::Contains(HasSubstr("were joined by their shape")));
+  EXPECT_THAT(aligned.notes, ::testing::Contains(HasSubstr("were joined by their shape")));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/registration/relief_views.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/test_data.h"
 
 namespace relief::registration {
@@ -26,42 +27,35 @@ double largest(const std::vector<double>& values) {
 
 TEST(RealScans, TwentyViewsOfABearReturnToTheirTruePoses) {
   RELIEF_REQUIRE_TEST_DATA(folder, "bear");
-  const auto project = read_project(folder / "scan.json");
-  ASSERT_TRUE(project.ok()) << project.error().message;
+  const auto project = value_of(read_project(folder / "scan.json"));
   const auto truth = poses_in(folder / "truth.json");
-  const auto aligned = align_views(project->views);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(aligned->complete());
-  const auto errors =
-      testing::mean_displacements(project->views, aligned->world_from_view(), truth);
+  const auto aligned = value_of(align_views(project.views));
+  EXPECT_TRUE(aligned.complete());
+  const auto errors = testing::mean_displacements(project.views, aligned.world_from_view(), truth);
   RecordProperty("largest_mean_displacement_um", static_cast<int>(1000 * largest(errors)));
   EXPECT_LT(largest(errors), 0.03);  // mm; the noise is 0.15, the spacing 0.47
 }
 
 TEST(RealScans, TheBunnyStaysWhereItWasPublishedAndFitsBetter) {
   RELIEF_REQUIRE_TEST_DATA(folder, "bunny");
-  const auto project = read_project(folder / "bun.conf");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const auto published = testing::poses_of(project->views);
-  auto held = project->views;
+  const auto project = value_of(read_project(folder / "bun.conf"));
+  const auto published = testing::poses_of(project.views);
+  auto held = project.views;
   for (auto& view : held) view.pose = PoseKind::kKnown;
   const auto before = align_views(held);
-  const auto after = align_views(project->views);
-  ASSERT_TRUE(after.ok());
-  EXPECT_TRUE(after->complete());
-  EXPECT_LT(after->rms, before->rms);
-  EXPECT_LT(largest(testing::mean_displacements(held, after->world_from_view(), published)),
-            0.3e-3);
+  const auto after = value_of(align_views(project.views));
+  EXPECT_TRUE(after.complete());
+  EXPECT_LT(after.rms, before->rms);
+  EXPECT_LT(largest(testing::mean_displacements(held, after.world_from_view(), published)), 0.3e-3);
 }
 
 TEST(RealScans, TheBunnyIsFoundAgainFromFiveDegreesOff) {
   RELIEF_REQUIRE_TEST_DATA(folder, "bunny");
-  const auto project = read_project(folder / "bun.conf");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const auto from_published = align_views(project->views);
+  const auto project = value_of(read_project(folder / "bun.conf"));
+  const auto from_published = align_views(project.views);
   const auto from_afar =
-      align_views(testing::perturbed(project->views, {-0.02, 0.1, 0.0}, 0.087, 3e-3));
-  EXPECT_LT(largest(testing::mean_displacements(project->views, from_afar->world_from_view(),
+      align_views(testing::perturbed(project.views, {-0.02, 0.1, 0.0}, 0.087, 3e-3));
+  EXPECT_LT(largest(testing::mean_displacements(project.views, from_afar->world_from_view(),
                                                 from_published->world_from_view())),
             5e-6);
 }
@@ -90,9 +84,8 @@ TEST(RealScans, TwoHalvesOfThePanelMeetByTheirNormalMaps) {
   RELIEF_REQUIRE_TEST_DATA(panel, "panel");
   ReadProjectOptions read_options;
   read_options.fc_file = panel / "panel-small.fc";
-  const auto project = read_project(panel / "panel-small-conf.ply", read_options);
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const RangeView& view = project->views.front();
+  const auto project = value_of(read_project(panel / "panel-small-conf.ply", read_options));
+  const RangeView& view = project.views.front();
   ASSERT_EQ(view.camera.model(), Camera::Model::kPinholeGl);
   const RangeView one = decimated(view, 0, 0), other = decimated(view, 1, 1);
   const ViewSurface target(one), source(other);
@@ -114,18 +107,16 @@ TEST(RealScans, TwoHalvesOfThePanelMeetByTheirNormalMaps) {
 // Two centres, view 48 fits no projection: published poses, and poses four degrees and 2 mm off.
 TEST(RealScans, AllViewsOfTheDragonStayAtGivenPoses) {
   RELIEF_REQUIRE_TEST_DATA(folder, "dragon");
-  const auto project = read_project(folder / "dragonStandRight.conf");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const auto published = align_views(project->views);
-  ASSERT_TRUE(published.ok());
-  const auto off = align_views(testing::perturbed(project->views, {-0.01, 0.12, 0.0}, 0.07, 2e-3));
-  ASSERT_TRUE(off.ok());
-  for (std::size_t i = 0; i < project->views.size(); ++i) {
-    EXPECT_EQ(published->views[i].status, PoseStatus::kVerified) << published->views[i].reason;
-    EXPECT_EQ(off->views[i].status, PoseStatus::kVerified) << off->views[i].reason;
+  const auto project = value_of(read_project(folder / "dragonStandRight.conf"));
+  const auto published = value_of(align_views(project.views));
+  const auto off =
+      value_of(align_views(testing::perturbed(project.views, {-0.01, 0.12, 0.0}, 0.07, 2e-3)));
+  for (std::size_t i = 0; i < project.views.size(); ++i) {
+    EXPECT_EQ(published.views[i].status, PoseStatus::kVerified) << published.views[i].reason;
+    EXPECT_EQ(off.views[i].status, PoseStatus::kVerified) << off.views[i].reason;
   }
-  EXPECT_LT(largest(testing::mean_displacements(project->views, off->world_from_view(),
-                                                published->world_from_view())),
+  EXPECT_LT(largest(testing::mean_displacements(project.views, off.world_from_view(),
+                                                published.world_from_view())),
             2e-5);
 }
 
@@ -141,27 +132,23 @@ std::vector<RangeView> without_poses(const std::vector<RangeView>& views, std::s
 
 TEST(RealScans, TheDragonIsPlacedWithoutPoses) {
   RELIEF_REQUIRE_TEST_DATA(folder, "dragon");
-  const auto project = read_project(folder / "dragonStandRight.conf");
-  ASSERT_TRUE(project.ok()) << project.error().message;
+  const auto project = value_of(read_project(folder / "dragonStandRight.conf"));
   std::vector<RigidMotion> published;
-  for (std::size_t i = 0; i < project->views.size(); ++i)
-    published.push_back(project->views[(7 * i + 3) % project->views.size()].world_from_view);
-  const auto views = without_poses(project->views, 7);
-  const auto aligned = align_views(views);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(aligned->complete());
-  EXPECT_LT(largest(testing::mean_displacements(views, aligned->world_from_view(), published)),
+  for (std::size_t i = 0; i < project.views.size(); ++i)
+    published.push_back(project.views[(7 * i + 3) % project.views.size()].world_from_view);
+  const auto views = without_poses(project.views, 7);
+  const auto aligned = value_of(align_views(views));
+  EXPECT_TRUE(aligned.complete());
+  EXPECT_LT(largest(testing::mean_displacements(views, aligned.world_from_view(), published)),
             2e-3);
 }
 
 TEST(RealScans, FiveViewsOfARoomByAKinectArePlacedWithoutPoses) {
   RELIEF_REQUIRE_TEST_DATA(folder, "kinect");
-  const auto project = read_project(folder);
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const auto aligned = align_views(project->views);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(aligned->complete());
-  EXPECT_LT(aligned->rms, 0.02);  // m; a step of the ranges is 0.023 at 2.85 m
+  const auto project = value_of(read_project(folder));
+  const auto aligned = value_of(align_views(project.views));
+  EXPECT_TRUE(aligned.complete());
+  EXPECT_LT(aligned.rms, 0.02);  // m; a step of the ranges is 0.023 at 2.85 m
 }
 
 }  // namespace

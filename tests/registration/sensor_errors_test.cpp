@@ -7,6 +7,7 @@
 
 #include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::registration {
 namespace {
@@ -42,13 +43,12 @@ std::vector<RangeView> spoiled(const Spoil& spoil) {
 // The worst view's mean displacement from its true place [sample spacings]; all views have to be
 // aligned.
 double worst_error(const std::vector<RangeView>& views) {
-  const auto aligned = align_views(views);
-  EXPECT_TRUE(aligned.ok());
-  EXPECT_TRUE(aligned->complete());
-  for (const auto& view : aligned->views)
+  const auto aligned = value_of(align_views(views));
+  EXPECT_TRUE(aligned.complete());
+  for (const auto& view : aligned.views)
     EXPECT_EQ(view.status, PoseStatus::kVerified) << view.name << ": " << view.reason;
   const auto errors =
-      testing::mean_displacements(truth(), aligned->world_from_view(), testing::poses_of(truth()));
+      testing::mean_displacements(truth(), aligned.world_from_view(), testing::poses_of(truth()));
   return *std::max_element(errors.begin(), errors.end()) / spacing();
 }
 

@@ -8,6 +8,7 @@
 
 #include "scan/io/images/image_io.h"
 #include "tests/support/program.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/simulated_scans.h"
 
 namespace relief {
@@ -36,10 +37,9 @@ class Render : public testing::SimulatedScans<Render> {
     arguments.insert(arguments.end(), {"-o", out_ / "out.png", "--json", "-q"});
     const ProgramRun run = run_relief(arguments);
     EXPECT_EQ(run.exit_status, 0) << run.standard_error;
-    auto image = read_image(out_ / "out.png");
-    EXPECT_TRUE(image);
-    if (run.exit_status != 0 || !image) return {};
-    return {*std::move(image), json::parse(run.standard_output)["render"]};
+    auto image = value_of(read_image(out_ / "out.png"));
+    if (run.exit_status != 0) return {};
+    return {std::move(image), json::parse(run.standard_output)["render"]};
   }
 
   // Renders in vain: the message.

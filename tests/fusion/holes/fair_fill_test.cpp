@@ -17,6 +17,7 @@
 #include "relief/scan/threads.h"
 #include "scan/mesh/mesh_components.h"
 #include "tests/fusion/scenes.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief::fusion {
@@ -39,9 +40,8 @@ Merged merged(const std::vector<RangeView>& views) {
   ClosedFieldOptions options;
   options.voxel_size = kVoxel;
   options.truncation = kTruncation;
-  const auto field = compute_closed_field(result.samplers, options, {});
-  EXPECT_TRUE(field.ok());
-  result.mesh = extract_isosurface(field->finest());
+  const auto field = value_of(compute_closed_field(result.samplers, options, {}));
+  result.mesh = extract_isosurface(field.finest());
   keep_largest_component(result.mesh);
   set_vertex_attributes(result.mesh, result.samplers, {kTruncation, kVoxel, 0.1, nullptr});
   return result;
@@ -121,13 +121,11 @@ TEST(FairFill, LargeRegionsAskWhetherToGoOn) {
     return fair_filled_regions(sphere.mesh, sphere.samplers, options,
                                [&asked, most](double, std::string_view) { return ++asked < most; });
   };
-  ASSERT_TRUE(stop_at(100000).ok());
+  ASSERT_THAT(stop_at(100000), IsOk());
   const int all = asked;
   ASSERT_GT(all, 20) << "at every step";
   for (const int most : {1, all / 2, all}) {
-    const auto stopped = stop_at(most);
-    ASSERT_FALSE(stopped.ok()) << most;
-    EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
+    EXPECT_THAT(stop_at(most), HasError(ErrorKind::kInterrupted)) << most;
     EXPECT_EQ(asked, most) << "nobody is asked again";
   }
 }

@@ -17,6 +17,7 @@
 #include "relief/fusion/merge_views.h"
 #include "relief/scan/threads.h"
 #include "tests/fusion/scenes.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief::fusion {
@@ -53,7 +54,7 @@ TEST_F(MemoryLimitTest, ArraysKeepTheirValuesWhenTheirPagesAreHandedBack) {
   EXPECT_EQ(limit.releases(), 1u);
   const PagedArray<std::uint32_t> moved = std::move(array);
   for (std::uint32_t i = 0; i < moved.size(); ++i) ASSERT_EQ(moved[i], 2654435761u * i);
-  EXPECT_TRUE(limit.check().ok());
+  EXPECT_THAT(limit.check(), IsOk());
   EXPECT_EQ(entries_of(folder_), 0u) << "the files have no name";
 }
 
@@ -65,10 +66,8 @@ TEST_F(MemoryLimitTest, PagesHandedBackAreNoLongerResident) {
   limit.evict_pages();
   EXPECT_LT(resident_memory() + 48 * kMebibyte, before);
   EXPECT_EQ(array[array.size() / 2], 7);
-  const auto kept = limit.check();
-  ASSERT_FALSE(kept.ok()) << "no process fits into one byte";
-  EXPECT_EQ(kept.error().kind, ErrorKind::kUnsolvable);
-  EXPECT_NE(kept.error().message.find("are needed"), std::string::npos);
+  EXPECT_THAT(limit.check(), HasError(ErrorKind::kUnsolvable, "are needed"))
+      << "no process fits into one byte";
 }
 
 TEST_F(MemoryLimitTest, AFolderThatCannotHoldFilesIsAnErrorAndTheArrayStillWorks) {
@@ -76,16 +75,13 @@ TEST_F(MemoryLimitTest, AFolderThatCannotHoldFilesIsAnErrorAndTheArrayStillWorks
   PagedArray<int> array(1000, &limit);
   array[999] = 3;
   EXPECT_EQ(array[999], 3);
-  const auto kept = limit.check();
-  ASSERT_FALSE(kept.ok());
-  EXPECT_EQ(kept.error().kind, ErrorKind::kCannotWrite);
-  EXPECT_NE(kept.error().message.find("absent"), std::string::npos);
+  EXPECT_THAT(limit.check(), HasError(ErrorKind::kCannotWrite, "absent"));
 }
 
 TEST_F(MemoryLimitTest, AFileLargerThanTheDiskIsAnError) {
   MemoryLimit limit(100 * kMebibyte, folder_);
   EXPECT_EQ(limit.map(std::size_t{1} << 60), nullptr);
-  EXPECT_FALSE(limit.check().ok());
+  EXPECT_THAT(limit.check(), HasError());
 }
 
 bool same(const TriangleMesh& a, const TriangleMesh& b) {
@@ -113,9 +109,8 @@ TriangleMesh surface_of_scene(const std::vector<RangeView>& views, MemoryLimit* 
   options.voxel_size = 1.2;
   options.truncation = 3.6;
   options.memory = memory;
-  const auto field = compute_closed_field(samplers, options, {});
-  EXPECT_TRUE(field.ok());
-  TriangleMesh mesh = extract_isosurface(field->finest(), memory);
+  const auto field = value_of(compute_closed_field(samplers, options, {}));
+  TriangleMesh mesh = extract_isosurface(field.finest(), memory);
   set_vertex_attributes(mesh, samplers, {3.6, 1.2, 0.2, memory});
   return mesh;
 }
@@ -137,22 +132,18 @@ TEST_F(MemoryLimitTest, MergingGivesTheSameWithinAnyLimitThatItCanKeep) {
   GTEST_SKIP() << "sanitizers keep memory that was freed";
 #endif
   const auto views = scene();
-  const auto free = merge_views(views);
-  ASSERT_TRUE(free.ok());
+  const auto free = value_of(merge_views(views));
   for (const std::size_t room : {40, 400}) {
-    const auto limited = merge_views(
-        views, {}, {.memory = resident_memory() + room * kMebibyte, .temporary_folder = folder_});
-    ASSERT_TRUE(limited.ok()) << limited.error().message;
-    EXPECT_TRUE(same(limited->mesh, free->mesh));
+    const auto limited = value_of(merge_views(
+        views, {}, {.memory = resident_memory() + room * kMebibyte, .temporary_folder = folder_}));
+    EXPECT_TRUE(same(limited.mesh, free.mesh));
   }
   EXPECT_EQ(entries_of(folder_), 0u);
 }
 
 TEST_F(MemoryLimitTest, ALimitThatCannotBeKeptIsAnErrorThatSaysWhatIsNeeded) {
-  const auto merged = merge_views(scene(), {}, {.memory = kMebibyte, .temporary_folder = folder_});
-  ASSERT_FALSE(merged.ok());
-  EXPECT_EQ(merged.error().kind, ErrorKind::kUnsolvable);
-  EXPECT_NE(merged.error().message.find("limit of 1 MiB"), std::string::npos);
+  EXPECT_THAT(merge_views(scene(), {}, {.memory = kMebibyte, .temporary_folder = folder_}),
+              HasError(ErrorKind::kUnsolvable, "limit of 1 MiB"));
 }
 
 TEST_F(MemoryLimitTest, AViewThatCannotBeLoadedEndsTheMerging) {
@@ -163,7 +154,7 @@ TEST_F(MemoryLimitTest, AViewThatCannotBeLoadedEndsTheMerging) {
                             return std::make_shared<const RangeView>(views[i]);
                           }};
   const auto merged = merge_from_source(source);
-  ASSERT_FALSE(merged.ok());
+  ASSERT_THAT(merged, HasError());
   EXPECT_EQ(merged.error().message, "view 3 is gone");
 }
 

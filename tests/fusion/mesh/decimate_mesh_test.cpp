@@ -8,6 +8,7 @@
 
 #include "relief/fusion/merge_views.h"
 #include "tests/fusion/scenes.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::fusion {
 namespace {
@@ -32,23 +33,21 @@ double largest_error(const TriangleMesh& mesh) {
 }
 
 TEST(DecimateMesh, ReachesANumberOfFacesAndStaysAClosedTorus) {
-  const auto result = decimate_mesh(torus_mesh(), {.faces = 4000});
-  ASSERT_TRUE(result.ok());
-  EXPECT_NEAR(static_cast<double>(result->mesh.faces.size()), 4000.0, 40.0);
-  EXPECT_TRUE(result->check.watertight());
-  EXPECT_EQ(result->check.genus, 1);
-  EXPECT_LT(largest_error(result->mesh), 0.6);
+  const auto result = value_of(decimate_mesh(torus_mesh(), {.faces = 4000}));
+  EXPECT_NEAR(static_cast<double>(result.mesh.faces.size()), 4000.0, 40.0);
+  EXPECT_TRUE(result.check.watertight());
+  EXPECT_EQ(result.check.genus, 1);
+  EXPECT_LT(largest_error(result.mesh), 0.6);
 }
 
 TEST(DecimateMesh, ABoundOfTheErrorIsKept) {
   std::size_t last = torus_mesh().faces.size();
   for (const double bound : {0.02, 0.1, 0.5}) {
-    const auto result = decimate_mesh(torus_mesh(), {.max_error = bound});
-    ASSERT_TRUE(result.ok());
-    EXPECT_TRUE(result->check.watertight());
-    EXPECT_LT(result->mesh.faces.size(), last);
-    EXPECT_LT(largest_error(result->mesh), bound + 0.05) << "and that of merging";
-    last = result->mesh.faces.size();
+    const auto result = value_of(decimate_mesh(torus_mesh(), {.max_error = bound}));
+    EXPECT_TRUE(result.check.watertight());
+    EXPECT_LT(result.mesh.faces.size(), last);
+    EXPECT_LT(largest_error(result.mesh), bound + 0.05) << "and that of merging";
+    last = result.mesh.faces.size();
   }
 }
 
@@ -56,9 +55,8 @@ TEST(DecimateMesh, KeepsVerticesWithTheirAttributes) {
   TriangleMesh mesh = torus_mesh();
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     mesh.quality[v] = static_cast<float>(mesh.vertices[v].x());
-  const auto result = decimate_mesh(mesh, {.faces = 2000});
-  ASSERT_TRUE(result.ok());
-  const TriangleMesh& fewer = result->mesh;
+  const auto result = value_of(decimate_mesh(mesh, {.faces = 2000}));
+  const TriangleMesh& fewer = result.mesh;
   ASSERT_EQ(fewer.quality.size(), fewer.vertices.size());
   ASSERT_EQ(fewer.filled.size(), fewer.vertices.size());
   ASSERT_EQ(fewer.normals.size(), fewer.vertices.size());
@@ -71,17 +69,16 @@ TEST(DecimateMesh, RandomScenesStayClosed) {
   for (std::uint32_t seed = 0; seed < 10; ++seed) {
     const TriangleMesh mesh = merge_views(scenes.scene(seed)).value().mesh;
     const auto result = decimate_mesh(mesh, {.faces = mesh.faces.size() / 4});
-    ASSERT_TRUE(result.ok()) << seed;
+    ASSERT_THAT(result, IsOk()) << seed;
     EXPECT_TRUE(result->check.watertight()) << seed;
     EXPECT_LT(result->mesh.faces.size(), mesh.faces.size() / 2) << seed;
   }
 }
 
 TEST(DecimateMesh, LeavesAloneWhatIsSmallEnoughAndSaysWhatIsMissing) {
-  const auto same = decimate_mesh(torus_mesh(), {.faces = torus_mesh().faces.size()});
-  ASSERT_TRUE(same.ok());
-  EXPECT_EQ(same->mesh.faces, torus_mesh().faces);
-  EXPECT_EQ(decimate_mesh(torus_mesh(), {}).error().kind, ErrorKind::kBadInput);
+  const auto same = value_of(decimate_mesh(torus_mesh(), {.faces = torus_mesh().faces.size()}));
+  EXPECT_EQ(same.mesh.faces, torus_mesh().faces);
+  EXPECT_THAT(decimate_mesh(torus_mesh(), {}), HasError(ErrorKind::kBadInput));
 }
 
 }  // namespace

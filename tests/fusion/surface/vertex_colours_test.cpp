@@ -10,6 +10,7 @@
 
 #include "relief/fusion/merge_views.h"
 #include "tests/fusion/scenes.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief::fusion {
@@ -41,9 +42,7 @@ std::vector<RangeView> sphere(int count) {
 }
 
 TriangleMesh merged(const std::vector<RangeView>& views, const Context& context = {}) {
-  auto result = merge_views(views, {}, context);
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  return result.ok() ? std::move(result->mesh) : TriangleMesh();
+  return value_of(merge_views(views, {}, context)).mesh;
 }
 
 int largest_difference(const Colour& a, const Colour& b) {

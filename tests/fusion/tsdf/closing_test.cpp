@@ -10,6 +10,7 @@
 #include "relief/fusion/merge_views.h"
 #include "relief/scan/discontinuities.h"
 #include "tests/fusion/scenes.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::fusion {
 namespace {
@@ -76,12 +77,10 @@ double roughness(const TriangleMesh& mesh) {
 }
 
 MergeResult closed(const std::vector<RangeView>& views, const MergeOptions& options = {}) {
-  auto merged = merge_views(views, options);
-  EXPECT_TRUE(merged.ok()) << (merged.ok() ? "" : merged.error().message);
-  if (!merged) return {};
-  EXPECT_EQ(merged->check.components, 1u);
-  EXPECT_EQ(vertices_in_empty_space(*merged, views), 0u);
-  return std::move(merged).value();
+  auto merged = value_of(merge_views(views, options));
+  EXPECT_EQ(merged.check.components, 1u);
+  EXPECT_EQ(vertices_in_empty_space(merged, views), 0u);
+  return merged;
 }
 
 std::vector<RangeView> from_above(const SignedDistance& shape, int count, int size,

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/fusion/scenes.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::fusion {
 namespace {
@@ -16,11 +17,7 @@ constexpr double kTruncation = 3.0, kSpacing = 1.0;
 
 std::vector<ViewSampler> samplers_of(const std::vector<RangeView>& views) {
   std::vector<ViewSampler> samplers;
-  for (const RangeView& view : views) {
-    auto sampler = ViewSampler::create(view, {});
-    EXPECT_TRUE(sampler.ok());
-    samplers.push_back(std::move(sampler).value());
-  }
+  for (const RangeView& view : views) samplers.push_back(value_of(ViewSampler::create(view, {})));
   return samplers;
 }
 

@@ -8,15 +8,12 @@
 
 #include "fusion/views/paged_surface.h"
 #include "tests/fusion/scenes.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::fusion {
 namespace {
 
-ViewSampler sampler_of(const RangeView& view) {
-  auto sampler = ViewSampler::create(view, {});
-  EXPECT_TRUE(sampler.ok());
-  return std::move(sampler).value();
-}
+ViewSampler sampler_of(const RangeView& view) { return value_of(ViewSampler::create(view, {})); }
 
 const RigidMotion kPose = testing::look_at({10, 20, 200}, {1, 2, 3}, Eigen::Vector3d::UnitY());
 

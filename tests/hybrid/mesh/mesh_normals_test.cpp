@@ -10,6 +10,7 @@
 
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/hybrid/mesh_shapes.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::hybrid {
@@ -38,9 +39,7 @@ std::vector<RangeView> sphere_views(double noise_deg = 0.0, std::uint32_t seed =
 }
 
 MeshNormals blended(const TriangleMesh& mesh, const std::vector<RangeView>& views) {
-  auto result = vertex_normals_from_views(mesh, views);
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  return std::move(*result);
+  return value_of(vertex_normals_from_views(mesh, views));
 }
 
 // RMS of the angle to the sphere's normals over the vertices that have one [rad].
@@ -112,9 +111,8 @@ TEST(MeshNormals, TheOrderOfTheViewsAndTheThreadsDoNotMatter) {
   std::vector<RangeView> views = sphere_views(2.0);
   const MeshNormals normals = blended(mesh, views);
   std::reverse(views.begin(), views.end());
-  const auto other = vertex_normals_from_views(mesh, views, {}, {.threads = 3});
-  ASSERT_TRUE(other.ok());
-  EXPECT_EQ(std::memcmp(normals.normals.data(), other->normals.data(),
+  const auto other = value_of(vertex_normals_from_views(mesh, views, {}, {.threads = 3}));
+  EXPECT_EQ(std::memcmp(normals.normals.data(), other.normals.data(),
                         normals.normals.size() * sizeof(Eigen::Vector3f)),
             0);
 }

@@ -14,6 +14,7 @@
 #include "relief/scan/self_intersections.h"
 #include "relief/scan/threads.h"
 #include "tests/hybrid/mesh_shapes.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::hybrid {
 namespace {
@@ -27,10 +28,9 @@ using testing::torus_mesh;
 
 PolishedMesh polished(const TriangleMesh& mesh, const MeshNormals& normals,
                       const PolishOptions& options = {}) {
-  auto result = polish_mesh(mesh, normals, options);
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  EXPECT_EQ(result->status, PolishStatus::kPolished) << to_string(result->status);
-  return std::move(*result);
+  auto result = value_of(polish_mesh(mesh, normals, options));
+  EXPECT_EQ(result.status, PolishStatus::kPolished) << to_string(result.status);
+  return result;
 }
 
 PolishOptions in_form(MeshForm form) {
@@ -147,11 +147,10 @@ TEST_P(PolishInBothForms, WrongNormalsFlipNoFaceAndOpenNothing) {
   TriangleMesh noisy = sphere_mesh(20.0, 16);
   add_vertex_noise(noisy, 0.1, 5);
   noisy.quality.assign(noisy.vertices.size(), 10.0f);
-  const auto result = polish_mesh(noisy, random_normals(noisy, 6), in_form(GetParam()));
-  ASSERT_TRUE(result.ok());
-  EXPECT_GT(worst_turn(noisy, result->mesh), 0.0);
-  EXPECT_TRUE(check_mesh(result->mesh).watertight());
-  EXPECT_TRUE(find_self_intersections(result->mesh).pairs.empty());
+  const auto result = value_of(polish_mesh(noisy, random_normals(noisy, 6), in_form(GetParam())));
+  EXPECT_GT(worst_turn(noisy, result.mesh), 0.0);
+  EXPECT_TRUE(check_mesh(result.mesh).watertight());
+  EXPECT_TRUE(find_self_intersections(result.mesh).pairs.empty());
 }
 
 TEST_P(PolishInBothForms, EdgesOfABoxStaySharp) {
@@ -212,14 +211,12 @@ TEST(PolishMesh, ExactMeshesStayAsTheyAre) {
 TEST(PolishMesh, WithoutNormalsOrErrorsTheMeshIsAsGiven) {
   TriangleMesh sphere = sphere_mesh(30.0, 4);
   MeshNormals normals = exact_normals(sphere, 5.0, 0.01);
-  const auto no_errors = polish_mesh(sphere, normals);
-  ASSERT_TRUE(no_errors.ok());
-  EXPECT_EQ(no_errors->status, PolishStatus::kMissingUncertainty);
+  const auto no_errors = value_of(polish_mesh(sphere, normals));
+  EXPECT_EQ(no_errors.status, PolishStatus::kMissingUncertainty);
   normals.views.assign(sphere.vertices.size(), 0);
-  const auto no_normals = polish_mesh(sphere, normals);
-  ASSERT_TRUE(no_normals.ok());
-  EXPECT_EQ(no_normals->status, PolishStatus::kNoNormals);
-  EXPECT_EQ(no_normals->mesh.vertices, sphere.vertices);
+  const auto no_normals = value_of(polish_mesh(sphere, normals));
+  EXPECT_EQ(no_normals.status, PolishStatus::kNoNormals);
+  EXPECT_EQ(no_normals.mesh.vertices, sphere.vertices);
 }
 
 TEST(PolishMesh, BadInputIsNamed) {
@@ -228,12 +225,10 @@ TEST(PolishMesh, BadInputIsNamed) {
   const MeshNormals normals = exact_normals(sphere, 5.0, 0.01);
   PolishOptions options;
   options.tangential = 0.0;
-  const auto bad_option = polish_mesh(sphere, normals, options);
-  ASSERT_FALSE(bad_option.ok());
-  EXPECT_NE(bad_option.error().message.find("tangential"), std::string::npos);
-  EXPECT_FALSE(polish_mesh(sphere_mesh(30.0, 5), normals).ok());
+  EXPECT_THAT(polish_mesh(sphere, normals, options), HasError("tangential"));
+  EXPECT_THAT(polish_mesh(sphere_mesh(30.0, 5), normals), HasError());
   sphere.vertices[3].x() = std::nan("");
-  EXPECT_FALSE(polish_mesh(sphere, normals).ok());
+  EXPECT_THAT(polish_mesh(sphere, normals), HasError());
 }
 
 TEST(PolishMesh, StopsOnRequest) {
@@ -241,8 +236,7 @@ TEST(PolishMesh, StopsOnRequest) {
   sphere.quality.assign(sphere.vertices.size(), 0.1f);
   const auto result = polish_mesh(sphere, exact_normals(sphere, 5.0, 0.01), {},
                                   {.progress = [](double, std::string_view) { return false; }});
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
+  EXPECT_THAT(result, HasError(ErrorKind::kInterrupted));
 }
 
 TEST(GuardedMove, SoundMovesAreLeftAlone) {

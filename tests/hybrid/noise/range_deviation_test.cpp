@@ -15,6 +15,7 @@
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/threads.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::hybrid {
@@ -156,14 +157,13 @@ Calibration calibration(const RangeView& truth, const Measurement& m, const Refi
     testing::add_range_noise(view, m.sigma_position, 100 + seed);
     testing::add_normal_noise(view, m.sigma_normal_deg * kDegree, 200 + seed);
     if (m.bias_deg > 0.0) testing::add_normal_bias(view, m.bias_deg * kDegree);
-    const auto refined = refine_view(view, options);
-    EXPECT_TRUE(refined.ok());
+    const auto refined = value_of(refine_view(view, options));
     for (int v = 0; v < view.height(); ++v) {
       for (int u = 0; u < view.width(); ++u) {
         const int edge = std::min({u, v, view.width() - 1 - u, view.height() - 1 - v});
-        const double error = (refined->view.range(u, v) - truth.range(u, v)) *
-                             view.camera.ray(u, v).direction.norm();
-        const double squared = std::pow(error / refined->view.deviation(u, v), 2);
+        const double error =
+            (refined.view.range(u, v) - truth.range(u, v)) * view.camera.ray(u, v).direction.norm();
+        const double squared = std::pow(error / refined.view.deviation(u, v), 2);
         if (edge >= kInner) sum.inner += squared, ++inner;
         if (edge < kBorder) sum.border += squared, ++border;
       }
@@ -293,10 +293,9 @@ RangeView noisy_view(int size = 64) {
 }
 
 Grid<float> deviation_of(const RangeView& view, const RefineOptions& options = {}) {
-  const auto refined = refine_view(view, options);
-  EXPECT_TRUE(refined.ok());
-  EXPECT_EQ(refined->view.deviation.size(), view.range.size());
-  return refined->view.deviation;
+  const auto refined = value_of(refine_view(view, options));
+  EXPECT_EQ(refined.view.deviation.size(), view.range.size());
+  return refined.view.deviation;
 }
 
 TEST(RangeDeviation, TheNumberOfThreadsChangesNoByte) {
@@ -346,9 +345,8 @@ TEST(RangeDeviation, IsLeftOutWhenNotAskedFor) {
   options.deviation = false;
   RangeView view = noisy_view(32);
   view.deviation = Grid<float>(32, 32, 1.0f);  // of the measurement, not of the refined range
-  const auto refined = refine_view(view, options);
-  ASSERT_TRUE(refined.ok());
-  EXPECT_TRUE(refined->view.deviation.empty());
+  const auto refined = value_of(refine_view(view, options));
+  EXPECT_TRUE(refined.view.deviation.empty());
 }
 
 TEST(SurfaceAverage, WeighsByTheDistanceAlongRowsAndColumnsAndCrossesNoCut) {

@@ -8,6 +8,7 @@
 
 #include "relief/hybrid/refine_view.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::hybrid {
@@ -30,11 +31,7 @@ RangeView measured(double range_noise = 0.3) {
   return view;
 }
 
-RefinedView refined(const RangeView& view) {
-  auto result = refine_view(view);
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  return std::move(result).value();
-}
+RefinedView refined(const RangeView& view) { return value_of(refine_view(view)); }
 
 // Over the samples that both have.
 double depth_rms(const RangeView& view) {

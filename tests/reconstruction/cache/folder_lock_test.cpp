@@ -7,32 +7,28 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief::reconstruction {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 TEST(FolderLock, TellsWhoHoldsTheFolder) {
   const TemporaryFolder folder;
-  const auto first = FolderLock::acquire(folder.path());
-  ASSERT_TRUE(first);
-  EXPECT_TRUE(first->held());
-  const auto second = FolderLock::acquire(folder.path());
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().kind, ErrorKind::kCannotWrite);
-  EXPECT_THAT(second.error().message, HasSubstr(folder.path().string()));
-  EXPECT_THAT(second.error().message, HasSubstr("process " + std::to_string(getpid()) + " on "));
-  EXPECT_THAT(second.error().message, HasSubstr("UTC"));
+  const auto first = value_of(FolderLock::acquire(folder.path()));
+  EXPECT_TRUE(first.held());
+  EXPECT_THAT(FolderLock::acquire(folder.path()),
+              HasError(ErrorKind::kCannotWrite, folder.path().string(),
+                       "process " + std::to_string(getpid()) + " on ", "UTC"));
 }
 
 TEST(FolderLock, EndsWithTheObject) {
   const TemporaryFolder folder;
   { const auto first = FolderLock::acquire(folder.path()); }
-  EXPECT_TRUE(FolderLock::acquire(folder.path()));
+  EXPECT_THAT(FolderLock::acquire(folder.path()), IsOk());
 }
 
 TEST(FolderLock, MayBeRemovedByItsHolder) {
@@ -40,8 +36,8 @@ TEST(FolderLock, MayBeRemovedByItsHolder) {
   auto first = FolderLock::acquire(folder.path());
   fs::remove_all(private_folder(folder.path()));
   const auto second = FolderLock::acquire(folder.path());
-  EXPECT_TRUE(second);
-  EXPECT_FALSE(FolderLock::acquire(folder.path()));
+  EXPECT_THAT(second, IsOk());
+  EXPECT_THAT(FolderLock::acquire(folder.path()), HasError());
 }
 
 // The child holds the folder until it is killed, with files half written.
@@ -65,10 +61,10 @@ TEST(FolderLock, DoesNotOutliveAKilledProcessWhoseUnfinishedFilesGo) {
   folder.write(".relief/cache/.unit" + own, "half");
   folder.write(".model.partial-" + std::to_string(child) + "9-0.ply", "another's");
   folder.write("model.ply", "whole");
-  EXPECT_FALSE(FolderLock::acquire(folder.path()));
+  EXPECT_THAT(FolderLock::acquire(folder.path()), HasError());
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
-  EXPECT_TRUE(FolderLock::acquire(folder.path()));
+  EXPECT_THAT(FolderLock::acquire(folder.path()), IsOk());
   EXPECT_FALSE(fs::exists(folder / (".model" + own + ".ply")));
   EXPECT_FALSE(fs::exists(folder / (".relief/cache/.unit" + own)));
   EXPECT_TRUE(fs::exists(folder / (".model.partial-" + std::to_string(child) + "9-0.ply")));
@@ -77,9 +73,7 @@ TEST(FolderLock, DoesNotOutliveAKilledProcessWhoseUnfinishedFilesGo) {
 
 TEST(FolderLock, NeedsAFolder) {
   const TemporaryFolder folder;
-  const auto lock = FolderLock::acquire(folder.write("file", ""));
-  ASSERT_FALSE(lock);
-  EXPECT_EQ(lock.error().kind, ErrorKind::kCannotWrite);
+  EXPECT_THAT(FolderLock::acquire(folder.write("file", "")), HasError(ErrorKind::kCannotWrite));
 }
 
 }  // namespace

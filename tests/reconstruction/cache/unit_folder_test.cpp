@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 
 #include "scan/units/content_hash.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief::reconstruction {
@@ -165,10 +166,7 @@ TEST(UnitFolder, GoesOnWithoutRoomOnTheDisk) {
 TEST(UnitFolder, SaysWhenItCannotBeCreated) {
   const TemporaryFolder folder;
   const auto file = folder.write("file", "");
-  const auto units = UnitFolder::open(file / "cache");
-  ASSERT_FALSE(units);
-  EXPECT_EQ(units.error().kind, ErrorKind::kCannotWrite);
-  EXPECT_THAT(units.error().message, HasSubstr(file.string()));
+  EXPECT_THAT(UnitFolder::open(file / "cache"), HasError(ErrorKind::kCannotWrite, file.string()));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "relief/io/project_io.h"
 #include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/test_data.h"
 
 namespace relief::registration {
@@ -68,20 +69,18 @@ bool same_bytes(const RigidMotion& a, const RigidMotion& b) {
 TEST(GlobalRegistration, FindsShuffledViewsWithoutPosesOnAnyNumberOfThreads) {
   const auto truth = shuffled(ring());
   const auto views = without_poses(truth);
-  const auto one = align_views(views, {}, {.threads = 1});
-  ASSERT_TRUE(one.ok());
-  expect_true_poses(truth, *one);
-  EXPECT_THAT(one->notes, ::testing::Contains(HasSubstr("were joined by their shape")));
+  const auto one = value_of(align_views(views, {}, {.threads = 1}));
+  expect_true_poses(truth, one);
+  EXPECT_THAT(one.notes, ::testing::Contains(HasSubstr("were joined by their shape")));
   const auto three = align_views(views, {}, {.threads = 3});
   for (std::size_t i = 0; i < views.size(); ++i)
-    EXPECT_TRUE(same_bytes(one->views[i].world_from_view, three->views[i].world_from_view));
+    EXPECT_TRUE(same_bytes(one.views[i].world_from_view, three->views[i].world_from_view));
 }
 
 TEST(GlobalRegistration, FindsViewsAnewWhoseGuessesAreWild) {
   const auto truth = shuffled(ring());
-  const auto aligned = align_views(with_wild_guesses(truth));
-  ASSERT_TRUE(aligned.ok());
-  expect_true_poses(truth, *aligned);
+  const auto aligned = value_of(align_views(with_wild_guesses(truth)));
+  expect_true_poses(truth, aligned);
 }
 
 TEST(GlobalRegistration, FindsTheOneViewWhoseGuessIsWildAndLeavesKnownPosesAlone) {
@@ -90,11 +89,10 @@ TEST(GlobalRegistration, FindsTheOneViewWhoseGuessIsWildAndLeavesKnownPosesAlone
   views[1].pose = views[4].pose = PoseKind::kKnown;
   views[6].world_from_view =
       views[6].world_from_view * Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitZ());
-  const auto aligned = align_views(views);
-  ASSERT_TRUE(aligned.ok());
-  expect_true_poses(ring(), *aligned);
+  const auto aligned = value_of(align_views(views));
+  expect_true_poses(ring(), aligned);
   for (const std::size_t known : {1u, 4u})
-    EXPECT_TRUE(same_bytes(aligned->views[known].world_from_view, ring()[known].world_from_view));
+    EXPECT_TRUE(same_bytes(aligned.views[known].world_from_view, ring()[known].world_from_view));
 }
 
 TEST(GlobalRegistration, LeavesOutAViewOfAnotherObject) {
@@ -103,11 +101,10 @@ TEST(GlobalRegistration, LeavesOutAViewOfAnotherObject) {
   RangeView other = testing::ring_of_views({.views = 8, .pixels = kPixels, .radius = 35.0})[1];
   other.name = "other";
   views.push_back(other);
-  const auto aligned = align_views(without_poses(views));
-  ASSERT_TRUE(aligned.ok());
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(aligned->views[i].aligned);
-  EXPECT_FALSE(aligned->views[3].aligned);
-  EXPECT_THAT(aligned->views[3].reason, HasSubstr("no pose was found"));
+  const auto aligned = value_of(align_views(without_poses(views)));
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(aligned.views[i].aligned);
+  EXPECT_FALSE(aligned.views[3].aligned);
+  EXPECT_THAT(aligned.views[3].reason, HasSubstr("no pose was found"));
 }
 
 TEST(GlobalRegistration, KeepsTwoObjectsTwoGroups) {
@@ -117,10 +114,9 @@ TEST(GlobalRegistration, KeepsTwoObjectsTwoGroups) {
     view.name = "small" + view.name;
     if (view.name == "smallview5" || view.name == "smallview6") views.push_back(view);
   }
-  const auto aligned = align_views(without_poses(views));
-  ASSERT_TRUE(aligned.ok());
-  for (std::size_t i = 0; i < views.size(); ++i) EXPECT_EQ(aligned->views[i].aligned, i < 3);
-  EXPECT_THAT(aligned->views[3].reason, HasSubstr("aligned only to smallview6"));
+  const auto aligned = value_of(align_views(without_poses(views)));
+  for (std::size_t i = 0; i < views.size(); ++i) EXPECT_EQ(aligned.views[i].aligned, i < 3);
+  EXPECT_THAT(aligned.views[3].reason, HasSubstr("aligned only to smallview6"));
 }
 
 TEST(GlobalRegistration, DoesNotForceASphere) {
@@ -133,22 +129,19 @@ TEST(GlobalRegistration, DoesNotForceASphere) {
     views.back().name = "v" + std::to_string(views.size());
     testing::add_range_noise(views.back(), 0.3, static_cast<std::uint32_t>(views.size()));
   }
-  const auto aligned = align_views(without_poses(views));
-  ASSERT_TRUE(aligned.ok());
-  for (const auto& view : aligned->views) EXPECT_FALSE(view.aligned);
+  const auto aligned = value_of(align_views(without_poses(views)));
+  for (const auto& view : aligned.views) EXPECT_FALSE(view.aligned);
 }
 
 TEST(GlobalRegistration, PlacesTheBunnyWithoutPoses) {
   RELIEF_REQUIRE_TEST_DATA(folder, "bunny");
-  const auto project = read_project(folder / "bun.conf");
-  ASSERT_TRUE(project.ok()) << project.error().message;
+  const auto project = value_of(read_project(folder / "bun.conf"));
   std::vector<RangeView> truth;
-  for (std::size_t i = 0; i < project->views.size(); ++i)
-    truth.push_back(project->views[(3 * i + 7) % project->views.size()]);
-  const auto aligned = align_views(without_poses(truth));
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(aligned->complete());
-  const auto errors = mean_displacements(truth, aligned->world_from_view(), poses_of(truth));
+  for (std::size_t i = 0; i < project.views.size(); ++i)
+    truth.push_back(project.views[(3 * i + 7) % project.views.size()]);
+  const auto aligned = value_of(align_views(without_poses(truth)));
+  EXPECT_TRUE(aligned.complete());
+  const auto errors = mean_displacements(truth, aligned.world_from_view(), poses_of(truth));
   EXPECT_LT(*std::max_element(errors.begin(), errors.end()), 0.3e-3);  // m
 }
 

@@ -9,6 +9,7 @@
 #include "registration/global/features/planar_view.h"
 #include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::registration {
 namespace {
@@ -67,9 +68,8 @@ std::vector<RangeView> views_without_poses(const Surface& surface, int count, do
 }
 
 void expect_none_aligned_and_all_told_why(const std::vector<RangeView>& views) {
-  const auto aligned = align_views(views);
-  ASSERT_TRUE(aligned.ok());
-  for (const auto& view : aligned->views) {
+  const auto aligned = value_of(align_views(views));
+  for (const auto& view : aligned.views) {
     EXPECT_FALSE(view.aligned) << view.name;
     EXPECT_THAT(view.reason, ::testing::AnyOf(::testing::HasSubstr("ambiguous"),
                                               ::testing::HasSubstr("no pose was found")));

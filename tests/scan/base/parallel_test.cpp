@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "relief/scan/context.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief {
 namespace {
@@ -78,9 +79,8 @@ TEST(RunIn, StopsLoopsFromAnyThread) {
       while (begun < 20) std::this_thread::yield();
       source.request_stop();
     });
-    const auto result = loop_in_loop({.threads = threads, .stop = source.get_token()}, begun);
-    ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
+    EXPECT_THAT(loop_in_loop({.threads = threads, .stop = source.get_token()}, begun),
+                HasError(ErrorKind::kInterrupted));
     EXPECT_LT(begun, 1000);
   }
 }
@@ -91,8 +91,7 @@ TEST(RunIn, StopsWhatIsCalledWithAContextOfItsOwn) {
   std::atomic<int> begun{0};
   const auto result =
       run_in({.stop = source.get_token()}, [&] { return loop_in_loop({.threads = 2}, begun); });
-  ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
+  EXPECT_THAT(result, HasError(ErrorKind::kInterrupted));
   EXPECT_EQ(begun, 0);
 }
 

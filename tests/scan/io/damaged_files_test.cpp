@@ -14,6 +14,7 @@
 #include "scan/io/meshes/mesh_codecs.h"
 #include "scan/io/project/view_spec.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 
@@ -159,8 +160,9 @@ TEST(DamagedFiles, TruncatedImagesAreErrors) {
     depth.samples[i] = static_cast<float>(i * 7919 % 65536);
   const std::string png = *encode_png(depth), tiff = *encode_tiff(Image(64, 48, 1));
   for (std::size_t k = 0; k < 50; ++k) {
-    EXPECT_FALSE(decode_png(std::string_view(png).substr(0, k * png.size() / 50), "a").ok());
-    EXPECT_FALSE(decode_tiff(std::string_view(tiff).substr(0, k * tiff.size() / 50), "a").ok());
+    EXPECT_THAT(decode_png(std::string_view(png).substr(0, k * png.size() / 50), "a"), HasError());
+    EXPECT_THAT(decode_tiff(std::string_view(tiff).substr(0, k * tiff.size() / 50), "a"),
+                HasError());
   }
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "relief/io/project_io.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/test_data.h"
 
 namespace relief {
@@ -35,10 +36,9 @@ double fraction_below(const std::vector<double>& values, double limit) {
 
 TEST(RealScans, NeighbouringBunnyScansMeetInTheirPublishedPoses) {
   RELIEF_REQUIRE_TEST_DATA(path, "bunny/bun.conf");
-  const auto project = read_project(path);
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  ASSERT_EQ(project->views.size(), 10u);
-  const RangeView &front = project->views[0], &quarter = project->views[1];
+  const auto project = value_of(read_project(path));
+  ASSERT_EQ(project.views.size(), 10u);
+  const RangeView &front = project.views[0], &quarter = project.views[1];
   ASSERT_EQ(front.name, "bun000");
   ASSERT_EQ(quarter.name, "bun045");
   const auto meeting = distances(front, quarter);
@@ -49,9 +49,8 @@ TEST(RealScans, NeighbouringBunnyScansMeetInTheirPublishedPoses) {
 
 TEST(RealScans, BunnyKeepsItsPointsAndIsSeenFromPositiveZ) {
   RELIEF_REQUIRE_TEST_DATA(path, "bunny/bun000.ply");
-  const auto project = read_project(path);
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const RangeView& view = project->views.front();
+  const auto project = value_of(read_project(path));
+  const RangeView& view = project.views.front();
   EXPECT_EQ(view.sample_count(), 40256u);
   EXPECT_LT(view.camera.ray(256, 200).direction.z(), -0.99);
   ASSERT_TRUE(view.camera.can_project());
@@ -59,9 +58,8 @@ TEST(RealScans, BunnyKeepsItsPointsAndIsSeenFromPositiveZ) {
 
 TEST(RealScans, PanelIsAPinholeWithNormalsTowardsTheSensor) {
   RELIEF_REQUIRE_TEST_DATA(path, "panel/panel-small.ply");
-  const auto project = read_project(path);
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const RangeView& view = project->views.front();
+  const auto project = value_of(read_project(path));
+  const RangeView& view = project.views.front();
   EXPECT_EQ(view.camera.model(), Camera::Model::kPinholeGl);
   EXPECT_NEAR(view.camera.intrinsics().fx, 955.5, 1e-2);
   EXPECT_EQ(view.sample_count(), 116408u);
@@ -75,10 +73,9 @@ TEST(RealScans, PanelIsAPinholeWithNormalsTowardsTheSensor) {
 
 TEST(RealScans, BearHasTwentyPinholeViewsWithNormals) {
   RELIEF_REQUIRE_TEST_DATA(path, "bear/scan.json");
-  const auto project = read_project(path);
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  ASSERT_EQ(project->views.size(), 20u);
-  for (const auto& view : project->views) {
+  const auto project = value_of(read_project(path));
+  ASSERT_EQ(project.views.size(), 20u);
+  for (const auto& view : project.views) {
     EXPECT_TRUE(view.has_normals());
     EXPECT_EQ(view.pose, PoseKind::kGuess);
   }

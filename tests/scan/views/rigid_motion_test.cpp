@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/result_matchers.h"
+
 namespace relief {
 namespace {
 
@@ -23,25 +25,23 @@ TEST(RigidMotion, AngleOfATangentIsItsLength) {
 
 TEST(RigidMotion, FromMatrixTakesRoundingAndNothingElse) {
   Eigen::Matrix4d matrix = some_motion().matrix();
-  ASSERT_TRUE(rigid_motion_from_matrix(matrix.cast<float>().cast<double>(), "pose").ok());
+  ASSERT_THAT(rigid_motion_from_matrix(matrix.cast<float>().cast<double>(), "pose"), IsOk());
 
   Eigen::Matrix4d scaled = matrix;
   scaled.topLeftCorner<3, 3>() *= 1.01;
-  EXPECT_FALSE(rigid_motion_from_matrix(scaled, "pose").ok());
+  EXPECT_THAT(rigid_motion_from_matrix(scaled, "pose"), HasError());
 
   Eigen::Matrix4d mirrored = matrix;
   mirrored.col(0) *= -1.0;
-  const auto reflection = rigid_motion_from_matrix(mirrored, "view v001: world_from_view");
-  ASSERT_FALSE(reflection.ok());
-  EXPECT_NE(reflection.error().message.find("v001"), std::string::npos);
-  EXPECT_NE(reflection.error().message.find("reflection"), std::string::npos);
+  EXPECT_THAT(rigid_motion_from_matrix(mirrored, "view v001: world_from_view"),
+              HasError("v001", "reflection"));
 
   Eigen::Matrix4d broken = matrix;
   broken(1, 2) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(rigid_motion_from_matrix(broken, "pose").ok());
+  EXPECT_THAT(rigid_motion_from_matrix(broken, "pose"), HasError());
   Eigen::Matrix4d projective = matrix;
   projective(3, 0) = 0.5;
-  EXPECT_FALSE(rigid_motion_from_matrix(projective, "pose").ok());
+  EXPECT_THAT(rigid_motion_from_matrix(projective, "pose"), HasError());
 }
 
 TEST(RigidMotion, BestRigidMotionRecoversTheMotionOfPoints) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "relief/scan/camera.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief {
 namespace {
@@ -82,11 +83,10 @@ TEST(SphericalProjection, RefusesAnglesThatAreNoGrid) {
 
 TEST(SphericalProjection, IsFoundFromPoints) {
   for (const SphericalProjection& angles : {whole_turn(), uneven()}) {
-    const auto fit = fit_spherical_projection(points_on(angles));
-    ASSERT_TRUE(fit);
-    EXPECT_LT(fit->rms_pixels, 1e-6);
+    const auto fit = value_of(fit_spherical_projection(points_on(angles)));
+    EXPECT_LT(fit.rms_pixels, 1e-6);
     for (std::size_t u = 0; u < angles.azimuth.size(); ++u)
-      EXPECT_NEAR(std::remainder(fit->projection.azimuth[u] - angles.azimuth[u], 2.0 * kPi), 0.0,
+      EXPECT_NEAR(std::remainder(fit.projection.azimuth[u] - angles.azimuth[u], 2.0 * kPi), 0.0,
                   1e-9);
   }
 }
@@ -102,10 +102,9 @@ TEST(SphericalProjection, IsFoundWithHolesAndNoise) {
       if (missing) points(u, v).setConstant(std::nan(""));
     }
   }
-  const auto fit = fit_spherical_projection(points);
-  ASSERT_TRUE(fit);
-  EXPECT_LT(fit->rms_pixels, 0.1);
-  const auto pixel = fit->projection.project(whole_turn().ray(50, 60).at(3.0));
+  const auto fit = value_of(fit_spherical_projection(points));
+  EXPECT_LT(fit.rms_pixels, 0.1);
+  const auto pixel = fit.projection.project(whole_turn().ray(50, 60).at(3.0));
   EXPECT_NEAR(pixel->x(), 50.0, 0.05);
   EXPECT_NEAR(pixel->y(), 60.0, 0.05);
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief {
@@ -19,11 +20,10 @@ Camera table_of(const Camera& camera) {
 
 void expect_pixels_found(const Camera& camera) {
   const RangeView view = testing::render(testing::sphere({0, 0, 100}, 30), camera);
-  const auto projection = ViewProjection::create(view);
-  ASSERT_TRUE(projection.ok());
+  const auto projection = value_of(ViewProjection::create(view));
   for (int v = 2; v < 46; v += 7) {
     for (int u = 2; u < 62; u += 9) {
-      const auto pixel = projection->pixel_of(camera.ray(u, v).at(90.0));
+      const auto pixel = projection.pixel_of(camera.ray(u, v).at(90.0));
       ASSERT_TRUE(pixel.has_value());
       EXPECT_LT((*pixel - Eigen::Vector2d(u, v)).norm(), 1e-6);
     }
@@ -36,10 +36,9 @@ TEST(ViewProjection, FindsThePixelsOfCamerasAndOfTables) {
 }
 
 TEST(ViewProjection, FootprintsAreDistancesBetweenRays) {
-  const auto projection =
-      ViewProjection::create(testing::render(testing::sphere({0, 0, 100}, 30), table_of(kPinhole)));
-  ASSERT_TRUE(projection.ok());
-  EXPECT_NEAR(projection->pixel_footprint(kPinhole.ray(30, 20).at(80.0), 30, 20), 1.0, 1e-9);
+  const auto projection = value_of(ViewProjection::create(
+      testing::render(testing::sphere({0, 0, 100}, 30), table_of(kPinhole))));
+  EXPECT_NEAR(projection.pixel_footprint(kPinhole.ray(30, 20).at(80.0), 30, 20), 1.0, 1e-9);
 }
 
 TEST(ViewProjection, ATableWithoutSamplesIsAnError) {
@@ -47,10 +46,7 @@ TEST(ViewProjection, ATableWithoutSamplesIsAnError) {
   view.name = "front";
   view.camera = table_of(kPinhole);
   view.range = Grid<double>(64, 48, kNoSample);
-  const auto projection = ViewProjection::create(view);
-  ASSERT_FALSE(projection.ok());
-  EXPECT_EQ(projection.error().kind, ErrorKind::kUnsolvable);
-  EXPECT_NE(projection.error().message.find("front"), std::string::npos);
+  EXPECT_THAT(ViewProjection::create(view), HasError(ErrorKind::kUnsolvable, "front"));
 }
 
 }  // namespace

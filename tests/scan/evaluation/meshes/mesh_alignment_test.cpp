@@ -6,6 +6,7 @@
 
 #include "relief/evaluation/mesh_distance.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::evaluation {
 namespace {
@@ -32,23 +33,20 @@ TriangleMesh moved(TriangleMesh mesh, const RigidMotion& by) {
 
 TEST(AlignMesh, UndoesASmallMotionExactly) {
   const RigidMotion by = motion(0.02, -0.03, 0.01, 0.1, 0.2, -0.1);
-  const auto fit = align_mesh(moved(potato(), by), potato(), {.any_start = false});
-  ASSERT_TRUE(fit);
-  EXPECT_TRUE(fit->converged);
-  EXPECT_LT(((fit->truth_from_result * by).matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-8);
+  const auto fit = value_of(align_mesh(moved(potato(), by), potato(), {.any_start = false}));
+  EXPECT_TRUE(fit.converged);
+  EXPECT_LT(((fit.truth_from_result * by).matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-8);
 }
 
 TEST(AlignMesh, UndoesAnyMotion) {
   for (const RigidMotion& by : {motion(2.5, 0.5, -1.0, 100, -50, 30), motion(0, 3.1, 0, 0, 0, 7)}) {
     const TriangleMesh result = moved(potato(), by);
-    const auto fit = align_mesh(result, potato());
-    ASSERT_TRUE(fit);
-    EXPECT_LT(((fit->truth_from_result * by).matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-7);
+    const auto fit = value_of(align_mesh(result, potato()));
+    EXPECT_LT(((fit.truth_from_result * by).matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-7);
     const auto comparison =
-        compare_meshes(moved(result, fit->truth_from_result), potato(), {.samples = 2000});
-    ASSERT_TRUE(comparison);
-    EXPECT_LT(comparison->accuracy.all.distance.max, 1e-7);
-    EXPECT_LT(comparison->completeness.all.distance.max, 1e-7);
+        value_of(compare_meshes(moved(result, fit.truth_from_result), potato(), {.samples = 2000}));
+    EXPECT_LT(comparison.accuracy.all.distance.max, 1e-7);
+    EXPECT_LT(comparison.completeness.all.distance.max, 1e-7);
   }
 }
 
@@ -62,9 +60,8 @@ TEST(AlignMesh, IsNotPulledByWhatOnlyOneMeshHas) {
   for (const auto& f : junk.faces)
     result.faces.push_back({f[0] + offset, f[1] + offset, f[2] + offset});
   const RigidMotion by = motion(0.03, -0.02, 0.02, 0.3, 0.1, -0.2);
-  const auto fit = align_mesh(moved(result, by), potato(), {.any_start = false});
-  ASSERT_TRUE(fit);
-  EXPECT_LT(((fit->truth_from_result * by).matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-6);
+  const auto fit = value_of(align_mesh(moved(result, by), potato(), {.any_start = false}));
+  EXPECT_LT(((fit.truth_from_result * by).matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-6);
 }
 
 TEST(AlignMesh, DoesNotDependOnThreads) {

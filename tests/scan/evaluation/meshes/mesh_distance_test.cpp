@@ -7,6 +7,7 @@
 
 #include "relief/scan/rigid_motion.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::evaluation {
 namespace {
@@ -43,16 +44,15 @@ void expect_all_equal(const ErrorStatistics& statistics, double expected, double
 
 TEST(CompareMeshes, AThickerSphereIsOffByTheThicknessInEveryStatistic) {
   const double e = 0.01;
-  const auto comparison = compare_meshes(sphere(1.0 + e), sphere(1.0),
-                                         {.samples = 20000, .thresholds = {0.009, 0.011}});
-  ASSERT_TRUE(comparison);
-  expect_all_equal(comparison->accuracy.all.distance, e, 1e-4 * e);
-  expect_all_equal(comparison->completeness.all.distance, e, 1e-4 * e);
-  EXPECT_EQ(comparison->accuracy.all.distance.count, 20000u);
-  EXPECT_LT(comparison->accuracy.all.normals_deg.max, 0.05);
-  EXPECT_EQ(comparison->f_score[0], 0.0);
-  EXPECT_EQ(comparison->f_score[1], 1.0);
-  EXPECT_FALSE(comparison->accuracy.measured);
+  const auto comparison = value_of(compare_meshes(
+      sphere(1.0 + e), sphere(1.0), {.samples = 20000, .thresholds = {0.009, 0.011}}));
+  expect_all_equal(comparison.accuracy.all.distance, e, 1e-4 * e);
+  expect_all_equal(comparison.completeness.all.distance, e, 1e-4 * e);
+  EXPECT_EQ(comparison.accuracy.all.distance.count, 20000u);
+  EXPECT_LT(comparison.accuracy.all.normals_deg.max, 0.05);
+  EXPECT_EQ(comparison.f_score[0], 0.0);
+  EXPECT_EQ(comparison.f_score[1], 1.0);
+  EXPECT_FALSE(comparison.accuracy.measured);
 }
 
 TEST(CompareMeshes, KeepsEveryDistanceWithItsSign) {
@@ -68,11 +68,10 @@ TEST(CompareMeshes, KeepsEveryDistanceWithItsSign) {
 
 TEST(CompareMeshes, TheSameMeshIsAtDistanceZero) {
   const TriangleMesh mesh = sphere(50.0, 30);
-  const auto comparison = compare_meshes(mesh, mesh, {.samples = 5000});
-  ASSERT_TRUE(comparison);
-  EXPECT_LT(comparison->accuracy.all.distance.max, 1e-12);
-  EXPECT_LT(comparison->completeness.all.normals_deg.max, 1e-3);
-  for (const double f : comparison->f_score) EXPECT_EQ(f, 1.0);
+  const auto comparison = value_of(compare_meshes(mesh, mesh, {.samples = 5000}));
+  EXPECT_LT(comparison.accuracy.all.distance.max, 1e-12);
+  EXPECT_LT(comparison.completeness.all.normals_deg.max, 1e-3);
+  for (const double f : comparison.f_score) EXPECT_EQ(f, 1.0);
 }
 
 TEST(CompareMeshes, DoesNotDependOnTheFrame) {
@@ -89,25 +88,24 @@ TEST(CompareMeshes, DoesNotDependOnTheFrame) {
 }
 
 TEST(CompareMeshes, AShiftedPlaneIsOffByTheShift) {
-  const auto comparison = compare_meshes(square(1.0, 0.25), square(1.0, 0.0), {.samples = 1000});
-  ASSERT_TRUE(comparison);
-  expect_all_equal(comparison->accuracy.all.distance, 0.25, 1e-15);
-  EXPECT_EQ(comparison->accuracy.all.normals_deg.max, 0.0);
+  const auto comparison =
+      value_of(compare_meshes(square(1.0, 0.25), square(1.0, 0.0), {.samples = 1000}));
+  expect_all_equal(comparison.accuracy.all.distance, 0.25, 1e-15);
+  EXPECT_EQ(comparison.accuracy.all.normals_deg.max, 0.0);
 }
 
 TEST(CompareMeshes, CompletenessSeesWhatIsMissing) {
   // The result covers a quarter of the truth: distances to it beyond are those to a square corner.
-  const auto comparison =
-      compare_meshes(square(1.0, 0.0), square(2.0, 0.0), {.samples = 40000, .thresholds = {1e-9}});
-  ASSERT_TRUE(comparison);
-  EXPECT_LT(comparison->accuracy.all.distance.max, 1e-14);
-  EXPECT_NEAR(comparison->completeness.all.within[0], 0.25, 0.01);
-  EXPECT_NEAR(comparison->f_score[0], 2.0 * 0.25 / 1.25, 0.01);
-  EXPECT_NEAR(comparison->completeness.all.distance.max, std::sqrt(2.0), 0.02);
+  const auto comparison = value_of(
+      compare_meshes(square(1.0, 0.0), square(2.0, 0.0), {.samples = 40000, .thresholds = {1e-9}}));
+  EXPECT_LT(comparison.accuracy.all.distance.max, 1e-14);
+  EXPECT_NEAR(comparison.completeness.all.within[0], 0.25, 0.01);
+  EXPECT_NEAR(comparison.f_score[0], 2.0 * 0.25 / 1.25, 0.01);
+  EXPECT_NEAR(comparison.completeness.all.distance.max, std::sqrt(2.0), 0.02);
   // Two strips of mean distance 1/2 and a corner square whose mean distance to its corner is
   // (sqrt 2 + asinh 1) / 3.
   const double corner = (std::sqrt(2.0) + std::asinh(1.0)) / 3.0;
-  EXPECT_NEAR(comparison->completeness.all.distance.mean, 0.25 * (0.5 + 0.5 + corner), 0.005);
+  EXPECT_NEAR(comparison.completeness.all.distance.mean, 0.25 * (0.5 + 0.5 + corner), 0.005);
 }
 
 TEST(CompareMeshes, SplitsMeasuredFromFilled) {
@@ -118,26 +116,24 @@ TEST(CompareMeshes, SplitsMeasuredFromFilled) {
     result.filled.push_back(filled);
     vertex *= filled ? 1.05 : 1.01;
   }
-  const auto comparison = compare_meshes(result, truth, {.samples = 20000});
-  ASSERT_TRUE(comparison);
-  ASSERT_TRUE(comparison->accuracy.measured && comparison->accuracy.filled);
-  EXPECT_NEAR(comparison->accuracy.measured->distance.median, 0.01, 1e-5);
-  EXPECT_NEAR(comparison->accuracy.filled->distance.median, 0.05, 5e-5);
-  EXPECT_NEAR(comparison->completeness.measured->distance.median, 0.01, 1e-5);
-  EXPECT_NEAR(comparison->completeness.filled->distance.median, 0.05, 5e-5);
-  EXPECT_NEAR(comparison->filled_fraction, 0.52, 0.02);
+  const auto comparison = value_of(compare_meshes(result, truth, {.samples = 20000}));
+  ASSERT_TRUE(comparison.accuracy.measured && comparison.accuracy.filled);
+  EXPECT_NEAR(comparison.accuracy.measured->distance.median, 0.01, 1e-5);
+  EXPECT_NEAR(comparison.accuracy.filled->distance.median, 0.05, 5e-5);
+  EXPECT_NEAR(comparison.completeness.measured->distance.median, 0.01, 1e-5);
+  EXPECT_NEAR(comparison.completeness.filled->distance.median, 0.05, 5e-5);
+  EXPECT_NEAR(comparison.filled_fraction, 0.52, 0.02);
   EXPECT_EQ(
-      comparison->accuracy.measured->distance.count + comparison->accuracy.filled->distance.count,
+      comparison.accuracy.measured->distance.count + comparison.accuracy.filled->distance.count,
       20000u);
 }
 
 TEST(CompareMeshes, ThresholdsFollowTheSpacing) {
-  const auto given = compare_meshes(sphere(1, 5), sphere(1, 5), {.samples = 10, .spacing = 0.4});
-  ASSERT_TRUE(given);
-  EXPECT_EQ(given->thresholds, (std::vector<double>{0.1, 0.2, 0.4, 0.8}));
-  const auto derived = compare_meshes(sphere(1, 5), square(3.0, 0), {.samples = 10});
-  ASSERT_TRUE(derived);
-  EXPECT_NEAR(derived->thresholds[2], 3.0, 1.3);
+  const auto given =
+      value_of(compare_meshes(sphere(1, 5), sphere(1, 5), {.samples = 10, .spacing = 0.4}));
+  EXPECT_EQ(given.thresholds, (std::vector<double>{0.1, 0.2, 0.4, 0.8}));
+  const auto derived = value_of(compare_meshes(sphere(1, 5), square(3.0, 0), {.samples = 10}));
+  EXPECT_NEAR(derived.thresholds[2], 3.0, 1.3);
 }
 
 TEST(CompareMeshes, DoesNotDependOnTheThreadCount) {
@@ -150,15 +146,10 @@ TEST(CompareMeshes, DoesNotDependOnTheThreadCount) {
 }
 
 TEST(CompareMeshes, NamesTheMeshThatCannotBeCompared) {
-  const auto empty = compare_meshes(sphere(1, 2), {});
-  ASSERT_FALSE(empty);
-  EXPECT_EQ(empty.error().kind, ErrorKind::kBadInput);
-  EXPECT_NE(empty.error().message.find("true mesh"), std::string::npos);
+  EXPECT_THAT(compare_meshes(sphere(1, 2), {}), HasError(ErrorKind::kBadInput, "true mesh"));
   TriangleMesh broken = sphere(1, 2);
   broken.vertices[7].y() = std::numeric_limits<double>::quiet_NaN();
-  const auto failed = compare_meshes(broken, sphere(1, 2));
-  ASSERT_FALSE(failed);
-  EXPECT_NE(failed.error().message.find("vertex 7 of the result"), std::string::npos);
+  EXPECT_THAT(compare_meshes(broken, sphere(1, 2)), HasError("vertex 7 of the result"));
 }
 
 TEST(SignedDistances, HaveTheSignOfTheSideAlsoAtEdgesAndCorners) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "relief/scan/discontinuities.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::evaluation {
@@ -26,17 +27,17 @@ RangeView sphere_view(const Camera& camera = kCamera) {
 }
 
 TEST(EvaluateViews, TheTruthHasNoErrors) {
-  const auto report = evaluate_views(project_of(sphere_view()), project_of(sphere_view()));
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->overall.depth.all.max, 0.0);
-  EXPECT_EQ(report->overall.depth.all.count, sphere_view().sample_count());
-  EXPECT_LT(report->overall.map_normals_deg.all.max, 1e-3);
-  EXPECT_LT(report->overall.position_normals_deg.inner.median, 0.1);  // central differences
-  EXPECT_GT(report->overall.position_normals_deg.all.max, 0.0);
-  EXPECT_EQ(report->overall.sampled_normals_deg.all.max, 0.0);  // the same ones
-  EXPECT_EQ(report->overall.sampled_normals_deg.all.count,
-            report->overall.position_normals_deg.all.count);
-  EXPECT_EQ(report->overall.missing + report->overall.extra, 0u);
+  const auto report =
+      value_of(evaluate_views(project_of(sphere_view()), project_of(sphere_view())));
+  EXPECT_EQ(report.overall.depth.all.max, 0.0);
+  EXPECT_EQ(report.overall.depth.all.count, sphere_view().sample_count());
+  EXPECT_LT(report.overall.map_normals_deg.all.max, 1e-3);
+  EXPECT_LT(report.overall.position_normals_deg.inner.median, 0.1);  // central differences
+  EXPECT_GT(report.overall.position_normals_deg.all.max, 0.0);
+  EXPECT_EQ(report.overall.sampled_normals_deg.all.max, 0.0);  // the same ones
+  EXPECT_EQ(report.overall.sampled_normals_deg.all.count,
+            report.overall.position_normals_deg.all.count);
+  EXPECT_EQ(report.overall.missing + report.overall.extra, 0u);
 }
 
 TEST(EvaluateViews, DepthIsLengthAlongTheRayInEveryCameraConvention) {
@@ -47,12 +48,11 @@ TEST(EvaluateViews, DepthIsLengthAlongTheRayInEveryCameraConvention) {
     RangeView shifted = truth;
     for (int v = 0; v < 100; ++v)
       for (int u = 0; u < 120; ++u) shifted.range(u, v) += 0.03 / camera.ray(u, v).direction.norm();
-    const auto report = evaluate_views(project_of(shifted), project_of(truth));
-    ASSERT_TRUE(report);
-    const ErrorStatistics& depth = report->views[0].depth.all;
+    const auto report = value_of(evaluate_views(project_of(shifted), project_of(truth)));
+    const ErrorStatistics& depth = report.views[0].depth.all;
     for (const double value : {depth.mean, depth.median, depth.rms, depth.p95, depth.max})
       EXPECT_NEAR(value, 0.03, 1e-12);
-    EXPECT_NEAR(report->views[0].depth_bias, 0.03, 1e-12);
+    EXPECT_NEAR(report.views[0].depth_bias, 0.03, 1e-12);
   }
 }
 
@@ -61,17 +61,16 @@ TEST(EvaluateViews, ReportsTheNoiseThatWasAdded) {
   RangeView noisy = truth;
   testing::add_range_noise(noisy, 0.002, 3);
   testing::add_normal_noise(noisy, 0.02, 4);
-  const auto report = evaluate_views(project_of(noisy), project_of(truth));
-  ASSERT_TRUE(report);
-  EXPECT_NEAR(report->overall.depth.all.rms, 0.002, 0.0001);
-  EXPECT_NEAR(report->overall.depth_bias, 0.0, 0.0001);
-  EXPECT_NEAR(report->overall.map_normals_deg.all.rms,
+  const auto report = value_of(evaluate_views(project_of(noisy), project_of(truth)));
+  EXPECT_NEAR(report.overall.depth.all.rms, 0.002, 0.0001);
+  EXPECT_NEAR(report.overall.depth_bias, 0.0, 0.0001);
+  EXPECT_NEAR(report.overall.map_normals_deg.all.rms,
               0.02 * std::sqrt(2.0) * 180.0 / std::numbers::pi, 0.05);
   // Central differences over two spacings of 1/15: slope noise sigma / (sqrt 2 spacing) an axis.
-  EXPECT_NEAR(report->overall.position_normals_deg.inner.rms,
+  EXPECT_NEAR(report.overall.position_normals_deg.inner.rms,
               0.002 / (10.0 / 150.0) * 180.0 / std::numbers::pi, 0.25);
-  EXPECT_NEAR(report->overall.sampled_normals_deg.inner.rms,
-              report->overall.position_normals_deg.inner.rms, 1e-3);  // exact on a plane
+  EXPECT_NEAR(report.overall.sampled_normals_deg.inner.rms,
+              report.overall.position_normals_deg.inner.rms, 1e-3);  // exact on a plane
 }
 
 TEST(EvaluateViews, SeparatesDiscontinuitiesFromTheInside) {
@@ -80,9 +79,8 @@ TEST(EvaluateViews, SeparatesDiscontinuitiesFromTheInside) {
   const auto to_boundary = boundary_distance(truth, connect_samples(truth));
   for (std::size_t i = 0; i < result.range.size(); ++i)
     if (to_boundary[i] <= 2) result.range[i] += 0.1;
-  const auto report = evaluate_views(project_of(result), project_of(truth));
-  ASSERT_TRUE(report);
-  const SplitStatistics& depth = report->views[0].depth;
+  const auto report = value_of(evaluate_views(project_of(result), project_of(truth)));
+  const SplitStatistics& depth = report.views[0].depth;
   EXPECT_EQ(depth.inner.max, 0.0);
   EXPECT_GT(depth.edge.median, 0.099);
   EXPECT_EQ(depth.inner.count + depth.edge.count, depth.all.count);
@@ -93,10 +91,9 @@ TEST(EvaluateViews, CountsMissingAndExtraSamples) {
   RangeView truth = sphere_view(), result = sphere_view();
   result.range(60, 50) = kNoSample;
   truth.range(61, 50) = truth.range(62, 50) = kNoSample;
-  const auto report = evaluate_views(project_of(result), project_of(truth));
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->views[0].missing, 1u);
-  EXPECT_EQ(report->views[0].extra, 2u);
+  const auto report = value_of(evaluate_views(project_of(result), project_of(truth)));
+  EXPECT_EQ(report.views[0].missing, 1u);
+  EXPECT_EQ(report.views[0].extra, 2u);
 }
 
 TEST(EvaluateViews, PoolsViewsAndListsUnmatchedOnes) {
@@ -107,36 +104,29 @@ TEST(EvaluateViews, PoolsViewsAndListsUnmatchedOnes) {
   truth.views[2].name = "c";
   result.views.push_back(truth.views[1]);
   for (double& t : result.views[1].range) t *= 1.01;
-  const auto report = evaluate_views(result, truth, {}, {.threads = 2});
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->overall.depth.all.count,
-            report->views[0].depth.all.count + report->views[1].depth.all.count);
-  EXPECT_NEAR(report->overall.depth.all.mean, 0.5 * report->views[1].depth.all.mean, 1e-12);
-  EXPECT_EQ(report->unmatched, std::vector<std::string>{"c"});
+  const auto report = value_of(evaluate_views(result, truth, {}, {.threads = 2}));
+  EXPECT_EQ(report.overall.depth.all.count,
+            report.views[0].depth.all.count + report.views[1].depth.all.count);
+  EXPECT_NEAR(report.overall.depth.all.mean, 0.5 * report.views[1].depth.all.mean, 1e-12);
+  EXPECT_EQ(report.unmatched, std::vector<std::string>{"c"});
 }
 
 TEST(EvaluateViews, TakesTrueNormalsFromPositionsWhereNoneAreGiven) {
   RangeView truth = sphere_view();
   truth.normals = {};
-  const auto report = evaluate_views(project_of(sphere_view()), project_of(truth));
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->overall.position_normals_deg.all.max, 0.0);
-  EXPECT_LT(report->overall.map_normals_deg.inner.median, 0.1);
+  const auto report = value_of(evaluate_views(project_of(sphere_view()), project_of(truth)));
+  EXPECT_EQ(report.overall.position_normals_deg.all.max, 0.0);
+  EXPECT_LT(report.overall.map_normals_deg.inner.median, 0.1);
 }
 
 TEST(EvaluateViews, SaysWhyViewsCannotBeCompared) {
   const ScanProject truth = project_of(sphere_view());
-  const auto message = [&](const ScanProject& result) {
-    const auto report = evaluate_views(result, truth);
-    EXPECT_FALSE(report);
-    return report ? std::string() : report.error().message;
-  };
-  EXPECT_NE(message(project_of(sphere_view(), "z")).find("no view of this name"),
-            std::string::npos);
+  const auto compare = [&](const ScanProject& result) { return evaluate_views(result, truth); };
+  EXPECT_THAT(compare(project_of(sphere_view(), "z")), HasError("no view of this name"));
   const Camera other = Camera::pinhole(120, 99, {150, 150, 59.5, 49.5});
-  EXPECT_NE(message(project_of(sphere_view(other))).find("120x99"), std::string::npos);
+  EXPECT_THAT(compare(project_of(sphere_view(other))), HasError("120x99"));
   const Camera longer = Camera::pinhole(120, 100, {155, 155, 59.5, 49.5});
-  EXPECT_NE(message(project_of(sphere_view(longer))).find("rays"), std::string::npos);
+  EXPECT_THAT(compare(project_of(sphere_view(longer))), HasError("rays"));
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "scan/io/clouds/cloud_lattice.h"
 #include "scan/io/clouds/nearest_points.h"
 #include "scan/io/grids/grid_view.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
@@ -53,13 +54,12 @@ double interior_fill(const Grid<Eigen::Vector3d>& points) {
 }
 
 double connected_fraction(const GridFile& grid) {
-  const auto view = view_from_grid(grid, grid.camera);
-  EXPECT_TRUE(view.ok()) << view.error().message;
-  const GridEdges edges = connect_samples(*view);
+  const auto view = value_of(view_from_grid(grid, grid.camera));
+  const GridEdges edges = connect_samples(view);
   std::size_t pairs = 0, connected = 0;
-  for (int v = 0; v < view->height(); ++v) {
-    for (int u = 0; u < view->width(); ++u) {
-      if (!view->has_sample(u, v) || !view->has_sample(u + 1, v)) continue;
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      if (!view.has_sample(u, v) || !view.has_sample(u + 1, v)) continue;
       ++pairs;
       connected += edges.right(u, v);
     }
@@ -131,28 +131,26 @@ TEST(CloudLattice, FindsTheStepsAndTheTurnOfRows) {
   const Eigen::Vector2d u(std::cos(angle), std::sin(angle)), v(-u.y(), u.x());
   for (int j = 0; j < 40; ++j)
     for (int i = 0; i < 60; ++i) at.push_back(0.5 * i * u + 1.25 * j * v);
-  const auto lattice = fit_lattice(at, true);
-  ASSERT_TRUE(lattice.ok()) << lattice.error().message;
-  EXPECT_LT((lattice->step_u - 0.5 * u).norm(), 1e-9);
-  EXPECT_LT((lattice->step_v - 1.25 * v).norm(), 1e-9);
-  EXPECT_NEAR(lattice->width, 60, 2);
-  EXPECT_NEAR(lattice->height, 40, 2);
+  const auto lattice = value_of(fit_lattice(at, true));
+  EXPECT_LT((lattice.step_u - 0.5 * u).norm(), 1e-9);
+  EXPECT_LT((lattice.step_v - 1.25 * v).norm(), 1e-9);
+  EXPECT_NEAR(lattice.width, 60, 2);
+  EXPECT_NEAR(lattice.height, 40, 2);
 }
 
 TEST(CloudGrid, KeepsThePointsOfAPerspectiveViewFromItsViewpoint) {
   const PointCloudFile cloud = cloud_of(sphere_view(), true);
   CloudGridOptions options;
   options.viewpoint = kEye;
-  const auto grid = grid_from_cloud(cloud, options);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  expect_points_of(cloud, *grid);
-  EXPECT_GT(count_points(*grid), cloud.points.size() * 98 / 100);
-  EXPECT_GT(interior_fill(grid->points), 0.97);
-  EXPECT_GT(connected_fraction(*grid), 0.97);
+  const auto grid = value_of(grid_from_cloud(cloud, options));
+  expect_points_of(cloud, grid);
+  EXPECT_GT(count_points(grid), cloud.points.size() * 98 / 100);
+  EXPECT_GT(interior_fill(grid.points), 0.97);
+  EXPECT_GT(connected_fraction(grid), 0.97);
   // Rays come from the viewpoint, and the projection agrees with them.
-  const Ray ray = grid->camera->ray(20, 30);
+  const Ray ray = grid.camera->ray(20, 30);
   EXPECT_LT((ray.origin - kEye).norm(), 1e-12);
-  const auto pixel = grid->camera->project(ray.at(3.0));
+  const auto pixel = grid.camera->project(ray.at(3.0));
   ASSERT_TRUE(pixel.has_value());
   EXPECT_LT((*pixel - Eigen::Vector2d(20, 30)).norm(), 1e-9);
 }
@@ -162,12 +160,11 @@ TEST(CloudGrid, PointsAreWithinOnePlaceOfTheirRays) {
   for (const bool given : {true, false}) {
     CloudGridOptions options;
     if (given) options.viewpoint = kEye;
-    const auto grid = grid_from_cloud(cloud, options);
-    ASSERT_TRUE(grid.ok()) << grid.error().message;
-    for (int v = 0; v < grid->points.height(); ++v) {
-      for (int u = 0; u < grid->points.width(); ++u) {
-        if (!grid->points(u, v).allFinite()) continue;
-        const auto pixel = grid->camera->project(grid->points(u, v));
+    const auto grid = value_of(grid_from_cloud(cloud, options));
+    for (int v = 0; v < grid.points.height(); ++v) {
+      for (int u = 0; u < grid.points.width(); ++u) {
+        if (!grid.points(u, v).allFinite()) continue;
+        const auto pixel = grid.camera->project(grid.points(u, v));
         ASSERT_TRUE(pixel.has_value());
         ASSERT_LE((*pixel - Eigen::Vector2d(u, v)).cwiseAbs().maxCoeff(), 1.0 + 1e-6);
       }
@@ -177,59 +174,53 @@ TEST(CloudGrid, PointsAreWithinOnePlaceOfTheirRays) {
 
 TEST(CloudGrid, TakesTheOriginOfADepthCamera) {
   const PointCloudFile cloud = cloud_of(sphere_view(), false);
-  const auto grid = grid_from_cloud(cloud);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_TRUE(grid->camera->ray(3, 3).origin.isZero());
-  EXPECT_THAT(grid->notes, Contains(HasSubstr("the origin of the frame")));
-  EXPECT_GT(count_points(*grid), cloud.points.size() * 98 / 100);
+  const auto grid = value_of(grid_from_cloud(cloud));
+  EXPECT_TRUE(grid.camera->ray(3, 3).origin.isZero());
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("the origin of the frame")));
+  EXPECT_GT(count_points(grid), cloud.points.size() * 98 / 100);
 }
 
 TEST(CloudGrid, FindsTheSideOfASolidObject) {
   const PointCloudFile cloud = cloud_of(sphere_view(), true);
-  const auto grid = grid_from_cloud(cloud);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_EQ(grid->camera->model(), Camera::Model::kOrthographic);
-  EXPECT_GT(middle_direction(*grid).dot(-kEye.normalized()), std::cos(0.2));
-  EXPECT_THAT(grid->notes, Contains(HasSubstr("a guess: the side from which outlines turn away")));
-  expect_points_of(cloud, *grid);
-  EXPECT_GT(count_points(*grid), cloud.points.size() * 9 / 10);
+  const auto grid = value_of(grid_from_cloud(cloud));
+  EXPECT_EQ(grid.camera->model(), Camera::Model::kOrthographic);
+  EXPECT_GT(middle_direction(grid).dot(-kEye.normalized()), std::cos(0.2));
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("a guess: the side from which outlines turn away")));
+  expect_points_of(cloud, grid);
+  EXPECT_GT(count_points(grid), cloud.points.size() * 9 / 10);
 }
 
 TEST(CloudGrid, NormalsTellTheSide) {
   // The inside of a bowl, whose outlines turn towards the sensor.
   PointCloudFile cloud = cloud_of(sphere_view(), true);
   for (const auto& point : cloud.points) cloud.normals.push_back((-point).cast<float>());
-  const auto grid = grid_from_cloud(cloud);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_GT(middle_direction(*grid).dot(kEye.normalized()), 0.9);
-  EXPECT_THAT(grid->notes, Contains(HasSubstr("the side that the normals face")));
-  EXPECT_THAT(grid->notes, Contains(HasSubstr("the outlines turn towards that side")));
-  for (std::size_t i = 0; i < grid->points.size(); ++i) {
-    if (!grid->points[i].allFinite()) continue;
-    ASSERT_EQ(grid->normals[i], Eigen::Vector3f((-grid->points[i]).cast<float>()));
+  const auto grid = value_of(grid_from_cloud(cloud));
+  EXPECT_GT(middle_direction(grid).dot(kEye.normalized()), 0.9);
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("the side that the normals face")));
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("the outlines turn towards that side")));
+  for (std::size_t i = 0; i < grid.points.size(); ++i) {
+    if (!grid.points[i].allFinite()) continue;
+    ASSERT_EQ(grid.normals[i], Eigen::Vector3f((-grid.points[i]).cast<float>()));
   }
 }
 
 TEST(CloudGrid, FacesTellTheSideButAreNoNormals) {
   PointCloudFile cloud = cloud_of(sphere_view(), true);
   for (const auto& point : cloud.points) cloud.facing.push_back((-point).cast<float>());
-  const auto grid = grid_from_cloud(cloud);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_GT(middle_direction(*grid).dot(kEye.normalized()), 0.9);
-  EXPECT_TRUE(grid->normals.empty());
+  const auto grid = value_of(grid_from_cloud(cloud));
+  EXPECT_GT(middle_direction(grid).dot(kEye.normalized()), 0.9);
+  EXPECT_TRUE(grid.normals.empty());
 }
 
 TEST(CloudGrid, IsTheSameWhereTheCloudIsMoved) {
   PointCloudFile cloud = cloud_of(sphere_view(), true);
-  const auto grid = grid_from_cloud(cloud);
-  ASSERT_TRUE(grid.ok());
+  const auto grid = value_of(grid_from_cloud(cloud));
   const Eigen::Vector3d shift(1000, 2000, -500);
   for (auto& point : cloud.points) point = 4.0 * point + shift;
-  const auto moved = grid_from_cloud(cloud);
-  ASSERT_TRUE(moved.ok());
-  EXPECT_LT((middle_direction(*moved) - middle_direction(*grid)).norm(), 0.05);
-  const auto kept = static_cast<double>(count_points(*grid));
-  EXPECT_NEAR(static_cast<double>(count_points(*moved)), kept, 0.01 * kept);
+  const auto moved = value_of(grid_from_cloud(cloud));
+  EXPECT_LT((middle_direction(moved) - middle_direction(grid)).norm(), 0.05);
+  const auto kept = static_cast<double>(count_points(grid));
+  EXPECT_NEAR(static_cast<double>(count_points(moved)), kept, 0.01 * kept);
 }
 
 TEST(CloudGrid, UsesADirectionThatIsGiven) {
@@ -239,16 +230,15 @@ TEST(CloudGrid, UsesADirectionThatIsGiven) {
   cloud.colours.assign(cloud.points.size(), Colour{1, 2, 3});
   CloudGridOptions options;
   options.direction = Eigen::Vector3d(0, 0, -2);
-  const auto grid = grid_from_cloud(cloud, options);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_EQ(count_points(*grid), cloud.points.size());
-  EXPECT_EQ(interior_fill(grid->points), 1.0);
-  EXPECT_TRUE(grid->notes.empty());
-  const Ray ray = grid->camera->ray(0, 0);
+  const auto grid = value_of(grid_from_cloud(cloud, options));
+  EXPECT_EQ(count_points(grid), cloud.points.size());
+  EXPECT_EQ(interior_fill(grid.points), 1.0);
+  EXPECT_TRUE(grid.notes.empty());
+  const Ray ray = grid.camera->ray(0, 0);
   EXPECT_EQ(ray.direction, Eigen::Vector3d(0, 0, -1));
-  EXPECT_NEAR((grid->camera->ray(1, 0).origin - ray.origin).norm(), 0.25, 1e-9);
-  EXPECT_NEAR((grid->camera->ray(0, 1).origin - ray.origin).norm(), 0.5, 1e-9);
-  EXPECT_EQ(grid->colours.size(), grid->points.size());
+  EXPECT_NEAR((grid.camera->ray(1, 0).origin - ray.origin).norm(), 0.25, 1e-9);
+  EXPECT_NEAR((grid.camera->ray(0, 1).origin - ray.origin).norm(), 0.5, 1e-9);
+  EXPECT_EQ(grid.colours.size(), grid.points.size());
 }
 
 TEST(CloudGrid, LeavesOutWhatIsHidden) {
@@ -258,15 +248,14 @@ TEST(CloudGrid, LeavesOutWhatIsHidden) {
       for (int x = 0; x < 30; ++x) cloud.points.emplace_back(0.1 * x, 0.1 * y, z);
   CloudGridOptions options;
   options.direction = Eigen::Vector3d(0, 0, 1);
-  const auto grid = grid_from_cloud(cloud, options);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_EQ(count_points(*grid), 900u);
-  for (const auto& point : grid->points)
+  const auto grid = value_of(grid_from_cloud(cloud, options));
+  EXPECT_EQ(count_points(grid), 900u);
+  for (const auto& point : grid.points)
     if (point.allFinite()) {
       EXPECT_EQ(point.z(), 0.0);
     }
-  EXPECT_THAT(grid->notes, Contains("900 of 1800 points lie behind others and are left out"));
-  EXPECT_THAT(grid->notes, Contains(HasSubstr("give the viewpoint")));
+  EXPECT_THAT(grid.notes, Contains("900 of 1800 points lie behind others and are left out"));
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("give the viewpoint")));
 }
 
 TEST(CloudGrid, CountsPointsThatShareARay) {
@@ -276,10 +265,9 @@ TEST(CloudGrid, CountsPointsThatShareARay) {
   cloud.points.emplace_back(1.5 + 1e-4, 1.5, 0.0);
   CloudGridOptions options;
   options.direction = Eigen::Vector3d(0, 0, 1);
-  const auto grid = grid_from_cloud(cloud, options);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_EQ(count_points(*grid), 900u);
-  EXPECT_THAT(grid->notes, Contains("1 of 901 points share a ray with another and are left out"));
+  const auto grid = value_of(grid_from_cloud(cloud, options));
+  EXPECT_EQ(count_points(grid), 900u);
+  EXPECT_THAT(grid.notes, Contains("1 of 901 points share a ray with another and are left out"));
 }
 
 TEST(CloudGrid, SeesARoomAllRound) {
@@ -297,16 +285,15 @@ TEST(CloudGrid, SeesARoomAllRound) {
   }
   CloudGridOptions options;
   options.viewpoint = Eigen::Vector3d::Zero();
-  const auto grid = grid_from_cloud(cloud, options);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_GT(count_points(*grid), cloud.points.size() * 97 / 100);
-  EXPECT_NEAR(grid->points.width(), 360, 4);
-  EXPECT_NEAR(grid->points.height(), 121, 4);
-  for (int v = 0; v < grid->points.height(); v += 7) {
-    for (int u = 0; u < grid->points.width(); u += 7) {
-      if (!grid->points(u, v).allFinite()) continue;
-      const Eigen::Vector3d direction = grid->points(u, v).normalized();
-      ASSERT_GT(grid->camera->ray(u, v).direction.dot(direction), std::cos(2.0 * step));
+  const auto grid = value_of(grid_from_cloud(cloud, options));
+  EXPECT_GT(count_points(grid), cloud.points.size() * 97 / 100);
+  EXPECT_NEAR(grid.points.width(), 360, 4);
+  EXPECT_NEAR(grid.points.height(), 121, 4);
+  for (int v = 0; v < grid.points.height(); v += 7) {
+    for (int u = 0; u < grid.points.width(); u += 7) {
+      if (!grid.points(u, v).allFinite()) continue;
+      const Eigen::Vector3d direction = grid.points(u, v).normalized();
+      ASSERT_GT(grid.camera->ray(u, v).direction.dot(direction), std::cos(2.0 * step));
     }
   }
 }
@@ -319,11 +306,10 @@ TEST(CloudGrid, IrregularPointsStayConnected) {
     const double x = uniform(random), y = uniform(random);
     cloud.points.emplace_back(x, y, 0.2 * std::cos(2 * x) * std::cos(2 * y));
   }
-  const auto grid = grid_from_cloud(cloud);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  expect_points_of(cloud, *grid);
-  EXPECT_GT(count_points(*grid), cloud.points.size() * 85 / 100);
-  EXPECT_GT(connected_fraction(*grid), 0.95);
+  const auto grid = value_of(grid_from_cloud(cloud));
+  expect_points_of(cloud, grid);
+  EXPECT_GT(count_points(grid), cloud.points.size() * 85 / 100);
+  EXPECT_GT(connected_fraction(grid), 0.95);
 }
 
 TEST(CloudGrid, LeavesPointsFarOffOutside) {
@@ -332,31 +318,26 @@ TEST(CloudGrid, LeavesPointsFarOffOutside) {
   cloud.points.emplace_back(0, -1e8, 1e8);
   CloudGridOptions options;
   options.direction = -kEye;
-  const auto grid = grid_from_cloud(cloud, options);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_THAT(grid->notes, Contains(HasSubstr("2 of")));
-  EXPECT_LT(grid->points.size(), 64 * cloud.points.size() + 10000);
+  const auto grid = value_of(grid_from_cloud(cloud, options));
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("2 of")));
+  EXPECT_LT(grid.points.size(), 64 * cloud.points.size() + 10000);
 }
 
 TEST(CloudGrid, RefusesWhatIsNoScan) {
-  const auto error = [](PointCloudFile cloud, const CloudGridOptions& options = {}) {
-    const auto grid = grid_from_cloud(std::move(cloud), options);
-    return grid.ok() ? std::string("no error") : grid.error().message;
-  };
-  EXPECT_THAT(error({}), HasSubstr("the cloud has no points"));
+  EXPECT_THAT(grid_from_cloud({}), HasError("the cloud has no points"));
   PointCloudFile line, place;
   for (int i = 0; i < 100; ++i) line.points.emplace_back(i, 2 * i, 3);
   for (int i = 0; i < 100; ++i) place.points.emplace_back(1, 2, 3);
-  EXPECT_THAT(error(line), HasSubstr("on a line"));
-  EXPECT_THAT(error(place), HasSubstr("at one place"));
+  EXPECT_THAT(grid_from_cloud(line), HasError("on a line"));
+  EXPECT_THAT(grid_from_cloud(place), HasError("at one place"));
   line.normals.resize(3);
-  EXPECT_THAT(error(line), HasSubstr("not one normal or colour for each point"));
+  EXPECT_THAT(grid_from_cloud(line), HasError("not one normal or colour for each point"));
   PointCloudFile cloud = cloud_of(sphere_view(), true);
   CloudGridOptions options;
   options.direction = Eigen::Vector3d::Zero();
-  EXPECT_THAT(error(cloud, options), HasSubstr("is no direction"));
+  EXPECT_THAT(grid_from_cloud(cloud, options), HasError("is no direction"));
   options.viewpoint = Eigen::Vector3d::Constant(kNoSample);
-  EXPECT_THAT(error(cloud, options), HasSubstr("viewpoint of the cloud is not finite"));
+  EXPECT_THAT(grid_from_cloud(cloud, options), HasError("viewpoint of the cloud is not finite"));
 }
 
 TEST(CloudGrid, ExtremeCoordinatesNeverCrash) {
@@ -397,38 +378,32 @@ TEST(CloudGrid, RealScansAsTextKeepTheirPoints) {
   RELIEF_REQUIRE_TEST_DATA(path, "dragon");
   const TemporaryFolder folder;
   for (const char* name : {"0", "48", "144", "264", "312"}) {
-    const auto scan = read_ply_grid(path / ("dragonStandRight_" + std::string(name) + ".ply"));
-    ASSERT_TRUE(scan.ok()) << scan.error().message;
-    const auto cloud = read_point_cloud(folder.write("a.xyz", text_of(*scan)));
-    ASSERT_TRUE(cloud.ok()) << cloud.error().message;
-    ASSERT_EQ(cloud->points.size(), count_points(*scan));
-    const auto grid = grid_from_cloud(*cloud);
-    ASSERT_TRUE(grid.ok()) << grid.error().message;
-    expect_points_of(*cloud, *grid);
-    EXPECT_GT(count_points(*grid), cloud->points.size() * 9 / 10) << name;
-    EXPECT_GT(interior_fill(grid->points), 0.85) << name;
-    EXPECT_GT(connected_fraction(*grid), 0.95) << name;
+    const auto scan =
+        value_of(read_ply_grid(path / ("dragonStandRight_" + std::string(name) + ".ply")));
+    const auto cloud = value_of(read_point_cloud(folder.write("a.xyz", text_of(scan))));
+    ASSERT_EQ(cloud.points.size(), count_points(scan));
+    const auto grid = value_of(grid_from_cloud(cloud));
+    expect_points_of(cloud, grid);
+    EXPECT_GT(count_points(grid), cloud.points.size() * 9 / 10) << name;
+    EXPECT_GT(interior_fill(grid.points), 0.85) << name;
+    EXPECT_GT(connected_fraction(grid), 0.95) << name;
     // The sensor is where z grows.
-    EXPECT_LT(middle_direction(*grid).z(), -0.8) << name;
+    EXPECT_LT(middle_direction(grid).z(), -0.8) << name;
   }
 }
 
 TEST(CloudGrid, RealRangeMeshesAsViews) {
   RELIEF_REQUIRE_TEST_DATA(path, "bunny/bun000.ply");
-  const auto scan = read_ply_grid(path);
-  ASSERT_TRUE(scan.ok()) << scan.error().message;
-  const auto view = view_from_grid(*scan);
-  ASSERT_TRUE(view.ok()) << view.error().message;
+  const auto scan = value_of(read_ply_grid(path));
+  const auto view = value_of(view_from_grid(scan));
   const TemporaryFolder folder;
-  ASSERT_TRUE(write_mesh(mesh_from_view(*view), folder / "a.stl").ok());
-  const auto cloud = read_point_cloud(folder / "a.stl");
-  ASSERT_TRUE(cloud.ok()) << cloud.error().message;
-  const auto grid = grid_from_cloud(*cloud);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_GT(count_points(*grid), cloud->points.size() * 9 / 10);
-  EXPECT_GT(interior_fill(grid->points), 0.85);
-  EXPECT_LT(middle_direction(*grid).z(), -0.9);
-  EXPECT_THAT(grid->notes, Contains(HasSubstr("the side that the normals face")));
+  ASSERT_THAT(write_mesh(mesh_from_view(view), folder / "a.stl"), IsOk());
+  const auto cloud = value_of(read_point_cloud(folder / "a.stl"));
+  const auto grid = value_of(grid_from_cloud(cloud));
+  EXPECT_GT(count_points(grid), cloud.points.size() * 9 / 10);
+  EXPECT_GT(interior_fill(grid.points), 0.85);
+  EXPECT_LT(middle_direction(grid).z(), -0.9);
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("the side that the normals face")));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "relief/io/mesh_io.h"
 #include "relief/scan/triangle_mesh.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 
@@ -15,21 +16,13 @@ namespace relief {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::LimitedMemory;
 using testing::TemporaryFolder;
 
-PointCloudFile parsed(const std::string& content) {
-  const auto cloud = parse_xyz(content, "a.xyz");
-  EXPECT_TRUE(cloud.ok()) << cloud.error().message;
-  return cloud.ok() ? *cloud : PointCloudFile{};
-}
+PointCloudFile parsed(const std::string& content) { return value_of(parse_xyz(content, "a.xyz")); }
 
-std::string xyz_error(const std::string& content) {
-  const auto cloud = parse_xyz(content, "a.xyz");
-  return cloud.ok() ? std::string("no error") : cloud.error().message;
-}
+auto parse(const std::string& content) { return parse_xyz(content, "a.xyz"); }
 
 TEST(XyzText, ReadsPointsExactly) {
   const auto cloud = parsed("0.1 -2e-3 +3\n\n  1.7976931348623157e308\t4.9e-324 -0\r\n");
@@ -59,9 +52,8 @@ TEST(XyzText, TellsNormalsFromColours) {
   const auto colours = parsed("1 2 3 0 128 255\n4 5 6 1 2 3\n");
   EXPECT_THAT(colours.colours, ElementsAre(Colour{0, 128, 255}, Colour{1, 2, 3}));
   EXPECT_THAT(colours.normals, IsEmpty());
-  EXPECT_THAT(xyz_error("1 2 3 0.5 0.5 0.5\n"),
-              HasSubstr("begin the file with a line of column names"));
-  EXPECT_THAT(xyz_error("1 2 3 4 5\n"), HasSubstr("its 5 columns is not clear"));
+  EXPECT_THAT(parse("1 2 3 0.5 0.5 0.5\n"), HasError("begin the file with a line of column names"));
+  EXPECT_THAT(parse("1 2 3 4 5\n"), HasError("its 5 columns is not clear"));
 }
 
 TEST(XyzText, KnowsEveryOrderOfColumns) {
@@ -104,12 +96,12 @@ TEST(XyzText, HoldsPointsAgainstTheirNumber) {
   const auto cloud = parsed("2\n1 2 3 -1613 52 70 64\n4 5 6 -1998 58 76 67\n");
   EXPECT_THAT(cloud.colours, ElementsAre(Colour{52, 70, 64}, Colour{58, 76, 67}));
   EXPECT_EQ(parsed("1\n1 2 3\n2\n4 5 6\n7 8 9\n").points.size(), 3u);
-  EXPECT_THAT(xyz_error("5\n1 2 3\n4 5 6\n"),
-              HasSubstr("a.xyz: truncated: line 1 promises 5 points, 3 lines are missing"));
+  EXPECT_THAT(parse("5\n1 2 3\n4 5 6\n"),
+              HasError("a.xyz: truncated: line 1 promises 5 points, 3 lines are missing"));
   const auto more = parsed("1\n1 2 3\n4 5 6\n");
   EXPECT_EQ(more.points.size(), 2u);
   EXPECT_THAT(more.notes, ElementsAre("line 1 promises 1 points, 2 follow and are read"));
-  EXPECT_THAT(xyz_error("1.5\n1 2 3\n"), HasSubstr("line 1: a single number says how many"));
+  EXPECT_THAT(parse("1.5\n1 2 3\n"), HasError("line 1: a single number says how many"));
 }
 
 TEST(XyzText, LeavesOutWhatIsNotFinite) {
@@ -117,23 +109,23 @@ TEST(XyzText, LeavesOutWhatIsNotFinite) {
   EXPECT_EQ(cloud.points.size(), 2u);
   EXPECT_THAT(cloud.colours, ElementsAre(Colour{1, 2, 3}, Colour{9, 9, 9}));
   EXPECT_THAT(cloud.notes, ElementsAre("2 points that are not finite are left out"));
-  EXPECT_THAT(xyz_error("nan nan nan\n"), HasSubstr("no point of the file is finite"));
+  EXPECT_THAT(parse("nan nan nan\n"), HasError("no point of the file is finite"));
 }
 
 TEST(XyzText, NamesTheLineAndTheRemedy) {
-  EXPECT_THAT(xyz_error(""), HasSubstr("a.xyz: no point in the file"));
-  EXPECT_THAT(xyz_error("# nothing\n"), HasSubstr("no point in the file"));
-  EXPECT_THAT(xyz_error("a cloud of points\n1 2 3\n"),
-              HasSubstr("line 1: 'a' is no number; a line of column names has x, y and z"));
-  EXPECT_THAT(xyz_error("1 2 3\n\n1 2\n"), HasSubstr("line 3: 2 numbers, but the points before"));
-  EXPECT_THAT(xyz_error("1 2 3\n1 2 z\n"), HasSubstr("line 2: 'z' is no number"));
-  EXPECT_THAT(xyz_error("1 2\n"), HasSubstr("line 1: a point has at least three numbers"));
-  EXPECT_THAT(xyz_error("x y z r\n1 2 3\n"),
-              HasSubstr("line 2: 3 numbers, but 4 columns are named before"));
-  EXPECT_THAT(xyz_error(",,,\n"), HasSubstr("line 1: no number between"));
+  EXPECT_THAT(parse(""), HasError("a.xyz: no point in the file"));
+  EXPECT_THAT(parse("# nothing\n"), HasError("no point in the file"));
+  EXPECT_THAT(parse("a cloud of points\n1 2 3\n"),
+              HasError("line 1: 'a' is no number; a line of column names has x, y and z"));
+  EXPECT_THAT(parse("1 2 3\n\n1 2\n"), HasError("line 3: 2 numbers, but the points before"));
+  EXPECT_THAT(parse("1 2 3\n1 2 z\n"), HasError("line 2: 'z' is no number"));
+  EXPECT_THAT(parse("1 2\n"), HasError("line 1: a point has at least three numbers"));
+  EXPECT_THAT(parse("x y z r\n1 2 3\n"),
+              HasError("line 2: 3 numbers, but 4 columns are named before"));
+  EXPECT_THAT(parse(",,,\n"), HasError("line 1: no number between"));
   std::string many;
   for (int i = 0; i < 100; ++i) many += "1 ";
-  EXPECT_THAT(xyz_error(many), HasSubstr("line 1: more than 64 numbers"));
+  EXPECT_THAT(parse(many), HasError("line 1: more than 64 numbers"));
 }
 
 TEST(XyzText, PosesAreNoPoints) {
@@ -142,18 +134,16 @@ TEST(XyzText, PosesAreNoPoints) {
     std::string content;
     for (std::size_t begin = 0; begin < poses.size(); begin = poses.find('\n', begin) + 1)
       content += time + poses.substr(begin, poses.find('\n', begin) + 1 - begin);
-    const auto cloud = parse_xyz(content, "a.xyz");
-    ASSERT_FALSE(cloud.ok());
-    EXPECT_THAT(cloud.error().message, HasSubstr("holds poses"));
+    EXPECT_THAT(parse_xyz(content, "a.xyz"), HasError("holds poses"));
   }
-  EXPECT_TRUE(parse_xyz("1 2 3 0 0 0.6 0.8\n1 2 4 0 0 0 1\n", "a.xyz").ok())
+  EXPECT_THAT(parse_xyz("1 2 3 0 0 0.6 0.8\n1 2 4 0 0 0 1\n", "a.xyz"), IsOk())
       << "normals behind an intensity of 0";
 }
 
 TEST(XyzText, DamagedFilesNeverCrash) {
   const std::string content =
       "3\n//X,Y,Z,R,G,B,Nx,Ny,Nz\n1 2 3 4 5 6 0 0 1\n1,2,3,4,5,6,0,1,0\n1 2 3 255 5 6 1 0 0\n";
-  ASSERT_TRUE(parse_xyz(content, "a.xyz").ok());
+  ASSERT_THAT(parse_xyz(content, "a.xyz"), IsOk());
   const LimitedMemory limit(std::size_t{1} << 28);
   for (std::size_t size = 0; size < content.size(); ++size)
     (void)parse_xyz(content.substr(0, size), "a.xyz");
@@ -170,9 +160,7 @@ TEST(XyzText, DamagedFilesNeverCrash) {
 TEST(PointCloudFile, ReadsRealText) {
   RELIEF_REQUIRE_TEST_DATA(path, "formats/ptx");
   const auto count = [&](const char* name) {
-    const auto cloud = read_point_cloud(path / name);
-    EXPECT_TRUE(cloud.ok()) << cloud.error().message;
-    return cloud.ok() ? cloud->points.size() : 0;
+    return value_of(read_point_cloud(path / name)).points.size();
   };
   EXPECT_EQ(count("autzen.pts"), 10u);
   EXPECT_EQ(count("bunny_8.pts"), 9u);
@@ -189,13 +177,12 @@ TEST(PointCloudFile, ReadsPlyClouds) {
       "double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty float "
       "nx\nproperty float ny\nproperty float nz\nend_header\n1 2 0.1 7 8 9 0 0 1\nnan 0 0 0 0 0 0 "
       "0 0\n4 5 6 1 2 3 0 1 0\n");
-  const auto cloud = read_point_cloud(path);
-  ASSERT_TRUE(cloud.ok()) << cloud.error().message;
-  EXPECT_THAT(cloud->points, ElementsAre(Eigen::Vector3d(1, 2, 0.1), Eigen::Vector3d(4, 5, 6)));
-  EXPECT_THAT(cloud->normals, ElementsAre(Eigen::Vector3f(0, 0, 1), Eigen::Vector3f(0, 1, 0)));
-  EXPECT_THAT(cloud->colours, ElementsAre(Colour{7, 8, 9}, Colour{1, 2, 3}));
-  EXPECT_THAT(cloud->notes, ElementsAre("1 points that are not finite are left out"));
-  EXPECT_THAT(cloud->facing, IsEmpty());
+  const auto cloud = value_of(read_point_cloud(path));
+  EXPECT_THAT(cloud.points, ElementsAre(Eigen::Vector3d(1, 2, 0.1), Eigen::Vector3d(4, 5, 6)));
+  EXPECT_THAT(cloud.normals, ElementsAre(Eigen::Vector3f(0, 0, 1), Eigen::Vector3f(0, 1, 0)));
+  EXPECT_THAT(cloud.colours, ElementsAre(Colour{7, 8, 9}, Colour{1, 2, 3}));
+  EXPECT_THAT(cloud.notes, ElementsAre("1 points that are not finite are left out"));
+  EXPECT_THAT(cloud.facing, IsEmpty());
 }
 
 TriangleMesh square() {
@@ -208,37 +195,33 @@ TriangleMesh square() {
 TEST(PointCloudFile, VerticesOfMeshesAreThePoints) {
   const TemporaryFolder folder;
   for (const char* name : {"a.ply", "a.obj", "a.stl", "a.vtp"}) {
-    ASSERT_TRUE(write_mesh(square(), folder / name).ok());
-    const auto cloud = read_point_cloud(folder / name);
-    ASSERT_TRUE(cloud.ok()) << cloud.error().message;
-    EXPECT_EQ(cloud->points.size(), 4u) << name;
-    ASSERT_EQ(cloud->facing.size(), 4u) << name;
-    EXPECT_EQ(cloud->facing[0], Eigen::Vector3f(0, 0, 1)) << name;
-    EXPECT_THAT(cloud->normals, IsEmpty()) << name;
+    ASSERT_THAT(write_mesh(square(), folder / name), IsOk());
+    const auto cloud = value_of(read_point_cloud(folder / name));
+    EXPECT_EQ(cloud.points.size(), 4u) << name;
+    ASSERT_EQ(cloud.facing.size(), 4u) << name;
+    EXPECT_EQ(cloud.facing[0], Eigen::Vector3f(0, 0, 1)) << name;
+    EXPECT_THAT(cloud.normals, IsEmpty()) << name;
   }
 }
 
 TEST(PointCloudFile, ReadsPcdPoints) {
   RELIEF_REQUIRE_TEST_DATA(path, "formats/pcd");
-  const auto column = read_point_cloud(path / "colored_cloud.pcd");
-  ASSERT_TRUE(column.ok()) << column.error().message;
-  EXPECT_EQ(column->points.size(), 1000u);
-  EXPECT_EQ(column->colours.size(), 1000u);
-  const auto table = read_point_cloud(path / "table_scene_mug_stereo_textured.pcd");
-  ASSERT_TRUE(table.ok()) << table.error().message;
-  ASSERT_TRUE(table->world_from_view.has_value());
-  ASSERT_TRUE(table->viewpoint.has_value());
-  EXPECT_TRUE(table->viewpoint->isZero());
+  const auto column = value_of(read_point_cloud(path / "colored_cloud.pcd"));
+  EXPECT_EQ(column.points.size(), 1000u);
+  EXPECT_EQ(column.colours.size(), 1000u);
+  const auto table = value_of(read_point_cloud(path / "table_scene_mug_stereo_textured.pcd"));
+  ASSERT_TRUE(table.world_from_view.has_value());
+  ASSERT_TRUE(table.viewpoint.has_value());
+  EXPECT_TRUE(table.viewpoint->isZero());
 }
 
 TEST(PointCloudFile, NamesAnUnknownEnding) {
   const TemporaryFolder folder;
-  const auto read = read_point_cloud(folder.write("a.las", "1 2 3\n"));
-  ASSERT_FALSE(read.ok());
-  EXPECT_THAT(read.error().message, HasSubstr("a.las: unknown format '.las'"));
+  EXPECT_THAT(read_point_cloud(folder.write("a.las", "1 2 3\n")),
+              HasError("a.las: unknown format '.las'"));
   EXPECT_FALSE(has_cloud_ending("a.las"));
   EXPECT_TRUE(has_cloud_ending("a.XYZ"));
-  EXPECT_FALSE(read_point_cloud(folder / "missing.xyz").ok());
+  EXPECT_THAT(read_point_cloud(folder / "missing.xyz"), HasError());
 }
 
 }  // namespace

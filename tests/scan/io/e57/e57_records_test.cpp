@@ -11,6 +11,7 @@
 #include "scan/io/e57/e57_layout.h"
 #include "scan/io/e57/e57_pages.h"
 #include "tests/scan/io/e57/e57_builder.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief {
 namespace {
@@ -19,7 +20,6 @@ using testing::bits;
 using testing::data_packet;
 using testing::E57Builder;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 // The values of a field of scan 0, or the error.
 Result<std::vector<double>> values_of(const std::string& content, const std::string& field) {
@@ -35,11 +35,6 @@ Result<std::vector<double>> values_of(const std::string& content, const std::str
                                        }}});
   if (!read) return read.error();
   return values;
-}
-
-std::string error_of(const std::string& content, const std::string& field) {
-  const auto values = values_of(content, field);
-  return values.ok() ? "no error" : values.error().message;
 }
 
 std::string integer_field(const std::string& name, std::int64_t minimum, std::int64_t maximum) {
@@ -59,7 +54,7 @@ TEST(E57Pages, NamesThePageOfAWrongChecksum) {
   std::string content = builder.finish();
   ASSERT_EQ(values_of(content, "a")->size(), 500u);
   content[2 * 1024 + 100] ^= 1;
-  EXPECT_THAT(error_of(content, "a"), HasSubstr("a.e57: damaged E57: the checksum of page 2 (from "
+  EXPECT_THAT(values_of(content, "a"), HasError("a.e57: damaged E57: the checksum of page 2 (from "
                                                 "byte 2048) does not match its content"));
 }
 
@@ -70,16 +65,16 @@ TEST(E57Pages, RefusesWhatIsNoE57) {
   const auto changed = [&](std::size_t at, char value) {
     std::string other = content;
     other[at] = value;
-    return error_of(testing::with_checksums(other), "a");
+    return values_of(testing::with_checksums(other), "a");
   };
-  EXPECT_THAT(error_of("", "a"), HasSubstr("it has 0 bytes"));
-  EXPECT_THAT(error_of(content.substr(0, content.size() - 1), "a"), HasSubstr("truncated"));
-  EXPECT_THAT(error_of(content + std::string(1024, '\0'), "a"), HasSubstr("byte 16 of its header"));
-  EXPECT_THAT(changed(0, 'B'), HasSubstr("not an E57 file"));
-  EXPECT_THAT(changed(8, 2), HasSubstr("version 2"));
-  EXPECT_THAT(changed(41, 2), HasSubstr("pages of 512 bytes"));
-  EXPECT_THAT(changed(26, 1), HasSubstr("the XML section would be at byte"));
-  EXPECT_THAT(changed(36, 1), HasSubstr("more than the file has left"));
+  EXPECT_THAT(values_of("", "a"), HasError("it has 0 bytes"));
+  EXPECT_THAT(values_of(content.substr(0, content.size() - 1), "a"), HasError("truncated"));
+  EXPECT_THAT(values_of(content + std::string(1024, '\0'), "a"), HasError("byte 16 of its header"));
+  EXPECT_THAT(changed(0, 'B'), HasError("not an E57 file"));
+  EXPECT_THAT(changed(8, 2), HasError("version 2"));
+  EXPECT_THAT(changed(41, 2), HasError("pages of 512 bytes"));
+  EXPECT_THAT(changed(26, 1), HasError("the XML section would be at byte"));
+  EXPECT_THAT(changed(36, 1), HasError("more than the file has left"));
 }
 
 // Every width, with the bits of a value in two packets and packets of other kinds between.
@@ -110,7 +105,7 @@ TEST(E57Records, IntegersOfEveryWidthRunOnOverPackets) {
     builder.add_scan_of_packets(integer_field("a", minimum, maximum) + integer_field("b", 0, 7),
                                 raw.size(), packets);
     const auto values = values_of(builder.finish(), "a");
-    ASSERT_TRUE(values.ok()) << width << ": " << values.error().message;
+    ASSERT_THAT(values, IsOk()) << width;
     ASSERT_EQ(values->size(), raw.size());
     for (std::size_t i = 0; i < raw.size(); ++i)
       ASSERT_EQ((*values)[i], static_cast<double>(static_cast<std::int64_t>(
@@ -138,25 +133,25 @@ TEST(E57Records, ReadsEveryType) {
 }
 
 TEST(E57Records, NamesTheByteOfADamagedPacket) {
-  const auto error = [](const std::string& packet, std::uint64_t count = 1) {
+  const auto read = [](const std::string& packet, std::uint64_t count = 1) {
     E57Builder builder;
     builder.add_scan_of_packets("<a type=\"Float\"/>", count, {packet});
-    return error_of(builder.finish(), "a");
+    return values_of(builder.finish(), "a");
   };
   const std::string sound = data_packet({testing::doubles({1})});
-  ASSERT_EQ(error(sound), "no error");
+  ASSERT_THAT(read(sound), IsOk());
   const auto changed = [&](std::size_t at, char value) {
     std::string packet = sound;
     packet[at] = value;
-    return error(packet);
+    return read(packet);
   };
-  EXPECT_THAT(changed(0, 9), HasSubstr("byte 80 (page 0): a packet of the unknown type 9"));
-  EXPECT_THAT(changed(2, 99), HasSubstr("byte 80 (page 0): a packet of 100 bytes"));
-  EXPECT_THAT(changed(2, 16), HasSubstr("a packet of 17 bytes"));
-  EXPECT_THAT(changed(4, 2), HasSubstr("2 bytestreams for points of 1 fields"));
-  EXPECT_THAT(changed(6, 100), HasSubstr("the bytestream of a has 100 bytes"));
-  EXPECT_THAT(error(sound, 2), HasSubstr("the packets end after 1 of 2 values of a"));
-  EXPECT_THAT(error(""), HasSubstr("after 0 of 1 values"));
+  EXPECT_THAT(changed(0, 9), HasError("byte 80 (page 0): a packet of the unknown type 9"));
+  EXPECT_THAT(changed(2, 99), HasError("byte 80 (page 0): a packet of 100 bytes"));
+  EXPECT_THAT(changed(2, 16), HasError("a packet of 17 bytes"));
+  EXPECT_THAT(changed(4, 2), HasError("2 bytestreams for points of 1 fields"));
+  EXPECT_THAT(changed(6, 100), HasError("the bytestream of a has 100 bytes"));
+  EXPECT_THAT(read(sound, 2), HasError("the packets end after 1 of 2 values of a"));
+  EXPECT_THAT(read(""), HasError("after 0 of 1 values"));
 }
 
 TEST(E57Records, NamesTheByteOfADamagedSection) {
@@ -165,55 +160,54 @@ TEST(E57Records, NamesTheByteOfADamagedSection) {
   const auto changed = [&](std::size_t at, char value) {
     std::string content = builder.finish();
     content[at] = value;
-    return error_of(testing::with_checksums(content), "a");
+    return values_of(testing::with_checksums(content), "a");
   };
-  EXPECT_THAT(changed(48, 7), HasSubstr("byte 48 (page 0): a section of points begins with 1"));
-  EXPECT_THAT(changed(59, 1), HasSubstr("has a length of 16777264 bytes"));
-  EXPECT_THAT(changed(67, 1), HasSubstr("the first packet of the points would be at byte"));
+  EXPECT_THAT(changed(48, 7), HasError("byte 48 (page 0): a section of points begins with 1"));
+  EXPECT_THAT(changed(59, 1), HasError("has a length of 16777264 bytes"));
+  EXPECT_THAT(changed(67, 1), HasError("the first packet of the points would be at byte"));
 }
 
 TEST(E57Layout, NamesWhatIsWrongInTheXml) {
-  const auto error = [](const std::string& prototype) {
+  const auto read = [](const std::string& prototype) {
     E57Builder builder;
     builder.add_scan(prototype, 1, {testing::doubles({1})});
-    return error_of(builder.finish(), "a");
+    return values_of(builder.finish(), "a");
   };
-  EXPECT_THAT(error("<a type=\"Blob\"/>"), HasSubstr("scan 0 of the E57: the field a has the "
-                                                     "unknown type 'Blob'"));
-  EXPECT_THAT(error("<a type=\"Float\" precision=\"half\"/>"), HasSubstr("'half'"));
-  EXPECT_THAT(error("<a type=\"Integer\" minimum=\"x\"/>"), HasSubstr("the minimum 'x'"));
-  EXPECT_THAT(error("<a type=\"Integer\" minimum=\"3\" maximum=\"2\"/>"),
-              HasSubstr("a minimum above its maximum"));
-  EXPECT_THAT(error("<a type=\"ScaledInteger\" scale=\"inf\"/>"), HasSubstr("the scale 'inf'"));
+  EXPECT_THAT(read("<a type=\"Blob\"/>"), HasError("scan 0 of the E57: the field a has the "
+                                                   "unknown type 'Blob'"));
+  EXPECT_THAT(read("<a type=\"Float\" precision=\"half\"/>"), HasError("'half'"));
+  EXPECT_THAT(read("<a type=\"Integer\" minimum=\"x\"/>"), HasError("the minimum 'x'"));
+  EXPECT_THAT(read("<a type=\"Integer\" minimum=\"3\" maximum=\"2\"/>"),
+              HasError("a minimum above its maximum"));
+  EXPECT_THAT(read("<a type=\"ScaledInteger\" scale=\"inf\"/>"), HasError("the scale 'inf'"));
   std::string nested = "<a type=\"Float\"/>";
   for (int i = 0; i < 20; ++i) nested = "<s type=\"Structure\">" + nested + "</s>";
-  EXPECT_THAT(error(nested), HasSubstr("nested too deeply"));
-  EXPECT_THAT(error_of(E57Builder().finish_with("<e57Root><data3D>"), "a"),
-              HasSubstr("its XML section breaks off at its byte"));
-  EXPECT_THAT(error_of(E57Builder().finish_with("<other/>"), "a"), HasSubstr("no e57Root"));
+  EXPECT_THAT(read(nested), HasError("nested too deeply"));
+  EXPECT_THAT(values_of(E57Builder().finish_with("<e57Root><data3D>"), "a"),
+              HasError("its XML section breaks off at its byte"));
+  EXPECT_THAT(values_of(E57Builder().finish_with("<other/>"), "a"), HasError("no e57Root"));
 }
 
 TEST(E57Layout, DeepXmlIsNoTrouble) {
   std::string deep;
   for (int i = 0; i < 200000; ++i) deep += "<a>";
-  EXPECT_THAT(error_of(E57Builder().finish_with(deep), "a"), HasSubstr("breaks off"));
+  EXPECT_THAT(values_of(E57Builder().finish_with(deep), "a"), HasError("breaks off"));
   for (int i = 0; i < 200000; ++i) deep += "</a>";
-  EXPECT_THAT(error_of(E57Builder().finish_with(deep), "a"), HasSubstr("no e57Root"));
+  EXPECT_THAT(values_of(E57Builder().finish_with(deep), "a"), HasError("no e57Root"));
 }
 
 TEST(E57Layout, KnowsTheCodecOfTheStandardOnly) {
-  const auto error = [](const std::string& codec) {
+  const auto read = [](const std::string& codec) {
     E57Builder builder;
     const std::uint64_t offset = builder.add_section({data_packet({testing::doubles({1})})});
     builder.add_scan_xml("<vectorChild><points fileOffset=\"" + std::to_string(offset) +
                          "\" recordCount=\"1\"><prototype><a type=\"Float\"/></prototype><codecs>"
                          "<vectorChild><inputs/><" +
                          codec + "/></vectorChild></codecs></points></vectorChild>");
-    return error_of(builder.finish(), "a");
+    return values_of(builder.finish(), "a");
   };
-  EXPECT_EQ(error("bitPackCodec"), "no error");
-  EXPECT_THAT(error("zipCodec"),
-              HasSubstr("scan 0 of the E57: its points are packed by an unknown"));
+  EXPECT_THAT(read("bitPackCodec"), IsOk());
+  EXPECT_THAT(read("zipCodec"), HasError("scan 0 of the E57: its points are packed by an unknown"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "scan/io/e57/e57_file.h"
 #include "tests/scan/io/e57/e57_builder.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
@@ -15,7 +16,6 @@
 namespace relief {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::LimitedMemory;
 using testing::TemporaryFolder;
 
@@ -60,20 +60,17 @@ TEST(E57RoundTrip, SamplesAreTheSameToTheLastBit) {
     plain.normals = {};
     plain.colours = {};
     plain.pose = PoseKind::kAbsent;
-    const auto written = write_e57({view, plain}, folder / "a.e57");
-    ASSERT_TRUE(written.ok()) << written.error().message;
-    const auto first = read_e57_scan(folder / "a.e57", 0);
-    ASSERT_TRUE(first.ok()) << first.error().message;
-    expect_same_samples(*first, view);
-    ASSERT_TRUE(first->world_from_view.has_value());
-    EXPECT_TRUE(first->world_from_view->isApprox(view.world_from_view, 1e-15));
-    EXPECT_TRUE(first->notes.empty());
-    const auto second = read_e57_scan(folder / "a.e57", 1);
-    ASSERT_TRUE(second.ok()) << second.error().message;
-    expect_same_samples(*second, plain);
-    EXPECT_TRUE(second->normals.empty());
-    EXPECT_TRUE(second->colours.empty());
-    EXPECT_FALSE(second->world_from_view.has_value());
+    ASSERT_THAT(write_e57({view, plain}, folder / "a.e57"), IsOk());
+    const auto first = value_of(read_e57_scan(folder / "a.e57", 0));
+    expect_same_samples(first, view);
+    ASSERT_TRUE(first.world_from_view.has_value());
+    EXPECT_TRUE(first.world_from_view->isApprox(view.world_from_view, 1e-15));
+    EXPECT_TRUE(first.notes.empty());
+    const auto second = value_of(read_e57_scan(folder / "a.e57", 1));
+    expect_same_samples(second, plain);
+    EXPECT_TRUE(second.normals.empty());
+    EXPECT_TRUE(second.colours.empty());
+    EXPECT_FALSE(second.world_from_view.has_value());
     EXPECT_EQ(list_e57_scans(folder / "a.e57")->front().name, view.name);
   }
 }
@@ -81,20 +78,18 @@ TEST(E57RoundTrip, SamplesAreTheSameToTheLastBit) {
 TEST(E57RoundTrip, ANormalThatIsMissingStaysMissing) {
   RangeView view = sphere_view(9, 9);
   view.normals(4, 4).setConstant(static_cast<float>(kNoSample));
-  const auto grid = parse_e57_scan(*encode_e57({view}), "a.e57", 0);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_TRUE(std::isnan(grid->normals(4, 4).x()));
-  EXPECT_EQ(grid->normals(5, 4), view.normals(5, 4));
+  const auto grid = value_of(parse_e57_scan(*encode_e57({view}), "a.e57", 0));
+  EXPECT_TRUE(std::isnan(grid.normals(4, 4).x()));
+  EXPECT_EQ(grid.normals(5, 4), view.normals(5, 4));
 }
 
 TEST(E57RoundTrip, UnitsBecomeMetres) {
   const RangeView view = sphere_view(9, 9);
-  const auto grid = parse_e57_scan(*encode_e57({view}, 0.5), "a.e57", 0);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_EQ(grid->points(4, 4), view.point(4, 4) * 0.5);
-  EXPECT_EQ(grid->world_from_view->translation(), view.world_from_view.translation() * 0.5);
+  const auto grid = value_of(parse_e57_scan(*encode_e57({view}, 0.5), "a.e57", 0));
+  EXPECT_EQ(grid.points(4, 4), view.point(4, 4) * 0.5);
+  EXPECT_EQ(grid.world_from_view->translation(), view.world_from_view.translation() * 0.5);
   for (const double scale : {0.0, -1.0, kNoSample, HUGE_VAL})
-    EXPECT_THAT(encode_e57({view}, scale).error().message, HasSubstr("must be a positive number"));
+    EXPECT_THAT(encode_e57({view}, scale), HasError("must be a positive number"));
 }
 
 TEST(E57RoundTrip, BytesDependOnTheViewsAlone) {
@@ -113,26 +108,24 @@ TEST(E57RoundTrip, ViewsWithoutSamplesAndNamesThatAreNoText) {
       "a\x01\xff"
       "b";
   const std::string content = *encode_e57({view});
-  const auto scans = parse_e57_scans(content, "a.e57");
-  ASSERT_TRUE(scans.ok()) << scans.error().message;
-  EXPECT_EQ(scans->front().name, "a__b");
-  EXPECT_EQ(scans->front().points, 0u);
+  const auto scans = value_of(parse_e57_scans(content, "a.e57"));
+  EXPECT_EQ(scans.front().name, "a__b");
+  EXPECT_EQ(scans.front().points, 0u);
   EXPECT_TRUE(parse_e57_cloud(content, "a.e57", 0)->points.empty());
   EXPECT_TRUE(parse_e57_scans(*encode_e57({}), "a.e57")->empty());
 }
 
 TEST(E57RoundTrip, AFileThatCannotBeWrittenIsAnError) {
   const TemporaryFolder folder;
-  const auto written = write_e57({sphere_view(3, 3)}, folder / "no/such/a.e57");
-  ASSERT_FALSE(written.ok());
-  EXPECT_EQ(written.error().kind, ErrorKind::kCannotWrite);
+  EXPECT_THAT(write_e57({sphere_view(3, 3)}, folder / "no/such/a.e57"),
+              HasError(ErrorKind::kCannotWrite));
 }
 
 TEST(E57Damage, ATruncatedFileIsAnError) {
   const std::string content = *encode_e57({sphere_view(6, 5)});
-  ASSERT_TRUE(parse_e57_cloud(content, "a.e57", 0).ok());
+  ASSERT_THAT(parse_e57_cloud(content, "a.e57", 0), IsOk());
   for (std::size_t size = 0; size < content.size(); ++size)
-    EXPECT_FALSE(parse_e57_cloud(content.substr(0, size), "a.e57", 0).ok()) << size;
+    EXPECT_THAT(parse_e57_cloud(content.substr(0, size), "a.e57", 0), HasError()) << size;
 }
 
 TEST(E57Damage, AChangedByteIsAnError) {
@@ -142,7 +135,7 @@ TEST(E57Damage, AChangedByteIsAnError) {
     std::string changed = content;
     const std::size_t at = random() % changed.size();
     changed[at] = static_cast<char>(changed[at] ^ (1 + random() % 255));
-    EXPECT_FALSE(parse_e57_cloud(changed, "a.e57", 0).ok()) << at;
+    EXPECT_THAT(parse_e57_cloud(changed, "a.e57", 0), HasError()) << at;
   }
 }
 
@@ -176,41 +169,36 @@ TEST(E57RealFiles, ReadAsOtherProgramsReadThem) {
                                {"libE57Format-test-data/self/ZeroPointsInvalid.e57", 0},
                                {"libE57Format-test-data/self/ColouredCubeDouble.e57", 7680},
                                {"libE57Format-test-data/reference/bunnyInt32.e57", 30571}}) {
-    const auto cloud = read_e57_cloud(folder / file.path, 0);
-    ASSERT_TRUE(cloud.ok()) << cloud.error().message;
-    EXPECT_EQ(cloud->points.size(), file.points) << file.path;
+    const auto cloud = value_of(read_e57_cloud(folder / file.path, 0));
+    EXPECT_EQ(cloud.points.size(), file.points) << file.path;
   }
   const auto normals = read_e57_cloud(folder / "pye57/tests/test_data/testWithNormals.e57", 0);
-  ASSERT_TRUE(normals.ok()) << normals.error().message;
+  ASSERT_THAT(normals, IsOk());
   EXPECT_EQ(normals->normals.size(), 2u);
   EXPECT_EQ(list_e57_scans(folder / "A_moved_B.e57")->size(), 2u);
 }
 
 TEST(E57RealFiles, DamagedOnesNameTheirDamage) {
   RELIEF_REQUIRE_TEST_DATA(folder, "formats/e57");
-  const auto error = [&](const std::string& path) {
-    const auto cloud = read_e57_cloud(folder / path, 0);
-    return cloud.ok() ? "no error" : cloud.error().message;
-  };
-  EXPECT_THAT(error("cry-inc/testdata/corrupt_crc.e57"), HasSubstr("page 33 (from byte 33792)"));
-  EXPECT_THAT(error("libE57Format-test-data/self/bad-crc.e57"), HasSubstr("page 0 (from byte 0)"));
+  const auto error = [&](const std::string& path) { return read_e57_cloud(folder / path, 0); };
+  EXPECT_THAT(error("cry-inc/testdata/corrupt_crc.e57"), HasError("page 33 (from byte 33792)"));
+  EXPECT_THAT(error("libE57Format-test-data/self/bad-crc.e57"), HasError("page 0 (from byte 0)"));
   EXPECT_THAT(error("libE57Format-test-data/self/InvalidCVHeader.e57"),
-              HasSubstr("byte 48 (page 0): a section of points begins with 1, not with 182"));
-  EXPECT_THAT(error("cry-inc/testdata/empty.e57"), HasSubstr("holds no scans"));
+              HasError("byte 48 (page 0): a section of points begins with 1, not with 182"));
+  EXPECT_THAT(error("cry-inc/testdata/empty.e57"), HasError("holds no scans"));
 }
 
 // One bunny in five encodings: each differs from the exact one by its own rounding.
 TEST(E57RealFiles, OneCloudInSeveralEncodings) {
   RELIEF_REQUIRE_TEST_DATA(folder, "formats/e57");
-  const auto exact = read_e57_cloud(folder / "libE57Format-test-data/reference/bunnyDouble.e57", 0);
-  ASSERT_TRUE(exact.ok()) << exact.error().message;
+  const auto exact =
+      value_of(read_e57_cloud(folder / "libE57Format-test-data/reference/bunnyDouble.e57", 0));
   const auto largest_difference = [&](const std::string& path) {
-    const auto other = read_e57_cloud(folder / path, 0);
-    EXPECT_TRUE(other.ok()) << other.error().message;
-    EXPECT_EQ(other->points.size(), exact->points.size());
+    const auto other = value_of(read_e57_cloud(folder / path, 0));
+    EXPECT_EQ(other.points.size(), exact.points.size());
     double largest = 0.0;
-    for (std::size_t i = 0; i < exact->points.size(); ++i)
-      largest = std::max(largest, (other->points[i] - exact->points[i]).cwiseAbs().maxCoeff());
+    for (std::size_t i = 0; i < exact.points.size(); ++i)
+      largest = std::max(largest, (other.points[i] - exact.points[i]).cwiseAbs().maxCoeff());
     return largest;
   };
   EXPECT_LT(largest_difference("cry-inc/testdata/bunnyFloat.e57"), 0.2 * 0x1p-24);
@@ -223,14 +211,13 @@ TEST(E57RealFiles, OneCloudInSeveralEncodings) {
 
 TEST(E57RealFiles, AStructuredScanHasItsGrid) {
   RELIEF_REQUIRE_TEST_DATA(path, "formats/e57/pye57/tests/test_data/pumpAVisualReferenceImage.e57");
-  const auto grid = read_e57_scan(path, 0);
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_EQ(grid->points.width(), 345);
-  EXPECT_EQ(grid->points.height(), 1074);
+  const auto grid = value_of(read_e57_scan(path, 0));
+  EXPECT_EQ(grid.points.width(), 345);
+  EXPECT_EQ(grid.points.height(), 1074);
   std::size_t samples = 0;
-  for (const auto& point : grid->points) samples += point.allFinite();
+  for (const auto& point : grid.points) samples += point.allFinite();
   EXPECT_EQ(samples, 155201u);
-  EXPECT_EQ(grid->colours.size(), grid->points.size());
+  EXPECT_EQ(grid.colours.size(), grid.points.size());
 }
 
 }  // namespace

@@ -10,19 +10,19 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 TEST(AtomicFile, WritesAndReplaces) {
   const TemporaryFolder folder;
   const auto path = folder / "a.txt";
-  ASSERT_TRUE(write_file(path, "first").ok());
-  ASSERT_TRUE(write_file(path, std::string(100000, 'x')).ok());
+  ASSERT_THAT(write_file(path, "first"), IsOk());
+  ASSERT_THAT(write_file(path, std::string(100000, 'x')), IsOk());
   EXPECT_EQ(*read_file(path), std::string(100000, 'x'));
   EXPECT_EQ(folder.size(), 1u);
 }
@@ -35,41 +35,32 @@ TEST(AtomicFile, AFailedWriterLeavesTheOldFileAndNothingElse) {
     std::ofstream(temporary) << "half";
     return Error{ErrorKind::kCannotWrite, "the writer gave up"};
   });
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().kind, ErrorKind::kCannotWrite);
-  EXPECT_THAT(result.error().message, HasSubstr(path.string()));
-  EXPECT_THAT(result.error().message, HasSubstr("the writer gave up"));
+  EXPECT_THAT(result, HasError(ErrorKind::kCannotWrite, path.string(), "the writer gave up"));
   EXPECT_EQ(*read_file(path), "old");
   EXPECT_EQ(folder.size(), 1u);
 }
 
 TEST(AtomicFile, NamesAFolderThatIsNotThere) {
   const TemporaryFolder folder;
-  const auto result = write_file(folder / "no/such/a.txt", "text");
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().kind, ErrorKind::kCannotWrite);
-  EXPECT_THAT(result.error().message, HasSubstr("no/such does not exist"));
+  EXPECT_THAT(write_file(folder / "no/such/a.txt", "text"),
+              HasError(ErrorKind::kCannotWrite, "no/such does not exist"));
 }
 
 TEST(AtomicFile, RefusesAFolderAsFile) {
   const TemporaryFolder folder;
-  EXPECT_FALSE(write_file(folder.path(), "text").ok());
-  EXPECT_FALSE(read_file(folder.path()).ok());
+  EXPECT_THAT(write_file(folder.path(), "text"), HasError());
+  EXPECT_THAT(read_file(folder.path()), HasError());
 }
 
 TEST(AtomicFile, AReadOnlyPlaceIsAnError) {
   // The kernel's own file system takes no new files, not even from the superuser.
-  const auto result = write_file("/proc/relief-test.txt", "text");
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().kind, ErrorKind::kCannotWrite);
-  EXPECT_THAT(result.error().message, HasSubstr("/proc/relief-test.txt"));
+  EXPECT_THAT(write_file("/proc/relief-test.txt", "text"),
+              HasError(ErrorKind::kCannotWrite, "/proc/relief-test.txt"));
 }
 
 TEST(AtomicFile, AFullDeviceIsAnError) {
-  const auto result = write_file("/dev/full", "text");
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().kind, ErrorKind::kCannotWrite);
-  EXPECT_THAT(result.error().message, HasSubstr(std::strerror(ENOSPC)));
+  EXPECT_THAT(write_file("/dev/full", "text"),
+              HasError(ErrorKind::kCannotWrite, std::strerror(ENOSPC)));
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
 }
 
@@ -84,8 +75,7 @@ TEST(AtomicFile, AFileSizeLimitIsAnError) {
   const auto result = write_file(path, std::string(50000, 'x'));
   ::setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
-  ASSERT_FALSE(result.ok());
-  EXPECT_THAT(result.error().message, HasSubstr(std::strerror(EFBIG)));
+  EXPECT_THAT(result, HasError(std::strerror(EFBIG)));
   EXPECT_EQ(*read_file(path), "old");
   EXPECT_EQ(folder.size(), 1u);
 }
@@ -99,8 +89,7 @@ TEST(AtomicFile, AFullDiskIsAnErrorAndLeavesTheOldFile) {
   const auto old = read_file(path);
   const std::size_t entries = folder.size();
   ::umount(folder.path().c_str());
-  ASSERT_FALSE(result.ok());
-  EXPECT_THAT(result.error().message, HasSubstr(std::strerror(ENOSPC)));
+  EXPECT_THAT(result, HasError(std::strerror(ENOSPC)));
   EXPECT_EQ(*old, "old");
   EXPECT_EQ(entries, 1u);
 }
@@ -110,16 +99,13 @@ TEST(AtomicFile, ALinkStaysALink) {
   const auto target = folder.write("target.txt", "old");
   const auto link = folder / "link.txt";
   std::filesystem::create_symlink(target, link);
-  ASSERT_TRUE(write_file(link, "new").ok());
+  ASSERT_THAT(write_file(link, "new"), IsOk());
   EXPECT_TRUE(std::filesystem::is_symlink(link));
   EXPECT_EQ(*read_file(target), "new");
 }
 
 TEST(AtomicFile, AMissingFileIsBadInput) {
-  const auto result = read_file("/no/such/file");
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().kind, ErrorKind::kBadInput);
-  EXPECT_THAT(result.error().message, HasSubstr("/no/such/file"));
+  EXPECT_THAT(read_file("/no/such/file"), HasError(ErrorKind::kBadInput, "/no/such/file"));
 }
 
 }  // namespace

@@ -6,20 +6,17 @@
 #include "scan/io/files/ply_file.h"
 #include "scan/io/grids/grid_file.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using testing::LimitedMemory;
 using testing::TemporaryFolder;
 
-std::string error_of(std::string_view content) {
-  const auto ply = parse_ply(content, "scan.ply");
-  return ply.ok() ? "no error" : ply.error().message;
-}
+auto parse(std::string_view content) { return parse_ply(content, "scan.ply"); }
 
 template <typename T>
 void append_big_endian(std::string& bytes, T value) {
@@ -29,16 +26,15 @@ void append_big_endian(std::string& bytes, T value) {
 }
 
 TEST(Ply, ReadsEveryScalarTypeInAscii) {
-  const auto ply = parse_ply(
+  const auto ply = value_of(parse_ply(
       "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info num_cols 5\r\n"
       "element vertex 1\r\nproperty char a\r\nproperty uint8 b\r\nproperty short c\r\n"
       "property ushort d\r\nproperty int32 e\r\nproperty uint f\r\nproperty float32 g\r\n"
       "property double h\r\nend_header\r\n-128 255 -32768 65535 -2147483648 4294967295 +1.5 "
       "1e-300\r\n",
-      "a.ply");
-  ASSERT_TRUE(ply.ok()) << ply.error().message;
-  EXPECT_EQ(ply->object_info.at("num_cols"), "5");
-  const auto& properties = ply->find("vertex")->properties;
+      "a.ply"));
+  EXPECT_EQ(ply.object_info.at("num_cols"), "5");
+  const auto& properties = ply.find("vertex")->properties;
   std::vector<double> values;
   for (const auto& property : properties) values.push_back(property.values.at(0));
   EXPECT_THAT(values,
@@ -57,9 +53,8 @@ TEST(Ply, ReadsBigEndianListsAndScalars) {
   content += '\x08';
   content += '\0';
   append_big_endian(content, -0.125);
-  const auto ply = parse_ply(content, "a.ply");
-  ASSERT_TRUE(ply.ok()) << ply.error().message;
-  const PlyElement* face = ply->find("face");
+  const auto ply = value_of(parse_ply(content, "a.ply"));
+  const PlyElement* face = ply.find("face");
   EXPECT_THAT(face->find("red")->values, ElementsAre(7, 8));
   EXPECT_THAT(face->find("vertex_indices")->values, ElementsAre(-5, 70000));
   EXPECT_THAT(face->find("vertex_indices")->starts, ElementsAre(0, 2, 2));
@@ -70,20 +65,17 @@ const std::string kVertices =
     "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nend_header\n";
 
 TEST(Ply, NamesTheLineOfTextWhereANumberBelongs) {
-  EXPECT_THAT(error_of(kVertices + "1 2\n3 four\n"), HasSubstr("scan.ply: line 8"));
-  EXPECT_THAT(error_of(kVertices + "1 2\n3 four\n"), HasSubstr("'four'"));
-  EXPECT_THAT(error_of(kVertices + "1.25 2.5\n3.75\n"), HasSubstr("line 8"));
-  EXPECT_THAT(error_of(kVertices + "1 2 3\n3 4\n"), HasSubstr("line 7"));
-  EXPECT_THAT(error_of(kVertices + "1.25 2.5\n"), HasSubstr("vertex 1 of 2"));
+  EXPECT_THAT(parse(kVertices + "1 2\n3 four\n"), HasError("scan.ply: line 8", "'four'"));
+  EXPECT_THAT(parse(kVertices + "1.25 2.5\n3.75\n"), HasError("line 8"));
+  EXPECT_THAT(parse(kVertices + "1 2 3\n3 4\n"), HasError("line 7"));
+  EXPECT_THAT(parse(kVertices + "1.25 2.5\n"), HasError("vertex 1 of 2"));
 }
 
 TEST(Ply, NamesElementAndByteOfATruncatedBinaryFile) {
-  const std::string message = error_of(
-      "ply\nformat binary_little_endian 1.0\nelement face 1\n"
-      "property list int float values\nend_header\n\x05" +
-      std::string(3, '\0') + "abcd");
-  EXPECT_THAT(message, HasSubstr("element face 0, byte "));
-  EXPECT_THAT(message, HasSubstr("truncated"));
+  EXPECT_THAT(parse("ply\nformat binary_little_endian 1.0\nelement face 1\n"
+                    "property list int float values\nend_header\n\x05" +
+                    std::string(3, '\0') + "abcd"),
+              HasError("element face 0, byte ", "truncated"));
 }
 
 TEST(Ply, RefusesCountsThatTheFileCannotHold) {
@@ -92,22 +84,21 @@ TEST(Ply, RefusesCountsThatTheFileCannotHold) {
            "\nproperty double x\nend_header\n1\n2\n";
   };
   for (const std::string count : {"1000000000000", "18446744073709551615", "3"}) {
-    EXPECT_THAT(error_of(with_count("ascii", count)), HasSubstr("truncated"));
-    EXPECT_THAT(error_of(with_count("binary_little_endian", count)), HasSubstr("truncated"));
+    EXPECT_THAT(parse(with_count("ascii", count)), HasError("truncated"));
+    EXPECT_THAT(parse(with_count("binary_little_endian", count)), HasError("truncated"));
   }
-  EXPECT_THAT(error_of(with_count("ascii", "99999999999999999999999")), HasSubstr("line 3"));
-  EXPECT_THAT(error_of(with_count("ascii", "-1")), HasSubstr("line 3"));
+  EXPECT_THAT(parse(with_count("ascii", "99999999999999999999999")), HasError("line 3"));
+  EXPECT_THAT(parse(with_count("ascii", "-1")), HasError("line 3"));
 }
 
 TEST(Ply, NamesTheLineOfABadHeader) {
-  EXPECT_THAT(error_of("solid\n"), HasSubstr("not a PLY"));
-  EXPECT_THAT(error_of("ply\nformat utf8 1.0\n"), HasSubstr("line 2"));
-  EXPECT_THAT(error_of("ply\nformat ascii 1.0\nproperty float x\n"), HasSubstr("line 3"));
-  EXPECT_THAT(error_of("ply\nformat ascii 1.0\nelement v 1\nproperty long x\n"),
-              HasSubstr("'long'"));
-  EXPECT_THAT(error_of("ply\nformat ascii 1.0\nelement v 1\nproperty list float int x\n"),
-              HasSubstr("counted"));
-  EXPECT_THAT(error_of("ply\nformat ascii 1.0\n"), HasSubstr("inside its header"));
+  EXPECT_THAT(parse("solid\n"), HasError("not a PLY"));
+  EXPECT_THAT(parse("ply\nformat utf8 1.0\n"), HasError("line 2"));
+  EXPECT_THAT(parse("ply\nformat ascii 1.0\nproperty float x\n"), HasError("line 3"));
+  EXPECT_THAT(parse("ply\nformat ascii 1.0\nelement v 1\nproperty long x\n"), HasError("'long'"));
+  EXPECT_THAT(parse("ply\nformat ascii 1.0\nelement v 1\nproperty list float int x\n"),
+              HasError("counted"));
+  EXPECT_THAT(parse("ply\nformat ascii 1.0\n"), HasError("inside its header"));
 }
 
 std::string grid(const std::string& size, const std::string& vertices, const std::string& places) {
@@ -124,13 +115,12 @@ const std::string kSize = "obj_info num_cols 3\nobj_info num_rows 1\n";
 
 TEST(PlyGrid, PlacesVerticesAndLeavesGaps) {
   const TemporaryFolder folder;
-  const auto read =
-      read_grid_file(folder.write("a.ply", grid(kSize, "1 2 3 0.5\n4 5 6 1\n", "1 1\n0\n1 0\n")));
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_EQ(read->points(0, 0), Eigen::Vector3d(4, 5, 6));
-  EXPECT_FALSE(read->points(1, 0).allFinite());
-  EXPECT_EQ(read->points(2, 0), Eigen::Vector3d(1, 2, 3));
-  EXPECT_EQ(read->confidence(2, 0), 0.5f);
+  const auto read = value_of(
+      read_grid_file(folder.write("a.ply", grid(kSize, "1 2 3 0.5\n4 5 6 1\n", "1 1\n0\n1 0\n"))));
+  EXPECT_EQ(read.points(0, 0), Eigen::Vector3d(4, 5, 6));
+  EXPECT_FALSE(read.points(1, 0).allFinite());
+  EXPECT_EQ(read.points(2, 0), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(read.confidence(2, 0), 0.5f);
 }
 
 TEST(PlyGrid, RefusesPlacesThatTakeNoRoomInTheFile) {
@@ -141,38 +131,33 @@ TEST(PlyGrid, RefusesPlacesThatTakeNoRoomInTheFile) {
                    "element vertex 1\nproperty char x\nproperty char y\nproperty char z\n"
                    "element range_grid 4294967296\nend_header\n1 2 3\n");
   const LimitedMemory limit(std::size_t{1} << 30);
-  const auto read = read_grid_file(path);
-  ASSERT_FALSE(read.ok());
-  EXPECT_THAT(read.error().message, HasSubstr("a.ply"));
-  EXPECT_THAT(read.error().message, HasSubstr("element range_grid without any property"));
+  EXPECT_THAT(read_grid_file(path), HasError("a.ply", "element range_grid without any property"));
 }
 
 TEST(PlyGrid, PointsThatAreNotFiniteAreNoSamples) {
   const TemporaryFolder folder;
-  const auto read = read_grid_file(
-      folder.write("a.ply", grid(kSize, "nan 2 3 1\n4 inf 6 1\n7 8 9 1\n", "1 0\n1 1\n1 2\n")));
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_FALSE(read->points(0, 0).allFinite());
-  EXPECT_FALSE(read->points(1, 0).allFinite());
-  EXPECT_TRUE(read->points(2, 0).allFinite());
+  const auto read = value_of(read_grid_file(
+      folder.write("a.ply", grid(kSize, "nan 2 3 1\n4 inf 6 1\n7 8 9 1\n", "1 0\n1 1\n1 2\n"))));
+  EXPECT_FALSE(read.points(0, 0).allFinite());
+  EXPECT_FALSE(read.points(1, 0).allFinite());
+  EXPECT_TRUE(read.points(2, 0).allFinite());
 }
 
 TEST(PlyGrid, ErrorsSayWhatDoesNotFit) {
   const TemporaryFolder folder;
-  const auto error = [&](const std::string& content) {
-    const auto read = read_grid_file(folder.write("a.ply", content));
-    return read.ok() ? std::string("no error") : read.error().message;
+  const auto read = [&](const std::string& content) {
+    return read_grid_file(folder.write("a.ply", content));
   };
   const std::string vertex = "1 2 3 1\n";
-  EXPECT_THAT(error(grid(kSize, vertex, "1 0\n0\n1 1\n")), HasSubstr("vertex index 1"));
-  EXPECT_THAT(error(grid(kSize, vertex, "1 0\n0\n1 -1\n")), HasSubstr("range_grid 2"));
-  EXPECT_THAT(error(grid(kSize, vertex, "1 0\n0\n")), HasSubstr("has 2 entries"));
-  EXPECT_THAT(error(grid(kSize, vertex, "2 0 0\n0\n0\n")), HasSubstr("2 vertices at one place"));
-  EXPECT_THAT(error(grid("", vertex, "1 0\n0\n0\n")), HasSubstr("num_cols"));
-  EXPECT_THAT(error(grid("obj_info num_cols 3\nobj_info num_rows -1\n", vertex, "0\n")),
-              HasSubstr("num_rows is '-1'"));
-  EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nend_header\n"),
-              HasSubstr("no scan grid"));
+  EXPECT_THAT(read(grid(kSize, vertex, "1 0\n0\n1 1\n")), HasError("vertex index 1"));
+  EXPECT_THAT(read(grid(kSize, vertex, "1 0\n0\n1 -1\n")), HasError("range_grid 2"));
+  EXPECT_THAT(read(grid(kSize, vertex, "1 0\n0\n")), HasError("has 2 entries"));
+  EXPECT_THAT(read(grid(kSize, vertex, "2 0 0\n0\n0\n")), HasError("2 vertices at one place"));
+  EXPECT_THAT(read(grid("", vertex, "1 0\n0\n0\n")), HasError("num_cols"));
+  EXPECT_THAT(read(grid("obj_info num_cols 3\nobj_info num_rows -1\n", vertex, "0\n")),
+              HasError("num_rows is '-1'"));
+  EXPECT_THAT(read("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nend_header\n"),
+              HasError("no scan grid"));
 }
 
 TEST(PlyGrid, ColoursAreWholeNumbersUpTo255) {
@@ -185,25 +170,21 @@ TEST(PlyGrid, ColoursAreWholeNumbersUpTo255) {
                      "0 0 1 10 20 255\n1 0 1 0 0 0\n2 0 1 " +
                      colour + "\n"));
   };
-  const auto grid = read("1 2 3");
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_EQ(grid->colours(0, 0), (Colour{10, 20, 255}));
-  EXPECT_EQ(grid->colours(2, 0), (Colour{1, 2, 3}));
+  const auto grid = value_of(read("1 2 3"));
+  EXPECT_EQ(grid.colours(0, 0), (Colour{10, 20, 255}));
+  EXPECT_EQ(grid.colours(2, 0), (Colour{1, 2, 3}));
   for (const char* wrong : {"256 0 0", "0 -1 0", "0 0 0.5", "nan 0 0"}) {
-    const auto refused = read(wrong);
-    ASSERT_FALSE(refused.ok()) << wrong;
-    EXPECT_THAT(refused.error().message, HasSubstr("vertex 2: red, green and blue"));
+    EXPECT_THAT(read(wrong), HasError("vertex 2: red, green and blue")) << wrong;
   }
 }
 
 TEST(PlyGrid, OneVertexPerPlaceNeedsNoRangeGrid) {
   const TemporaryFolder folder;
-  const auto read = read_grid_file(folder.write(
+  const auto read = value_of(read_grid_file(folder.write(
       "a.ply", "ply\nformat ascii 1.0\n" + kSize +
                    "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                   "end_header\n1 2 3\nnan nan nan\n4 5 6\n"));
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_EQ(read->points(2, 0), Eigen::Vector3d(4, 5, 6));
+                   "end_header\n1 2 3\nnan nan nan\n4 5 6\n")));
+  EXPECT_EQ(read.points(2, 0), Eigen::Vector3d(4, 5, 6));
 }
 
 }  // namespace

@@ -8,12 +8,12 @@
 
 #include "scan/io/grids/grid_file.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::LimitedMemory;
 using testing::TemporaryFolder;
 
@@ -38,16 +38,15 @@ std::string binary_points() {
 
 TEST(PcdGrid, ReadsAsciiAndBinary) {
   const TemporaryFolder folder;
-  const auto ascii = read_grid_file(folder.write("a.pcd", header(kSize, "ascii") + kPoints));
-  ASSERT_TRUE(ascii.ok()) << ascii.error().message;
-  EXPECT_EQ(ascii->points.width(), 3);
-  EXPECT_EQ(ascii->points(1, 1), Eigen::Vector3d(1, 1, 2));
-  EXPECT_FALSE(ascii->points(2, 0).allFinite());
-  EXPECT_EQ(ascii->normals(0, 0), Eigen::Vector3f(0, 0, -1));
+  const auto ascii =
+      value_of(read_grid_file(folder.write("a.pcd", header(kSize, "ascii") + kPoints)));
+  EXPECT_EQ(ascii.points.width(), 3);
+  EXPECT_EQ(ascii.points(1, 1), Eigen::Vector3d(1, 1, 2));
+  EXPECT_FALSE(ascii.points(2, 0).allFinite());
+  EXPECT_EQ(ascii.normals(0, 0), Eigen::Vector3f(0, 0, -1));
   const auto binary =
-      read_grid_file(folder.write("b.pcd", header(kSize, "binary") + binary_points()));
-  ASSERT_TRUE(binary.ok()) << binary.error().message;
-  EXPECT_EQ(binary->points(0, 1), Eigen::Vector3d(18, 19, 20));
+      value_of(read_grid_file(folder.write("b.pcd", header(kSize, "binary") + binary_points())));
+  EXPECT_EQ(binary.points(0, 1), Eigen::Vector3d(18, 19, 20));
 }
 
 // As LZF keeps what it cannot shorten: up to 32 bytes behind their number less one.
@@ -78,14 +77,13 @@ std::string field_by_field(const std::string& points, const std::vector<std::siz
 TEST(PcdGrid, ReadsCompressedPoints) {
   const TemporaryFolder folder;
   const auto binary =
-      read_grid_file(folder.write("b.pcd", header(kSize, "binary") + binary_points()));
+      value_of(read_grid_file(folder.write("b.pcd", header(kSize, "binary") + binary_points())));
   const std::string bytes = field_by_field(binary_points(), std::vector<std::size_t>(6, 4));
-  const auto packed =
-      read_grid_file(folder.write("c.pcd", header(kSize, "binary_compressed") + compressed(bytes)));
-  ASSERT_TRUE(binary.ok() && packed.ok());
-  for (std::size_t i = 0; i < binary->points.size(); ++i) {
-    EXPECT_EQ(binary->points[i], packed->points[i]);
-    EXPECT_EQ(binary->normals[i], packed->normals[i]);
+  const auto packed = value_of(read_grid_file(
+      folder.write("c.pcd", header(kSize, "binary_compressed") + compressed(bytes))));
+  for (std::size_t i = 0; i < binary.points.size(); ++i) {
+    EXPECT_EQ(binary.points[i], packed.points[i]);
+    EXPECT_EQ(binary.normals[i], packed.normals[i]);
   }
 }
 
@@ -102,11 +100,10 @@ TEST(PcdGrid, ReadsCompressedFieldsOfSeveralSizes) {
   const std::string fields =
       "VERSION 0.7\nFIELDS label x y z rgb\nSIZE 1 8 8 8 4\nTYPE U F F F U\nCOUNT 3 1 1 1 1\n"
       "WIDTH 2\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA binary_compressed\n";
-  const auto grid = read_grid_file(
-      folder.write("c.pcd", fields + compressed(field_by_field(points, {3, 8, 8, 8, 4}))));
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_EQ(grid->points(1, 1), Eigen::Vector3d(0.1, 0.1, 4.0));
-  EXPECT_EQ(grid->colours(1, 1), (Colour{10, 20, 33}));
+  const auto grid = value_of(read_grid_file(
+      folder.write("c.pcd", fields + compressed(field_by_field(points, {3, 8, 8, 8, 4})))));
+  EXPECT_EQ(grid.points(1, 1), Eigen::Vector3d(0.1, 0.1, 4.0));
+  EXPECT_EQ(grid.colours(1, 1), (Colour{10, 20, 33}));
 }
 
 TEST(PcdGrid, UnpacksColours) {
@@ -119,16 +116,15 @@ TEST(PcdGrid, UnpacksColours) {
       bytes.append(reinterpret_cast<const char*>(xyz), 12);
       bytes.append(reinterpret_cast<const char*>(&packed), 4);
     }
-    const auto grid = read_grid_file(folder.write(
+    const auto grid = value_of(read_grid_file(folder.write(
         "a.pcd",
         std::string("# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F ") +
             type +
             "\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA "
             "binary\n" +
-            bytes));
-    ASSERT_TRUE(grid.ok()) << grid.error().message;
-    EXPECT_EQ(grid->colours(0, 0), (Colour{10, 20, 30})) << type;
-    EXPECT_EQ(grid->colours(1, 1), (Colour{10, 20, 33})) << type;
+            bytes)));
+    EXPECT_EQ(grid.colours(0, 0), (Colour{10, 20, 30})) << type;
+    EXPECT_EQ(grid.colours(1, 1), (Colour{10, 20, 33})) << type;
   }
 }
 
@@ -140,26 +136,22 @@ TEST(PcdGrid, ReadsTheViewpoint) {
     return read_grid_file(folder.write("a.pcd", content));
   };
   EXPECT_FALSE(read("0 0 0 1 0 0 0")->world_from_view.has_value());
-  const auto turned = read("1 2 3 0 0 0 1");
-  ASSERT_TRUE(turned.ok()) << turned.error().message;
-  ASSERT_TRUE(turned->world_from_view.has_value());
+  const auto turned = value_of(read("1 2 3 0 0 0 1"));
+  ASSERT_TRUE(turned.world_from_view.has_value());
   EXPECT_TRUE(
-      (*turned->world_from_view * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(0, 2, 3)));
-  const auto no_rotation = read("0 0 0 0 0 0 0");
-  ASSERT_FALSE(no_rotation.ok());
-  EXPECT_THAT(no_rotation.error().message, HasSubstr("a.pcd: VIEWPOINT"));
+      (*turned.world_from_view * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(0, 2, 3)));
+  EXPECT_THAT(read("0 0 0 0 0 0 0"), HasError("a.pcd: VIEWPOINT"));
 }
 
 TEST(PcdGrid, RefusesWhatIsNoGrid) {
   const TemporaryFolder folder;
-  const auto error = [&](const std::string& content) {
-    const auto read = read_grid_file(folder.write("a.pcd", content));
-    return read.ok() ? std::string("no error") : read.error().message;
+  const auto read = [&](const std::string& content) {
+    return read_grid_file(folder.write("a.pcd", content));
   };
-  EXPECT_THAT(error(header("WIDTH 6\nHEIGHT 1\n", "ascii") + kPoints), HasSubstr("not organized"));
-  EXPECT_THAT(error(header(kSize, "binary") + binary_points().substr(1)), HasSubstr("truncated"));
-  EXPECT_THAT(error(""), HasSubstr("a.pcd"));
-  EXPECT_FALSE(read_grid_file(folder / "missing.pcd").ok());
+  EXPECT_THAT(read(header("WIDTH 6\nHEIGHT 1\n", "ascii") + kPoints), HasError("not organized"));
+  EXPECT_THAT(read(header(kSize, "binary") + binary_points().substr(1)), HasError("truncated"));
+  EXPECT_THAT(read(""), HasError("a.pcd"));
+  EXPECT_THAT(read_grid_file(folder / "missing.pcd"), HasError());
 }
 
 std::string large_header(const std::string& data) {
@@ -172,9 +164,9 @@ TEST(PcdGrid, AHeaderAloneTakesNoMemory) {
   const TemporaryFolder folder;
   const LimitedMemory limit(std::size_t{1} << 30);
   for (const char* data : {"ascii", "binary", "binary_compressed"}) {
-    const auto read = read_grid_file(folder.write("a.pcd", large_header(data) + "0 0 1\n"));
-    ASSERT_FALSE(read.ok()) << data;
-    EXPECT_THAT(read.error().message, HasSubstr("a.pcd: truncated PCD: 4294967296 points")) << data;
+    EXPECT_THAT(read_grid_file(folder.write("a.pcd", large_header(data) + "0 0 1\n")),
+                HasError("a.pcd: truncated PCD: 4294967296 points"))
+        << data;
   }
 }
 
@@ -184,9 +176,9 @@ TEST(PcdGrid, DataThatBeginWithAKeywordAreData) {
   const std::string keyword = "COLUMNS x\nPOINTS 4294967295\n";
   bytes.replace(0, keyword.size(), keyword);
   const LimitedMemory limit(std::size_t{1} << 30);
-  const auto grid = read_grid_file(folder.write("a.pcd", header(kSize, "binary") + bytes));
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  EXPECT_EQ(grid->points(0, 1), Eigen::Vector3d(18, 19, 20));
+  const auto grid =
+      value_of(read_grid_file(folder.write("a.pcd", header(kSize, "binary") + bytes)));
+  EXPECT_EQ(grid.points(0, 1), Eigen::Vector3d(18, 19, 20));
 }
 
 // PCL takes fields without a TYPE for floats, whatever their size.
@@ -195,9 +187,8 @@ TEST(PcdGrid, RefusesFieldsOfAnotherSizeThanTheirType) {
   std::string text = header(kSize, "binary");
   text.erase(text.find("TYPE"), std::string("TYPE F F F F F F\n").size());
   text.replace(text.find("SIZE 4 4 4 4 4 4"), 16, "SIZE 4 4 4 4 1 1");
-  const auto grid = read_grid_file(folder.write("a.pcd", text + binary_points()));
-  ASSERT_FALSE(grid.ok());
-  EXPECT_THAT(grid.error().message, HasSubstr("damaged PCD header"));
+  EXPECT_THAT(read_grid_file(folder.write("a.pcd", text + binary_points())),
+              HasError("damaged PCD header"));
 }
 
 TEST(PcdGrid, HoldsCompressedSizesAgainstTheFile) {
@@ -206,24 +197,22 @@ TEST(PcdGrid, HoldsCompressedSizesAgainstTheFile) {
     std::string bytes(8, '\0');
     std::memcpy(bytes.data(), &compressed, 4);
     std::memcpy(bytes.data() + 4, &whole, 4);
-    const auto read = read_grid_file(
+    return read_grid_file(
         folder.write("a.pcd", header(kSize, "binary_compressed") + bytes + std::string(40, 'x')));
-    return read.ok() ? std::string("no error") : read.error().message;
   };
   const LimitedMemory limit(std::size_t{1} << 30);
-  EXPECT_THAT(error(41, 144), HasSubstr("41 compressed bytes promised, 40 left"));
-  EXPECT_THAT(error(40, 4000000000u), HasSubstr("4000000000 bytes for 6 points of 24"));
+  EXPECT_THAT(error(41, 144), HasError("41 compressed bytes promised, 40 left"));
+  EXPECT_THAT(error(40, 4000000000u), HasError("4000000000 bytes for 6 points of 24"));
 }
 
 TEST(PcdGrid, NamesTheLineOfABadHeader) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& size) {
-    const auto read = read_grid_file(folder.write("a.pcd", header(size, "ascii") + kPoints));
-    return read.ok() ? std::string("no error") : read.error().message;
+    return read_grid_file(folder.write("a.pcd", header(size, "ascii") + kPoints));
   };
-  EXPECT_THAT(error("WIDTH 3\nHEIGHT two\n"), HasSubstr("line 8 of the PCD header: 'two'"));
-  EXPECT_THAT(error("WIDTH 3\nWIDTH 3\nHEIGHT 2\n"), HasSubstr("a second line WIDTH"));
-  EXPECT_THAT(error("WIDTH 3\nHEIGHT 3\n"), HasSubstr("bad size"));
+  EXPECT_THAT(error("WIDTH 3\nHEIGHT two\n"), HasError("line 8 of the PCD header: 'two'"));
+  EXPECT_THAT(error("WIDTH 3\nWIDTH 3\nHEIGHT 2\n"), HasError("a second line WIDTH"));
+  EXPECT_THAT(error("WIDTH 3\nHEIGHT 3\n"), HasError("bad size"));
 }
 
 TEST(PcdGrid, DamagedFilesNeverCrash) {

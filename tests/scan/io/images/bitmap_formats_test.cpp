@@ -7,17 +7,16 @@
 #include "scan/io/images/image_io.h"
 #include "tests/scan/io/images/picture_files.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief {
 namespace {
 
 using testing::bmp;
 using testing::bytes_of;
-using testing::error_of;
 using testing::expect_errors_when_damaged;
 using testing::expect_samples;
 using testing::grey_palette;
-using ::testing::HasSubstr;
 using testing::kBmpRows;
 using testing::LimitedMemory;
 using testing::tga;
@@ -52,7 +51,7 @@ TEST(BitmapFormats, BmpOf16BitsHasItsMasks) {
   for (const std::string& strange :
        {bytes_of(0xf500u, 0x7e0u, 0x1fu, 0u), bytes_of(0u, 0x7e0u, 0x1fu, 0u),
         bytes_of(0x1f0000u, 0x7e0u, 0x1fu, 0u)})
-    EXPECT_THAT(error_of(decode_bmp(bmp(1, 1, 16, strange, pixel, 3), "a")), HasSubstr("masks"));
+    EXPECT_THAT(decode_bmp(bmp(1, 1, 16, strange, pixel, 3), "a"), HasError("masks"));
 }
 
 TEST(BitmapFormats, BmpOf32BitsHasItsMasks) {
@@ -72,7 +71,7 @@ TEST(BitmapFormats, BmpRunsAreUnpackedAlsoWithGreyPalettes) {
   const std::string file = bmp(4, 2, 8, grey_palette(), runs, 1);
   expect_samples(decode_bmp(file, "a"), 4, 2, 1, grey);
   expect_errors_when_damaged(file, decode_bmp);
-  EXPECT_FALSE(decode_bmp(bmp(4, 2, 24, "", runs, 1), "a").ok());
+  EXPECT_THAT(decode_bmp(bmp(4, 2, 24, "", runs, 1), "a"), HasError());
 }
 
 TEST(BitmapFormats, BmpRunsOfFourBitsAreUnpacked) {
@@ -84,26 +83,26 @@ TEST(BitmapFormats, BmpRunsOfFourBitsAreUnpacked) {
 }
 
 TEST(BitmapFormats, BmpRunsCoverEveryPixelOfTheirLines) {
-  const auto error = [](const std::string& runs) {
-    return error_of(decode_bmp(bmp(4, 2, 8, grey_palette(), runs, 1), "a"));
+  const auto decode = [](const std::string& runs) {
+    return decode_bmp(bmp(4, 2, 8, grey_palette(), runs, 1), "a");
   };
-  EXPECT_THAT(error(std::string("\5\1\0\0\4\1\0\1", 8)), HasSubstr("beyond its line"));
-  EXPECT_THAT(error(std::string("\4\1\4\1\0\1", 6)), HasSubstr("beyond its line"));
-  EXPECT_THAT(error(std::string("\4\1\0\0\4\1\0\0\1\1\0\1", 12)), HasSubstr("beyond its line"));
-  EXPECT_THAT(error(std::string("\3\1\0\0\4\1\0\1", 8)), HasSubstr("leave pixels out"));
-  EXPECT_THAT(error(std::string("\4\1\0\1", 4)), HasSubstr("leave pixels out"));
-  EXPECT_THAT(error(std::string("\0\2\4\1\0\1", 6)), HasSubstr("leave pixels out"));
-  EXPECT_THAT(error(std::string("\4\1\0\0\4\4\0\1", 8)),
-              HasSubstr("pixel 0 has colour 4, which its palette does not have"));
+  EXPECT_THAT(decode(std::string("\5\1\0\0\4\1\0\1", 8)), HasError("beyond its line"));
+  EXPECT_THAT(decode(std::string("\4\1\4\1\0\1", 6)), HasError("beyond its line"));
+  EXPECT_THAT(decode(std::string("\4\1\0\0\4\1\0\0\1\1\0\1", 12)), HasError("beyond its line"));
+  EXPECT_THAT(decode(std::string("\3\1\0\0\4\1\0\1", 8)), HasError("leave pixels out"));
+  EXPECT_THAT(decode(std::string("\4\1\0\1", 4)), HasError("leave pixels out"));
+  EXPECT_THAT(decode(std::string("\0\2\4\1\0\1", 6)), HasError("leave pixels out"));
+  EXPECT_THAT(decode(std::string("\4\1\0\0\4\4\0\1", 8)),
+              HasError("pixel 0 has colour 4, which its palette does not have"));
 }
 
 TEST(BitmapFormats, DamagedBmpIsAnError) {
   expect_errors_when_damaged(bmp(2, 2, 24, "", kBmpRows), decode_bmp);
   const LimitedMemory limit(std::size_t{1} << 28);
-  EXPECT_THAT(error_of(decode_bmp(bmp(65535, 65535, 24, "", kBmpRows), "a")),
-              HasSubstr("more than can be read"));
-  EXPECT_THAT(error_of(decode_bmp(bmp(16000, 16000, 8, grey_palette(), "ab", 1), "a")),
-              HasSubstr("far more than a file of"));
+  EXPECT_THAT(decode_bmp(bmp(65535, 65535, 24, "", kBmpRows), "a"),
+              HasError("more than can be read"));
+  EXPECT_THAT(decode_bmp(bmp(16000, 16000, 8, grey_palette(), "ab", 1), "a"),
+              HasError("far more than a file of"));
 }
 
 TEST(BitmapFormats, TgaHasAnOrientation) {
@@ -133,8 +132,8 @@ TEST(BitmapFormats, TgaRunsAreUnpacked) {
   expect_samples(decode_tga(file, "a"), 3, 2, 3,
                  {3, 2, 1, 3, 2, 1, 3, 2, 1, 6, 5, 4, 9, 8, 7, 0, 0, 0});
   expect_errors_when_damaged(file, decode_tga);
-  EXPECT_THAT(error_of(decode_tga(tga(11, 2, 2, 8, 0x20, "\x84z"), "a")),
-              HasSubstr("go on after its last pixel"));
+  EXPECT_THAT(decode_tga(tga(11, 2, 2, 8, 0x20, "\x84z"), "a"),
+              HasError("go on after its last pixel"));
 }
 
 TEST(BitmapFormats, TgaPalettesAreResolvedWithinTheirBounds) {
@@ -143,18 +142,17 @@ TEST(BitmapFormats, TgaPalettesAreResolvedWithinTheirBounds) {
                  1, 3, {6, 5, 4, 3, 2, 1});
   expect_samples(decode_tga(tga(9, 2, 1, 8, 0x20, std::string("\x81\1", 2), palette, 2, 24), "a"),
                  2, 1, 3, {6, 5, 4, 6, 5, 4});
-  EXPECT_THAT(
-      error_of(decode_tga(tga(1, 2, 1, 8, 0x20, std::string("\1\2", 2), palette, 2, 24), "a")),
-      HasSubstr("pixel 1 has colour 2, which its palette does not have"));
+  EXPECT_THAT(decode_tga(tga(1, 2, 1, 8, 0x20, std::string("\1\2", 2), palette, 2, 24), "a"),
+              HasError("pixel 1 has colour 2, which its palette does not have"));
   expect_errors_when_damaged(tga(9, 2, 1, 8, 0x20, std::string("\x81\1", 2), palette, 2, 24),
                              decode_tga);
 }
 
 TEST(BitmapFormats, ALyingTgaIsRefusedBeforeMemoryIsTaken) {
   const LimitedMemory limit(std::size_t{1} << 28);
-  EXPECT_FALSE(decode_tga(tga(2, 65535, 65535, 24, 0, "abc"), "a").ok());
-  EXPECT_THAT(error_of(decode_tga(tga(10, 8000, 8000, 32, 0, "abc"), "a")),
-              HasSubstr("far more than a file of 24 bytes"));
+  EXPECT_THAT(decode_tga(tga(2, 65535, 65535, 24, 0, "abc"), "a"), HasError());
+  EXPECT_THAT(decode_tga(tga(10, 8000, 8000, 32, 0, "abc"), "a"),
+              HasError("far more than a file of 24 bytes"));
 }
 
 }  // namespace

@@ -13,18 +13,14 @@
 #include "scan/io/images/image_io.h"
 #include "scan/io/project/view_spec.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::LimitedMemory;
 using testing::TemporaryFolder;
-
-std::string error_of(const Result<Image>& read) {
-  return read.ok() ? "no error" : read.error().message;
-}
 
 std::string npy(const std::string& dictionary, const std::string& numbers, int version = 1) {
   std::string file("\x93NUMPY", 6);
@@ -58,15 +54,14 @@ std::string numbers_of(std::initializer_list<double> values, bool big = false) {
 template <typename T>
 void expect_type(const std::string& type, double max_value) {
   for (const bool big : {false, true}) {
-    const auto read = decode_npy(
+    const auto read = value_of(decode_npy(
         array_of((big ? ">" : "<") + type, "(2, 3)", numbers_of<T>({1, 2, 3, 4, 5, 100}, big)),
-        "a.npy");
-    ASSERT_TRUE(read.ok()) << read.error().message;
-    EXPECT_EQ(read->width, 3);
-    EXPECT_EQ(read->height, 2);
-    EXPECT_EQ(read->channels, 1);
-    EXPECT_EQ(read->max_value, max_value) << type;
-    EXPECT_EQ(read->samples, (std::vector<float>{1, 2, 3, 4, 5, 100})) << type;
+        "a.npy"));
+    EXPECT_EQ(read.width, 3);
+    EXPECT_EQ(read.height, 2);
+    EXPECT_EQ(read.channels, 1);
+    EXPECT_EQ(read.max_value, max_value) << type;
+    EXPECT_EQ(read.samples, (std::vector<float>{1, 2, 3, 4, 5, 100})) << type;
   }
 }
 
@@ -80,17 +75,15 @@ TEST(NpyImage, ReadsEveryTypeInBothOrdersOfBytes) {
   expect_type<Eigen::half>("f2", 0.0);
   expect_type<float>("f4", 0.0);
   expect_type<double>("f8", 0.0);
-  const auto truth = decode_npy(array_of("|b1", "(1, 2)", std::string("\1\0", 2)), "a.npy");
-  ASSERT_TRUE(truth.ok());
-  EXPECT_EQ(truth->samples, (std::vector<float>{1, 0}));
+  const auto truth =
+      value_of(decode_npy(array_of("|b1", "(1, 2)", std::string("\1\0", 2)), "a.npy"));
+  EXPECT_EQ(truth.samples, (std::vector<float>{1, 0}));
 }
 
 TEST(NpyImage, ReadsBothOrdersOfAxesAndChannelsBehind) {
   const std::string numbers = numbers_of<float>({1, 2, 3, 4, 5, 6});
   const auto samples = [&](const char* shape, bool columns_first) {
-    const auto read = decode_npy(array_of("<f4", shape, numbers, columns_first), "a.npy");
-    EXPECT_TRUE(read.ok()) << error_of(read);
-    return read.ok() ? read->samples : std::vector<float>();
+    return value_of(decode_npy(array_of("<f4", shape, numbers, columns_first), "a.npy")).samples;
   };
   EXPECT_EQ(samples("(2, 3)", true), (std::vector<float>{1, 3, 5, 2, 4, 6}));
   EXPECT_EQ(samples("(3, 2, 1)", false), (std::vector<float>{1, 2, 3, 4, 5, 6}));
@@ -100,40 +93,38 @@ TEST(NpyImage, ReadsBothOrdersOfAxesAndChannelsBehind) {
 
 TEST(NpyImage, KeepsWhatIsNoNumber) {
   const double infinity = std::numeric_limits<double>::infinity();
-  const auto read = decode_npy(
-      array_of("<f8", "(1, 3)", numbers_of<double>({std::nan(""), infinity, 0.1})), "a.npy");
-  ASSERT_TRUE(read.ok());
-  EXPECT_TRUE(std::isnan(read->samples[0]));
-  EXPECT_EQ(read->samples[1], std::numeric_limits<float>::infinity());
-  EXPECT_EQ(read->samples[2], 0.1f);
+  const auto read = value_of(decode_npy(
+      array_of("<f8", "(1, 3)", numbers_of<double>({std::nan(""), infinity, 0.1})), "a.npy"));
+  EXPECT_TRUE(std::isnan(read.samples[0]));
+  EXPECT_EQ(read.samples[1], std::numeric_limits<float>::infinity());
+  EXPECT_EQ(read.samples[2], 0.1f);
 }
 
 TEST(NpyImage, ReadsVersions1To3) {
   const std::string dictionary = "{'shape':(1,1),'fortran_order':False,'descr':'<f4'}";
   for (const int version : {1, 2, 3})
-    EXPECT_TRUE(decode_npy(npy(dictionary, "abcd", version), "a.npy").ok()) << version;
-  EXPECT_THAT(error_of(decode_npy(npy(dictionary, "abcd", 4), "a.npy")), HasSubstr("version 4"));
+    EXPECT_THAT(decode_npy(npy(dictionary, "abcd", version), "a.npy"), IsOk()) << version;
+  EXPECT_THAT(decode_npy(npy(dictionary, "abcd", 4), "a.npy"), HasError("version 4"));
 }
 
 TEST(NpyImage, NamesWhatIsWrong) {
-  const auto error = [](const char* type, const char* shape, std::size_t bytes) {
-    return error_of(decode_npy(array_of(type, shape, std::string(bytes, 'a')), "a.npy"));
+  const auto decode = [](const char* type, const char* shape, std::size_t bytes) {
+    return decode_npy(array_of(type, shape, std::string(bytes, 'a')), "a.npy");
   };
-  EXPECT_THAT(error("<f4", "(3, 4, 5)", 240), HasSubstr("its shape is (3,4,5,)"));
-  EXPECT_THAT(error("<f4", "(3, 4, 5)", 240), HasSubstr("numpy.moveaxis"));
-  EXPECT_THAT(error("<f4", "(6,)", 24), HasSubstr("an image has (rows, columns)"));
-  EXPECT_THAT(error("<c8", "(1, 1)", 8), HasSubstr("numbers of type '<c8'"));
-  EXPECT_THAT(error("<i8", "(1, 1)", 8), HasSubstr("array.astype('f4')"));
-  EXPECT_THAT(error("<f4", "(2, 2)", 17), HasSubstr("takes 16 bytes, 17 follow"));
-  EXPECT_THAT(error("<f4", "(2, 0)", 0), HasSubstr("is empty"));
-  EXPECT_THAT(error_of(decode_npy(npy("{'descr': [('x', '<f4')], ", ""), "a.npy")),
-              HasSubstr("byte 20: expected {'descr'"));
+  EXPECT_THAT(decode("<f4", "(3, 4, 5)", 240), HasError("its shape is (3,4,5,)", "numpy.moveaxis"));
+  EXPECT_THAT(decode("<f4", "(6,)", 24), HasError("an image has (rows, columns)"));
+  EXPECT_THAT(decode("<c8", "(1, 1)", 8), HasError("numbers of type '<c8'"));
+  EXPECT_THAT(decode("<i8", "(1, 1)", 8), HasError("array.astype('f4')"));
+  EXPECT_THAT(decode("<f4", "(2, 2)", 17), HasError("takes 16 bytes, 17 follow"));
+  EXPECT_THAT(decode("<f4", "(2, 0)", 0), HasError("is empty"));
+  EXPECT_THAT(decode_npy(npy("{'descr': [('x', '<f4')], ", ""), "a.npy"),
+              HasError("byte 20: expected {'descr'"));
 }
 
 TEST(NpyImage, DamagedFilesAreErrors) {
   const std::string whole = array_of("<f4", "(2, 3)", std::string(24, 'a'));
   for (std::size_t size = 0; size < whole.size(); ++size)
-    EXPECT_THAT(error_of(decode_npy(whole.substr(0, size), "a.npy")), HasSubstr("a.npy: ")) << size;
+    EXPECT_THAT(decode_npy(whole.substr(0, size), "a.npy"), HasError("a.npy: ")) << size;
   for (std::size_t at = 0; at < whole.size(); ++at)
     for (const char byte : {'\0', '9', '(', '\'', '\xff'}) {
       std::string changed = whole;
@@ -141,33 +132,31 @@ TEST(NpyImage, DamagedFilesAreErrors) {
       (void)decode_npy(changed, "a.npy");
     }
   const LimitedMemory limit(std::size_t{1} << 28);
-  EXPECT_FALSE(decode_npy(array_of("<f4", "(65535, 65535)", "abcd"), "a.npy").ok());
-  EXPECT_FALSE(decode_npy(array_of("<f4", "(4294967296, 4294967297)", "abcd"), "a.npy").ok());
+  EXPECT_THAT(decode_npy(array_of("<f4", "(65535, 65535)", "abcd"), "a.npy"), HasError());
+  EXPECT_THAT(decode_npy(array_of("<f4", "(4294967296, 4294967297)", "abcd"), "a.npy"), HasError());
 }
 
 TEST(RawFloats, NeedTheirSize) {
   const TemporaryFolder folder;
   const auto path = folder.write("a.raw", numbers_of<float>({1, 2, 3, 4, 5, 6}));
-  EXPECT_THAT(error_of(read_image(path)), HasSubstr("add \"size\": [WIDTH, HEIGHT]"));
-  const auto grey = read_image(path, ImageSize{3, 2});
-  ASSERT_TRUE(grey.ok()) << grey.error().message;
-  EXPECT_EQ(grey->samples, (std::vector<float>{1, 2, 3, 4, 5, 6}));
-  EXPECT_EQ((*grey)(0, 1), 4.0f);
-  const auto colour = read_image(path, ImageSize{2, 1});
-  ASSERT_TRUE(colour.ok());
-  EXPECT_EQ(colour->channels, 3);
+  EXPECT_THAT(read_image(path), HasError("add \"size\": [WIDTH, HEIGHT]"));
+  const auto grey = value_of(read_image(path, ImageSize{3, 2}));
+  EXPECT_EQ(grey.samples, (std::vector<float>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(grey(0, 1), 4.0f);
+  const auto colour = value_of(read_image(path, ImageSize{2, 1}));
+  EXPECT_EQ(colour.channels, 3);
   for (const ImageSize size :
        {ImageSize{3, 1}, ImageSize{4, 2}, ImageSize{0, 2}, ImageSize{-3, -2}})
-    EXPECT_FALSE(read_image(path, size).ok()) << size.width;
-  EXPECT_THAT(error_of(read_image(path, ImageSize{3, 1})), HasSubstr("this file has 24"));
+    EXPECT_THAT(read_image(path, size), HasError()) << size.width;
+  EXPECT_THAT(read_image(path, ImageSize{3, 1}), HasError("this file has 24"));
 }
 
 TEST(RawFloats, OtherImagesAreHeldAgainstTheSize) {
   const TemporaryFolder folder;
   const auto path = folder.write("a.pgm", std::string("P5 2 1 255\nab", 13));
-  EXPECT_TRUE(read_image(path, ImageSize{2, 1}).ok());
-  EXPECT_THAT(error_of(read_image(path, ImageSize{1, 2})),
-              HasSubstr("is 2x1 pixels, but its \"size\" is 1x2"));
+  EXPECT_THAT(read_image(path, ImageSize{2, 1}), IsOk());
+  EXPECT_THAT(read_image(path, ImageSize{1, 2}),
+              HasError("is 2x1 pixels, but its \"size\" is 1x2"));
 }
 
 std::string scan_json(const std::string& depth, const std::string& more = "") {
@@ -176,20 +165,18 @@ std::string scan_json(const std::string& depth, const std::string& more = "") {
 }
 
 TEST(RawFloats, HaveTheirSizeInScanJson) {
-  const auto parsed = parse_scan_json(
+  const auto parsed = value_of(parse_scan_json(
       scan_json(R"("file":"a.f32","size":[6,4])", R"(,"mask":{"file":"m.png","size":[6,4]})"),
-      "scan.json");
-  ASSERT_TRUE(parsed.ok()) << parsed.error().message;
-  EXPECT_EQ(parsed->views[0].depth->size, (ImageSize{6, 4}));
-  EXPECT_EQ(parsed->views[0].mask->size, (ImageSize{6, 4}));
-  const auto error = [](const char* depth) {
-    const auto wrong = parse_scan_json(scan_json(depth), "scan.json");
-    return wrong.ok() ? "no error" : wrong.error().message;
+      "scan.json"));
+  EXPECT_EQ(parsed.views[0].depth->size, (ImageSize{6, 4}));
+  EXPECT_EQ(parsed.views[0].mask->size, (ImageSize{6, 4}));
+  const auto parse = [](const char* depth) {
+    return parse_scan_json(scan_json(depth), "scan.json");
   };
-  EXPECT_THAT(error(R"("file":"a.raw")"), HasSubstr("views[0].depth.size: missing"));
-  EXPECT_THAT(error(R"("file":"a.raw","size":[6])"), HasSubstr("expected 2 numbers"));
-  EXPECT_THAT(error(R"("file":"a.raw","size":[6,1.5])"), HasSubstr("two whole numbers"));
-  EXPECT_THAT(error(R"("file":"a.raw","size":[0,4])"), HasSubstr("two whole numbers"));
+  EXPECT_THAT(parse(R"("file":"a.raw")"), HasError("views[0].depth.size: missing"));
+  EXPECT_THAT(parse(R"("file":"a.raw","size":[6])"), HasError("expected 2 numbers"));
+  EXPECT_THAT(parse(R"("file":"a.raw","size":[6,1.5])"), HasError("two whole numbers"));
+  EXPECT_THAT(parse(R"("file":"a.raw","size":[0,4])"), HasError("two whole numbers"));
 }
 
 }  // namespace

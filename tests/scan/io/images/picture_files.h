@@ -13,6 +13,7 @@
 #include "scan/io/files/binary_writer.h"
 #include "scan/io/images/image_io.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/result_matchers.h"
 
 // Pictures made byte by byte, and what must come of them.
 namespace relief::testing {
@@ -21,7 +22,7 @@ using Decode = Result<Image> (*)(std::string_view content, const std::filesystem
 
 inline void expect_samples(const Result<Image>& read, int width, int height, int channels,
                            const std::vector<float>& samples, double max_value = 255.0) {
-  ASSERT_TRUE(read.ok()) << read.error().message;
+  ASSERT_THAT(read, IsOk());
   EXPECT_EQ(read->width, width);
   EXPECT_EQ(read->height, height);
   EXPECT_EQ(read->channels, channels);
@@ -29,16 +30,11 @@ inline void expect_samples(const Result<Image>& read, int width, int height, int
   EXPECT_EQ(read->samples, samples);
 }
 
-inline std::string error_of(const Result<Image>& read) {
-  return read.ok() ? "no error" : read.error().message;
-}
-
 // Every prefix is an error that names the file; damaged bytes give an error or a value.
 inline void expect_errors_when_damaged(const std::string& whole, Decode decode) {
-  ASSERT_TRUE(decode(whole, "a.file").ok()) << error_of(decode(whole, "a.file"));
+  ASSERT_THAT(decode(whole, "a.file"), IsOk());
   for (std::size_t size = 0; size < whole.size(); ++size)
-    EXPECT_THAT(error_of(decode(whole.substr(0, size), "a.file")), ::testing::HasSubstr("a.file: "))
-        << size;
+    EXPECT_THAT(decode(whole.substr(0, size), "a.file"), HasError("a.file: ")) << size;
   std::mt19937 random(3);
   const LimitedMemory limit(std::size_t{1} << 30);
   for (int k = 0; k < 2000; ++k) {

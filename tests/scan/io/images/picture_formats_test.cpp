@@ -10,6 +10,7 @@
 #include "scan/io/images/image_io.h"
 #include "tests/scan/io/images/picture_files.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
@@ -17,10 +18,8 @@ namespace {
 
 using testing::bmp;
 using testing::bytes_of;
-using testing::error_of;
 using testing::expect_errors_when_damaged;
 using testing::expect_samples;
-using ::testing::HasSubstr;
 using testing::hdr;
 using testing::kBmpRows;
 using testing::kTwoHdrPixels;
@@ -61,22 +60,21 @@ TEST(PictureFormats, HdrRunsAreUnpacked) {
 }
 
 TEST(PictureFormats, DamagedHdrRunsAreErrors) {
-  const auto error = [](const std::string& line) {
-    return error_of(decode_hdr(hdr("-Y 1 +X 8", line + std::string(64, '\1')), "a"));
+  const auto decode = [](const std::string& line) {
+    return decode_hdr(hdr("-Y 1 +X 8", line + std::string(64, '\1')), "a");
   };
-  EXPECT_THAT(error(std::string("\2\2\0\11", 4)), HasSubstr("another length"));
-  EXPECT_THAT(error(std::string("\2\2\0\10\x89\x80", 6)), HasSubstr("beyond its line"));
-  EXPECT_THAT(error(std::string("\2\2\0\10\0\x80", 6)), HasSubstr("beyond its line"));
-  EXPECT_THAT(error(std::string("\x80\x80\x80\x80\1\1\1\7", 8)), HasSubstr("first version"));
+  EXPECT_THAT(decode(std::string("\2\2\0\11", 4)), HasError("another length"));
+  EXPECT_THAT(decode(std::string("\2\2\0\10\x89\x80", 6)), HasError("beyond its line"));
+  EXPECT_THAT(decode(std::string("\2\2\0\10\0\x80", 6)), HasError("beyond its line"));
+  EXPECT_THAT(decode(std::string("\x80\x80\x80\x80\1\1\1\7", 8)), HasError("first version"));
 }
 
 TEST(PictureFormats, AnHdrThatIsNoneIsRefused) {
   const LimitedMemory limit(std::size_t{1} << 28);
-  EXPECT_FALSE(decode_hdr(hdr("-Y 65535 +X 65535", "abcd"), "a").ok());
-  EXPECT_THAT(error_of(decode_hdr(hdr("-Y 8000 +X 8000", "abcd"), "a")),
-              HasSubstr("far more than"));
-  EXPECT_THAT(error_of(decode_hdr("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd", "a")),
-              HasSubstr("save it as 32-bit_rle_rgbe"));
+  EXPECT_THAT(decode_hdr(hdr("-Y 65535 +X 65535", "abcd"), "a"), HasError());
+  EXPECT_THAT(decode_hdr(hdr("-Y 8000 +X 8000", "abcd"), "a"), HasError("far more than"));
+  EXPECT_THAT(decode_hdr("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd", "a"),
+              HasError("save it as 32-bit_rle_rgbe"));
 }
 
 // 4x3 pixels whose sample of channel c is 20 i + 5 c, by libwebp.
@@ -110,10 +108,9 @@ TEST(PictureFormats, WebpIsReadAndItsAlphaDropped) {
     for (int c = 0; c < 3; ++c) expected.push_back(static_cast<float>(20 * i + 5 * c));
   expect_samples(decode_webp(file_of(kLosslessWebp), "a"), 4, 3, 3, expected);
   expect_samples(decode_webp(file_of(kTransparentWebp), "a"), 4, 3, 3, expected);
-  const auto lossy = decode_webp(file_of(kLossyWebp), "a");
-  ASSERT_TRUE(lossy.ok()) << lossy.error().message;
-  EXPECT_EQ(lossy->width, 16);
-  for (const float sample : lossy->samples) EXPECT_NEAR(sample, 100.0f, 3.0f);
+  const auto lossy = value_of(decode_webp(file_of(kLossyWebp), "a"));
+  EXPECT_EQ(lossy.width, 16);
+  for (const float sample : lossy.samples) EXPECT_NEAR(sample, 100.0f, 3.0f);
 }
 
 TEST(PictureFormats, DamagedWebpIsAnError) {
@@ -123,7 +120,7 @@ TEST(PictureFormats, DamagedWebpIsAnError) {
   std::string large = file_of(kLosslessWebp);
   large.replace(21, 4, bytes_of(std::uint32_t{0x0fffffff}));
   const LimitedMemory limit(std::size_t{1} << 28);
-  EXPECT_THAT(error_of(decode_webp(large, "a")), HasSubstr("16384x16384 pixels, far more than"));
+  EXPECT_THAT(decode_webp(large, "a"), HasError("16384x16384 pixels, far more than"));
 }
 
 TEST(PictureFormats, SizesAreReadWithoutPixels) {
@@ -141,10 +138,10 @@ TEST(PictureFormats, SizesAreReadWithoutPixels) {
 
 TEST(PictureFormats, AreChosenByTheirEnding) {
   const TemporaryFolder folder;
-  EXPECT_TRUE(read_image(folder.write("a.BMP", bmp(2, 2, 24, "", kBmpRows))).ok());
-  EXPECT_TRUE(read_image(folder.write("a.tga", tga(3, 2, 1, 8, 0, "ab"))).ok());
-  EXPECT_TRUE(read_image(folder.write("a.hdr", hdr("-Y 1 +X 2", kTwoHdrPixels))).ok());
-  EXPECT_TRUE(read_image(folder.write("a.webp", file_of(kLosslessWebp))).ok());
+  EXPECT_THAT(read_image(folder.write("a.BMP", bmp(2, 2, 24, "", kBmpRows))), IsOk());
+  EXPECT_THAT(read_image(folder.write("a.tga", tga(3, 2, 1, 8, 0, "ab"))), IsOk());
+  EXPECT_THAT(read_image(folder.write("a.hdr", hdr("-Y 1 +X 2", kTwoHdrPixels))), IsOk());
+  EXPECT_THAT(read_image(folder.write("a.webp", file_of(kLosslessWebp))), IsOk());
 }
 
 }  // namespace

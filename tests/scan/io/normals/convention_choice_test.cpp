@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/normals/normal_map.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief {
@@ -100,16 +101,15 @@ TEST(ConventionChoice, EveryFlipAndSwapUnderAWrongDeclarationIsFound) {
   for (const NormalConvention& convention : all_conventions(NormalFileKind::kImage)) {
     if (convention.space == NormalSpace::kWorld) continue;
     const StoredNormals stored = store(view, convention.space_from_stored.transpose());
-    const auto choice = choose_conventions({stored.evidence});
-    ASSERT_TRUE(choice.ok()) << choice.error().message;
-    EXPECT_LT(error_after(view, stored, choice->views[0]), 1e-5)
+    const auto choice = value_of(choose_conventions({stored.evidence}));
+    EXPECT_LT(error_after(view, stored, choice.views[0]), 1e-5)
         << to_string(convention, NormalFileKind::kImage);
     if (convention == NormalConvention{}) {
-      EXPECT_TRUE(choice->notes.empty()) << choice->notes.front();
+      EXPECT_TRUE(choice.notes.empty()) << choice.notes.front();
     } else {
-      ASSERT_EQ(choice->notes.size(), 1u);
-      EXPECT_THAT(choice->notes[0], HasSubstr("axes opencv, space camera as declared"));
-      EXPECT_THAT(choice->notes[0], HasSubstr(to_string(convention, NormalFileKind::kImage)));
+      ASSERT_EQ(choice.notes.size(), 1u);
+      EXPECT_THAT(choice.notes[0], HasSubstr("axes opencv, space camera as declared"));
+      EXPECT_THAT(choice.notes[0], HasSubstr(to_string(convention, NormalFileKind::kImage)));
     }
   }
 }
@@ -118,10 +118,9 @@ TEST(ConventionChoice, WorldSpaceUnderADeclarationOfCameraSpaceIsFound) {
   RangeView view = testing::render(testing::sphere({0, 0, 0}, 20), kCamera,
                                    testing::look_at({70, 50, 40}, {0, 0, 0}));
   const StoredNormals stored = store(view, view.world_from_view.linear());
-  const auto choice = choose_conventions({stored.evidence});
-  ASSERT_TRUE(choice.ok()) << choice.error().message;
-  EXPECT_LT(error_after(view, stored, choice->views[0]), 1e-5);
-  EXPECT_THAT(choice->notes.at(0), HasSubstr("space world"));
+  const auto choice = value_of(choose_conventions({stored.evidence}));
+  EXPECT_LT(error_after(view, stored, choice.views[0]), 1e-5);
+  EXPECT_THAT(choice.notes.at(0), HasSubstr("space world"));
 }
 
 TEST(ConventionChoice, BiasWithinThatOfPhotometricStereoKeepsTheDeclaration) {
@@ -129,30 +128,27 @@ TEST(ConventionChoice, BiasWithinThatOfPhotometricStereoKeepsTheDeclaration) {
     RangeView view = sphere_view();
     testing::add_range_noise(view, 0.1, 7);
     add_bias(view, bias * kDegree);
-    const auto choice = choose_conventions({store(view, kIdentity).evidence});
-    ASSERT_TRUE(choice.ok());
-    EXPECT_TRUE(choice->notes.empty()) << bias << ": " << choice->notes.front();
-    EXPECT_TRUE(choice->views[0].usable);
+    const auto choice = value_of(choose_conventions({store(view, kIdentity).evidence}));
+    EXPECT_TRUE(choice.notes.empty()) << bias << ": " << choice.notes.front();
+    EXPECT_TRUE(choice.views[0].usable);
   }
 }
 
 TEST(ConventionChoice, NoiseFarAboveTheSpacingIsNoEvidence) {
   RangeView view = wavy_view(0.1);
   testing::add_range_noise(view, 30.0, 3);
-  const auto choice = choose_conventions({store(view, kIdentity).evidence});
-  ASSERT_TRUE(choice.ok()) << choice.error().message;
-  EXPECT_EQ(choice->views[0].convention, NormalConvention{});
-  EXPECT_TRUE(choice->views[0].usable);
-  EXPECT_THAT(choice->notes.at(0), HasSubstr("other conventions fit as well"));
+  const auto choice = value_of(choose_conventions({store(view, kIdentity).evidence}));
+  EXPECT_EQ(choice.views[0].convention, NormalConvention{});
+  EXPECT_TRUE(choice.views[0].usable);
+  EXPECT_THAT(choice.notes.at(0), HasSubstr("other conventions fit as well"));
 }
 
 TEST(ConventionChoice, QuantisedRangesStillTell) {
   RangeView view = sphere_view();
   for (double& t : view.range) t = std::round(t / 1.3) * 1.3;  // Four spacings.
   const StoredNormals stored = store(view, kYReversed);
-  const auto choice = choose_conventions({stored.evidence});
-  ASSERT_TRUE(choice.ok()) << choice.error().message;
-  EXPECT_LT(error_after(view, stored, choice->views[0]), 1e-5);
+  const auto choice = value_of(choose_conventions({stored.evidence}));
+  EXPECT_LT(error_after(view, stored, choice.views[0]), 1e-5);
 }
 
 TEST(ConventionChoice, AFrontalPlateIsUndecidedAndKeepsTheDeclaration) {
@@ -161,12 +157,11 @@ TEST(ConventionChoice, AFrontalPlateIsUndecidedAndKeepsTheDeclaration) {
   testing::add_range_noise(view, 0.1, 3);
   const Eigen::AngleAxisd bias(10.0 * kDegree, Eigen::Vector3d::UnitY());
   for (auto& normal : view.normals) normal = (bias * normal.cast<double>()).cast<float>();
-  const auto choice = choose_conventions({store(view, kIdentity).evidence});
-  ASSERT_TRUE(choice.ok());
-  EXPECT_EQ(choice->views[0].convention, NormalConvention{});
-  ASSERT_EQ(choice->notes.size(), 1u);
-  EXPECT_THAT(choice->notes[0], HasSubstr("taken as declared"));
-  EXPECT_THAT(choice->notes[0], HasSubstr("other conventions fit as well"));
+  const auto choice = value_of(choose_conventions({store(view, kIdentity).evidence}));
+  EXPECT_EQ(choice.views[0].convention, NormalConvention{});
+  ASSERT_EQ(choice.notes.size(), 1u);
+  EXPECT_THAT(choice.notes[0], HasSubstr("taken as declared"));
+  EXPECT_THAT(choice.notes[0], HasSubstr("other conventions fit as well"));
 }
 
 TEST(ConventionChoice, LowReliefDecidesInSpiteOfALargerBias) {
@@ -175,10 +170,9 @@ TEST(ConventionChoice, LowReliefDecidesInSpiteOfALargerBias) {
   add_bias(view, 10.0 * kDegree);
   for (const Eigen::Matrix3d& stored_from_view : {kIdentity, kYReversed}) {
     const StoredNormals stored = store(view, stored_from_view);
-    const auto choice = choose_conventions({stored.evidence});
-    ASSERT_TRUE(choice.ok());
-    EXPECT_LT(error_after(view, stored, choice->views[0]), 1e-5);
-    EXPECT_EQ(choice->notes.empty(), stored_from_view == kIdentity);
+    const auto choice = value_of(choose_conventions({stored.evidence}));
+    EXPECT_LT(error_after(view, stored, choice.views[0]), 1e-5);
+    EXPECT_EQ(choice.notes.empty(), stored_from_view == kIdentity);
   }
 }
 
@@ -187,24 +181,22 @@ TEST(ConventionChoice, AViewThatCannotTellFollowsTheOthers) {
   flat.name = "flat";
   testing::add_range_noise(flat, 0.1, 3);
   const RangeView sphere = sphere_view();
-  const auto choice =
-      choose_conventions({store(flat, kYReversed).evidence, store(sphere, kYReversed).evidence});
-  ASSERT_TRUE(choice.ok());
-  for (const ChosenConvention& chosen : choice->views)
+  const auto choice = value_of(
+      choose_conventions({store(flat, kYReversed).evidence, store(sphere, kYReversed).evidence}));
+  for (const ChosenConvention& chosen : choice.views)
     EXPECT_EQ(chosen.convention.space_from_stored, kYReversed);
-  ASSERT_EQ(choice->notes.size(), 1u);
-  EXPECT_THAT(choice->notes[0], HasSubstr("views flat, synthetic:"));
+  ASSERT_EQ(choice.notes.size(), 1u);
+  EXPECT_THAT(choice.notes[0], HasSubstr("views flat, synthetic:"));
 }
 
 TEST(ConventionChoice, AViewThatDiffersFromTheOthersIsCorrectedAlone) {
   const RangeView view = sphere_view();
-  const auto choice =
+  const auto choice = value_of(
       choose_conventions({store(view, kIdentity).evidence, store(view, kYReversed).evidence,
-                          store(view, kIdentity).evidence});
-  ASSERT_TRUE(choice.ok());
-  EXPECT_EQ(choice->views[0].convention, NormalConvention{});
-  EXPECT_EQ(choice->views[1].convention.space_from_stored, kYReversed);
-  EXPECT_EQ(choice->views[2].convention, NormalConvention{});
+                          store(view, kIdentity).evidence}));
+  EXPECT_EQ(choice.views[0].convention, NormalConvention{});
+  EXPECT_EQ(choice.views[1].convention.space_from_stored, kYReversed);
+  EXPECT_EQ(choice.views[2].convention, NormalConvention{});
 }
 
 TEST(ConventionChoice, NormalsWithALargeBiasAreNotUsed) {
@@ -212,13 +204,12 @@ TEST(ConventionChoice, NormalsWithALargeBiasAreNotUsed) {
   testing::add_range_noise(view, 0.1, 7);
   add_bias(view, 22.0 * kDegree);
   const StoredNormals stored = store(view, kIdentity);
-  const auto choice = choose_conventions({stored.evidence});
-  ASSERT_TRUE(choice.ok()) << choice.error().message;
-  EXPECT_FALSE(choice->views[0].usable);
-  ASSERT_EQ(choice->notes.size(), 1u);
-  EXPECT_THAT(choice->notes[0], HasSubstr("normals are not used"));
-  EXPECT_THAT(choice->notes[0], HasSubstr("15.0 deg"));
-  apply_convention(stored, choice->views[0], view);
+  const auto choice = value_of(choose_conventions({stored.evidence}));
+  EXPECT_FALSE(choice.views[0].usable);
+  ASSERT_EQ(choice.notes.size(), 1u);
+  EXPECT_THAT(choice.notes[0], HasSubstr("normals are not used"));
+  EXPECT_THAT(choice.notes[0], HasSubstr("15.0 deg"));
+  apply_convention(stored, choice.views[0], view);
   EXPECT_FALSE(view.has_normals());
 }
 
@@ -230,11 +221,9 @@ TEST(ConventionChoice, AnImageOfSomethingElseIsAnError) {
       other.normals(u, v) = Eigen::Vector3d(0.9 * std::sin(0.15 * u), 0.9 * std::cos(0.2 * v), -0.5)
                                 .normalized()
                                 .cast<float>();
-  const auto choice = choose_conventions({store(other, kIdentity).evidence});
-  ASSERT_FALSE(choice.ok());
-  EXPECT_EQ(choice.error().kind, ErrorKind::kBadInput);
-  EXPECT_THAT(choice.error().message, HasSubstr("n.tiff: no convention of normals fits"));
-  EXPECT_THAT(choice.error().message, HasSubstr("belongs to this view"));
+  EXPECT_THAT(choose_conventions({store(other, kIdentity).evidence}),
+              HasError(ErrorKind::kBadInput, "n.tiff: no convention of normals fits",
+                       "belongs to this view"));
 }
 
 TEST(ConventionChoice, NormalsInGridFilesAreCorrectedToo) {
@@ -247,10 +236,9 @@ TEST(ConventionChoice, NormalsInGridFilesAreCorrectedToo) {
     for (auto& normal : components)
       normal = (stored_from_view * normal.cast<double>()).cast<float>();
     const StoredNormals stored = stored_in_grid(components, "scan.ply", view);
-    const auto choice = choose_conventions({stored.evidence});
-    ASSERT_TRUE(choice.ok());
-    EXPECT_LT(error_after(view, stored, choice->views[0]), 1e-5);
-    EXPECT_EQ(choice->notes.empty(), stored_from_view == kIdentity);
+    const auto choice = value_of(choose_conventions({stored.evidence}));
+    EXPECT_LT(error_after(view, stored, choice.views[0]), 1e-5);
+    EXPECT_EQ(choice.notes.empty(), stored_from_view == kIdentity);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief {
@@ -90,10 +91,9 @@ TEST_F(NormalMaps, DecodesDeclaredConventions) {
     for (const bool rgb : {false, true}) {
       const NormalSpec spec{"n", rgb ? NormalEncoding::kRgb : NormalEncoding::kUnit, c.axes,
                             c.space};
-      const auto map = decode_normals(encode(c.image_from_view, rgb), spec, view_);
-      ASSERT_TRUE(map.ok()) << map.error().message;
-      EXPECT_LT(largest_difference(map->normals), rgb ? 1e-4 : 1e-6);
-      EXPECT_TRUE(map->notes.empty()) << map->notes.front();
+      const auto map = value_of(decode_normals(encode(c.image_from_view, rgb), spec, view_));
+      EXPECT_LT(largest_difference(map.normals), rgb ? 1e-4 : 1e-6);
+      EXPECT_TRUE(map.notes.empty()) << map.notes.front();
     }
   }
 }
@@ -101,44 +101,39 @@ TEST_F(NormalMaps, DecodesDeclaredConventions) {
 TEST_F(NormalMaps, FindsWhatIsNotDeclaredAndNamesIt) {
   for (const bool gl : {false, true}) {
     for (const bool rgb : {false, true}) {
-      const auto map = decode_normals(encode(gl ? kGl : Eigen::Matrix3d::Identity().eval(), rgb),
-                                      NormalSpec{"n", {}, {}, {}}, view_);
-      ASSERT_TRUE(map.ok()) << map.error().message;
-      EXPECT_LT(largest_difference(map->normals), 1e-4);
-      ASSERT_EQ(map->notes.size(), 1u);
-      EXPECT_THAT(map->notes[0], HasSubstr(gl ? "opengl" : "opencv"));
-      EXPECT_THAT(map->notes[0], HasSubstr(rgb ? "rgb" : "unit"));
-      EXPECT_THAT(map->notes[0], HasSubstr("camera"));
+      const auto map =
+          value_of(decode_normals(encode(gl ? kGl : Eigen::Matrix3d::Identity().eval(), rgb),
+                                  NormalSpec{"n", {}, {}, {}}, view_));
+      EXPECT_LT(largest_difference(map.normals), 1e-4);
+      ASSERT_EQ(map.notes.size(), 1u);
+      EXPECT_THAT(map.notes[0], HasSubstr(gl ? "opengl" : "opencv"));
+      EXPECT_THAT(map.notes[0], HasSubstr(rgb ? "rgb" : "unit"));
+      EXPECT_THAT(map.notes[0], HasSubstr("camera"));
     }
   }
-  const auto world = decode_normals(encode(view_.world_from_view.linear(), false),
-                                    NormalSpec{"n", {}, {}, {}}, view_);
-  ASSERT_TRUE(world.ok()) << world.error().message;
-  EXPECT_THAT(world->notes.at(0), HasSubstr("world"));
+  const auto world = value_of(decode_normals(encode(view_.world_from_view.linear(), false),
+                                             NormalSpec{"n", {}, {}, {}}, view_));
+  EXPECT_THAT(world.notes.at(0), HasSubstr("world"));
 }
 
 TEST_F(NormalMaps, IsAnErrorWhenNothingFits) {
   Eigen::Matrix3d swapped;
   swapped << 0, 0, 1, 1, 0, 0, 0, 1, 0;
   view_.pose = PoseKind::kAbsent;
-  const auto map =
-      decode_normals(encode(swapped, false), NormalSpec{"bad.tiff", {}, {}, {}}, view_);
-  ASSERT_FALSE(map.ok());
-  EXPECT_THAT(map.error().message, HasSubstr("bad.tiff"));
-  EXPECT_THAT(map.error().message, HasSubstr("no convention"));
+  EXPECT_THAT(decode_normals(encode(swapped, false), NormalSpec{"bad.tiff", {}, {}, {}}, view_),
+              HasError("bad.tiff", "no convention"));
 }
 
 TEST_F(NormalMaps, AWrongDeclarationIsCorrectedAndNamed) {
-  const auto map = decode_normals(
+  const auto map = value_of(decode_normals(
       encode(kGl, false),
-      NormalSpec{"n", NormalEncoding::kUnit, NormalAxes::kOpencv, NormalSpace::kCamera}, view_);
-  ASSERT_TRUE(map.ok());
-  EXPECT_LT(largest_difference(map->normals), 1e-6);
-  ASSERT_FALSE(map->notes.empty());
-  EXPECT_THAT(map->notes[0], HasSubstr("warning"));
-  EXPECT_THAT(map->notes[0], HasSubstr("opencv"));
-  EXPECT_THAT(map->notes[0], HasSubstr("opengl"));
-  EXPECT_THAT(map->notes[0], HasSubstr(view_.name));
+      NormalSpec{"n", NormalEncoding::kUnit, NormalAxes::kOpencv, NormalSpace::kCamera}, view_));
+  EXPECT_LT(largest_difference(map.normals), 1e-6);
+  ASSERT_FALSE(map.notes.empty());
+  EXPECT_THAT(map.notes[0], HasSubstr("warning"));
+  EXPECT_THAT(map.notes[0], HasSubstr("opencv"));
+  EXPECT_THAT(map.notes[0], HasSubstr("opengl"));
+  EXPECT_THAT(map.notes[0], HasSubstr(view_.name));
 }
 
 TEST_F(NormalMaps, PixelsWithoutADirectionGetNone) {
@@ -147,20 +142,19 @@ TEST_F(NormalMaps, PixelsWithoutADirectionGetNone) {
   for (; !view_.has_sample(u, v); u == view_.width() - 1 ? (u = 0, ++v) : ++u) {
   }
   for (int c = 0; c < 3; ++c) image(u, v, c) *= 0.3f;
-  const auto map = decode_normals(
+  const auto map = value_of(decode_normals(
       image, NormalSpec{"n", NormalEncoding::kUnit, NormalAxes::kOpencv, NormalSpace::kCamera},
-      view_);
-  ASSERT_TRUE(map.ok());
-  EXPECT_FALSE(map->normals(u, v).allFinite());
-  ASSERT_EQ(map->notes.size(), 1u);
-  EXPECT_THAT(map->notes[0], HasSubstr("1 of"));
+      view_));
+  EXPECT_FALSE(map.normals(u, v).allFinite());
+  ASSERT_EQ(map.notes.size(), 1u);
+  EXPECT_THAT(map.notes[0], HasSubstr("1 of"));
 }
 
 TEST_F(NormalMaps, NeedsThreeChannelsAndAPoseForWorldSpace) {
-  EXPECT_FALSE(decode_normals(Image(60, 50, 1), NormalSpec{"n", {}, {}, {}}, view_).ok());
+  EXPECT_THAT(decode_normals(Image(60, 50, 1), NormalSpec{"n", {}, {}, {}}, view_), HasError());
   view_.pose = PoseKind::kAbsent;
-  EXPECT_FALSE(
-      decode_normals(Image(60, 50, 3), NormalSpec{"n", {}, {}, NormalSpace::kWorld}, view_).ok());
+  EXPECT_THAT(decode_normals(Image(60, 50, 3), NormalSpec{"n", {}, {}, NormalSpace::kWorld}, view_),
+              HasError());
 }
 
 TEST(SensorAxes, FollowTheGridOfEveryModel) {

@@ -6,6 +6,7 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/project/spec_json_private.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 
@@ -27,10 +28,9 @@ TEST(FolderGuess, PutsImagesOfOneViewTogether) {
   for (const char* name : {"owl_01_depth.png", "owl_02_depth.png", "owl_01_normals.png",
                            "owl_01_mask.png", "owl_02_RGB.png", "notes_mask.png"})
     folder.write(name, depth_png());
-  const auto guess = guess_project(folder / ".");
-  ASSERT_TRUE(guess.ok()) << guess.error().message;
-  ASSERT_EQ(guess->project.views.size(), 2u);
-  const ViewSpec &first = guess->project.views[0], &second = guess->project.views[1];
+  const auto guess = value_of(guess_project(folder / "."));
+  ASSERT_EQ(guess.project.views.size(), 2u);
+  const ViewSpec &first = guess.project.views[0], &second = guess.project.views[1];
   EXPECT_EQ(first.depth->file.filename(), "owl_01_depth.png");
   EXPECT_EQ(first.normals->file.filename(), "owl_01_normals.png");
   EXPECT_EQ(first.mask->file.filename(), "owl_01_mask.png");
@@ -38,8 +38,8 @@ TEST(FolderGuess, PutsImagesOfOneViewTogether) {
   EXPECT_EQ(second.colour->file.filename(), "owl_02_RGB.png");
   EXPECT_EQ(first.camera->width, 12);
   EXPECT_DOUBLE_EQ(first.camera->intrinsics.cx, 5.5);
-  EXPECT_THAT(guess->findings, ::testing::Contains(HasSubstr("notes_mask.png")));
-  EXPECT_THAT(guess->missing, ::testing::Contains(HasSubstr("fx and fy")));
+  EXPECT_THAT(guess.findings, ::testing::Contains(HasSubstr("notes_mask.png")));
+  EXPECT_THAT(guess.missing, ::testing::Contains(HasSubstr("fx and fy")));
 }
 
 TEST(FolderGuess, FindsRolesInNamesOfFolders) {
@@ -48,10 +48,9 @@ TEST(FolderGuess, FindsRolesInNamesOfFolders) {
   std::filesystem::create_directories(folder / "normal");
   folder.write("Depth Maps/a7.png", depth_png());
   folder.write("normal/a7.png", depth_png());
-  const auto guess = guess_project(folder / ".");
-  ASSERT_TRUE(guess.ok()) << guess.error().message;
-  ASSERT_EQ(guess->project.views.size(), 1u);
-  EXPECT_TRUE(guess->project.views[0].normals);
+  const auto guess = value_of(guess_project(folder / "."));
+  ASSERT_EQ(guess.project.views.size(), 1u);
+  EXPECT_TRUE(guess.project.views[0].normals);
 }
 
 TEST(FolderGuess, TakesCamerasAndPosesFromAMiddleburyList) {
@@ -61,16 +60,15 @@ TEST(FolderGuess, TakesCamerasAndPosesFromAMiddleburyList) {
   const std::string camera = " 500 0 6 0 510 4 0 0 1 1 0 0 0 1 0 0 0 1 ";
   folder.write("templeSR_par.txt",
                "2\ntempleSR0001.png" + camera + "1 2 3\ntempleSR0002.png" + camera + "0 0 0\n");
-  const auto guess = guess_project(folder / ".");
-  ASSERT_TRUE(guess.ok()) << guess.error().message;
-  ASSERT_EQ(guess->project.views.size(), 3u);
-  const ViewSpec &unlisted = guess->project.views[0], &first = guess->project.views[1];
+  const auto guess = value_of(guess_project(folder / "."));
+  ASSERT_EQ(guess.project.views.size(), 3u);
+  const ViewSpec &unlisted = guess.project.views[0], &first = guess.project.views[1];
   EXPECT_EQ(unlisted.pose, PoseKind::kAbsent);
   EXPECT_EQ(first.camera->intrinsics.fy, 510.0);
   EXPECT_EQ(first.pose, PoseKind::kGuess);
   EXPECT_EQ(first.world_from_view.translation(), Eigen::Vector3d(-1.0, -2.0, -3.0));
-  EXPECT_THAT(guess->findings, ::testing::Contains(HasSubstr("2 images")));
-  EXPECT_THAT(guess->missing, ::testing::Contains(HasSubstr("fx and fy"))) << "of b";
+  EXPECT_THAT(guess.findings, ::testing::Contains(HasSubstr("2 images")));
+  EXPECT_THAT(guess.missing, ::testing::Contains(HasSubstr("fx and fy"))) << "of b";
 }
 
 TEST(FolderGuess, WritesAProjectThatIsReadOnceItIsFilledIn) {
@@ -78,41 +76,35 @@ TEST(FolderGuess, WritesAProjectThatIsReadOnceItIsFilledIn) {
   folder.write("a_depth.png", depth_png());
   ReadProjectOptions options;
   auto guess = guess_project(folder / ".", options);
-  ASSERT_TRUE(guess.ok());
+  ASSERT_THAT(guess, IsOk());
   folder.write("scan.json", commented_scan_json(*guess, folder / "."));
-  const auto unfilled = read_project(folder / "scan.json");
-  ASSERT_FALSE(unfilled.ok());
-  EXPECT_THAT(unfilled.error().message, HasSubstr("fx"));
+  EXPECT_THAT(read_project(folder / "scan.json"), HasError("fx"));
 
   std::filesystem::remove(folder / "scan.json");
   options.intrinsics = PinholeIntrinsics{50, 50, 5.5, 4};
   guess = guess_project(folder / ".", options);
-  ASSERT_TRUE(guess.ok());
+  ASSERT_THAT(guess, IsOk());
   folder.write("scan.json", commented_scan_json(*guess, folder / "."));
-  const auto filled = read_project(folder / "scan.json");
-  ASSERT_TRUE(filled.ok()) << filled.error().message;
-  EXPECT_EQ(filled->unit, "mm");
-  EXPECT_EQ(filled->views[0].sample_count(), 108u);
+  const auto filled = value_of(read_project(folder / "scan.json"));
+  EXPECT_EQ(filled.unit, "mm");
+  EXPECT_EQ(filled.views[0].sample_count(), 108u);
 }
 
 TEST(FolderGuess, TakesWhatCanBeReadAsItIs) {
   const TemporaryFolder folder;
   const RangeView view = testing::render(testing::sphere({0, 0, 10}, 2.0),
                                          Camera::pinhole(24, 18, {40, 40, 11.5, 8.5}));
-  ASSERT_TRUE(write_project({view}, "mm", folder / ".", {}, {.grids = true}).ok());
+  ASSERT_THAT(write_project({view}, "mm", folder / ".", {}, {.grids = true}), IsOk());
   std::filesystem::remove(folder / "scan.json");
-  const auto guess = guess_project(folder / ".");
-  ASSERT_TRUE(guess.ok()) << guess.error().message;
-  EXPECT_EQ(guess->project.views.size(), 1u);
-  EXPECT_TRUE(guess->missing.empty());
+  const auto guess = value_of(guess_project(folder / "."));
+  EXPECT_EQ(guess.project.views.size(), 1u);
+  EXPECT_TRUE(guess.missing.empty());
 }
 
 TEST(FolderGuess, SaysThatNothingIsAScan) {
   const TemporaryFolder folder;
   folder.write("letter.doc", "x");
-  const auto guess = guess_project(folder / ".");
-  ASSERT_FALSE(guess.ok());
-  EXPECT_THAT(guess.error().message, HasSubstr("no file in it can be a scan"));
+  EXPECT_THAT(guess_project(folder / "."), HasError("no file in it can be a scan"));
 }
 
 // What a view's entry says is read back as the same entry.
@@ -135,10 +127,10 @@ TEST(ViewJson, IsReadBack) {
   view.pose = PoseKind::kKnown;
   auto document = empty_project_json("m");
   document["views"].push_back(view_json(view, folder / "."));
-  const auto read = parse_scan_json("// a comment\n" + document.dump(), folder / "scan.json");
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_EQ(view_json(read->views[0], folder / "."), document["views"][0]);
-  EXPECT_NEAR(read->views[0].camera->angles.azimuth[1], 0.25, 1e-15);
+  const auto read =
+      value_of(parse_scan_json("// a comment\n" + document.dump(), folder / "scan.json"));
+  EXPECT_EQ(view_json(read.views[0], folder / "."), document["views"][0]);
+  EXPECT_NEAR(read.views[0].camera->angles.azimuth[1], 0.25, 1e-15);
 }
 
 }  // namespace

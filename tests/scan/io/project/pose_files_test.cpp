@@ -5,6 +5,7 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/project/view_spec.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 
@@ -58,11 +59,10 @@ class PoseFiles : public ::testing::Test {
 TEST_F(PoseFiles, PosesSurviveMeshLabAndStanfordFiles) {
   for (const char* file : {"poses.aln", "poses.conf"}) {
     text_of(file);
-    const auto read = read_project(folder_.path() / file);
-    ASSERT_TRUE(read) << read.error().message;
-    ASSERT_EQ(read->views.size(), project_.views.size());
-    EXPECT_LT(largest_difference(*read, project_), 1e-12) << file;
-    EXPECT_EQ(read->views[1].sample_count(), project_.views[1].sample_count());
+    const auto read = value_of(read_project(folder_.path() / file));
+    ASSERT_EQ(read.views.size(), project_.views.size());
+    EXPECT_LT(largest_difference(read, project_), 1e-12) << file;
+    EXPECT_EQ(read.views[1].sample_count(), project_.views[1].sample_count());
   }
 }
 
@@ -77,35 +77,29 @@ TEST_F(PoseFiles, TrajectoriesHoldEveryDigit) {
 TEST_F(PoseFiles, ImagesAreNoRangeGrids) {
   const auto images = folder_.path() / "images";
   ASSERT_TRUE(write_project(project_, images));
-  const auto written =
-      write_pose_file(project_, images / "scan.json", {}, folder_.path() / "poses.aln");
-  ASSERT_FALSE(written);
-  EXPECT_THAT(written.error().message, HasSubstr("relief convert --grids"));
+  EXPECT_THAT(write_pose_file(project_, images / "scan.json", {}, folder_.path() / "poses.aln"),
+              HasError("relief convert --grids"));
 }
 
 TEST(MeshLabAln, ReadsNamesAndMatrices) {
-  const auto spec = parse_meshlab_aln(
+  const auto spec = value_of(parse_meshlab_aln(
       "2\r\na b.ply\r\n#\r\n1 0 0 5\r\n0 1 0 6\r\n0 0 1 7\r\n0 0 0 1\r\nc.ply\n#\n0 -1 0 0\n1 0 0 "
       "0\n0 0 1 0\n0 0 0 1\n0\n",
-      "d/x.aln");
-  ASSERT_TRUE(spec) << spec.error().message;
-  ASSERT_EQ(spec->views.size(), 2u);
-  EXPECT_EQ(*spec->views[0].grid, "d/a b.ply");
-  EXPECT_EQ(spec->views[0].world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
-  EXPECT_NEAR(spec->views[1].world_from_view.linear()(1, 0), 1.0, 1e-15);
+      "d/x.aln"));
+  ASSERT_EQ(spec.views.size(), 2u);
+  EXPECT_EQ(*spec.views[0].grid, "d/a b.ply");
+  EXPECT_EQ(spec.views[0].world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
+  EXPECT_NEAR(spec.views[1].world_from_view.linear()(1, 0), 1.0, 1e-15);
 }
 
 TEST(MeshLabAln, ErrorsNameTheLine) {
-  const auto error = [](const std::string& text) {
-    const auto spec = parse_meshlab_aln(text, "x.aln");
-    return spec.ok() ? std::string("no error") : spec.error().message;
-  };
-  EXPECT_THAT(error("mesh\n"), HasSubstr("x.aln: line 1: expected the number"));
-  EXPECT_THAT(error("1\na.ply\n"), HasSubstr("the file ends"));
-  EXPECT_THAT(error("1\na.ply\n1 0 0 0\n"), HasSubstr("line 3: expected a line with #"));
-  EXPECT_THAT(error("1\na.ply\n#\n1 0 0\n"), HasSubstr("line 4: expected a row"));
-  EXPECT_THAT(error("1\na.ply\n#\n2 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"), HasSubstr("line 7"));
-  EXPECT_THAT(error("1000000000\na.ply\n"), HasSubstr("the file ends"));
+  const auto error = [](const std::string& text) { return parse_meshlab_aln(text, "x.aln"); };
+  EXPECT_THAT(error("mesh\n"), HasError("x.aln: line 1: expected the number"));
+  EXPECT_THAT(error("1\na.ply\n"), HasError("the file ends"));
+  EXPECT_THAT(error("1\na.ply\n1 0 0 0\n"), HasError("line 3: expected a line with #"));
+  EXPECT_THAT(error("1\na.ply\n#\n1 0 0\n"), HasError("line 4: expected a row"));
+  EXPECT_THAT(error("1\na.ply\n#\n2 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"), HasError("line 7"));
+  EXPECT_THAT(error("1000000000\na.ply\n"), HasError("the file ends"));
 }
 
 }  // namespace

@@ -9,12 +9,14 @@
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/grids/ply_grid_writer.h"
 #include "scan/io/images/image_io.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::render;
@@ -97,60 +99,55 @@ TEST(ProjectIo, WhatIsWrittenIsReadBackForEveryCamera) {
   const TemporaryFolder folder;
   const ScanProject project = all_cameras();
   for (const auto& view : project.views) ASSERT_GT(view.sample_count(), 100u) << view.name;
-  const auto written = write_project(project, folder / "sub/out");
-  ASSERT_TRUE(written.ok()) << written.error().message;
-  const auto read = read_project(folder / "sub/out/scan.json");
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_EQ(read->unit, "m");
-  ASSERT_EQ(read->views.size(), project.views.size());
+  ASSERT_THAT(write_project(project, folder / "sub/out"), IsOk());
+  const auto read = value_of(read_project(folder / "sub/out/scan.json"));
+  EXPECT_EQ(read.unit, "m");
+  ASSERT_EQ(read.views.size(), project.views.size());
   for (std::size_t i = 0; i < project.views.size(); ++i)
-    expect_same_view(read->views[i], project.views[i]);
-  EXPECT_TRUE(read_project(folder / "sub/out").ok()) << "a folder with a scan.json";
-  EXPECT_TRUE(read->views[3].camera.can_project());
+    expect_same_view(read.views[i], project.views[i]);
+  EXPECT_THAT(read_project(folder / "sub/out"), IsOk()) << "a folder with a scan.json";
+  EXPECT_TRUE(read.views[3].camera.can_project());
 }
 
 TEST(ProjectIo, AllCamerasMayBeWrittenAsGrids) {
   const TemporaryFolder folder;
   const ScanProject project = all_cameras();
-  ASSERT_TRUE(write_project(project, folder.path(), {}, {.grids = true}).ok());
+  ASSERT_THAT(write_project(project, folder.path(), {}, {.grids = true}), IsOk());
   for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
     const std::string name = entry.path().filename().string();
     EXPECT_TRUE(name.ends_with(".ply") || name.ends_with("_deviation.tiff") || name == "scan.json")
         << name;
   }
-  const auto read = read_project(folder.path());
-  ASSERT_TRUE(read.ok()) << read.error().message;
+  const auto read = value_of(read_project(folder.path()));
   for (std::size_t i = 0; i < project.views.size(); ++i)
-    expect_same_view(read->views[i], project.views[i]);
+    expect_same_view(read.views[i], project.views[i]);
 }
 
 TEST(ProjectIo, AllCamerasMayBeWrittenAsPcd) {
   const TemporaryFolder folder;
   const ScanProject project = all_cameras();
-  ASSERT_TRUE(
-      write_project(project, folder.path(), {}, {.grids = true, .grid_format = GridFormat::kPcd})
-          .ok());
+  ASSERT_THAT(
+      write_project(project, folder.path(), {}, {.grids = true, .grid_format = GridFormat::kPcd}),
+      IsOk());
   EXPECT_TRUE(std::filesystem::exists(folder / "pinhole.pcd"));
-  const auto read = read_project(folder.path());
-  ASSERT_TRUE(read.ok()) << read.error().message;
+  const auto read = value_of(read_project(folder.path()));
   for (std::size_t i = 0; i < project.views.size(); ++i)
-    expect_same_view(read->views[i], project.views[i]);
+    expect_same_view(read.views[i], project.views[i]);
 }
 
 TEST(ProjectIo, APcdAloneKeepsItsPoseAsAGuess) {
   const TemporaryFolder folder;
   const RangeView written = all_cameras().views[0];
-  const auto read = read_project(folder.write("a.pcd", encode_pcd_grid(written)));
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_EQ(read->views[0].pose, PoseKind::kGuess);
-  EXPECT_TRUE(read->views[0].world_from_view.isApprox(written.world_from_view, 1e-6));
-  EXPECT_EQ(read->views[0].camera.model(), Camera::Model::kPinhole);
+  const auto read = value_of(read_project(folder.write("a.pcd", encode_pcd_grid(written))));
+  EXPECT_EQ(read.views[0].pose, PoseKind::kGuess);
+  EXPECT_TRUE(read.views[0].world_from_view.isApprox(written.world_from_view, 1e-6));
+  EXPECT_EQ(read.views[0].camera.model(), Camera::Model::kPinhole);
 }
 
 TEST(ProjectIo, WritingTwiceGivesTheSameBytes) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(write_project(all_cameras(), folder / "a").ok());
-  ASSERT_TRUE(write_project(all_cameras(), folder / "b").ok());
+  ASSERT_THAT(write_project(all_cameras(), folder / "a"), IsOk());
+  ASSERT_THAT(write_project(all_cameras(), folder / "b"), IsOk());
   for (const auto& entry : std::filesystem::directory_iterator(folder / "a"))
     EXPECT_EQ(*read_file(entry.path()), *read_file(folder / "b" / entry.path().filename()));
 }
@@ -163,16 +160,13 @@ TEST(ProjectIo, ParallelDepthMapsBehindTheirOriginAreKept) {
   project.views = {render(sphere({0, 0, 0}, 0.9), camera)};
   project.views[0].normals = {};
   ASSERT_LT(project.views[0].range(10, 10), 0.0);
-  ASSERT_TRUE(write_project(project, folder.path()).ok());
-  const auto read = read_project(folder.path());
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_NEAR((read->views[0].point(10, 10) - project.views[0].point(10, 10)).norm(), 0, 1e-6);
+  ASSERT_THAT(write_project(project, folder.path()), IsOk());
+  const auto read = value_of(read_project(folder.path()));
+  EXPECT_NEAR((read.views[0].point(10, 10) - project.views[0].point(10, 10)).norm(), 0, 1e-6);
 }
 
 TEST(ProjectIo, UnwritablePlacesAreErrors) {
-  const auto result = write_project(all_cameras(), "/proc/relief");
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().kind, ErrorKind::kCannotWrite);
+  EXPECT_THAT(write_project(all_cameras(), "/proc/relief"), HasError(ErrorKind::kCannotWrite));
 }
 
 TEST(ProjectIo, AFolderOfGridsReadsPosesBesideThem) {
@@ -183,16 +177,15 @@ TEST(ProjectIo, AFolderOfGridsReadsPosesBesideThem) {
   folder.write("a.xf", "1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n");
   folder.write("mesh.ply",
                "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nend_header\n");
-  const auto project = read_project(folder.path());
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  ASSERT_EQ(project->views.size(), 2u);
-  EXPECT_EQ(project->views[0].name, "a");
-  EXPECT_EQ(project->views[0].world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
-  EXPECT_EQ(project->views[1].pose, PoseKind::kAbsent);
-  EXPECT_EQ(project->views[0].camera.model(), Camera::Model::kPinhole);
-  EXPECT_THAT(project->notes.at(0), HasSubstr("mesh.ply"));
+  const auto project = value_of(read_project(folder.path()));
+  ASSERT_EQ(project.views.size(), 2u);
+  EXPECT_EQ(project.views[0].name, "a");
+  EXPECT_EQ(project.views[0].world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
+  EXPECT_EQ(project.views[1].pose, PoseKind::kAbsent);
+  EXPECT_EQ(project.views[0].camera.model(), Camera::Model::kPinhole);
+  EXPECT_THAT(project.notes.at(0), HasSubstr("mesh.ply"));
   folder.write("b.xf", "1 0 0 5\n0 1 0 6\n");
-  EXPECT_FALSE(read_project(folder.path()).ok());
+  EXPECT_THAT(read_project(folder.path()), HasError());
 }
 
 TEST(ProjectIo, AnFcFileGivesTheIntrinsics) {
@@ -202,17 +195,15 @@ TEST(ProjectIo, AnFcFileGivesTheIntrinsics) {
   const auto read = [&](const std::string& text) {
     return read_project(grid, {.fc_file = folder.write("a.fc", text)});
   };
-  const auto project = read("60 62 23.5 17.5\n");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  EXPECT_EQ(project->views[0].camera.model(), Camera::Model::kPinholeGl);
-  EXPECT_EQ(project->views[0].camera.intrinsics().fy, 62);
-  EXPECT_THAT(project->notes, IsEmpty());
-  const auto of_folder = read_project(folder.path(), {.fc_file = folder / "a.fc"});
-  ASSERT_TRUE(of_folder.ok()) << of_folder.error().message;
-  EXPECT_EQ(of_folder->views[0].camera.intrinsics().fy, 62);
-  EXPECT_FALSE(read("60 62 23.5\n").ok());
-  EXPECT_FALSE(read("0 62 23.5 17\n").ok());
-  EXPECT_FALSE(read("60 62 23.5 x\n").ok());
+  const auto project = value_of(read("60 62 23.5 17.5\n"));
+  EXPECT_EQ(project.views[0].camera.model(), Camera::Model::kPinholeGl);
+  EXPECT_EQ(project.views[0].camera.intrinsics().fy, 62);
+  EXPECT_THAT(project.notes, IsEmpty());
+  const auto of_folder = value_of(read_project(folder.path(), {.fc_file = folder / "a.fc"}));
+  EXPECT_EQ(of_folder.views[0].camera.intrinsics().fy, 62);
+  EXPECT_THAT(read("60 62 23.5\n"), HasError());
+  EXPECT_THAT(read("0 62 23.5 17\n"), HasError());
+  EXPECT_THAT(read("60 62 23.5 x\n"), HasError());
 }
 
 // A project of one depth map on disk, whose parts tests replace.
@@ -235,18 +226,13 @@ class DepthProject : public ::testing::Test {
             R"("},"camera":{"model":"pinhole","width":8,"height":6,"fx":5,"fy":5,"cx":4,"cy":3})" +
             more + "}]}"));
   }
-  std::string error(const std::string& more, const std::string& file = "d.png") const {
-    const auto project = read(more, file);
-    return project.ok() ? "no error" : project.error().message;
-  }
 
   TemporaryFolder folder_;
 };
 
 TEST_F(DepthProject, ScalesDepthAndLeavesZeroOut) {
-  const auto project = read();
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const RangeView& view = project->views[0];
+  const auto project = value_of(read());
+  const RangeView& view = project.views[0];
   EXPECT_FALSE(view.has_sample(0, 0));
   EXPECT_NEAR(view.point(1, 0).z(), 10.01, 1e-12);
   EXPECT_EQ(view.pose, PoseKind::kAbsent);
@@ -260,9 +246,8 @@ TEST_F(DepthProject, ANegativeFocalLengthTurnsTheAxisRound) {
       "scan.json",
       R"({"format":"relief-scan","version":1,"views":[{"name":"v7","depth":{"file":"d.png","scale":0.01},)"
       R"("camera":{"model":"pinhole","width":8,"height":6,"fx":5,"fy":-5,"cx":4,"cy":3}}]})");
-  const auto project = read_project(path), upright = read();
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const Eigen::Vector3d point = project->views[0].point(6, 1), mirrored(1, -1, 1);
+  const auto project = value_of(read_project(path), upright = read());
+  const Eigen::Vector3d point = project.views[0].point(6, 1), mirrored(1, -1, 1);
   EXPECT_LT((point - upright->views[0].point(6, 1).cwiseProduct(mirrored)).norm(), 1e-12);
   EXPECT_GT(point.y(), 0.0);
 }
@@ -274,10 +259,9 @@ TEST_F(DepthProject, ValuesThatAreNoDepthAreNoSamples) {
   depth(2, 1) = std::numeric_limits<float>::quiet_NaN();
   depth(3, 1) = std::numeric_limits<float>::infinity();
   folder_.write("f.tiff", *encode_tiff(depth));
-  const auto project = read("", "f.tiff");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  EXPECT_EQ(project->views[0].sample_count(), 45u);
-  EXPECT_FALSE(project->views[0].has_sample(2, 1));
+  const auto project = value_of(read("", "f.tiff"));
+  EXPECT_EQ(project.views[0].sample_count(), 45u);
+  EXPECT_FALSE(project.views[0].has_sample(2, 1));
 }
 
 TEST_F(DepthProject, MasksAndConfidencesApply) {
@@ -287,11 +271,10 @@ TEST_F(DepthProject, MasksAndConfidencesApply) {
   confidence(3, 3) = 255;
   folder_.write("m.png", *encode_png(mask));
   folder_.write("c.png", *encode_png(confidence));
-  const auto project = read(R"(,"mask":{"file":"m.png"},"confidence":{"file":"c.png"})");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  EXPECT_EQ(project->views[0].sample_count(), 2u);
-  EXPECT_EQ(project->views[0].confidence_at(3, 3), 1.0f);
-  EXPECT_EQ(project->views[0].confidence_at(4, 3), 0.0f);
+  const auto project = value_of(read(R"(,"mask":{"file":"m.png"},"confidence":{"file":"c.png"})"));
+  EXPECT_EQ(project.views[0].sample_count(), 2u);
+  EXPECT_EQ(project.views[0].confidence_at(3, 3), 1.0f);
+  EXPECT_EQ(project.views[0].confidence_at(4, 3), 0.0f);
 }
 
 // A camera that measures normals sees what the range sensor misses. Masked pixels are no object.
@@ -307,11 +290,10 @@ TEST_F(DepthProject, NormalsStayWhereTheRangeIsMissing) {
   folder_.write("n.tiff", *encode_tiff(normals));
   folder_.write("f.tiff", *encode_tiff(depth));
   folder_.write("m.png", *encode_png(mask));
-  const auto project = read(
+  const auto project = value_of(read(
       R"(,"mask":{"file":"m.png"},"normals":{"file":"n.tiff","encoding":"unit","axes":"opencv","space":"camera"})",
-      "f.tiff");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const RangeView& view = project->views[0];
+      "f.tiff"));
+  const RangeView& view = project.views[0];
   EXPECT_FALSE(view.has_sample(3, 2));
   EXPECT_TRUE(view.has_normal(3, 2));
   EXPECT_TRUE(view.has_normal(2, 2));
@@ -329,9 +311,8 @@ TEST_F(DepthProject, DeviationsAreScaledAndUnknownWhereNotPositive) {
   depth.samples.assign(depth.samples.size(), 10.0f);
   depth(5, 5) = 0.0f;
   folder_.write("f.tiff", *encode_tiff(depth));
-  const auto project = read(R"(,"deviation":{"file":"s.tiff","scale":0.01})", "f.tiff");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  const RangeView& view = project->views[0];
+  const auto project = value_of(read(R"(,"deviation":{"file":"s.tiff","scale":0.01})", "f.tiff"));
+  const RangeView& view = project.views[0];
   EXPECT_NEAR(view.deviation_at(4, 4), 0.05, 1e-8);
   for (const auto& [u, v] : {std::pair{1, 1}, {2, 1}, {3, 1}, {5, 5}})
     EXPECT_TRUE(std::isnan(view.deviation_at(u, v))) << u << " " << v;
@@ -344,70 +325,63 @@ TEST_F(DepthProject, ColoursComeFromImagesOfIntegers) {
   grey(2, 1) = 77;
   folder_.write("rgb.png", *encode_png(rgb));
   folder_.write("grey.png", *encode_png(grey));
-  const auto coloured = read(R"(,"color":{"file":"rgb.png"})");
-  ASSERT_TRUE(coloured.ok()) << coloured.error().message;
-  EXPECT_EQ(coloured->views[0].colours(2, 1), (Colour{255, 0, 1}));
+  const auto coloured = value_of(read(R"(,"color":{"file":"rgb.png"})"));
+  EXPECT_EQ(coloured.views[0].colours(2, 1), (Colour{255, 0, 1}));
   EXPECT_EQ(read(R"(,"color":{"file":"grey.png"})")->views[0].colours(2, 1), (Colour{77, 77, 77}));
   EXPECT_TRUE(read()->views[0].colours.empty());
   folder_.write("small.png", *encode_png(Image(7, 6, 3, 255)));
   folder_.write("float.tiff", *encode_tiff(Image(8, 6, 3)));
-  EXPECT_THAT(error(R"(,"color":{"file":"small.png"})"), HasSubstr("small.png: is 7x6"));
-  EXPECT_THAT(error(R"(,"color":{"file":"float.tiff"})"), HasSubstr("image of integers"));
-  EXPECT_THAT(error(R"(,"color":"rgb.png")"), HasSubstr("color"));
+  EXPECT_THAT(read(R"(,"color":{"file":"small.png"})"), HasError("small.png: is 7x6"));
+  EXPECT_THAT(read(R"(,"color":{"file":"float.tiff"})"), HasError("image of integers"));
+  EXPECT_THAT(read(R"(,"color":"rgb.png")"), HasError("color"));
 }
 
 TEST_F(DepthProject, AViewWithoutSamplesIsNamed) {
   folder_.write("m.png", *encode_png(Image(8, 6, 1, 255)));
   folder_.write("empty.png", *encode_png(Image(8, 6, 1, 65535)));
   for (const auto& project : {read(R"(,"mask":{"file":"m.png"})"), read("", "empty.png")}) {
-    ASSERT_FALSE(project.ok());
-    EXPECT_EQ(project.error().kind, ErrorKind::kUnsolvable);
-    EXPECT_THAT(project.error().message, HasSubstr("view v7 has no samples"));
+    EXPECT_THAT(project, HasError(ErrorKind::kUnsolvable, "view v7 has no samples"));
   }
 }
 
 TEST_F(DepthProject, SizesThatDifferAreNamedWithBothFiles) {
   folder_.write("n.png", *encode_png(Image(7, 6, 3, 255)));
-  const std::string message = error(R"(,"normals":{"file":"n.png"})");
-  EXPECT_THAT(message, HasSubstr("n.png: is 7x6"));
-  EXPECT_THAT(message, HasSubstr("d.png of the same view is 8x6"));
+  EXPECT_THAT(read(R"(,"normals":{"file":"n.png"})"),
+              HasError("n.png: is 7x6", "d.png of the same view is 8x6"));
   folder_.write("big.png", *encode_png(Image(9, 6, 1, 65535)));
-  EXPECT_THAT(error("", "big.png"), HasSubstr("is 9x6, but the camera of view v7 is 8x6"));
+  EXPECT_THAT(read("", "big.png"), HasError("is 9x6, but the camera of view v7 is 8x6"));
 }
 
 TEST_F(DepthProject, MissingAndUnsuitableFilesAreNamed) {
-  EXPECT_THAT(error("", "missing.png"), HasSubstr("missing.png"));
+  EXPECT_THAT(read("", "missing.png"), HasError("missing.png"));
   folder_.write("rgb.png", *encode_png(Image(8, 6, 3, 255)));
-  EXPECT_THAT(error("", "rgb.png"), HasSubstr("one channel"));
-  EXPECT_THAT(error(R"(,"mask":{"file":"none.png"})"), HasSubstr("none.png"));
+  EXPECT_THAT(read("", "rgb.png"), HasError("one channel"));
+  EXPECT_THAT(read(R"(,"mask":{"file":"none.png"})"), HasError("none.png"));
 }
 
 TEST_F(DepthProject, ProgressCanStopReading) {
   const auto path = folder_ / "scan.json";
-  ASSERT_TRUE(read().ok());
+  ASSERT_THAT(read(), IsOk());
   Context context{.threads = 1};
   context.progress = [](double, std::string_view) { return false; };
   const auto stopped = read_project(path, {}, context);
   // The only view was read before anybody could stop.
-  EXPECT_TRUE(stopped.ok() || stopped.error().kind == ErrorKind::kInterrupted);
+  EXPECT_THAT(stopped, AnyOf(IsOk(), HasError(ErrorKind::kInterrupted)));
 }
 
 TEST_F(DepthProject, PosesAreWrittenIntoACopyThatRefersToTheSameFiles) {
-  auto project = read(R"(,"pose_is":"guess","world_from_view":)"
-                      R"([[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]])");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  project->views[0].world_from_view.translation() << 7, 8, 9;
-  project->views[0].pose = PoseKind::kKnown;
+  auto project = value_of(read(R"(,"pose_is":"guess","world_from_view":)"
+                               R"([[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]])"));
+  project.views[0].world_from_view.translation() << 7, 8, 9;
+  project.views[0].pose = PoseKind::kKnown;
   std::filesystem::create_directory(folder_ / "results");
   const auto file = folder_ / "results/aligned.json";
-  const auto written = write_project_poses(*project, folder_ / "scan.json", {}, file);
-  ASSERT_TRUE(written.ok()) << written.error().message;
+  ASSERT_THAT(write_project_poses(project, folder_ / "scan.json", {}, file), IsOk());
   EXPECT_THAT(*read_file(file), HasSubstr("../d.png"));
-  const auto again = read_project(file);
-  ASSERT_TRUE(again.ok()) << again.error().message;
-  EXPECT_EQ(again->views[0].world_from_view.translation(), Eigen::Vector3d(7, 8, 9));
-  EXPECT_EQ(again->views[0].pose, PoseKind::kKnown);
-  EXPECT_EQ(again->views[0].range(4, 4), project->views[0].range(4, 4));
+  const auto again = value_of(read_project(file));
+  EXPECT_EQ(again.views[0].world_from_view.translation(), Eigen::Vector3d(7, 8, 9));
+  EXPECT_EQ(again.views[0].pose, PoseKind::kKnown);
+  EXPECT_EQ(again.views[0].range(4, 4), project.views[0].range(4, 4));
 }
 
 TEST(ProjectIo, PosesOfGridFilesGetAProjectFile) {
@@ -415,25 +389,20 @@ TEST(ProjectIo, PosesOfGridFilesGetAProjectFile) {
   const RangeView view = render(sphere({0, 0, -9}, 3), Camera::pinhole_gl(48, 36, kIntrinsics));
   const auto grid = folder.write("a.ply", encode_ply_grid(view));
   const ReadProjectOptions options{.fc_file = folder.write("a.fc", "60 62 23.5 17.5\n")};
-  auto project = read_project(grid, options);
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  project->views[0].world_from_view.translation() << 1, 2, 3;
-  project->views[0].pose = PoseKind::kGuess;
-  ASSERT_TRUE(write_project_poses(*project, grid, options, folder / "aligned.json").ok());
-  const auto again = read_project(folder / "aligned.json");
-  ASSERT_TRUE(again.ok()) << again.error().message;
-  EXPECT_EQ(again->views[0].camera.model(), Camera::Model::kPinholeGl);
-  EXPECT_EQ(again->views[0].world_from_view.translation(), Eigen::Vector3d(1, 2, 3));
+  auto project = value_of(read_project(grid, options));
+  project.views[0].world_from_view.translation() << 1, 2, 3;
+  project.views[0].pose = PoseKind::kGuess;
+  ASSERT_THAT(write_project_poses(project, grid, options, folder / "aligned.json"), IsOk());
+  const auto again = value_of(read_project(folder / "aligned.json"));
+  EXPECT_EQ(again.views[0].camera.model(), Camera::Model::kPinholeGl);
+  EXPECT_EQ(again.views[0].world_from_view.translation(), Eigen::Vector3d(1, 2, 3));
 }
 
 TEST(ProjectIo, WhatIsNoProjectIsNamed) {
   const TemporaryFolder folder;
   for (const auto& path :
        {folder / "missing", folder.path(), folder.write("a.txt", ""), folder.write("b.json", "")}) {
-    const auto project = read_project(path);
-    ASSERT_FALSE(project.ok());
-    EXPECT_EQ(project.error().kind, ErrorKind::kBadInput);
-    EXPECT_THAT(project.error().message, HasSubstr(path.string()));
+    EXPECT_THAT(read_project(path), HasError(ErrorKind::kBadInput, path.string()));
   }
 }
 
@@ -452,13 +421,10 @@ TEST(ProjectIo, ManyViewsOfOneFileAreBoundByTheMemory) {
   constexpr std::size_t kView = 64 * 64 * 20;
   ReadProjectOptions options;
   options.memory = 50 * kView;
-  EXPECT_TRUE(read_project(path, options).ok());
+  EXPECT_THAT(read_project(path, options), IsOk());
   options.memory = 50 * kView - 1;
-  const auto refused = read_project(path, options);
-  ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.error().kind, ErrorKind::kUnsolvable);
-  EXPECT_THAT(refused.error().message, HasSubstr("depth.png: view "));
-  EXPECT_THAT(refused.error().message, HasSubstr("give fewer or smaller ones"));
+  EXPECT_THAT(read_project(path, options),
+              HasError(ErrorKind::kUnsolvable, "depth.png: view ", "give fewer or smaller ones"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/grids/ply_grid_writer.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 
@@ -61,29 +62,27 @@ void expect_same_points(const RangeView& read, const RangeView& view, double tol
 TEST(ScanFile, EveryScanOfAFileIsAView) {
   const TemporaryFolder folder;
   const std::vector<RangeView> views{ball_view("a", 1.0), ball_view("b", 2.0)};
-  ASSERT_TRUE(write_ptx(views, folder / "two.ptx").ok());
-  ASSERT_TRUE(write_e57(views, folder / "two.e57").ok());
+  ASSERT_THAT(write_ptx(views, folder / "two.ptx"), IsOk());
+  ASSERT_THAT(write_e57(views, folder / "two.e57"), IsOk());
   for (const char* name : {"two.ptx", "two.e57"}) {
-    const auto project = read_project(folder / name);
-    ASSERT_TRUE(project.ok()) << project.error().message;
-    ASSERT_EQ(project->views.size(), 2u) << name;
+    const auto project = value_of(read_project(folder / name));
+    ASSERT_EQ(project.views.size(), 2u) << name;
     for (std::size_t i = 0; i < 2; ++i) {
-      EXPECT_EQ(project->views[i].name, "two-" + std::to_string(i + 1));
-      EXPECT_EQ(project->views[i].pose, PoseKind::kGuess);
-      EXPECT_TRUE(project->views[i].world_from_view.isApprox(views[i].world_from_view, 1e-12));
-      expect_same_points(project->views[i], views[i], 1e-9);
+      EXPECT_EQ(project.views[i].name, "two-" + std::to_string(i + 1));
+      EXPECT_EQ(project.views[i].pose, PoseKind::kGuess);
+      EXPECT_TRUE(project.views[i].world_from_view.isApprox(views[i].world_from_view, 1e-12));
+      expect_same_points(project.views[i], views[i], 1e-9);
     }
   }
 }
 
 TEST(ScanFile, PosesOfFilesCanBeIgnored) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(write_ptx({ball_view("a", 1.0)}, folder / "a.ptx").ok());
+  ASSERT_THAT(write_ptx({ball_view("a", 1.0)}, folder / "a.ptx"), IsOk());
   ReadProjectOptions options;
   options.ignore_viewpoints = true;
-  const auto project = read_project(folder / "a.ptx", options);
-  ASSERT_TRUE(project.ok());
-  EXPECT_EQ(project->views[0].pose, PoseKind::kAbsent);
+  const auto project = value_of(read_project(folder / "a.ptx", options));
+  EXPECT_EQ(project.views[0].pose, PoseKind::kAbsent);
 }
 
 TEST(ScanFile, KindFollowsFromTheHeader) {
@@ -98,10 +97,9 @@ TEST(ScanFile, KindFollowsFromTheHeader) {
 
 TEST(ScanFile, ThereIsNoSecondScanInAFileOfOne) {
   const TemporaryFolder folder;
-  const auto grid =
-      read_scan_file(folder.write("a.ply", encode_ply_grid(ball_view("a", 0.0))), {.scan = 1});
-  ASSERT_FALSE(grid.ok());
-  EXPECT_THAT(grid.error().message, HasSubstr("holds one scan"));
+  EXPECT_THAT(
+      read_scan_file(folder.write("a.ply", encode_ply_grid(ball_view("a", 0.0))), {.scan = 1}),
+      HasError("holds one scan"));
 }
 
 TEST(ScanFile, AMatrixThatIsNoMotionIsAppliedAndNamed) {
@@ -109,20 +107,18 @@ TEST(ScanFile, AMatrixThatIsNoMotionIsAppliedAndNamed) {
   std::string text = "2\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n2 0 0 0\n0 2 0 0\n0 0 2 0\n5 0 0 1\n";
   for (const char* point : {"0 0 1", "1 0 1", "0 1 1", "1 1 1"})
     text += std::string(point) + " 0.5\n";
-  const auto project = read_project(folder.write("a.ptx", text));
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  EXPECT_THAT(project->notes, ::testing::Contains(HasSubstr("the matrix was applied")));
+  const auto project = value_of(read_project(folder.write("a.ptx", text)));
+  EXPECT_THAT(project.notes, ::testing::Contains(HasSubstr("the matrix was applied")));
   double largest = 0.0;
   for (int v = 0; v < 2; ++v)
-    for (int u = 0; u < 2; ++u) largest = std::max(largest, project->views[0].point(u, v).x());
+    for (int u = 0; u < 2; ++u) largest = std::max(largest, project.views[0].point(u, v).x());
   EXPECT_NEAR(largest, 7.0, 1e-12);
 }
 
 TEST(ScanFile, AFewPointsAreAView) {
   const TemporaryFolder folder;
-  const auto project = read_project(folder.write("a.xyz", "1 2 3\n4 5 6\n7 8 10\n"));
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  EXPECT_EQ(project->views[0].sample_count(), 3u);
+  const auto project = value_of(read_project(folder.write("a.xyz", "1 2 3\n4 5 6\n7 8 10\n")));
+  EXPECT_EQ(project.views[0].sample_count(), 3u);
 }
 
 TEST(ScanFile, AFolderOfPointsIsAProject) {
@@ -130,22 +126,20 @@ TEST(ScanFile, AFolderOfPointsIsAProject) {
   const RangeView view = ball_view("a", 0.0);
   folder.write("a.xyz", xyz_text(view));
   folder.write("b.xyz", xyz_text(view));
-  const auto project = read_project(folder / ".");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  ASSERT_EQ(project->views.size(), 2u);
-  EXPECT_GT(project->views[0].sample_count(), view.sample_count() * 9 / 10);
-  EXPECT_TRUE(project->views[0].camera.can_project());
-  EXPECT_THAT(project->notes, ::testing::Contains(HasSubstr("points and meshes without")));
+  const auto project = value_of(read_project(folder / "."));
+  ASSERT_EQ(project.views.size(), 2u);
+  EXPECT_GT(project.views[0].sample_count(), view.sample_count() * 9 / 10);
+  EXPECT_TRUE(project.views[0].camera.can_project());
+  EXPECT_THAT(project.notes, ::testing::Contains(HasSubstr("points and meshes without")));
 }
 
 TEST(ScanFile, GridsGoBeforePoints) {
   const TemporaryFolder folder;
   folder.write("a.ply", encode_ply_grid(ball_view("a", 0.0)));
   folder.write("b.xyz", xyz_text(ball_view("a", 0.0)));
-  const auto project = read_project(folder / ".");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  EXPECT_EQ(project->views.size(), 1u);
-  EXPECT_THAT(project->notes, ::testing::Contains(HasSubstr("b.xyz")));
+  const auto project = value_of(read_project(folder / "."));
+  EXPECT_EQ(project.views.size(), 1u);
+  EXPECT_THAT(project.notes, ::testing::Contains(HasSubstr("b.xyz")));
 }
 
 // A scanner that turns round its axis is found in the points of its file, and kept by a project.
@@ -162,17 +156,15 @@ TEST(ScanFile, ASphericalScannerIsFoundAndKept) {
       const Eigen::Vector3d d = view.camera.ray(u, v).direction.cwiseAbs();
       view.range(u, v) = std::min({2.5 / d.x(), 2.0 / d.y(), 1.5 / d.z()});
     }
-  ASSERT_TRUE(write_ptx({view}, folder / "a.ptx").ok());
-  const auto project = read_project(folder / "a.ptx");
-  ASSERT_TRUE(project.ok()) << project.error().message;
-  EXPECT_EQ(project->views[0].camera.model(), Camera::Model::kSpherical);
-  ASSERT_TRUE(write_project(*project, folder / "out").ok());
-  const auto again = read_project(folder / "out");
-  ASSERT_TRUE(again.ok()) << again.error().message;
-  EXPECT_EQ(again->views[0].camera.model(), Camera::Model::kSpherical);
+  ASSERT_THAT(write_ptx({view}, folder / "a.ptx"), IsOk());
+  const auto project = value_of(read_project(folder / "a.ptx"));
+  EXPECT_EQ(project.views[0].camera.model(), Camera::Model::kSpherical);
+  ASSERT_THAT(write_project(project, folder / "out"), IsOk());
+  const auto again = value_of(read_project(folder / "out"));
+  EXPECT_EQ(again.views[0].camera.model(), Camera::Model::kSpherical);
   for (int v = 0; v < 50; ++v)
     for (int u = 0; u < 120; ++u)
-      ASSERT_LT((again->views[0].point(u, v) - project->views[0].point(u, v)).norm(), 1e-9);
+      ASSERT_LT((again.views[0].point(u, v) - project.views[0].point(u, v)).norm(), 1e-9);
 }
 
 }  // namespace

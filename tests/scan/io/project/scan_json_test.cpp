@@ -2,11 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/project/view_spec.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief {
 namespace {
-
-using ::testing::HasSubstr;
 
 const std::string kCamera =
     R"("camera":{"model":"pinhole","width":6,"height":4,"fx":9,"fy":8,"cx":3,"cy":2})";
@@ -16,27 +15,24 @@ std::string document(const std::string& view) {
   return R"({"format":"relief-scan","version":1,"unit":"m","views":[)" + view + "]}";
 }
 
-std::string error_of(const std::string& text) {
-  const auto spec = parse_scan_json(text, "data/scan.json");
-  if (spec.ok()) return "no error";
-  EXPECT_EQ(spec.error().kind, ErrorKind::kBadInput);
-  EXPECT_THAT(spec.error().message, HasSubstr("data/scan.json"));
-  return spec.error().message;
+auto parse(const std::string& text) { return parse_scan_json(text, "data/scan.json"); }
+
+// Every error names the file.
+auto IsRefused(const std::string& message) {
+  return HasError(ErrorKind::kBadInput, "data/scan.json", message);
 }
 
-std::string view_error(const std::string& members) {
-  return error_of(document(R"({"name":"v0",)" + members + "}"));
+auto parse_view(const std::string& members) {
+  return parse(document(R"({"name":"v0",)" + members + "}"));
 }
 
 TEST(ScanJson, ReadsAView) {
-  const auto spec = parse_scan_json(
-      document(R"({"name":"v0",)" + kDepth + "," + kCamera +
-               R"(,"normals":{"file":"sub/n.png","axes":"opengl"},"mask":{"file":"/m.png"},
-                  "world_from_view":[[0,-1,0,1],[1,0,0,2],[0,0,1,3],[0,0,0,1]]})"),
-      "data/scan.json");
-  ASSERT_TRUE(spec.ok()) << spec.error().message;
-  EXPECT_EQ(spec->unit, "m");
-  const ViewSpec& view = spec->views.at(0);
+  const auto spec = value_of(
+      parse(document(R"({"name":"v0",)" + kDepth + "," + kCamera +
+                     R"(,"normals":{"file":"sub/n.png","axes":"opengl"},"mask":{"file":"/m.png"},
+                  "world_from_view":[[0,-1,0,1],[1,0,0,2],[0,0,1,3],[0,0,0,1]]})")));
+  EXPECT_EQ(spec.unit, "m");
+  const ViewSpec& view = spec.views.at(0);
   EXPECT_EQ(view.depth->file, "data/a.png");
   EXPECT_EQ(view.depth->scale, 0.5);
   EXPECT_FALSE(view.depth->along_ray);
@@ -50,78 +46,77 @@ TEST(ScanJson, ReadsAView) {
 }
 
 TEST(ScanJson, NamesAnUnknownKeyWithItsPlace) {
-  EXPECT_THAT(view_error(kDepth + "," + kCamera + R"(,"colour":1)"),
-              HasSubstr("views[0].colour: unknown key"));
+  EXPECT_THAT(parse_view(kDepth + "," + kCamera + R"(,"colour":1)"),
+              IsRefused("views[0].colour: unknown key"));
   EXPECT_THAT(
-      view_error(kDepth + R"(,"camera":{"model":"pinhole","fx":9,"fy":8,"cx":3,"cy":2,"fz":1})"),
-      HasSubstr("views[0].camera.fz: unknown key"));
-  EXPECT_THAT(error_of(R"({"format":"relief-scan","version":1,"views":[{"name":"a","grid":)"
-                       R"({"file":"a.ply"}}],"author":"x"})"),
-              HasSubstr("author: unknown key"));
+      parse_view(kDepth + R"(,"camera":{"model":"pinhole","fx":9,"fy":8,"cx":3,"cy":2,"fz":1})"),
+      IsRefused("views[0].camera.fz: unknown key"));
+  EXPECT_THAT(parse(R"({"format":"relief-scan","version":1,"views":[{"name":"a","grid":)"
+                    R"({"file":"a.ply"}}],"author":"x"})"),
+              IsRefused("author: unknown key"));
 }
 
 TEST(ScanJson, NamesLineAndColumnOfASyntaxError) {
-  EXPECT_THAT(error_of("{\n  \"format\": oops\n}"), HasSubstr("data/scan.json:2:13"));
-  EXPECT_THAT(error_of(""), HasSubstr("data/scan.json:1:1"));
+  EXPECT_THAT(parse("{\n  \"format\": oops\n}"), IsRefused("data/scan.json:2:13"));
+  EXPECT_THAT(parse(""), IsRefused("data/scan.json:1:1"));
 }
 
 TEST(ScanJson, RefusesOtherFormatsAndVersions) {
-  EXPECT_THAT(error_of(R"({"format":"relief-scan","version":2,"views":[]})"),
-              HasSubstr("version: 2"));
-  EXPECT_THAT(error_of(R"({"format":"other","version":1,"views":[]})"), HasSubstr("format"));
-  EXPECT_THAT(error_of(R"({"format":"relief-scan","version":1,"views":[]})"), HasSubstr("views"));
-  EXPECT_THAT(error_of("[]"), HasSubstr("expected an object"));
+  EXPECT_THAT(parse(R"({"format":"relief-scan","version":2,"views":[]})"), IsRefused("version: 2"));
+  EXPECT_THAT(parse(R"({"format":"other","version":1,"views":[]})"), IsRefused("format"));
+  EXPECT_THAT(parse(R"({"format":"relief-scan","version":1,"views":[]})"), IsRefused("views"));
+  EXPECT_THAT(parse("[]"), IsRefused("expected an object"));
 }
 
 TEST(ScanJson, AViewNeedsDepthOrGridAndACameraForDepth) {
-  EXPECT_THAT(view_error(kCamera), HasSubstr("either depth or grid"));
-  EXPECT_THAT(view_error(kDepth + R"(,"grid":{"file":"g.ply"},)" + kCamera),
-              HasSubstr("either depth or grid"));
-  EXPECT_THAT(view_error(kDepth), HasSubstr("views[0].camera: missing"));
-  EXPECT_THAT(view_error(kDepth + R"(,"camera":{"model":"orthographic","view_direction":[0,0,1]})"),
-              HasSubstr("views[0].camera.origin"));
+  EXPECT_THAT(parse_view(kCamera), IsRefused("either depth or grid"));
+  EXPECT_THAT(parse_view(kDepth + R"(,"grid":{"file":"g.ply"},)" + kCamera),
+              IsRefused("either depth or grid"));
+  EXPECT_THAT(parse_view(kDepth), IsRefused("views[0].camera: missing"));
+  EXPECT_THAT(parse_view(kDepth + R"(,"camera":{"model":"orthographic","view_direction":[0,0,1]})"),
+              IsRefused("views[0].camera.origin"));
 }
 
 TEST(ScanJson, RefusesCamerasThatCannotBe) {
   const auto camera = [](const std::string& fx) {
     return kDepth + R"(,"camera":{"model":"pinhole","fx":)" + fx + R"(,"fy":8,"cx":3,"cy":2})";
   };
-  EXPECT_THAT(view_error(camera("0")), HasSubstr("views[0].camera.fx: is 0"));
-  EXPECT_THAT(view_error(camera("0.0")), HasSubstr("must be a number other than 0"));
-  EXPECT_THAT(view_error(camera("\"9\"")), HasSubstr("expected a number"));
-  EXPECT_THAT(view_error(camera("1e999")), HasSubstr("data/scan.json"));
-  EXPECT_THAT(view_error(camera("null")), HasSubstr("expected a number"));
-  EXPECT_THAT(view_error(R"("grid":{"file":"g.ply"},"camera":{"model":"fisheye"})"),
-              HasSubstr("pinhole, pinhole_gl, orthographic"));
-  EXPECT_THAT(view_error(R"("grid":{"file":"g.ply"},
+  EXPECT_THAT(parse_view(camera("0")), IsRefused("views[0].camera.fx: is 0"));
+  EXPECT_THAT(parse_view(camera("0.0")), IsRefused("must be a number other than 0"));
+  EXPECT_THAT(parse_view(camera("\"9\"")), IsRefused("expected a number"));
+  EXPECT_THAT(parse_view(camera("1e999")), IsRefused("data/scan.json"));
+  EXPECT_THAT(parse_view(camera("null")), IsRefused("expected a number"));
+  EXPECT_THAT(parse_view(R"("grid":{"file":"g.ply"},"camera":{"model":"fisheye"})"),
+              IsRefused("pinhole, pinhole_gl, orthographic"));
+  EXPECT_THAT(parse_view(R"("grid":{"file":"g.ply"},
                             "camera":{"model":"orthographic","view_direction":[0,0,0]})"),
-              HasSubstr("no length"));
+              IsRefused("no length"));
 }
 
 TEST(ScanJson, RefusesAPoseThatIsNoRigidMotion) {
   const auto pose = [](const std::string& rows) {
     return kDepth + "," + kCamera + R"(,"world_from_view":)" + rows;
   };
-  EXPECT_THAT(view_error(pose("[[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]")),
-              HasSubstr("views[0].world_from_view (view v0) is not a rigid motion"));
-  EXPECT_THAT(view_error(pose("[[1,0,0,0],[0,1,0,0],[0,0,-1,0],[0,0,0,1]]")),
-              HasSubstr("reflection"));
-  EXPECT_THAT(view_error(pose("[[1,0,0,0],[0,1,0,0],[0,0,1,0]]")), HasSubstr("four rows"));
-  EXPECT_THAT(view_error(pose("[[1,0,0,0],[0,1,0],[0,0,1,0],[0,0,0,1]]")),
-              HasSubstr("world_from_view[1]"));
-  EXPECT_THAT(view_error(kDepth + "," + kCamera + R"(,"pose_is":"known")"), HasSubstr("pose_is"));
+  EXPECT_THAT(parse_view(pose("[[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]")),
+              IsRefused("views[0].world_from_view (view v0) is not a rigid motion"));
+  EXPECT_THAT(parse_view(pose("[[1,0,0,0],[0,1,0,0],[0,0,-1,0],[0,0,0,1]]")),
+              IsRefused("reflection"));
+  EXPECT_THAT(parse_view(pose("[[1,0,0,0],[0,1,0,0],[0,0,1,0]]")), IsRefused("four rows"));
+  EXPECT_THAT(parse_view(pose("[[1,0,0,0],[0,1,0],[0,0,1,0],[0,0,0,1]]")),
+              IsRefused("world_from_view[1]"));
+  EXPECT_THAT(parse_view(kDepth + "," + kCamera + R"(,"pose_is":"known")"), IsRefused("pose_is"));
 }
 
 TEST(ScanJson, RefusesTwoViewsOfOneName) {
   const std::string view = R"({"name":"same","grid":{"file":"g.ply"}})";
-  EXPECT_THAT(error_of(document(view + "," + view)), HasSubstr("views[1].name"));
+  EXPECT_THAT(parse(document(view + "," + view)), IsRefused("views[1].name"));
 }
 
 TEST(ScanJson, RefusesWrongTypes) {
-  EXPECT_THAT(error_of(document("5")), HasSubstr("views[0]: expected an object"));
-  EXPECT_THAT(error_of(document(R"({"name":7})")), HasSubstr("views[0].name: expected a text"));
-  EXPECT_THAT(view_error(R"("grid":"g.ply")"), HasSubstr("views[0].grid: expected an object"));
-  EXPECT_THAT(view_error(R"("grid":{"file":""})"), HasSubstr("empty"));
+  EXPECT_THAT(parse(document("5")), IsRefused("views[0]: expected an object"));
+  EXPECT_THAT(parse(document(R"({"name":7})")), IsRefused("views[0].name: expected a text"));
+  EXPECT_THAT(parse_view(R"("grid":"g.ply")"), IsRefused("views[0].grid: expected an object"));
+  EXPECT_THAT(parse_view(R"("grid":{"file":""})"), IsRefused("empty"));
 }
 
 }  // namespace

@@ -2,18 +2,16 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/project/view_spec.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief {
 namespace {
 
-using ::testing::HasSubstr;
-
 TEST(StanfordConf, TheQuaternionIsTheInverseRotation) {
   // The usual quaternion (0, 0, s, s) turns x into y; in this format it turns y into x.
-  const auto spec = parse_stanford_conf(
-      "camera 0 0 0 0 0 0 1\n\nbmesh a.ply 1 2 3 0 0 0.70710678 0.70710678\n", "d/bun.conf");
-  ASSERT_TRUE(spec.ok()) << spec.error().message;
-  const ViewSpec& view = spec->views.at(0);
+  const auto spec = value_of(parse_stanford_conf(
+      "camera 0 0 0 0 0 0 1\n\nbmesh a.ply 1 2 3 0 0 0.70710678 0.70710678\n", "d/bun.conf"));
+  const ViewSpec& view = spec.views.at(0);
   EXPECT_EQ(view.name, "a");
   EXPECT_EQ(*view.grid, "d/a.ply");
   EXPECT_EQ(view.pose, PoseKind::kGuess);
@@ -22,17 +20,14 @@ TEST(StanfordConf, TheQuaternionIsTheInverseRotation) {
 }
 
 TEST(StanfordConf, ErrorsNameTheLine) {
-  const auto error = [](const std::string& text) {
-    const auto spec = parse_stanford_conf(text, "bun.conf");
-    return spec.ok() ? std::string("no error") : spec.error().message;
-  };
-  EXPECT_THAT(error("camera 0\nbmesh a.ply 1 2\n"), HasSubstr("bun.conf: line 2"));
-  EXPECT_THAT(error("bmesh a.ply 1 2 3 0 0 0 2\n"), HasSubstr("length 2"));
-  EXPECT_THAT(error("bmesh a.ply 1 2 3 0 0 0 1 9\n"), HasSubstr("unexpected '9'"));
-  EXPECT_THAT(error("amesh a.ply\n"), HasSubstr("'amesh'"));
+  const auto error = [](const std::string& text) { return parse_stanford_conf(text, "bun.conf"); };
+  EXPECT_THAT(error("camera 0\nbmesh a.ply 1 2\n"), HasError("bun.conf: line 2"));
+  EXPECT_THAT(error("bmesh a.ply 1 2 3 0 0 0 2\n"), HasError("length 2"));
+  EXPECT_THAT(error("bmesh a.ply 1 2 3 0 0 0 1 9\n"), HasError("unexpected '9'"));
+  EXPECT_THAT(error("amesh a.ply\n"), HasError("'amesh'"));
   EXPECT_THAT(error("bmesh a.ply 0 0 0 0 0 0 1\nbmesh b/a.ply 0 0 0 0 0 0 1\n"),
-              HasSubstr("second scan"));
-  EXPECT_THAT(error("camera 0\n"), HasSubstr("no bmesh"));
+              HasError("second scan"));
+  EXPECT_THAT(error("camera 0\n"), HasError("no bmesh"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "scan/io/files/binary_writer.h"
 #include "scan/io/images/codecs/colmap_array.h"
 #include "scan/io/workspaces/colmap/colmap_model.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 
@@ -25,33 +26,25 @@ std::string array_bytes(const std::string& header, const std::vector<float>& val
   return bytes;
 }
 
-template <typename T>
-std::string error_of(const Result<T>& result) {
-  return result.ok() ? std::string("no error") : result.error().message;
-}
-
 TEST(ColmapArray, ReadsPlanes) {
-  const auto image =
-      decode_colmap_array(array_bytes("2&1&3&", {0.1f, 0.2f, 1e-30f, -3.5f, 5.0f, 6.0f}), "a.bin");
-  ASSERT_TRUE(image) << error_of(image);
-  EXPECT_EQ(image->width, 2);
-  EXPECT_EQ(image->height, 1);
-  EXPECT_EQ(image->max_value, 0.0);
-  EXPECT_EQ(image->samples, (std::vector<float>{0.1f, 1e-30f, 5.0f, 0.2f, -3.5f, 6.0f}));
+  const auto image = value_of(
+      decode_colmap_array(array_bytes("2&1&3&", {0.1f, 0.2f, 1e-30f, -3.5f, 5.0f, 6.0f}), "a.bin"));
+  EXPECT_EQ(image.width, 2);
+  EXPECT_EQ(image.height, 1);
+  EXPECT_EQ(image.max_value, 0.0);
+  EXPECT_EQ(image.samples, (std::vector<float>{0.1f, 1e-30f, 5.0f, 0.2f, -3.5f, 6.0f}));
 }
 
 TEST(ColmapArray, ErrorsSayWhatIsWrong) {
-  const auto error = [](const std::string& bytes) {
-    return error_of(decode_colmap_array(bytes, "a.bin"));
-  };
-  EXPECT_THAT(error(""), HasSubstr("a.bin: byte 0: expected 'width&height&channels&'"));
-  EXPECT_THAT(error("2&1&"), HasSubstr("byte 0"));
-  EXPECT_THAT(error("2x1&1&"), HasSubstr("byte 0"));
-  EXPECT_THAT(error("2&1&2&"), HasSubstr("2 channels"));
-  EXPECT_THAT(error("0&1&1&"), HasSubstr("empty"));
-  EXPECT_THAT(error("60000&4000&1&abcd"), HasSubstr("truncated"));
-  EXPECT_THAT(error("18446744073709551615&4&1&abcd"), HasSubstr("more than can be read"));
-  EXPECT_THAT(error(array_bytes("2&1&1&", {1, 2, 3})), HasSubstr("12 follow"));
+  const auto decode = [](const std::string& bytes) { return decode_colmap_array(bytes, "a.bin"); };
+  EXPECT_THAT(decode(""), HasError("a.bin: byte 0: expected 'width&height&channels&'"));
+  EXPECT_THAT(decode("2&1&"), HasError("byte 0"));
+  EXPECT_THAT(decode("2x1&1&"), HasError("byte 0"));
+  EXPECT_THAT(decode("2&1&2&"), HasError("2 channels"));
+  EXPECT_THAT(decode("0&1&1&"), HasError("empty"));
+  EXPECT_THAT(decode("60000&4000&1&abcd"), HasError("truncated"));
+  EXPECT_THAT(decode("18446744073709551615&4&1&abcd"), HasError("more than can be read"));
+  EXPECT_THAT(decode(array_bytes("2&1&1&", {1, 2, 3})), HasError("12 follow"));
   const std::string whole = array_bytes("2&1&1&", {1, 2});
   for (std::size_t size = 0; size < whole.size(); ++size)
     EXPECT_FALSE(decode_colmap_array(whole.substr(0, size), "a.bin")) << size;
@@ -108,56 +101,51 @@ const char* const kImagesText =
 const char* const kPointsText = "# points\n1 0.1 0.1 2 10 20 30 0.5 3 0\n";
 
 TEST(ColmapModel, BinaryAndTextAgree) {
-  const auto cameras = parse_colmap_cameras_bin(SmallModel::cameras_bin(), "cameras.bin");
-  const auto cameras_text = parse_colmap_cameras_txt(kCamerasText, "cameras.txt");
-  ASSERT_TRUE(cameras && cameras_text) << error_of(cameras) << error_of(cameras_text);
-  for (const auto& camera : {cameras->at(0), cameras_text->at(0)}) {
+  const auto cameras = value_of(parse_colmap_cameras_bin(SmallModel::cameras_bin(), "cameras.bin"));
+  const auto cameras_text = value_of(parse_colmap_cameras_txt(kCamerasText, "cameras.txt"));
+  for (const auto& camera : {cameras.at(0), cameras_text.at(0)}) {
     EXPECT_EQ(camera.id, 7u);
     EXPECT_EQ(camera.width, 8u);
     EXPECT_EQ(camera.intrinsics.fy, 12.0);
     EXPECT_EQ(camera.intrinsics.cy, 3.0);
   }
-  const auto images = parse_colmap_images_bin(SmallModel::images_bin(), "images.bin");
-  const auto images_text = parse_colmap_images_txt(kImagesText, "images.txt");
-  ASSERT_TRUE(images && images_text) << error_of(images) << error_of(images_text);
-  ASSERT_EQ(images_text->size(), 2u);
+  const auto images = value_of(parse_colmap_images_bin(SmallModel::images_bin(), "images.bin"));
+  const auto images_text = value_of(parse_colmap_images_txt(kImagesText, "images.txt"));
+  ASSERT_EQ(images_text.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(images->at(i).name, images_text->at(i).name);
-    EXPECT_EQ(images->at(i).world_from_view.matrix(), images_text->at(i).world_from_view.matrix());
+    EXPECT_EQ(images.at(i).name, images_text.at(i).name);
+    EXPECT_EQ(images.at(i).world_from_view.matrix(), images_text.at(i).world_from_view.matrix());
   }
   // The camera's centre is -R^T t.
-  EXPECT_TRUE(images->at(1).world_from_view.translation().isApprox(
+  EXPECT_TRUE(images.at(1).world_from_view.translation().isApprox(
       Eigen::Vector3d(0.28 - 1.92, 0.96 + 0.56, 0), 1e-12));
-  const auto points = parse_colmap_points_bin(SmallModel::points_bin(), "points3D.bin");
-  const auto points_text = parse_colmap_points_txt(kPointsText, "points3D.txt");
-  ASSERT_TRUE(points && points_text) << error_of(points) << error_of(points_text);
-  EXPECT_EQ(points->points, points_text->points);
-  EXPECT_EQ(points->sightings.at(0).image_id, points_text->sightings.at(0).image_id);
+  const auto points = value_of(parse_colmap_points_bin(SmallModel::points_bin(), "points3D.bin"));
+  const auto points_text = value_of(parse_colmap_points_txt(kPointsText, "points3D.txt"));
+  EXPECT_EQ(points.points, points_text.points);
+  EXPECT_EQ(points.sightings.at(0).image_id, points_text.sightings.at(0).image_id);
 }
 
 TEST(ColmapModel, ErrorsNameThePlaceAndTheRemedy) {
-  EXPECT_THAT(error_of(parse_colmap_cameras_bin(SmallModel::cameras_bin(4), "cameras.bin")),
-              ::testing::AllOf(HasSubstr("cameras.bin: byte 8: "), HasSubstr("OPENCV"),
-                               HasSubstr("image_undistorter")));
-  EXPECT_THAT(error_of(parse_colmap_cameras_bin(SmallModel::cameras_bin(99), "cameras.bin")),
-              HasSubstr("number 99"));
-  EXPECT_THAT(error_of(parse_colmap_cameras_txt("\n1 SIMPLE_RADIAL 8 6 1 2 3 4\n", "cameras.txt")),
-              HasSubstr("cameras.txt: line 2: camera 1 has the model SIMPLE_RADIAL"));
-  EXPECT_THAT(error_of(parse_colmap_cameras_txt("1 PINHOLE 8 6 1 2 3\n", "c")),
-              HasSubstr("expected fx fy cx cy"));
-  EXPECT_THAT(error_of(parse_colmap_cameras_txt("1 PINHOLE 1e9 6 1 2 3 4\n", "c")),
-              HasSubstr("image size"));
-  EXPECT_THAT(error_of(parse_colmap_cameras_txt("1 PINHOLE 8 6 0 2 3 4\n", "c")),
-              HasSubstr("focal lengths other than 0"));
-  EXPECT_THAT(error_of(parse_colmap_images_bin(SmallModel::images_bin(0.7), "images.bin")),
-              HasSubstr("the pose of image two.jpg is no rigid motion"));
-  EXPECT_THAT(error_of(parse_colmap_images_txt("3 1 0 0 0 0 0 7 a.jpg\n", "i")),
-              HasSubstr("line 1: expected 'IMAGE_ID"));
-  EXPECT_THAT(error_of(parse_colmap_points_txt("1 2 3\n", "p")), HasSubstr("line 1: expected"));
-  EXPECT_THAT(error_of(parse_colmap_cameras_bin(std::string(8, '\xff'), "c")),
-              HasSubstr("more than its 8 bytes can hold"));
-  EXPECT_THAT(error_of(parse_colmap_cameras_bin(SmallModel::cameras_bin() + "x", "c")),
-              HasSubstr("1 bytes follow the last record"));
+  EXPECT_THAT(parse_colmap_cameras_bin(SmallModel::cameras_bin(4), "cameras.bin"),
+              HasError("cameras.bin: byte 8: ", "OPENCV", "image_undistorter"));
+  EXPECT_THAT(parse_colmap_cameras_bin(SmallModel::cameras_bin(99), "cameras.bin"),
+              HasError("number 99"));
+  EXPECT_THAT(parse_colmap_cameras_txt("\n1 SIMPLE_RADIAL 8 6 1 2 3 4\n", "cameras.txt"),
+              HasError("cameras.txt: line 2: camera 1 has the model SIMPLE_RADIAL"));
+  EXPECT_THAT(parse_colmap_cameras_txt("1 PINHOLE 8 6 1 2 3\n", "c"),
+              HasError("expected fx fy cx cy"));
+  EXPECT_THAT(parse_colmap_cameras_txt("1 PINHOLE 1e9 6 1 2 3 4\n", "c"), HasError("image size"));
+  EXPECT_THAT(parse_colmap_cameras_txt("1 PINHOLE 8 6 0 2 3 4\n", "c"),
+              HasError("focal lengths other than 0"));
+  EXPECT_THAT(parse_colmap_images_bin(SmallModel::images_bin(0.7), "images.bin"),
+              HasError("the pose of image two.jpg is no rigid motion"));
+  EXPECT_THAT(parse_colmap_images_txt("3 1 0 0 0 0 0 7 a.jpg\n", "i"),
+              HasError("line 1: expected 'IMAGE_ID"));
+  EXPECT_THAT(parse_colmap_points_txt("1 2 3\n", "p"), HasError("line 1: expected"));
+  EXPECT_THAT(parse_colmap_cameras_bin(std::string(8, '\xff'), "c"),
+              HasError("more than its 8 bytes can hold"));
+  EXPECT_THAT(parse_colmap_cameras_bin(SmallModel::cameras_bin() + "x", "c"),
+              HasError("1 bytes follow the last record"));
 }
 
 // A workspace of the small model; its depth maps are half as large as the images.
@@ -182,10 +170,9 @@ TEST_F(ColmapWorkspace, ScalesTheCameraAndNamesWhatIsMissing) {
   write_depth("b/one.jpg.geometric.bin");
   folder_.write("stereo/normal_maps/b/one.jpg.geometric.bin", "");
   ASSERT_TRUE(is_colmap_workspace(folder_.path()));
-  const auto spec = read_colmap_workspace(folder_.path());
-  ASSERT_TRUE(spec) << error_of(spec);
-  ASSERT_EQ(spec->views.size(), 1u);
-  const ViewSpec& view = spec->views[0];
+  const auto spec = value_of(read_colmap_workspace(folder_.path()));
+  ASSERT_EQ(spec.views.size(), 1u);
+  const ViewSpec& view = spec.views[0];
   EXPECT_EQ(view.name, "b_one");
   EXPECT_EQ(view.camera->intrinsics.fx, 5.0);
   EXPECT_EQ(view.camera->intrinsics.fy, 6.0);
@@ -195,9 +182,9 @@ TEST_F(ColmapWorkspace, ScalesTheCameraAndNamesWhatIsMissing) {
   EXPECT_EQ(view.pose, PoseKind::kGuess);
   EXPECT_EQ(view.normals->encoding, NormalEncoding::kUnit);
   EXPECT_EQ(view.normals->axes, NormalAxes::kOpencv);
-  EXPECT_EQ(spec->unit, "units");
-  EXPECT_THAT(spec->notes, Contains(HasSubstr("no depth map: two.jpg")));
-  EXPECT_THAT(spec->notes, Contains(HasSubstr("by 0 % (median of 1)")));
+  EXPECT_EQ(spec.unit, "units");
+  EXPECT_THAT(spec.notes, Contains(HasSubstr("no depth map: two.jpg")));
+  EXPECT_THAT(spec.notes, Contains(HasSubstr("by 0 % (median of 1)")));
   const auto shifted = read_colmap_workspace(folder_.path(), {0.5});
   EXPECT_EQ(shifted->views[0].camera->intrinsics.cx, 1.5);
   EXPECT_EQ(shifted->views[0].camera->intrinsics.cy, 1.0);
@@ -206,25 +193,23 @@ TEST_F(ColmapWorkspace, ScalesTheCameraAndNamesWhatIsMissing) {
 TEST_F(ColmapWorkspace, FallsBackToPhotometricAndLeavesOutEmptyMaps) {
   write_depth("b/one.jpg.geometric.bin", 0.0f);
   write_depth("two.jpg.photometric.bin");
-  const auto spec = read_colmap_workspace(folder_.path());
-  ASSERT_TRUE(spec) << error_of(spec);
-  ASSERT_EQ(spec->views.size(), 1u);
-  EXPECT_EQ(spec->views[0].depth->file.filename(), "two.jpg.photometric.bin");
-  EXPECT_FALSE(spec->views[0].normals);
-  EXPECT_THAT(spec->notes, Contains(HasSubstr("depth map is empty: b/one.jpg")));
-  EXPECT_THAT(spec->notes, Contains(HasSubstr("photometric depth map")));
+  const auto spec = value_of(read_colmap_workspace(folder_.path()));
+  ASSERT_EQ(spec.views.size(), 1u);
+  EXPECT_EQ(spec.views[0].depth->file.filename(), "two.jpg.photometric.bin");
+  EXPECT_FALSE(spec.views[0].normals);
+  EXPECT_THAT(spec.notes, Contains(HasSubstr("depth map is empty: b/one.jpg")));
+  EXPECT_THAT(spec.notes, Contains(HasSubstr("photometric depth map")));
 }
 
 TEST_F(ColmapWorkspace, ErrorsNameTheRemedy) {
-  EXPECT_THAT(error_of(read_colmap_workspace(folder_.path())),
-              HasSubstr("none of the 2 images of the model has a depth map"));
-  EXPECT_THAT(error_of(read_colmap_workspace(folder_ / "stereo")),
-              HasSubstr("no workspace of COLMAP"));
+  EXPECT_THAT(read_colmap_workspace(folder_.path()),
+              HasError("none of the 2 images of the model has a depth map"));
+  EXPECT_THAT(read_colmap_workspace(folder_ / "stereo"), HasError("no workspace of COLMAP"));
   folder_.write("stereo/depth_maps/two.jpg.geometric.bin", "4&3&1&");
-  EXPECT_THAT(error_of(read_colmap_workspace(folder_.path())), HasSubstr("two.jpg.geometric.bin"));
+  EXPECT_THAT(read_colmap_workspace(folder_.path()), HasError("two.jpg.geometric.bin"));
   folder_.write("stereo/depth_maps/two.jpg.geometric.bin",
                 array_bytes("1&1&3&", {1.0f, 1.0f, 1.0f}));
-  EXPECT_THAT(error_of(read_colmap_workspace(folder_.path())), HasSubstr("one channel"));
+  EXPECT_THAT(read_colmap_workspace(folder_.path()), HasError("one channel"));
 }
 
 TEST_F(ColmapWorkspace, TakesColoursOfTheSameSize) {
@@ -265,14 +250,13 @@ double disagreement(const ProjectSpec& spec) {
 
 TEST(ColmapWorkspaceOnRealData, DepthMapsAgreeWithEachOther) {
   RELIEF_REQUIRE_TEST_DATA(folder, "formats/colmap/dense");
-  const auto spec = read_colmap_workspace(folder);
-  ASSERT_TRUE(spec) << error_of(spec);
-  ASSERT_EQ(spec->views.size(), 28u);
-  EXPECT_EQ(spec->views[9].name, "image010");
-  for (const auto& view : spec->views) EXPECT_TRUE(view.normals) << view.name;
-  EXPECT_THAT(spec->notes, Contains(HasSubstr("sparse points")));
+  const auto spec = value_of(read_colmap_workspace(folder));
+  ASSERT_EQ(spec.views.size(), 28u);
+  EXPECT_EQ(spec.views[9].name, "image010");
+  for (const auto& view : spec.views) EXPECT_TRUE(view.normals) << view.name;
+  EXPECT_THAT(spec.notes, Contains(HasSubstr("sparse points")));
   // The pixel centre of the stereo step is 0, not the 0.5 of the images.
-  const double by_default = disagreement(*spec);
+  const double by_default = disagreement(spec);
   EXPECT_LT(by_default, 0.02);
   EXPECT_LT(by_default, disagreement(*read_colmap_workspace(folder, {0.5})));
   EXPECT_LT(by_default, disagreement(*read_colmap_workspace(folder, {-0.5})));

@@ -14,6 +14,7 @@
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/rgbd/trajectories.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief {
 namespace {
@@ -121,13 +122,13 @@ TEST(DamagedWorkspaces, TruncatedBinariesAreErrors) {
 TEST(DamagedWorkspaces, HeadersDoNotAllocate) {
   const testing::LimitedMemory limit(std::size_t{256} << 20);
   for (const char* header : {"65535&4000&3&", "65536&65536&1&", "4294967297&1&1&"})
-    EXPECT_FALSE(decode_colmap_array(std::string(header) + "0123", "a").ok()) << header;
+    EXPECT_THAT(decode_colmap_array(std::string(header) + "0123", "a"), HasError()) << header;
   std::string many(64, '\0');
   many[5] = 1;
-  EXPECT_FALSE(parse_colmap_cameras_bin(many, "a").ok());
-  EXPECT_FALSE(parse_colmap_images_bin(many, "a").ok());
-  EXPECT_FALSE(parse_colmap_points_bin(many, "a").ok());
-  EXPECT_FALSE(parse_middlebury_par("4000000000\n", "a").ok());
+  EXPECT_THAT(parse_colmap_cameras_bin(many, "a"), HasError());
+  EXPECT_THAT(parse_colmap_images_bin(many, "a"), HasError());
+  EXPECT_THAT(parse_colmap_points_bin(many, "a"), HasError());
+  EXPECT_THAT(parse_middlebury_par("4000000000\n", "a"), HasError());
 }
 
 }  // namespace

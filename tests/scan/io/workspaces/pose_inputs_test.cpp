@@ -5,20 +5,14 @@
 #include "scan/io/workspaces/meshlab_mlp.h"
 #include "scan/io/workspaces/middlebury_par.h"
 #include "scan/io/workspaces/pose_beside.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 
 namespace relief {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 using testing::TemporaryFolder;
-
-template <typename T>
-std::string error_of(const Result<T>& result) {
-  return result.ok() ? std::string("no error") : result.error().message;
-}
 
 std::string mlp(const std::string& meshes) {
   return "<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n <MeshGroup>\n" + meshes +
@@ -31,52 +25,48 @@ std::string mesh(const std::string& file, const std::string& matrix) {
 }
 
 TEST(MeshLabMlp, ReadsBothNumberLayouts) {
-  const auto spec =
+  const auto spec = value_of(
       parse_meshlab_mlp(mlp(mesh("a &amp; b.ply", "\n1 0 0 5 \n0 0 -1 6 \n0 1 0 7 \n0 0 0 1 \n") +
                             mesh("sub/c.ply", "\n1 0 0 5 0 0 -1 6 0 1 0 7 0 0 0 1 \n") +
                             mesh("/x/d.ply", "1 0 0 5 0 0 -1 6 0 1 0 7 0 0 0 1 and words") +
                             "<MLMesh filename=\"e.ply\"/>"),
-                        "d/x.mlp");
-  ASSERT_TRUE(spec) << error_of(spec);
-  ASSERT_EQ(spec->views.size(), 4u);
-  EXPECT_EQ(*spec->views[0].grid, "d/a & b.ply");
-  EXPECT_EQ(*spec->views[2].grid, "/x/d.ply");
+                        "d/x.mlp"));
+  ASSERT_EQ(spec.views.size(), 4u);
+  EXPECT_EQ(*spec.views[0].grid, "d/a & b.ply");
+  EXPECT_EQ(*spec.views[2].grid, "/x/d.ply");
   for (int i = 0; i < 3; ++i) {
-    const auto& motion = spec->views[static_cast<std::size_t>(i)].world_from_view;
+    const auto& motion = spec.views[static_cast<std::size_t>(i)].world_from_view;
     EXPECT_EQ(motion.translation(), Eigen::Vector3d(5, 6, 7));
     EXPECT_NEAR(motion.linear()(2, 1), 1.0, 1e-15);
   }
-  EXPECT_EQ(spec->views[3].pose, PoseKind::kAbsent);
+  EXPECT_EQ(spec.views[3].pose, PoseKind::kAbsent);
 }
 
 TEST(MeshLabMlp, ErrorsNameTheLine) {
-  const auto error = [](const std::string& text) {
-    return error_of(parse_meshlab_mlp(text, "x.mlp"));
-  };
+  const auto parse = [](const std::string& text) { return parse_meshlab_mlp(text, "x.mlp"); };
   const std::string identity = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
-  EXPECT_THAT(error("<a"), HasSubstr("x.mlp: line 1: not valid XML"));
-  EXPECT_THAT(error("<a/>"), HasSubstr("no MeshLabProject"));
-  EXPECT_THAT(error(mlp("")), HasSubstr("no MLMesh"));
-  EXPECT_THAT(error(mlp(mesh("", identity))), HasSubstr("line 4: an MLMesh has no filename"));
-  EXPECT_THAT(error(mlp(mesh("a.ply", "1 0 0"))), HasSubstr("line 5: expected sixteen numbers"));
-  EXPECT_THAT(error(mlp(mesh("a.ply", identity + " 3"))), HasSubstr("expected sixteen numbers"));
-  EXPECT_THAT(error(mlp(mesh("a.ply", "2" + identity.substr(1)))),
-              AllOf(HasSubstr("line 5: the matrix of a"), HasSubstr("not a rigid motion")));
+  EXPECT_THAT(parse("<a"), HasError("x.mlp: line 1: not valid XML"));
+  EXPECT_THAT(parse("<a/>"), HasError("no MeshLabProject"));
+  EXPECT_THAT(parse(mlp("")), HasError("no MLMesh"));
+  EXPECT_THAT(parse(mlp(mesh("", identity))), HasError("line 4: an MLMesh has no filename"));
+  EXPECT_THAT(parse(mlp(mesh("a.ply", "1 0 0"))), HasError("line 5: expected sixteen numbers"));
+  EXPECT_THAT(parse(mlp(mesh("a.ply", identity + " 3"))), HasError("expected sixteen numbers"));
+  EXPECT_THAT(parse(mlp(mesh("a.ply", "2" + identity.substr(1)))),
+              HasError("line 5: the matrix of a", "not a rigid motion"));
   EXPECT_THAT(
-      error(mlp(mesh("a.ply", identity) + mesh("b/a.ply", identity) + mesh("c/a.ply", identity))),
-      HasSubstr("a second mesh is named a.ply"));
+      parse(mlp(mesh("a.ply", identity) + mesh("b/a.ply", identity) + mesh("c/a.ply", identity))),
+      HasError("a second mesh is named a.ply"));
 }
 
 TEST(MeshLabMlp, RealProjects) {
   RELIEF_REQUIRE_TEST_DATA(folder, "formats/meshlab");
-  const auto sample =
-      parse_meshlab_mlp(read_file(folder / "sample_project.mlp").value(), folder / "x.mlp");
-  ASSERT_TRUE(sample) << error_of(sample);
-  EXPECT_EQ(sample->views.size(), 2u);
-  EXPECT_TRUE(std::filesystem::exists(*sample->views[1].grid));
-  const auto plant = parse_meshlab_mlp(read_file(folder / "plant.mlp").value(), folder / "x.mlp");
-  ASSERT_TRUE(plant) << error_of(plant);
-  EXPECT_EQ(plant->views.at(0).name, "fused");
+  const auto sample = value_of(
+      parse_meshlab_mlp(read_file(folder / "sample_project.mlp").value(), folder / "x.mlp"));
+  EXPECT_EQ(sample.views.size(), 2u);
+  EXPECT_TRUE(std::filesystem::exists(*sample.views[1].grid));
+  const auto plant =
+      value_of(parse_meshlab_mlp(read_file(folder / "plant.mlp").value(), folder / "x.mlp"));
+  EXPECT_EQ(plant.views.at(0).name, "fused");
 }
 
 const char* const kMatrix = "1 0 0 5\n0 0 -1 6\n0 1 0 7\n0 0 0 1\n";
@@ -87,10 +77,9 @@ TEST(PoseBeside, FindsItsFile) {
     const TemporaryFolder folder;
     EXPECT_FALSE(pose_beside(folder / "bun000.ply").value());
     folder.write(name, kMatrix);
-    const auto pose = pose_beside(folder / "bun000.ply");
-    ASSERT_TRUE(pose) << error_of(pose);
-    ASSERT_TRUE(*pose) << name;
-    EXPECT_EQ((*pose)->translation(), Eigen::Vector3d(5, 6, 7));
+    const auto pose = value_of(pose_beside(folder / "bun000.ply"));
+    ASSERT_TRUE(pose) << name;
+    EXPECT_EQ((pose)->translation(), Eigen::Vector3d(5, 6, 7));
     EXPECT_FALSE(pose_beside(folder / "bun001.ply").value());
   }
 }
@@ -105,46 +94,43 @@ TEST(PoseBeside, OtherTextsAreNoPoses) {
 
 TEST(PoseBeside, ErrorsNameTheLine) {
   const TemporaryFolder folder;
-  const auto error = [&](const std::string& content) {
+  const auto read = [&](const std::string& content) {
     folder.write("a.xf", content);
-    return error_of(pose_beside(folder / "a.ply"));
+    return pose_beside(folder / "a.ply");
   };
-  EXPECT_THAT(error("1 0 0 0\n0 1 0\n"), HasSubstr("a.xf: line 2: expected a row of four numbers"));
-  EXPECT_THAT(error("1 0 0 0\n"), HasSubstr("a.xf: the file ends"));
-  EXPECT_THAT(error("1 0 0 0\n0 2 0 0\n0 0 1 0\n0 0 0 1\n"),
-              HasSubstr("line 4: the pose is not a rigid motion"));
-  EXPECT_THAT(error(std::string(kMatrix) + "1 2 3\n"), HasSubstr("line 5"));
-  EXPECT_THAT(error(std::string(5000, ' ')), HasSubstr("larger"));
+  EXPECT_THAT(read("1 0 0 0\n0 1 0\n"), HasError("a.xf: line 2: expected a row of four numbers"));
+  EXPECT_THAT(read("1 0 0 0\n"), HasError("a.xf: the file ends"));
+  EXPECT_THAT(read("1 0 0 0\n0 2 0 0\n0 0 1 0\n0 0 0 1\n"),
+              HasError("line 4: the pose is not a rigid motion"));
+  EXPECT_THAT(read(std::string(kMatrix) + "1 2 3\n"), HasError("line 5"));
+  EXPECT_THAT(read(std::string(5000, ' ')), HasError("larger"));
   std::filesystem::remove(folder / "a.xf");
   folder.write("a_REGISTRATION_MATRIX_1.txt", kMatrix);
   folder.write("a_REGISTRATION_MATRIX_2.txt", kMatrix);
-  EXPECT_THAT(error_of(pose_beside(folder / "a.ply")),
-              HasSubstr("a_REGISTRATION_MATRIX_2.txt: is a second matrix of a"));
+  EXPECT_THAT(pose_beside(folder / "a.ply"),
+              HasError("a_REGISTRATION_MATRIX_2.txt: is a second matrix of a"));
 }
 
 TEST(MiddleburyPar, ReadsCameras) {
-  const auto cameras = parse_middlebury_par(
-      "1\ntemple0001.png 1520.4 0 302.32 0 1525.9 246.87 0 0 1 1 0 0 0 0 1 0 -1 0 1 2 3\n", "t");
-  ASSERT_TRUE(cameras) << error_of(cameras);
-  EXPECT_EQ(cameras->at(0).file, "temple0001.png");
-  EXPECT_EQ(cameras->at(0).intrinsics.cy, 246.87);
-  EXPECT_TRUE(cameras->at(0).world_from_view.translation().isApprox(Eigen::Vector3d(-1, 3, -2)));
+  const auto cameras = value_of(parse_middlebury_par(
+      "1\ntemple0001.png 1520.4 0 302.32 0 1525.9 246.87 0 0 1 1 0 0 0 0 1 0 -1 0 1 2 3\n", "t"));
+  EXPECT_EQ(cameras.at(0).file, "temple0001.png");
+  EXPECT_EQ(cameras.at(0).intrinsics.cy, 246.87);
+  EXPECT_TRUE(cameras.at(0).world_from_view.translation().isApprox(Eigen::Vector3d(-1, 3, -2)));
 }
 
 TEST(MiddleburyPar, ErrorsNameTheLine) {
-  const auto error = [](const std::string& text) {
-    return error_of(parse_middlebury_par(text, "t_par.txt"));
+  const auto parse = [](const std::string& text) {
+    return parse_middlebury_par(text, "t_par.txt");
   };
-  EXPECT_THAT(error(""), HasSubstr("the file ends"));
-  EXPECT_THAT(error("x\n"), HasSubstr("t_par.txt: line 1: expected the number"));
-  EXPECT_THAT(error("1\na.png 1 2 3\n"), HasSubstr("line 2: expected 'name k11"));
-  EXPECT_THAT(error("1\na 1 0 0 0 1 0 0 0 1 1 0 0 0 2 0 0 0 1 0 0 0\n"),
-              AllOf(HasSubstr("line 2: [R t] of a"), HasSubstr("not a rigid motion")));
-  EXPECT_THAT(error("1\na 1 9 0 0 1 0 0 0 1 1 0 0 0 1 0 0 0 1 0 0 0\n"), HasSubstr("skew"));
-  EXPECT_THAT(error("1\na 0 0 0 0 1 0 0 0 1 1 0 0 0 1 0 0 0 1 0 0 0\n"),
-              HasSubstr("must not be 0"));
-  EXPECT_THAT(error("2\na 1 0 0 0 1 0 0 0 1 1 0 0 0 1 0 0 0 1 0 0 0\n"),
-              HasSubstr("the file ends"));
+  EXPECT_THAT(parse(""), HasError("the file ends"));
+  EXPECT_THAT(parse("x\n"), HasError("t_par.txt: line 1: expected the number"));
+  EXPECT_THAT(parse("1\na.png 1 2 3\n"), HasError("line 2: expected 'name k11"));
+  EXPECT_THAT(parse("1\na 1 0 0 0 1 0 0 0 1 1 0 0 0 2 0 0 0 1 0 0 0\n"),
+              HasError("line 2: [R t] of a", "not a rigid motion"));
+  EXPECT_THAT(parse("1\na 1 9 0 0 1 0 0 0 1 1 0 0 0 1 0 0 0 1 0 0 0\n"), HasError("skew"));
+  EXPECT_THAT(parse("1\na 0 0 0 0 1 0 0 0 1 1 0 0 0 1 0 0 0 1 0 0 0\n"), HasError("must not be 0"));
+  EXPECT_THAT(parse("2\na 1 0 0 0 1 0 0 0 1 1 0 0 0 1 0 0 0 1 0 0 0\n"), HasError("the file ends"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "scan/io/project/view_loader.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/rgbd/trajectories.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 
@@ -16,15 +17,9 @@ namespace relief {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
-
-template <typename T>
-std::string error_of(const Result<T>& result) {
-  return result.ok() ? std::string("no error") : result.error().message;
-}
 
 const char* const kPose = "1 0 0 5\n0 0 -1 6\n0 1 0 7\n0 0 0 1\n";
 const RgbdOptions kOptions{PinholeIntrinsics{500, -500, 319.5, 239.5}, 1000.0};
@@ -36,28 +31,26 @@ std::string png_head(unsigned char width) {
 }
 
 TEST(TumLists, UnderstandHeaders) {
-  const auto list = parse_tum_list(
+  const auto list = value_of(parse_tum_list(
       "# depth maps\n# file: 'a.bag'\ntimestamp filename\n1.5 depth/1.5.png\n2 depth/a b.png\n",
-      "depth.txt");
-  ASSERT_TRUE(list) << error_of(list);
-  ASSERT_EQ(list->size(), 2u);
-  EXPECT_EQ(list->at(1).file, "depth/a b.png");
+      "depth.txt"));
+  ASSERT_EQ(list.size(), 2u);
+  EXPECT_EQ(list.at(1).file, "depth/a b.png");
   const auto glued =
       parse_tum_list("# timestamp filename1.5 depth/1.5.png\n2 b.png\n", "depth.txt");
   ASSERT_EQ(glued->size(), 2u);
   EXPECT_EQ(glued->at(0).time, 1.5);
-  EXPECT_THAT(error_of(parse_tum_list("1 a.png\nx b.png\n", "depth.txt")),
-              HasSubstr("depth.txt: line 2: expected 'time file'"));
+  EXPECT_THAT(parse_tum_list("1 a.png\nx b.png\n", "depth.txt"),
+              HasError("depth.txt: line 2: expected 'time file'"));
 }
 
 TEST(TumLists, AssociationsHaveEitherOrder) {
-  const auto pairs =
-      parse_tum_associations("1 rgb/1.png 1.01 depth/1.png\n2 depth/2.png 2 rgb/2.png\n", "a.txt");
-  ASSERT_TRUE(pairs) << error_of(pairs);
-  EXPECT_EQ(pairs->at(0).depth.time, 1.01);
-  EXPECT_EQ(pairs->at(1).depth.file, "depth/2.png");
-  EXPECT_EQ(pairs->at(1).colour.file, "rgb/2.png");
-  EXPECT_THAT(error_of(parse_tum_associations("1 a.png 2\n", "a.txt")), HasSubstr("line 1"));
+  const auto pairs = value_of(
+      parse_tum_associations("1 rgb/1.png 1.01 depth/1.png\n2 depth/2.png 2 rgb/2.png\n", "a.txt"));
+  EXPECT_EQ(pairs.at(0).depth.time, 1.01);
+  EXPECT_EQ(pairs.at(1).depth.file, "depth/2.png");
+  EXPECT_EQ(pairs.at(1).colour.file, "rgb/2.png");
+  EXPECT_THAT(parse_tum_associations("1 a.png 2\n", "a.txt"), HasError("line 1"));
 }
 
 TEST(TumTrajectory, ReadsAPoseBehindTheHeader) {
@@ -67,12 +60,11 @@ TEST(TumTrajectory, ReadsAPoseBehindTheHeader) {
     const std::string text =
         std::string(header) + "0.25 1 2 3 0 0 0.6 0.8\n1.25 -1e-3 2 3 0 0 0 1\n";
     EXPECT_EQ(kind_of_rgbd_text(text), RgbdText::kTumPoses) << header;
-    const auto trajectory = parse_tum_trajectory(text, "t.txt");
-    ASSERT_TRUE(trajectory) << error_of(trajectory);
-    ASSERT_EQ(trajectory->size(), 2u) << header;
-    EXPECT_EQ(*trajectory->at(0).time, 0.25);
-    EXPECT_NEAR(trajectory->at(0).world_from_view.linear()(1, 0), 0.96, 1e-15);
-    EXPECT_EQ(trajectory->at(1).world_from_view.translation().x(), -1e-3);
+    const auto trajectory = value_of(parse_tum_trajectory(text, "t.txt"));
+    ASSERT_EQ(trajectory.size(), 2u) << header;
+    EXPECT_EQ(*trajectory.at(0).time, 0.25);
+    EXPECT_NEAR(trajectory.at(0).world_from_view.linear()(1, 0), 0.96, 1e-15);
+    EXPECT_EQ(trajectory.at(1).world_from_view.translation().x(), -1e-3);
   }
   // A pose that is commented out is none.
   const auto commented = parse_tum_trajectory("#0.25 1 2 3 0 0 0 1\n", "t.txt");
@@ -80,23 +72,20 @@ TEST(TumTrajectory, ReadsAPoseBehindTheHeader) {
 }
 
 TEST(TumTrajectory, ErrorsNameTheLine) {
-  const auto error = [](const std::string& text) {
-    return error_of(parse_tum_trajectory(text, "t.txt"));
-  };
-  EXPECT_THAT(error("# x\n1 0 0 0 0 0 0 2\n"), HasSubstr("t.txt: line 2: not a rigid motion"));
-  EXPECT_THAT(error("1 0 0 nan 0 0 0 1\n"), HasSubstr("line 1: not a rigid motion"));
-  EXPECT_THAT(error("2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"), HasSubstr("line 2: the time is before"));
-  EXPECT_THAT(error("2 0 0 0 0 0 0 1\n1 0 0\n"), HasSubstr("line 2: expected 'time tx"));
-  EXPECT_THAT(error("0 0 0 0 0 0 1\n1 0 0\n"), HasSubstr("line 2: expected 'tx ty"));
+  const auto parse = [](const std::string& text) { return parse_tum_trajectory(text, "t.txt"); };
+  EXPECT_THAT(parse("# x\n1 0 0 0 0 0 0 2\n"), HasError("t.txt: line 2: not a rigid motion"));
+  EXPECT_THAT(parse("1 0 0 nan 0 0 0 1\n"), HasError("line 1: not a rigid motion"));
+  EXPECT_THAT(parse("2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"), HasError("line 2: the time is before"));
+  EXPECT_THAT(parse("2 0 0 0 0 0 0 1\n1 0 0\n"), HasError("line 2: expected 'time tx"));
+  EXPECT_THAT(parse("0 0 0 0 0 0 1\n1 0 0\n"), HasError("line 2: expected 'tx ty"));
 }
 
 TEST(TumTrajectory, InterpolatesWithinTheTolerance) {
   const auto trajectory =
       parse_tum_trajectory("1 0 0 0 0 0 0 1\n1.01 1 0 0 0 0 0.6 0.8\n2 5 0 0 0 0 0 1\n", "t");
-  const auto between = pose_at(*trajectory, 1.0025, 0.02);
-  ASSERT_TRUE(between);
-  EXPECT_NEAR(between->translation().x(), 0.25, 1e-9);
-  EXPECT_NEAR(rotation_angle(*between), 0.25 * 2 * std::asin(0.6), 1e-9);
+  const auto between = value_of(pose_at(*trajectory, 1.0025, 0.02));
+  EXPECT_NEAR(between.translation().x(), 0.25, 1e-9);
+  EXPECT_NEAR(rotation_angle(between), 0.25 * 2 * std::asin(0.6), 1e-9);
   EXPECT_NEAR(pose_at(*trajectory, 1.025, 0.02)->translation().x(), 1.0, 1e-15);
   EXPECT_FALSE(pose_at(*trajectory, 1.5, 0.02));
   EXPECT_EQ(pose_at(*trajectory, 2.0, 0.02)->translation().x(), 5.0);
@@ -104,65 +93,59 @@ TEST(TumTrajectory, InterpolatesWithinTheTolerance) {
 }
 
 TEST(LogTrajectory, ReadsPosesAndRefusesPairs) {
-  const auto trajectory = parse_log_trajectory(std::string("0 0 1\n") + kPose, "a.log");
-  ASSERT_TRUE(trajectory) << error_of(trajectory);
-  EXPECT_EQ(trajectory->at(0).world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
-  EXPECT_THAT(error_of(parse_log_trajectory(std::string("0 1 57\n") + kPose, "a.log")),
-              HasSubstr("a.log: line 1: this is a pose of one frame relative to another"));
-  EXPECT_THAT(error_of(parse_log_trajectory("0 0 1\n1 0 0 0\n0 2 0 0\n0 0 1 0\n0 0 0 1\n", "a")),
-              AllOf(HasSubstr("line 5"), HasSubstr("not a rigid motion")));
-  EXPECT_THAT(error_of(parse_log_trajectory("0 0 1\n1 0 0 0\n", "a")), HasSubstr("the file ends"));
+  const auto trajectory = value_of(parse_log_trajectory(std::string("0 0 1\n") + kPose, "a.log"));
+  EXPECT_EQ(trajectory.at(0).world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
+  EXPECT_THAT(parse_log_trajectory(std::string("0 1 57\n") + kPose, "a.log"),
+              HasError("a.log: line 1: this is a pose of one frame relative to another"));
+  EXPECT_THAT(parse_log_trajectory("0 0 1\n1 0 0 0\n0 2 0 0\n0 0 1 0\n0 0 0 1\n", "a"),
+              HasError("line 5", "not a rigid motion"));
+  EXPECT_THAT(parse_log_trajectory("0 0 1\n1 0 0 0\n", "a"), HasError("the file ends"));
 }
 
 TEST(Open3dCamera, IsColumnMajor) {
   const std::string head = R"({"width": 640, "height": 480, "intrinsic_matrix": )";
-  const auto camera = parse_open3d_camera(
-      head + "[525, 0, 0, 0, -526, 0, 319.5, 239.5, 1], \"depth_scale\": 1000}", "c.json");
-  ASSERT_TRUE(camera) << error_of(camera);
-  EXPECT_EQ(camera->intrinsics->fy, -526);
-  EXPECT_EQ(camera->intrinsics->cx, 319.5);
-  EXPECT_EQ(*camera->depth_scale, 1000);
-  EXPECT_EQ(camera->size->width, 640);
+  const auto camera = value_of(parse_open3d_camera(
+      head + "[525, 0, 0, 0, -526, 0, 319.5, 239.5, 1], \"depth_scale\": 1000}", "c.json"));
+  EXPECT_EQ(camera.intrinsics->fy, -526);
+  EXPECT_EQ(camera.intrinsics->cx, 319.5);
+  EXPECT_EQ(*camera.depth_scale, 1000);
+  EXPECT_EQ(camera.size->width, 640);
   const auto rows =
       parse_open3d_camera(head + "[525, 0, 319.5, 0, 526, 239.5, 0, 0, 1]}", "c.json");
   EXPECT_EQ(rows->intrinsics->cy, 239.5);
-  EXPECT_THAT(error_of(parse_open3d_camera(head + "[1, 2]}", "c.json")),
-              HasSubstr("c.json: intrinsic_matrix: expected 9 numbers"));
-  EXPECT_THAT(error_of(parse_open3d_camera(head + "[1, 0, 0, 4, 1, 0, 2, 2, 1]}", "c.json")),
-              HasSubstr("skew"));
-  EXPECT_THAT(error_of(parse_open3d_camera(head, "c.json")), HasSubstr("not valid JSON"));
+  EXPECT_THAT(parse_open3d_camera(head + "[1, 2]}", "c.json"),
+              HasError("c.json: intrinsic_matrix: expected 9 numbers"));
+  EXPECT_THAT(parse_open3d_camera(head + "[1, 0, 0, 4, 1, 0, 2, 2, 1]}", "c.json"),
+              HasError("skew"));
+  EXPECT_THAT(parse_open3d_camera(head, "c.json"), HasError("not valid JSON"));
 }
 
 TEST(CalibrationText, HasManyForms) {
   const auto fy = [](const std::string& text) {
-    const auto calibration = parse_calibration_text(text, "c.txt");
-    EXPECT_TRUE(calibration) << text << error_of(calibration);
-    return calibration ? calibration->intrinsics->fy : 0.0;
+    return value_of(parse_calibration_text(text, "c.txt")).intrinsics->fy;
   };
   EXPECT_EQ(fy("# camera\n481.2 -480 319.5 239.5\n"), -480);
   EXPECT_EQ(fy("481.2 0 319.5\n0 -480 239.5\n0 0 1\n"), -480);
   EXPECT_EQ(fy("481.2 0 319.5 0\n0 -480 239.5 0\n0 0 1 0\n0 0 0 1\n"), -480);
   EXPECT_EQ(fy("fx: 481.2\nfy = -480\ncx 319.5\ncy 239.5\ndepth_scale 1000\n"), -480);
-  const auto sized = parse_calibration_text("528 528 320 240 640 480\ndepth_scale 1000\n", "c.txt");
-  ASSERT_TRUE(sized) << error_of(sized);
-  EXPECT_EQ(sized->size->height, 480);
-  EXPECT_EQ(*sized->depth_scale, 1000);
+  const auto sized =
+      value_of(parse_calibration_text("528 528 320 240 640 480\ndepth_scale 1000\n", "c.txt"));
+  EXPECT_EQ(sized.size->height, 480);
+  EXPECT_EQ(*sized.depth_scale, 1000);
   const auto distorted = parse_calibration_text("528 528 320 240 0.26 -0.9 0 0 1.1\n", "c.txt");
   EXPECT_THAT(distorted->notes, Contains(HasSubstr("line 1 are not applied")));
 }
 
 TEST(CalibrationText, ErrorsNameTheLine) {
-  const auto error = [](const std::string& text) {
-    return error_of(parse_calibration_text(text, "c.txt"));
-  };
-  EXPECT_THAT(error("1 2 3\n"), HasSubstr("c.txt: line 1: expected 'fx fy cx cy'"));
-  EXPECT_THAT(error("1 0 2\n0 1 nonsense\n0 0 1\n"), HasSubstr("line 2"));
-  EXPECT_THAT(error("1 5 2\n0 1 2\n0 0 1\n"), HasSubstr("without skew"));
-  EXPECT_THAT(error("\nfocal 5\n"), HasSubstr("line 2"));
-  EXPECT_THAT(error("fx 5\n"), HasSubstr("needs all of"));
-  EXPECT_THAT(error("0 1 2 3\n"), HasSubstr("must not be 0"));
-  EXPECT_THAT(error("depth_scale -1\n"), HasSubstr("must be positive"));
-  EXPECT_THAT(error(""), HasSubstr("no intrinsics"));
+  const auto parse = [](const std::string& text) { return parse_calibration_text(text, "c.txt"); };
+  EXPECT_THAT(parse("1 2 3\n"), HasError("c.txt: line 1: expected 'fx fy cx cy'"));
+  EXPECT_THAT(parse("1 0 2\n0 1 nonsense\n0 0 1\n"), HasError("line 2"));
+  EXPECT_THAT(parse("1 5 2\n0 1 2\n0 0 1\n"), HasError("without skew"));
+  EXPECT_THAT(parse("\nfocal 5\n"), HasError("line 2"));
+  EXPECT_THAT(parse("fx 5\n"), HasError("needs all of"));
+  EXPECT_THAT(parse("0 1 2 3\n"), HasError("must not be 0"));
+  EXPECT_THAT(parse("depth_scale -1\n"), HasError("must be positive"));
+  EXPECT_THAT(parse(""), HasError("no intrinsics"));
 }
 
 class RgbdFolder : public ::testing::Test {
@@ -184,23 +167,22 @@ TEST_F(RgbdFolder, TumSequence) {
   write("depth/2.00.png", png_head(5));
   write("rgb/a.png", png_head(5));
   ASSERT_TRUE(is_rgbd_folder(folder_.path()));
-  EXPECT_THAT(error_of(read_rgbd_folder(folder_.path())),
-              AllOf(HasSubstr("depth maps without intrinsics"),
-                    HasSubstr("--intrinsics FX FY CX CY"), HasSubstr("calibration file")));
+  EXPECT_THAT(
+      read_rgbd_folder(folder_.path()),
+      HasError("depth maps without intrinsics", "--intrinsics FX FY CX CY", "calibration file"));
   write("calibration.txt", "525 525 319.5 239.5\n");
-  const auto spec = read_rgbd_folder(folder_.path());
-  ASSERT_TRUE(spec) << error_of(spec);
-  ASSERT_EQ(spec->views.size(), 2u);
-  EXPECT_EQ(spec->views[0].name, "1.00");
-  EXPECT_EQ(spec->views[0].depth->scale, 1.0 / 5000.0);
-  EXPECT_EQ(spec->views[0].colour->file.filename(), "a.png");
-  EXPECT_NEAR(spec->views[0].world_from_view.translation().x(), 0.5, 1e-12);
-  EXPECT_EQ(spec->views[0].pose, PoseKind::kGuess);
-  EXPECT_FALSE(spec->views[1].colour);
-  EXPECT_EQ(spec->views[1].pose, PoseKind::kAbsent);
-  EXPECT_EQ(spec->unit, "m");
-  EXPECT_THAT(spec->notes, Contains(HasSubstr("left out 1 depth maps")));
-  EXPECT_THAT(spec->notes, Contains(HasSubstr("1 of 2 depth maps have no pose")));
+  const auto spec = value_of(read_rgbd_folder(folder_.path()));
+  ASSERT_EQ(spec.views.size(), 2u);
+  EXPECT_EQ(spec.views[0].name, "1.00");
+  EXPECT_EQ(spec.views[0].depth->scale, 1.0 / 5000.0);
+  EXPECT_EQ(spec.views[0].colour->file.filename(), "a.png");
+  EXPECT_NEAR(spec.views[0].world_from_view.translation().x(), 0.5, 1e-12);
+  EXPECT_EQ(spec.views[0].pose, PoseKind::kGuess);
+  EXPECT_FALSE(spec.views[1].colour);
+  EXPECT_EQ(spec.views[1].pose, PoseKind::kAbsent);
+  EXPECT_EQ(spec.unit, "m");
+  EXPECT_THAT(spec.notes, Contains(HasSubstr("left out 1 depth maps")));
+  EXPECT_THAT(spec.notes, Contains(HasSubstr("1 of 2 depth maps have no pose")));
 }
 
 TEST_F(RgbdFolder, NamedFrames) {
@@ -211,19 +193,18 @@ TEST_F(RgbdFolder, NamedFrames) {
   write("frame-000001.pose.txt", "-inf -inf -inf -inf\n");
   write("frame-000001.color.jpg", png_head(9));
   write("intrinsics.txt", "525 0 319.5\n0 525 239.5\n0 0 1\n");
-  EXPECT_THAT(error_of(read_rgbd_folder(folder_.path())), HasSubstr("--depth-scale 1000"));
-  const auto spec = read_rgbd_folder(folder_.path(), {{}, 1000.0});
-  ASSERT_TRUE(spec) << error_of(spec);
-  ASSERT_EQ(spec->views.size(), 2u);
-  EXPECT_EQ(spec->views[0].name, "frame-000000");
-  EXPECT_EQ(spec->views[0].world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
-  EXPECT_TRUE(spec->views[0].colour);
-  EXPECT_FALSE(spec->views[1].colour);
-  EXPECT_EQ(spec->views[1].pose, PoseKind::kAbsent);
-  EXPECT_THAT(spec->notes, Contains(HasSubstr("1 of 2 colour images are not used")));
+  EXPECT_THAT(read_rgbd_folder(folder_.path()), HasError("--depth-scale 1000"));
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), {{}, 1000.0}));
+  ASSERT_EQ(spec.views.size(), 2u);
+  EXPECT_EQ(spec.views[0].name, "frame-000000");
+  EXPECT_EQ(spec.views[0].world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
+  EXPECT_TRUE(spec.views[0].colour);
+  EXPECT_FALSE(spec.views[1].colour);
+  EXPECT_EQ(spec.views[1].pose, PoseKind::kAbsent);
+  EXPECT_THAT(spec.notes, Contains(HasSubstr("1 of 2 colour images are not used")));
   write("frame-000001.pose.txt", "1 0 0 5\n0 3 0 6\n0 0 1 7\n0 0 0 1\n");
-  EXPECT_THAT(error_of(read_rgbd_folder(folder_.path(), kOptions)),
-              HasSubstr("frame-000001.pose.txt: line 4: the pose is not a rigid motion"));
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions),
+              HasError("frame-000001.pose.txt: line 4: the pose is not a rigid motion"));
 }
 
 TEST_F(RgbdFolder, NumberedFolders) {
@@ -231,19 +212,17 @@ TEST_F(RgbdFolder, NumberedFolders) {
   write("image/9.jpg", png_head(5));
   write("trajectory.log",
         std::string("0 0 1\n") + kPose + "1 1 2\n1 0 0 8\n0 1 0 0\n0 0 1 0\n" + "0 0 0 1\n");
-  const auto spec = read_rgbd_folder(folder_.path(), kOptions);
-  ASSERT_TRUE(spec) << error_of(spec);
-  EXPECT_EQ(spec->views[0].name, "9");
-  EXPECT_EQ(spec->views[0].world_from_view.translation().x(), 5.0);
-  EXPECT_EQ(spec->views[1].world_from_view.translation().x(), 8.0);
-  EXPECT_EQ(spec->views[1].camera->intrinsics.fy, -500);
-  EXPECT_TRUE(spec->views[0].colour);
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
+  EXPECT_EQ(spec.views[0].name, "9");
+  EXPECT_EQ(spec.views[0].world_from_view.translation().x(), 5.0);
+  EXPECT_EQ(spec.views[1].world_from_view.translation().x(), 8.0);
+  EXPECT_EQ(spec.views[1].camera->intrinsics.fy, -500);
+  EXPECT_TRUE(spec.views[0].colour);
   write("depth/11.png", png_head(5));
-  EXPECT_THAT(error_of(read_rgbd_folder(folder_.path(), kOptions)),
-              HasSubstr("trajectory.log: 2 poses for 3 depth maps"));
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions),
+              HasError("trajectory.log: 2 poses for 3 depth maps"));
   write("second.log", std::string("0 0 1\n") + kPose);
-  EXPECT_THAT(error_of(read_rgbd_folder(folder_.path(), kOptions)),
-              HasSubstr("is a trajectory, and so is"));
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions), HasError("is a trajectory, and so is"));
 }
 
 TEST_F(RgbdFolder, TrajectoryWithIntrinsics) {
@@ -251,12 +230,11 @@ TEST_F(RgbdFolder, TrajectoryWithIntrinsics) {
   write("camera_trajectory.json",
         R"({"parameters": [{"extrinsic": [1,0,0,0, 0,0,1,0, 0,-1,0,0, 1,2,3,1], "intrinsic":
         {"width": 5, "height": 4, "intrinsic_matrix": [50,0,0, 0,51,0, 2,1.5,1]}}]})");
-  const auto spec = read_rgbd_folder(folder_.path(), {{}, 1000.0});
-  ASSERT_TRUE(spec) << error_of(spec);
-  EXPECT_EQ(spec->views[0].camera->intrinsics.fy, 51);
-  EXPECT_EQ(*spec->views[0].camera->width, 5);
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), {{}, 1000.0}));
+  EXPECT_EQ(spec.views[0].camera->intrinsics.fy, 51);
+  EXPECT_EQ(*spec.views[0].camera->width, 5);
   // View from world is x -> R x + (1, 2, 3) with R about x; its inverse has -R^T t.
-  EXPECT_TRUE(spec->views[0].world_from_view.translation().isApprox(Eigen::Vector3d(-1, -3, 2)));
+  EXPECT_TRUE(spec.views[0].world_from_view.translation().isApprox(Eigen::Vector3d(-1, -3, 2)));
 }
 
 TEST_F(RgbdFolder, OtherFoldersAreNone) {
@@ -264,22 +242,20 @@ TEST_F(RgbdFolder, OtherFoldersAreNone) {
   write("scan.json", "{}");
   EXPECT_FALSE(is_rgbd_folder(folder_.path()));
   EXPECT_FALSE(is_rgbd_folder(folder_ / "nothing"));
-  EXPECT_THAT(error_of(read_rgbd_folder(folder_.path())), HasSubstr("no depth maps in a layout"));
+  EXPECT_THAT(read_rgbd_folder(folder_.path()), HasError("no depth maps in a layout"));
   write("depth.txt", "1 depth/1.png\n");
-  EXPECT_THAT(error_of(read_rgbd_folder(folder_.path())),
-              HasSubstr("none of the 1 depth maps that its list names is there"));
+  EXPECT_THAT(read_rgbd_folder(folder_.path()),
+              HasError("none of the 1 depth maps that its list names is there"));
 }
 
 TEST_F(RgbdFolder, CalibrationsThatDifferAreNamed) {
   write("depth/0.png", png_head(5));
   write("camera.txt", "1 1 2 2\n");
   write("intrinsics.txt", "2 2 2 2\n");
-  EXPECT_THAT(error_of(read_rgbd_folder(folder_.path(), {{}, 1000.0})),
-              HasSubstr("differs from camera.txt"));
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), {{}, 1000.0}), HasError("differs from camera.txt"));
   write("intrinsic_depth.txt", "3 3 2 2\n");
-  const auto spec = read_rgbd_folder(folder_.path(), {{}, 1000.0});
-  ASSERT_TRUE(spec) << error_of(spec);
-  EXPECT_EQ(spec->views[0].camera->intrinsics.fx, 3);
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), {{}, 1000.0}));
+  EXPECT_EQ(spec.views[0].camera->intrinsics.fx, 3);
 }
 
 TEST(RgbdOnRealData, TumTexts) {
@@ -287,12 +263,11 @@ TEST(RgbdOnRealData, TumTexts) {
   const auto read = [&](const char* name) { return read_file(folder / name).value(); };
   EXPECT_EQ(parse_tum_list(read("depth.txt"), "depth.txt")->size(), 798u);
   EXPECT_EQ(parse_tum_list(read("rgb.txt"), "rgb.txt")->size(), 798u);
-  const auto pairs = parse_tum_associations(read("rgb-depth-synced.txt"), "a.txt");
-  ASSERT_TRUE(pairs) << error_of(pairs);
-  EXPECT_EQ(pairs->front().depth.file, "depth/1305031102.160407.png");
-  const auto trajectory = parse_tum_trajectory(read("groundtruth.txt"), "groundtruth.txt");
-  ASSERT_TRUE(trajectory) << error_of(trajectory);
-  EXPECT_EQ(trajectory->size(), 3000u);
+  const auto pairs = value_of(parse_tum_associations(read("rgb-depth-synced.txt"), "a.txt"));
+  EXPECT_EQ(pairs.front().depth.file, "depth/1305031102.160407.png");
+  const auto trajectory =
+      value_of(parse_tum_trajectory(read("groundtruth.txt"), "groundtruth.txt"));
+  EXPECT_EQ(trajectory.size(), 3000u);
 }
 
 TEST(RgbdOnRealData, Open3dFiles) {
@@ -301,9 +276,8 @@ TEST(RgbdOnRealData, Open3dFiles) {
   EXPECT_EQ(parse_open3d_camera(read("camera_primesense.json"), "c")->intrinsics->cy, 239.5);
   EXPECT_EQ(parse_log_trajectory(read("trajectory.log"), "t")->size(), 5u);
   EXPECT_FALSE(parse_log_trajectory(read("init.log"), "t"));
-  const auto trajectory = parse_open3d_trajectory(read("camera_trajectory.json"), "t");
-  ASSERT_TRUE(trajectory) << error_of(trajectory);
-  EXPECT_EQ(trajectory->at(0).intrinsics->cx, 959.5);
+  const auto trajectory = value_of(parse_open3d_trajectory(read("camera_trajectory.json"), "t"));
+  EXPECT_EQ(trajectory.at(0).intrinsics->cx, 959.5);
 }
 
 // Poses, the mirrored focal length and the depth scale are right when the views agree.
@@ -311,11 +285,10 @@ TEST(RgbdOnRealData, ViewsOfTheRoomAgree) {
   RELIEF_REQUIRE_TEST_DATA(folder, "rgbd");
   ASSERT_TRUE(is_rgbd_folder(folder));
   const auto spec =
-      read_rgbd_folder(folder, {PinholeIntrinsics{481.2, -480, 319.5, 239.5}, 5000.0});
-  ASSERT_TRUE(spec) << error_of(spec);
-  ASSERT_EQ(spec->views.size(), 5u);
+      value_of(read_rgbd_folder(folder, {PinholeIntrinsics{481.2, -480, 319.5, 239.5}, 5000.0}));
+  ASSERT_EQ(spec.views.size(), 5u);
   std::vector<RangeView> views;
-  for (const ViewSpec& view : spec->views) views.push_back(load_view(view).value().view);
+  for (const ViewSpec& view : spec.views) views.push_back(load_view(view).value().view);
   EXPECT_FALSE(views[0].colours.empty());
   std::size_t seen = 0, agreeing = 0;
   const RigidMotion b_from_a = views[0].world_from_view.inverse() * views[2].world_from_view;

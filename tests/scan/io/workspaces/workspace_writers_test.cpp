@@ -6,12 +6,12 @@
 #include "scan/io/workspaces/colmap/colmap_model.h"
 #include "scan/io/workspaces/meshlab_mlp.h"
 #include "scan/io/workspaces/pose_beside.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 // Poses whose numbers no short decimal holds.
@@ -33,12 +33,11 @@ double difference(const RigidMotion& a, const RigidMotion& b) {
 
 TEST(WorkspaceWriters, PosesSurviveMlp) {
   const auto views = three_posed_views();
-  const auto spec =
-      parse_meshlab_mlp(meshlab_mlp_text(views, {"a<&\">.ply", "b.ply", "c/d.ply"}), "x/y.mlp");
-  ASSERT_TRUE(spec) << spec.error().message;
-  EXPECT_EQ(*spec->views[0].grid, "x/a<&\">.ply");
+  const auto spec = value_of(
+      parse_meshlab_mlp(meshlab_mlp_text(views, {"a<&\">.ply", "b.ply", "c/d.ply"}), "x/y.mlp"));
+  EXPECT_EQ(*spec.views[0].grid, "x/a<&\">.ply");
   for (std::size_t i = 0; i < 3; ++i)
-    EXPECT_LT(difference(spec->views[i].world_from_view, views[i].world_from_view), 1e-12);
+    EXPECT_LT(difference(spec.views[i].world_from_view, views[i].world_from_view), 1e-12);
 }
 
 // MeshLab 2020.09 ends with a fault on rows that end in a number.
@@ -58,9 +57,8 @@ TEST(WorkspaceWriters, PosesSurviveXf) {
   const auto views = three_posed_views();
   ASSERT_TRUE(write_xf_folder(views, folder / "new"));
   for (const RangeView& view : views) {
-    const auto pose = pose_beside(folder / "new" / (view.name + ".ply"));
-    ASSERT_TRUE(pose) << pose.error().message;
-    EXPECT_LT(difference(pose->value(), view.world_from_view), 1e-12);
+    const auto pose = value_of(pose_beside(folder / "new" / (view.name + ".ply")));
+    EXPECT_LT(difference(pose, view.world_from_view), 1e-12);
   }
 }
 
@@ -68,14 +66,13 @@ TEST(WorkspaceWriters, PosesAndCamerasSurviveColmap) {
   const TemporaryFolder folder;
   const auto views = three_posed_views();
   ASSERT_TRUE(write_colmap_text(views, folder / "new"));
-  const auto model = read_colmap_model(folder / "new");
-  ASSERT_TRUE(model) << model.error().message;
-  ASSERT_EQ(model->images.size(), 3u);
+  const auto model = value_of(read_colmap_model(folder / "new"));
+  ASSERT_EQ(model.images.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(model->images[i].name, views[i].name + ".png");
-    EXPECT_LT(difference(model->images[i].world_from_view, views[i].world_from_view), 1e-12);
-    EXPECT_EQ(model->cameras[i].intrinsics.fx, 31.0 / 3);
-    EXPECT_EQ(model->cameras[i].intrinsics.cx, 11.1 + 0.5);
+    EXPECT_EQ(model.images[i].name, views[i].name + ".png");
+    EXPECT_LT(difference(model.images[i].world_from_view, views[i].world_from_view), 1e-12);
+    EXPECT_EQ(model.cameras[i].intrinsics.fx, 31.0 / 3);
+    EXPECT_EQ(model.cameras[i].intrinsics.cx, 11.1 + 0.5);
   }
 }
 
@@ -83,17 +80,16 @@ TEST(WorkspaceWriters, ErrorsNameTheView) {
   const TemporaryFolder folder;
   auto views = three_posed_views();
   views[1].name = "a/b";
-  EXPECT_THAT(write_xf_folder(views, folder / "new").error().message,
-              HasSubstr("'a/b' is no file name"));
+  EXPECT_THAT(write_xf_folder(views, folder / "new"), HasError("'a/b' is no file name"));
   views[1].name = views[0].name;
-  EXPECT_THAT(write_xf_folder(views, folder / "new").error().message, HasSubstr("two views"));
+  EXPECT_THAT(write_xf_folder(views, folder / "new"), HasError("two views"));
   views[1].name = "b";
   views[1].camera = Camera::pinhole_gl(4, 4, {1, 1, 1, 1});
-  EXPECT_THAT(write_colmap_text(views, folder / "new").error().message,
-              HasSubstr("view b has the camera 'pinhole_gl'"));
+  EXPECT_THAT(write_colmap_text(views, folder / "new"),
+              HasError("view b has the camera 'pinhole_gl'"));
   EXPECT_EQ(folder.size(), 0u);
   const auto file = folder.write("file", "");
-  EXPECT_EQ(write_xf_folder(views, file).error().kind, ErrorKind::kCannotWrite);
+  EXPECT_THAT(write_xf_folder(views, file), HasError(ErrorKind::kCannotWrite));
 }
 
 }  // namespace

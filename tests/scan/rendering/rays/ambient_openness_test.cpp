@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scan/rendering/shapes.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::rendering {
 namespace {
@@ -52,25 +53,23 @@ TEST(AmbientOpenness, WhatIsBeyondTheReachDoesNotBlock) {
 
 TEST(AmbientOpenness, FacetsOfAConvexSurfaceDoNotBlockEachOther) {
   const TriangleMesh ball = sphere(1.0, {0, 0, 0}, 4);
-  const auto caster = RayCaster::of(ball);
-  ASSERT_TRUE(caster);
+  const auto caster = value_of(RayCaster::of(ball));
   for (std::size_t f = 0; f < ball.faces.size(); ++f) {
     const Eigen::Vector3d side = face_cross(ball, f).normalized();
     // Near a corner the normal that shades differs most from that of the face.
     const Eigen::Vector3d point =
         0.8 * ball.corner(f, 0) + 0.1 * ball.corner(f, 1) + 0.1 * ball.corner(f, 2);
-    EXPECT_EQ(ambient_openness(*caster, point, point.normalized(), side,
-                               {.per_side = 8, .reach = 1.0}, f),
-              1.0);
+    EXPECT_EQ(
+        ambient_openness(caster, point, point.normalized(), side, {.per_side = 8, .reach = 1.0}, f),
+        1.0);
   }
 }
 
 TEST(AmbientOpenness, DependsOnTheStreamOnly) {
-  const auto caster = RayCaster::of(floor_and_wall(1000.0));
-  ASSERT_TRUE(caster);
+  const auto caster = value_of(RayCaster::of(floor_and_wall(1000.0)));
   const SkyRays rays{.per_side = 4, .reach = 1e9};
   const auto at = [&](std::uint64_t stream) {
-    return ambient_openness(*caster, {0.0, -300.0, 0.0}, kUp, kUp, rays, stream);
+    return ambient_openness(caster, {0.0, -300.0, 0.0}, kUp, kUp, rays, stream);
   };
   EXPECT_EQ(at(3), at(3));
   bool differs = false;

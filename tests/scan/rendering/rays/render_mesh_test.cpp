@@ -11,20 +11,18 @@
 
 #include "relief/scan/threads.h"
 #include "tests/scan/rendering/shapes.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::rendering {
 namespace {
 
 using testing::from_above;
-using ::testing::HasSubstr;
 using testing::plate;
 using testing::sphere;
 
 Picture picture_of(const TriangleMesh& mesh, const PictureCamera& camera, RenderStyle style,
                    const RenderOptions& options = {}) {
-  const auto rendering = render_mesh(mesh, camera, style, options);
-  EXPECT_TRUE(rendering) << (rendering ? "" : rendering.error().message);
-  return rendering ? rendering->picture : Picture();
+  return value_of(render_mesh(mesh, camera, style, options)).picture;
 }
 
 double opaque_pixels(const Picture& picture) {
@@ -209,10 +207,8 @@ TEST(RenderMesh, ADifferentSeedChangesTheRandomRaysOnly) {
 }
 
 TEST(RenderMesh, AnEmptyMeshIsAnError) {
-  const auto rendering = render_mesh({}, from_above(3, 3, 1.0), RenderStyle::kShaded);
-  ASSERT_FALSE(rendering);
-  EXPECT_EQ(rendering.error().kind, ErrorKind::kBadInput);
-  EXPECT_THAT(rendering.error().message, HasSubstr("no faces"));
+  EXPECT_THAT(render_mesh({}, from_above(3, 3, 1.0), RenderStyle::kShaded),
+              HasError(ErrorKind::kBadInput, "no faces"));
 }
 
 }  // namespace

@@ -7,12 +7,12 @@
 
 #include "relief/rendering/render_mesh.h"
 #include "tests/scan/rendering/shapes.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::rendering {
 namespace {
 
 using testing::from_above;
-using ::testing::HasSubstr;
 using testing::plate;
 
 // A plate of 10 x 10 faces; `left` where x < 0, else `right`.
@@ -31,10 +31,8 @@ struct Sides {
 };
 
 Sides rendered(const TriangleMesh& mesh, RenderStyle style, const RenderOptions& options = {}) {
-  const auto rendering = render_mesh(mesh, from_above(9, 9, 1.0), style, options);
-  EXPECT_TRUE(rendering) << (rendering ? "" : rendering.error().message);
-  if (!rendering) return {};
-  return {rendering->picture(0, 4), rendering->picture(8, 4), rendering->legend};
+  const auto rendering = value_of(render_mesh(mesh, from_above(9, 9, 1.0), style, options));
+  return {rendering.picture(0, 4), rendering.picture(8, 4), rendering.legend};
 }
 
 Colour colour_of(const Rgba& pixel) { return {pixel[0], pixel[1], pixel[2]}; }
@@ -115,15 +113,14 @@ TEST(Styles, ColoursAreThoseOfTheVertices) {
 
 TEST(Styles, MissingAttributesAreNamedWithWhatToDo) {
   const TriangleMesh mesh = plate(5.0);
-  const auto message = [&](RenderStyle style) {
-    const auto rendering = render_mesh(mesh, from_above(3, 3, 1.0), style);
-    return rendering ? std::string() : rendering.error().message;
+  const auto render = [&](RenderStyle style) {
+    return render_mesh(mesh, from_above(3, 3, 1.0), style);
   };
-  EXPECT_THAT(message(RenderStyle::kExpectedError), HasSubstr("expected error (quality)"));
-  EXPECT_THAT(message(RenderStyle::kFilled), HasSubstr("relief merge"));
-  EXPECT_THAT(message(RenderStyle::kViews), HasSubstr("how many views"));
-  EXPECT_THAT(message(RenderStyle::kDistance), HasSubstr("--truth"));
-  EXPECT_THAT(message(RenderStyle::kColours), HasSubstr("choose another style"));
+  EXPECT_THAT(render(RenderStyle::kExpectedError), HasError("expected error (quality)"));
+  EXPECT_THAT(render(RenderStyle::kFilled), HasError("relief merge"));
+  EXPECT_THAT(render(RenderStyle::kViews), HasError("how many views"));
+  EXPECT_THAT(render(RenderStyle::kDistance), HasError("--truth"));
+  EXPECT_THAT(render(RenderStyle::kColours), HasError("choose another style"));
 }
 
 TEST(SurfaceOfView, HasTheDeviationsOfItsSamples) {

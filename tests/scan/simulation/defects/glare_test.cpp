@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scan/simulation/sensor_bench.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::simulation {
 namespace {
@@ -69,9 +70,7 @@ TEST(Glare, LeavesExactRangesWithoutARangeError) {
 TEST(Glare, NamesAFieldOutOfItsRange) {
   Glare glare;
   glare.lamps = 0;
-  const auto checked = validate(glare);
-  ASSERT_FALSE(checked);
-  EXPECT_NE(checked.error().message.find("glare lamps"), std::string::npos);
+  EXPECT_THAT(validate(glare), HasError("glare lamps"));
 }
 
 }  // namespace

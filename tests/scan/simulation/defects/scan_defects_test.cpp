@@ -8,6 +8,7 @@
 
 #include "relief/scan/threads.h"
 #include "relief/simulation/simulate.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::simulation {
 namespace {
@@ -23,11 +24,7 @@ SimulationOptions exact_sensors() {
   return options;
 }
 
-Simulation simulated(const SimulationOptions& options) {
-  auto simulation = simulate(options);
-  EXPECT_TRUE(simulation) << (simulation ? "" : simulation.error().message);
-  return simulation ? *simulation : Simulation{};
-}
+Simulation simulated(const SimulationOptions& options) { return value_of(simulate(options)); }
 
 // The errors of the range [sample spacings] of all samples that the truth has.
 std::vector<double> range_errors(const Simulation& simulation, std::size_t index,
@@ -200,9 +197,7 @@ TEST(ScanDefects, StatesAWrongFocalLengthAndScale) {
   EXPECT_DOUBLE_EQ(scan.camera.intrinsics().fy, 1.005 * truth.camera.intrinsics().fy);
   EXPECT_NEAR(scan.range(64, 64), 0.99 * truth.range(64, 64), 1e-9);
   options.rays = SensorRays::kLine;
-  const auto failed = simulate(options);
-  ASSERT_FALSE(failed);
-  EXPECT_NE(failed.error().message.find("focal_factor"), std::string::npos);
+  EXPECT_THAT(simulate(options), HasError("focal_factor"));
 }
 
 TEST(ScanDefects, DoNotDependOnThreads) {
@@ -223,20 +218,16 @@ TEST(ScanDefects, DoNotDependOnThreads) {
 }
 
 TEST(ScanDefects, NamesAFieldOutOfItsRange) {
-  const auto message = [](const ScanDefects& defects) {
-    const auto checked = validate(defects);
-    return checked ? std::string() : checked.error().message;
-  };
-  EXPECT_EQ(message({}), "");
   ScanDefects defects;
+  EXPECT_THAT(validate(defects), IsOk());
   defects.missing_fraction = 1.0;
-  EXPECT_NE(message(defects).find("missing_fraction"), std::string::npos);
+  EXPECT_THAT(validate(defects), HasError("missing_fraction"));
   defects = {};
   defects.background = BackgroundPlate{0.51, 20.0};
-  EXPECT_NE(message(defects).find("background distance"), std::string::npos);
+  EXPECT_THAT(validate(defects), HasError("background distance"));
   defects = {};
   defects.noise_half = 0.0;
-  EXPECT_NE(message(defects).find("noise_half"), std::string::npos);
+  EXPECT_THAT(validate(defects), HasError("noise_half"));
 }
 
 }  // namespace

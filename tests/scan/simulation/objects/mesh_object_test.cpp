@@ -8,6 +8,7 @@
 #include "relief/simulation/simulate.h"
 #include "scan/simulation/objects/built_in_object.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::simulation {
 namespace {
@@ -17,12 +18,11 @@ TEST(MeshObject, IsSeenWhereTheAnalyticObjectIs) {
   options.views = 3;
   options.width = options.height = 64;
   const auto exact = simulate(built_in_simulation_object(0), options);
-  auto object = mesh_object(built_in_truth_mesh(150));
-  ASSERT_TRUE(object);
+  auto object = value_of(mesh_object(built_in_truth_mesh(150)));
   // The same cameras as for the analytic object.
-  object->centre.setZero();
-  object->radius = exact->diameter / 2.0;
-  const auto meshed = simulate(*object, options);
+  object.centre.setZero();
+  object.radius = exact->diameter / 2.0;
+  const auto meshed = simulate(object, options);
   ASSERT_TRUE(exact && meshed);
   std::size_t both = 0, one = 0, far = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -44,17 +44,15 @@ TEST(MeshObject, IsSeenWhereTheAnalyticObjectIs) {
 TEST(MeshObject, IsFramedByItsOwnSphere) {
   TriangleMesh mesh = geodesic_sphere(20);
   for (auto& vertex : mesh.vertices) vertex = 0.02 * vertex + Eigen::Vector3d(5, 6, 7);
-  const auto object = mesh_object(mesh, "m");
-  ASSERT_TRUE(object);
-  EXPECT_NEAR(object->radius, 0.02, 1e-3);
+  const auto object = value_of(mesh_object(mesh, "m"));
+  EXPECT_NEAR(object.radius, 0.02, 1e-3);
   SimulationOptions options;
   options.views = 2;
   options.width = options.height = 100;
-  const auto simulation = simulate(*object, options);
-  ASSERT_TRUE(simulation);
-  EXPECT_EQ(simulation->truth.unit, "m");
-  EXPECT_EQ(simulation->mesh.faces.size(), mesh.faces.size());
-  const RangeView& view = simulation->truth.views[0];
+  const auto simulation = value_of(simulate(object, options));
+  EXPECT_EQ(simulation.truth.unit, "m");
+  EXPECT_EQ(simulation.mesh.faces.size(), mesh.faces.size());
+  const RangeView& view = simulation.truth.views[0];
   int widest = 0;
   for (int v = 0; v < 100; ++v) {
     int width = 0;
@@ -66,14 +64,10 @@ TEST(MeshObject, IsFramedByItsOwnSphere) {
 }
 
 TEST(MeshObject, NeedsASurface) {
-  const auto empty = mesh_object({});
-  ASSERT_FALSE(empty);
-  EXPECT_EQ(empty.error().kind, ErrorKind::kBadInput);
+  EXPECT_THAT(mesh_object({}), HasError(ErrorKind::kBadInput));
   TriangleMesh broken = geodesic_sphere(1);
   broken.vertices[3].x() = std::nan("");
-  const auto failed = mesh_object(broken);
-  ASSERT_FALSE(failed);
-  EXPECT_NE(failed.error().message.find("vertex 3"), std::string::npos);
+  EXPECT_THAT(mesh_object(broken), HasError("vertex 3"));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "relief/scan/threads.h"
 #include "tests/scan/simulation/sensor_bench.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::simulation {
 namespace {
@@ -263,9 +264,7 @@ TEST(PhotometricStereo, DoesNotDependOnThreads) {
 TEST(PhotometricStereo, NamesAFieldOutOfItsRange) {
   PhotometricStereo camera;
   camera.lights = 2;
-  const auto checked = validate(camera);
-  ASSERT_FALSE(checked);
-  EXPECT_NE(checked.error().message.find("lights"), std::string::npos);
+  EXPECT_THAT(validate(camera), HasError("lights"));
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/result_matchers.h"
+
 namespace relief::simulation {
 namespace {
 
@@ -65,9 +67,7 @@ TEST(PaintedSurface, ReflectsByLambertsLawAndAHighlight) {
 TEST(Reflectance, NamesAFieldOutOfItsRange) {
   Reflectance reflectance;
   reflectance.dark_albedo = 0.0;
-  const auto checked = validate(reflectance);
-  ASSERT_FALSE(checked);
-  EXPECT_NE(checked.error().message.find("dark_albedo"), std::string::npos);
+  EXPECT_THAT(validate(reflectance), HasError("dark_albedo"));
 }
 
 }  // namespace

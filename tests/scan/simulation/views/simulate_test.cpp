@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/simulation/objects/built_in_object.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::simulation {
 namespace {
@@ -28,14 +29,13 @@ bool same_bytes(const RangeView& a, const RangeView& b) {
 }
 
 TEST(Simulate, GivesScansAndTruthOfTheSameSamples) {
-  const auto simulation = simulate(small_options());
-  ASSERT_TRUE(simulation);
-  ASSERT_EQ(simulation->scans.views.size(), 7u);
-  EXPECT_EQ(simulation->scans.unit, "mm");
-  EXPECT_EQ(simulation->mesh.faces.size(), 20u * 64u);
+  const auto simulation = value_of(simulate(small_options()));
+  ASSERT_EQ(simulation.scans.views.size(), 7u);
+  EXPECT_EQ(simulation.scans.unit, "mm");
+  EXPECT_EQ(simulation.mesh.faces.size(), 20u * 64u);
   for (std::size_t i = 0; i < 7; ++i) {
-    const RangeView& scan = simulation->scans.views[i];
-    const RangeView& truth = simulation->truth.views[i];
+    const RangeView& scan = simulation.scans.views[i];
+    const RangeView& truth = simulation.truth.views[i];
     EXPECT_EQ(scan.name, truth.name);
     EXPECT_EQ(truth.pose, PoseKind::kKnown);
     EXPECT_EQ(scan.sample_count(), truth.sample_count());
@@ -45,10 +45,9 @@ TEST(Simulate, GivesScansAndTruthOfTheSameSamples) {
 }
 
 TEST(Simulate, TruthLiesOnTheObject) {
-  const auto simulation = simulate(small_options());
-  ASSERT_TRUE(simulation);
+  const auto simulation = value_of(simulate(small_options()));
   const AnalyticSurface owl = built_in_object();
-  for (const RangeView& view : simulation->truth.views) {
+  for (const RangeView& view : simulation.truth.views) {
     for (int v = 0; v < view.height(); ++v) {
       for (int u = 0; u < view.width(); ++u) {
         if (!view.has_sample(u, v)) continue;
@@ -64,11 +63,10 @@ TEST(Simulate, TruthLiesOnTheObject) {
 }
 
 TEST(Simulate, NoiseHasTheStatedSizeInSampleSpacings) {
-  const auto simulation = simulate(small_options());
-  ASSERT_TRUE(simulation);
+  const auto simulation = value_of(simulate(small_options()));
   double squares = 0.0, count = 0.0;
-  for (std::size_t i = 0; i < simulation->scans.views.size(); ++i) {
-    const RangeView &scan = simulation->scans.views[i], &truth = simulation->truth.views[i];
+  for (std::size_t i = 0; i < simulation.scans.views.size(); ++i) {
+    const RangeView &scan = simulation.scans.views[i], &truth = simulation.truth.views[i];
     for (int v = 0; v < scan.height(); ++v) {
       for (int u = 0; u < scan.width(); ++u) {
         if (!scan.has_sample(u, v)) continue;
@@ -77,26 +75,25 @@ TEST(Simulate, NoiseHasTheStatedSizeInSampleSpacings) {
       }
     }
   }
-  const double spacing = sample_spacing(simulation->truth.views[0]);
-  EXPECT_NEAR(std::sqrt(squares / count), simulation->range_sigma, 0.02 * simulation->range_sigma);
-  EXPECT_NEAR(simulation->spacing, spacing, 0.25 * spacing);
+  const double spacing = sample_spacing(simulation.truth.views[0]);
+  EXPECT_NEAR(std::sqrt(squares / count), simulation.range_sigma, 0.02 * simulation.range_sigma);
+  EXPECT_NEAR(simulation.spacing, spacing, 0.25 * spacing);
 }
 
 TEST(Simulate, PosesAreOffByTheStatedAmounts) {
   SimulationOptions options = small_options();
   options.pose_rotation_deg = 3.0;
   options.pose_translation = 0.02;
-  const auto simulation = simulate(options);
-  ASSERT_TRUE(simulation);
-  const auto& scans = simulation->scans.views;
-  const auto& truth = simulation->truth.views;
+  const auto simulation = value_of(simulate(options));
+  const auto& scans = simulation.scans.views;
+  const auto& truth = simulation.truth.views;
   EXPECT_EQ(scans[0].pose, PoseKind::kKnown);
   EXPECT_TRUE(scans[0].world_from_view.isApprox(truth[0].world_from_view, 0.0));
   for (std::size_t i = 1; i < scans.size(); ++i) {
     EXPECT_EQ(scans[i].pose, PoseKind::kGuess);
     const RigidMotion error = scans[i].world_from_view * truth[i].world_from_view.inverse();
     EXPECT_NEAR(rotation_angle(error) * 180.0 / std::acos(-1.0), 3.0, 1e-9);
-    EXPECT_NEAR(error.translation().norm(), 0.02 * simulation->diameter, 1e-9);
+    EXPECT_NEAR(error.translation().norm(), 0.02 * simulation.diameter, 1e-9);
   }
 }
 
@@ -135,13 +132,12 @@ TEST(Simulate, ViewsTogetherSeeNearlyTheWholeObject) {
     SimulationOptions options = small_options();
     options.views = 12;
     options.layout = layout;
-    const auto simulation = simulate(options);
-    ASSERT_TRUE(simulation);
+    const auto simulation = value_of(simulate(options));
     const TriangleMesh mesh = built_in_truth_mesh(24);
     std::size_t seen = 0;
     for (const auto& vertex : mesh.vertices) {
       bool visible = false;
-      for (const RangeView& view : simulation->truth.views) {
+      for (const RangeView& view : simulation.truth.views) {
         const Eigen::Vector3d point = view.world_from_view.inverse() * vertex;
         const auto pixel = view.camera.project(point);
         const int u = static_cast<int>(std::lround(pixel->x()));
@@ -164,10 +160,9 @@ SimulationOptions realistic_options() {
 }
 
 TEST(Simulate, RealisticSensorsLoseSamplesButInventNone) {
-  const auto simulation = simulate(realistic_options());
-  ASSERT_TRUE(simulation);
-  for (std::size_t i = 0; i < simulation->scans.views.size(); ++i) {
-    const RangeView &scan = simulation->scans.views[i], &truth = simulation->truth.views[i];
+  const auto simulation = value_of(simulate(realistic_options()));
+  for (std::size_t i = 0; i < simulation.scans.views.size(); ++i) {
+    const RangeView &scan = simulation.scans.views[i], &truth = simulation.truth.views[i];
     EXPECT_LT(scan.sample_count(), truth.sample_count());
     EXPECT_GT(scan.sample_count(), truth.sample_count() / 2);
     for (int v = 0; v < scan.height(); ++v) {
@@ -186,13 +181,11 @@ TEST(Simulate, RealisticSensorsLoseSamplesButInventNone) {
 
 TEST(Simulate, RealisticSensorsDoNotDependOnThreads) {
   SimulationOptions options = realistic_options();
-  const auto one = simulate(options, {.threads = 1});
-  ASSERT_TRUE(one);
+  const auto one = value_of(simulate(options, {.threads = 1}));
   for (const int threads : {2, 4}) {
-    const auto other = simulate(options, {.threads = threads});
-    ASSERT_TRUE(other);
-    for (std::size_t i = 0; i < one->scans.views.size(); ++i)
-      EXPECT_TRUE(same_bytes(one->scans.views[i], other->scans.views[i]));
+    const auto other = value_of(simulate(options, {.threads = threads}));
+    for (std::size_t i = 0; i < one.scans.views.size(); ++i)
+      EXPECT_TRUE(same_bytes(one.scans.views[i], other.scans.views[i]));
   }
 }
 
@@ -253,35 +246,26 @@ TEST(Simulate, StandsWhereItIsTold) {
   options.pose = PoseKind::kKnown;
   options.poses = {{"left", camera_looking_at({-300, 0, 50}, {0, 0, 0})},
                    {"right", camera_looking_at({310, 0, 0}, {0, 0, 0})}};
-  const auto simulation = simulate(options);
-  ASSERT_TRUE(simulation);
-  ASSERT_EQ(simulation->scans.views.size(), 2u);
-  EXPECT_EQ(simulation->scans.views[1].name, "right");
-  EXPECT_NEAR(simulation->distance, 310.0, 1e-9);
-  EXPECT_TRUE(
-      simulation->scans.views[0].world_from_view.isApprox(options.poses[0].world_from_view));
+  const auto simulation = value_of(simulate(options));
+  ASSERT_EQ(simulation.scans.views.size(), 2u);
+  EXPECT_EQ(simulation.scans.views[1].name, "right");
+  EXPECT_NEAR(simulation.distance, 310.0, 1e-9);
+  EXPECT_TRUE(simulation.scans.views[0].world_from_view.isApprox(options.poses[0].world_from_view));
   options.poses[1].world_from_view.translation() = Eigen::Vector3d(1, 2, 3);
-  const auto inside = simulate(options);
-  ASSERT_FALSE(inside);
-  EXPECT_NE(inside.error().message.find("right"), std::string::npos);
+  EXPECT_THAT(simulate(options), HasError("right"));
 }
 
 TEST(Simulate, NamesAnOptionOutOfItsRange) {
   SimulationOptions options = small_options();
   options.range_sensor = WhiteRangeSensor{-0.1};
-  const auto failed = simulate(options);
-  ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().kind, ErrorKind::kBadInput);
-  EXPECT_NE(failed.error().message.find("range noise"), std::string::npos);
-  EXPECT_NE(failed.error().message.find("-0.1"), std::string::npos);
+  EXPECT_THAT(simulate(options), HasError(ErrorKind::kBadInput, "range noise", "-0.1"));
 }
 
 TEST(Simulate, StopsWhenAsked) {
   const auto stopped =
       simulate(small_options(),
                {.progress = [](double fraction, std::string_view) { return fraction < 0.3; }});
-  ASSERT_FALSE(stopped);
-  EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
+  EXPECT_THAT(stopped, HasError(ErrorKind::kInterrupted));
 }
 
 TEST(Simulate, TakesAnyObject) {
@@ -296,10 +280,9 @@ TEST(Simulate, TakesAnyObject) {
     if (!t) return std::nullopt;
     return SurfaceHit{*t, unit_normal(sphere, centred.at(*t))};
   };
-  const auto simulation = simulate(object, small_options());
-  ASSERT_TRUE(simulation);
-  EXPECT_EQ(simulation->truth.unit, "m");
-  for (const RangeView& view : simulation->truth.views)
+  const auto simulation = value_of(simulate(object, small_options()));
+  EXPECT_EQ(simulation.truth.unit, "m");
+  for (const RangeView& view : simulation.truth.views)
     EXPECT_NEAR((view.world_from_view * view.point(48, 40) - object.centre).norm(), 0.05, 1e-12);
 }
 
