@@ -38,6 +38,7 @@ void add_merge(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_evaluate(CLI::App& app, Action& action);
+void add_compare(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_init(CLI::App& app, Action& action);
 void add_render(CLI::App& app, Action& action);

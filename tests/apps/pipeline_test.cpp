@@ -41,8 +41,8 @@ TEST(Program, AnswersHelpAndVersion) {
   EXPECT_EQ(run_relief({"--version"}).exit_status, 0);
   const ProgramRun help = run_relief({"--help"});
   EXPECT_EQ(help.exit_status, 0);
-  for (const char* command :
-       {"info", "align", "refine", "merge", "run", "simulate", "evaluate", "convert", "report"}) {
+  for (const char* command : {"info", "align", "refine", "merge", "run", "simulate", "evaluate",
+                              "compare", "convert", "report"}) {
     EXPECT_THAT(help.standard_output, HasSubstr(command));
     EXPECT_EQ(run_relief({command, "--help"}).exit_status, 0) << command;
   }
