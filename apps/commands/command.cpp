@@ -100,9 +100,11 @@ void add_background_option(CLI::App& command, ProjectInput& input) {
       ->default_str("auto");
 }
 
-Result<ScanProject> read_with_notes(const ProjectInput& input, const CommonOptions& common) {
+Result<ScanProject> read_with_notes(const ProjectInput& input, const CommonOptions& common,
+                                    const ViewsRead& views_read) {
   auto project = read_project(input.path, input.options, context_of(common, "read"));
   if (!project) return project;
+  if (views_read) views_read(project->views);
   if (input.look_for_background) {
     const StaticBackground background = find_static_background(project->views);
     if (!input.keep_background) remove_background(background, project->views);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -37,6 +38,7 @@ void add_merge(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_evaluate(CLI::App& app, Action& action);
+void add_compare(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_init(CLI::App& app, Action& action);
 void add_render(CLI::App& app, Action& action);
@@ -64,8 +66,12 @@ void add_project_input(CLI::App& command, ProjectInput& input);
 /// Adds --background to a command that works on the object alone.
 void add_background_option(CLI::App& command, ProjectInput& input);
 
+/// Gets the views as they were read, before a background is left out.
+using ViewsRead = std::function<void(const std::vector<RangeView>& views)>;
+
 /// Reads the project with progress, and logs what the reader found out by itself.
-Result<ScanProject> read_with_notes(const ProjectInput& input, const CommonOptions& common);
+Result<ScanProject> read_with_notes(const ProjectInput& input, const CommonOptions& common,
+                                    const ViewsRead& views_read = {});
 
 /// The context of one stage of a command. Threads are those of the whole command already.
 Context context_of(const CommonOptions& common, const std::string& stage);

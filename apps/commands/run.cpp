@@ -48,23 +48,25 @@ struct RunCommand {
   bool no_html_report = false;
   HtmlReportOptions html;
   CacheFlags cache;
-  Json record;  // The section `run` of the report.
+  Json record;  // Of the section `run` of the report: what is known before the views are read.
 };
 
 class Run {
  public:
-  explicit Run(const RunCommand& command) : command_(command) {}
+  explicit Run(const RunCommand& command) : command_(command), record_(command.record) {}
 
   // What a stage achieved is written before the next one starts.
   int operator()() {
     if (command_.time_limit > 0.0) stop_after(std::chrono::duration<double>(command_.time_limit));
-    auto project = read_with_notes(command_.input, command_.common);
+    auto project = read_with_notes(
+        command_.input, command_.common,
+        [this](const std::vector<RangeView>& v) { record_["inputs"] = input_record(v); });
     if (!project) return fail(project.error());
     if (const auto ready = prepare_folder(command_.output); !ready) return fail(ready.error());
     if (const auto ours = cache_.open(command_.output, command_.cache); !ours)
       return fail(ours.error());
     project_ = std::move(*project);
-    if (const auto kept = keep("run", command_.record); !kept) return fail(kept.error());
+    if (const auto kept = keep("run", record_); !kept) return fail(kept.error());
     const bool with_normals = std::any_of(project_.views.begin(), project_.views.end(),
                                           [](const RangeView& view) { return view.has_normals(); });
     plan_progress(stages_of_run(with_normals));
@@ -183,9 +185,8 @@ class Run {
     log_model(model, project_.unit, report["seconds"]);
     if (auto written = write_mesh(model.mesh, command_.output / "model.ply"); !written)
       return written;
-    Json record = command_.record;
-    record["cache"] = cache_.report();
-    if (auto kept = keep("run", record); !kept) return kept;
+    record_["cache"] = cache_.report();
+    if (auto kept = keep("run", record_); !kept) return kept;
     return write_report(report_path(command_.common, command_.output / "scan.json"), "merge",
                         report, command_.common);
   }
@@ -209,6 +210,7 @@ class Run {
   }
 
   const RunCommand& command_;
+  Json record_;          // The section `run` of the report.
   ScanProject project_;  // Its views are given away.
   RunCache cache_;
   Stopwatch watch_;  // Of the stage.

@@ -33,13 +33,6 @@ Json to_json(const evaluation::DirectedDistance& direction) {
   return json;
 }
 
-Json to_json(const evaluation::DistanceReport& report) {
-  Json json = to_json(report.all);
-  if (report.measured) json["measured"] = to_json(*report.measured);
-  if (report.filled) json["filled"] = to_json(*report.filled);
-  return json;
-}
-
 Json to_json(const evaluation::ViewErrors& view) {
   return {{"name", view.name},
           {"depth", to_json(view.depth)},
@@ -127,6 +120,13 @@ void print_direction(const std::string& what,
 
 }  // namespace
 
+Json to_json(const evaluation::DistanceReport& report) {
+  Json json = to_json(report.all);
+  if (report.measured) json["measured"] = to_json(*report.measured);
+  if (report.filled) json["filled"] = to_json(*report.filled);
+  return json;
+}
+
 Json to_json(const evaluation::MeshComparison& comparison, const MeshCheck& check) {
   return {{"accuracy", to_json(comparison.accuracy)},
           {"completeness", to_json(comparison.completeness)},
@@ -197,6 +197,20 @@ void print_table(const evaluation::MeshComparison& comparison, const MeshCheck& 
              check.watertight() ? "watertight" : "NOT watertight", check.vertices, check.faces,
              check.components, check.genus, check.volume, 100.0 * comparison.filled_fraction);
   print_faults(check);
+}
+
+void print_table(const evaluation::MutualDistances& distances, const std::string& unit) {
+  print_head("distances [" + unit + "]");
+  const auto print_way = [](const std::string& name, const evaluation::DistanceReport& way) {
+    print_direction(name, way.all);
+    print_direction("  measured part", way.measured);
+    print_direction("  filled part", way.filled);
+  };
+  print_way("A to B", distances.a_to_b);
+  print_way("B to A", distances.b_to_a);
+  for (std::size_t i = 0; i < distances.thresholds.size(); ++i)
+    fmt::print("within {:<8.4g} A {:6.2f} %, B {:6.2f} %\n", distances.thresholds[i],
+               100.0 * distances.a_to_b.all.within[i], 100.0 * distances.b_to_a.all.within[i]);
 }
 
 void print_table(const evaluation::ViewErrorReport& report, const std::string& unit) {

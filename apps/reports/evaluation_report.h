@@ -13,6 +13,7 @@
 namespace relief {
 
 Json to_json(const evaluation::MeshComparison& comparison, const MeshCheck& check);
+Json to_json(const evaluation::DistanceReport& report);
 Json to_json(const evaluation::ViewErrorReport& report);
 Json to_json(const evaluation::ViewSpectra& spectra);
 Json to_json(const evaluation::PoseErrorReport& report);
@@ -20,6 +21,7 @@ Json to_json(const evaluation::PoseErrorReport& report);
 /// The same figures for people, on standard output. `unit` is that of the lengths.
 void print_table(const evaluation::MeshComparison& comparison, const MeshCheck& check,
                  const std::string& unit);
+void print_table(const evaluation::MutualDistances& distances, const std::string& unit);
 void print_table(const evaluation::ViewErrorReport& report, const std::string& unit);
 void print_table(const evaluation::ViewSpectra& spectra, const std::string& unit);
 void print_table(const evaluation::PoseErrorReport& report, const std::string& unit);

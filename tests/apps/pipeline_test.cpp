@@ -41,8 +41,8 @@ TEST(Program, AnswersHelpAndVersion) {
   EXPECT_EQ(run_relief({"--version"}).exit_status, 0);
   const ProgramRun help = run_relief({"--help"});
   EXPECT_EQ(help.exit_status, 0);
-  for (const char* command :
-       {"info", "align", "refine", "merge", "run", "simulate", "evaluate", "convert", "report"}) {
+  for (const char* command : {"info", "align", "refine", "merge", "run", "simulate", "evaluate",
+                              "compare", "convert", "report"}) {
     EXPECT_THAT(help.standard_output, HasSubstr(command));
     EXPECT_EQ(run_relief({command, "--help"}).exit_status, 0) << command;
   }
@@ -130,6 +130,32 @@ TEST(Program, ComparesViewsUnlessToldNotTo) {
   const json only_weighed = report_of(weighed.path());
   for (const json& view : only_weighed["compare"]["views"]) EXPECT_EQ(view["samples_corrected"], 0);
   EXPECT_FALSE(report_of(kept.path()).contains("compare"));
+}
+
+// Of each view's samples and of its starting pose: only the view that moved has another hash.
+TEST(Program, RecordsTheHashesOfItsInputs) {
+  const TemporaryFolder scans, out;
+  simulate(scans, "4", "64");
+  json project = json::parse(read_text(scans / "scan.json"));
+  json& x = project["views"][1]["world_from_view"][0][3];
+  x = x.get<double>() + 0.5;
+  scans.write("moved.json", project.dump());
+  const auto inputs = [&](const std::string& file, const std::string& background) {
+    const ProgramRun run =
+        run_relief({"run", scans / file, "--poses", "trust", "--no-polish", "--no-html-report",
+                    "--background", background, "-o", out / background});
+    EXPECT_EQ(run.exit_status, 0) << run.standard_error;
+    return report_of(out / background)["run"]["inputs"];
+  };
+  const json first = inputs("scan.json", "auto"), second = inputs("moved.json", "keep");
+  ASSERT_EQ(first.size(), 4u);
+  ASSERT_EQ(second.size(), 4u);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i]["name"], project["views"][i]["name"]);
+    EXPECT_EQ(first[i]["samples_sha256"], second[i]["samples_sha256"]) << i;
+    EXPECT_EQ(first[i]["pose_sha256"] == second[i]["pose_sha256"], i != 1) << i;
+    EXPECT_EQ(first[i]["samples_sha256"] == first[0]["samples_sha256"], i == 0) << i;
+  }
 }
 
 TEST(Program, SimulatesTheSensorsItIsTold) {

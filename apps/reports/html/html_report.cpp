@@ -6,7 +6,7 @@
 #include "apps/reports/html/html_text.h"
 #include "apps/reports/html/model_pictures.h"
 #include "apps/reports/html/page_assets.h"
-#include "apps/version.h"
+#include "apps/reports/html/page_frame.h"
 #include "scan/io/files/atomic_file.h"
 
 namespace relief {
@@ -180,21 +180,16 @@ ReportContent report_content(Json report, const Json& project, const TriangleMes
 }
 
 std::string html_page(const ReportContent& content) {
-  const std::string report =
-      content.report.json().dump(-1, ' ', true, Json::error_handler_t::replace);
-  return fill_template(page_assets::page_html(), {{"title", escape_html(content.name)},
-                                                  {"style", std::string(page_assets::style_css())},
-                                                  {"summary", summary_section(content)},
-                                                  {"viewer", viewer_section(content)},
-                                                  {"pictures", pictures_section(content)},
-                                                  {"views", views_section(content)},
-                                                  {"alignment", alignment_section(content)},
-                                                  {"model", model_section(content)},
-                                                  {"provenance", provenance_section(content)},
-                                                  {"version", kVersion},
-                                                  {"credit", credit(content)},
-                                                  {"report", escape_script_json(report)},
-                                                  {"scripts", viewer_scripts(content)}});
+  return fill_page(
+      {.title = content.name,
+       .kind = "report",
+       .sections = {summary_section(content), viewer_section(content), pictures_section(content),
+                    views_section(content), alignment_section(content), model_section(content),
+                    provenance_section(content)},
+       .figures = content.report.json(),
+       .exact = "those of report.json, which is part of this page",
+       .credit = credit(content),
+       .scripts = viewer_scripts(content)});
 }
 
 Result<void> write_html_report(const HtmlReportFiles& files, const TriangleMesh* mesh,

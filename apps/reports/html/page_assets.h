@@ -6,7 +6,7 @@
 /// program.
 namespace relief::page_assets {
 
-std::string_view page_html();    ///< With places for the sections, as `{{summary}}`.
+std::string_view page_html();    ///< The frame of a page, with places as `{{sections}}`.
 std::string_view viewer_html();  ///< The section with the viewer and its controls.
 std::string_view style_css();
 std::string_view model_js();

@@ -38,6 +38,9 @@ struct ReportContent {
   std::vector<ReportPicture> pictures;
 };
 
+/// A <figure> with the picture and its title.
+std::string picture_figure(const ReportPicture& picture);
+
 /// The sections of the page, each a <section> of HTML. A section that has nothing to say is empty.
 std::string summary_section(const ReportContent& content);
 std::string pictures_section(const ReportContent& content);

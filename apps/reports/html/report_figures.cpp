@@ -35,6 +35,13 @@ std::string three_digits(double value) {
   return fmt::format("{:#.3g}", value);
 }
 
+std::string shown_number(const Json& number, const std::string& place, Rounding rounding,
+                         const std::string& unit) {
+  return fmt::format(R"(<data value="{}" data-key="{}">{}</data>{})", number.dump(), place,
+                     rounded(number, rounding),
+                     unit.empty() ? std::string() : "&nbsp;" + escape_html(unit));
+}
+
 const Json* ReportFigures::find(const std::string& place) const {
   const Json::json_pointer pointer(place);
   return report_.contains(pointer) ? &report_.at(pointer) : nullptr;
@@ -83,10 +90,7 @@ std::string ReportFigures::entry_of(const std::string& place, const std::string&
 std::string ReportFigures::shown(const std::string& place, Rounding rounding,
                                  const std::string& unit) const {
   const Json* found = find(place);
-  if (!found || !found->is_number()) return "–";
-  return fmt::format(R"(<data value="{}" data-key="{}">{}</data>{})", found->dump(), place,
-                     rounded(*found, rounding),
-                     unit.empty() ? std::string() : "&nbsp;" + escape_html(unit));
+  return found && found->is_number() ? shown_number(*found, place, rounding, unit) : "–";
 }
 
 }  // namespace relief

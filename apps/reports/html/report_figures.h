@@ -47,6 +47,11 @@ class ReportFigures {
   Json report_;
 };
 
+/// A number as HTML: rounded, with its exact value and its place in a JSON in the element. `unit`
+/// follows it.
+std::string shown_number(const Json& number, const std::string& place, Rounding rounding,
+                         const std::string& unit = "");
+
 /// A number of three digits, as in `1.23` or `4.56e-05`.
 std::string three_digits(double value);
 

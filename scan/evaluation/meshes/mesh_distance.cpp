@@ -128,10 +128,10 @@ DistanceReport report(const std::vector<PointError>& errors, const std::vector<d
   return report;
 }
 
-std::vector<double> chosen_thresholds(const TriangleMesh& truth,
-                                      const MeshDistanceOptions& options) {
+// `edge_length` is the spacing where none is given.
+std::vector<double> chosen_thresholds(double edge_length, const MeshDistanceOptions& options) {
   if (!options.thresholds.empty()) return options.thresholds;
-  const double spacing = options.spacing > 0.0 ? options.spacing : median_edge_length(truth);
+  const double spacing = options.spacing > 0.0 ? options.spacing : edge_length;
   return {0.25 * spacing, 0.5 * spacing, spacing, 2.0 * spacing};
 }
 
@@ -151,7 +151,7 @@ Result<MeshComparison> compare(const TriangleMesh& result_mesh, const TriangleMe
   const auto to_result = measure(truth, result, result, options, context.seed);
 
   MeshComparison comparison;
-  comparison.thresholds = chosen_thresholds(truth_mesh, options);
+  comparison.thresholds = chosen_thresholds(median_edge_length(truth_mesh), options);
   const bool split = !result_mesh.filled.empty();
   comparison.accuracy = report(to_truth, comparison.thresholds, split);
   comparison.completeness = report(to_result, comparison.thresholds, split);
@@ -169,12 +169,39 @@ Result<MeshComparison> compare(const TriangleMesh& result_mesh, const TriangleMe
   return comparison;
 }
 
+Result<MutualDistances> compare_both(const TriangleMesh& a_mesh, const TriangleMesh& b_mesh,
+                                     const MeshDistanceOptions& options, const Context& context) {
+  if (const auto valid = check(a_mesh, "first mesh"); !valid) return valid.error();
+  if (const auto valid = check(b_mesh, "second mesh"); !valid) return valid.error();
+  const Error stopped{ErrorKind::kInterrupted, "comparison of meshes stopped"};
+  if (!report_progress(context.progress, 0.0, "compare meshes")) return stopped;
+  const Surface a(a_mesh, false), b(b_mesh, false);
+  if (!report_progress(context.progress, 0.4, "compare meshes")) return stopped;
+  const auto a_to_b = measure(a, b, a, options, context.seed);
+  if (!report_progress(context.progress, 0.7, "compare meshes")) return stopped;
+  const auto b_to_a = measure(b, a, b, options, context.seed);
+
+  MutualDistances distances;
+  distances.thresholds =
+      chosen_thresholds(std::max(median_edge_length(a_mesh), median_edge_length(b_mesh)), options);
+  distances.a_to_b = report(a_to_b, distances.thresholds, !a_mesh.filled.empty());
+  distances.b_to_a = report(b_to_a, distances.thresholds, !b_mesh.filled.empty());
+  report_progress(context.progress, 1.0, "compare meshes");
+  return distances;
+}
+
 }  // namespace
 
 Result<MeshComparison> compare_meshes(const TriangleMesh& result_mesh,
                                       const TriangleMesh& truth_mesh,
                                       const MeshDistanceOptions& options, const Context& context) {
   return run_in(context, [&] { return compare(result_mesh, truth_mesh, options, context); });
+}
+
+Result<MutualDistances> mutual_distances(const TriangleMesh& a, const TriangleMesh& b,
+                                         const MeshDistanceOptions& options,
+                                         const Context& context) {
+  return run_in(context, [&] { return compare_both(a, b, options, context); });
 }
 
 std::vector<double> signed_distances(const TriangleMesh& mesh, const TriangleMesh& truth) {

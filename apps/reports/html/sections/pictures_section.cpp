@@ -5,14 +5,17 @@
 
 namespace relief {
 
+std::string picture_figure(const ReportPicture& picture) {
+  return fmt::format(
+      "<figure><img src=\"data:image/png;base64,{}\" alt=\"{}\" "
+      "loading=\"lazy\"><figcaption>{}</figcaption></figure>\n",
+      base64(picture.png), escape_html(picture.title), escape_html(picture.title));
+}
+
 std::string pictures_section(const ReportContent& content) {
   if (content.pictures.empty()) return "";
   std::string html = "<section id=\"pictures\"><h2>Pictures</h2>\n<div class=\"pictures\">\n";
-  for (const ReportPicture& picture : content.pictures)
-    html += fmt::format(
-        "<figure><img src=\"data:image/png;base64,{}\" alt=\"{}\" "
-        "loading=\"lazy\"><figcaption>{}</figcaption></figure>\n",
-        base64(picture.png), escape_html(picture.title), escape_html(picture.title));
+  for (const ReportPicture& picture : content.pictures) html += picture_figure(picture);
   return html + "</div></section>\n";
 }
 

@@ -152,6 +152,65 @@ TEST(CompareMeshes, NamesTheMeshThatCannotBeCompared) {
   EXPECT_THAT(compare_meshes(broken, sphere(1, 2)), HasError("vertex 7 of the result"));
 }
 
+// Each sphere says itself what was filled: A its lower half, B all beyond a plane.
+TEST(MutualDistances, AreTheGapOfTwoSpheresBothWays) {
+  const double gap = 0.02;
+  TriangleMesh a = sphere(1.0), b = sphere(1.0 + gap);
+  for (const auto& vertex : a.vertices) a.filled.push_back(vertex.z() < 0.0);
+  for (const auto& vertex : b.vertices) b.filled.push_back(vertex.x() > 0.5 * (1.0 + gap));
+  const auto distances = mutual_distances(a, b, {.samples = 20000, .thresholds = {0.019, 0.021}});
+  ASSERT_TRUE(distances);
+  for (const DistanceReport* way : {&distances->a_to_b, &distances->b_to_a}) {
+    expect_all_equal(way->all.distance, gap, 2e-4 * gap);
+    EXPECT_EQ(way->all.distance.count, 20000u);
+    EXPECT_LT(way->all.normals_deg.max, 0.05);
+    EXPECT_EQ(way->all.within, (std::vector<double>{0.0, 1.0}));
+    ASSERT_TRUE(way->measured && way->filled);
+    expect_all_equal(way->measured->distance, gap, 2e-4 * gap);
+    EXPECT_EQ(way->measured->distance.count + way->filled->distance.count, 20000u);
+  }
+  EXPECT_NEAR(static_cast<double>(distances->a_to_b.filled->distance.count), 0.5 * 20000, 200);
+  // A cap of height h has the share h / 2r of a sphere.
+  EXPECT_NEAR(static_cast<double>(distances->b_to_a.filled->distance.count), 0.25 * 20000, 200);
+}
+
+TEST(MutualDistances, SeeAPartThatOnlyOneHas) {
+  const auto distances = mutual_distances(square(1.0, 0.0), square(2.0, 0.0), {.samples = 40000});
+  ASSERT_TRUE(distances);
+  EXPECT_LT(distances->a_to_b.all.distance.max, 1e-14);
+  EXPECT_NEAR(distances->b_to_a.all.distance.max, std::sqrt(2.0), 0.02);
+  const double corner = (std::sqrt(2.0) + std::asinh(1.0)) / 3.0;
+  EXPECT_NEAR(distances->b_to_a.all.distance.mean, 0.25 * (0.5 + 0.5 + corner), 0.005);
+  EXPECT_FALSE(distances->a_to_b.measured);
+  EXPECT_EQ(distances->thresholds, (std::vector<double>{0.5, 1.0, 2.0, 4.0}));
+}
+
+TEST(MutualDistances, SwapWithTheMeshes) {
+  const TriangleMesh a = sphere(1.03, 20), b = sphere(1.0, 23);
+  const auto one = mutual_distances(a, b, {.samples = 5000}, {.threads = 1});
+  const auto other = mutual_distances(b, a, {.samples = 5000}, {.threads = 3});
+  ASSERT_TRUE(one && other);
+  EXPECT_EQ(one->a_to_b.all.distance.rms, other->b_to_a.all.distance.rms);
+  EXPECT_EQ(one->b_to_a.all.normals_deg.mean, other->a_to_b.all.normals_deg.mean);
+  EXPECT_EQ(one->thresholds, other->thresholds);
+}
+
+TEST(MutualDistances, DoNotDependOnTheThreadCount) {
+  const TriangleMesh a = sphere(1.03, 20), b = sphere(1.0, 23);
+  const auto one = mutual_distances(a, b, {.samples = 5000}, {.threads = 1});
+  const auto three = mutual_distances(a, b, {.samples = 5000}, {.threads = 3});
+  ASSERT_TRUE(one && three);
+  EXPECT_EQ(one->a_to_b.all.distance.mean, three->a_to_b.all.distance.mean);
+  EXPECT_EQ(one->b_to_a.all.distance.p95, three->b_to_a.all.distance.p95);
+}
+
+TEST(MutualDistances, NameTheMeshThatCannotBeCompared) {
+  const auto empty = mutual_distances(sphere(1, 2), {});
+  ASSERT_FALSE(empty);
+  EXPECT_EQ(empty.error().kind, ErrorKind::kBadInput);
+  EXPECT_NE(empty.error().message.find("second mesh"), std::string::npos);
+}
+
 TEST(SignedDistances, HaveTheSignOfTheSideAlsoAtEdgesAndCorners) {
   const TriangleMesh cube = box();
   TriangleMesh points;

@@ -57,6 +57,22 @@ Result<MeshComparison> compare_meshes(const TriangleMesh& result, const Triangle
                                       const MeshDistanceOptions& options = {},
                                       const Context& context = {});
 
+/// Distances between two meshes of one object, neither of which is the truth.
+struct MutualDistances {
+  /// From points of one mesh to the surface of the other. Split at the points, where the mesh that
+  /// they lie on says what was filled.
+  DistanceReport a_to_b, b_to_a;
+  std::vector<double> thresholds;  ///< Of both reports' `within` [unit].
+};
+
+/// Compares two meshes in the same frame, both in the same way: normals are those of the faces,
+/// blended by area-weighted vertex normals. The default spacing is the larger of the meshes' median
+/// edge lengths. The seed of the context chooses the points. kBadInput when a mesh has no area or a
+/// vertex that is not finite.
+Result<MutualDistances> mutual_distances(const TriangleMesh& a, const TriangleMesh& b,
+                                         const MeshDistanceOptions& options = {},
+                                         const Context& context = {});
+
 /// For each vertex of `mesh` its distance to `truth` [unit], negative inside (with the angle
 /// weighted normals of Baerentzen and Aanaes 2005, so the sign is right at edges and corners too).
 /// `truth` must be closed for the sign to have a meaning, and have at least one face.
