@@ -14,7 +14,7 @@
 #include <pcl/io/ply_io.h>
 #include <pcl/point_types.h>
 
-#include "scan/io/clouds/point_cloud_file.h"
+#include "scan/io/clouds/files/point_cloud_file.h"
 #include "scan/io/project/scan_file.h"
 
 namespace {

@@ -6,7 +6,7 @@
 #include "apps/console/console.h"
 #include "relief/io/mesh_io.h"
 #include "relief/scan/triangle_mesh.h"
-#include "scan/io/clouds/ptx_file.h"
+#include "scan/io/clouds/files/ptx_file.h"
 #include "scan/io/e57/e57_file.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/grids/pcd_grid_writer.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "scan/io/clouds/ptx_file.h"
+#include "scan/io/clouds/files/ptx_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view content(reinterpret_cast<const char*>(data), size);

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "scan/io/images/codecs/colmap_array.h"
+#include "scan/io/images/codecs/floats/colmap_array.h"
 #include "scan/io/workspaces/colmap/colmap_model.h"
 #include "scan/io/workspaces/meshlab_mlp.h"
 #include "scan/io/workspaces/middlebury_par.h"

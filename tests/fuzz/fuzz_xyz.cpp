@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "scan/io/clouds/cloud_grid.h"
-#include "scan/io/clouds/point_cloud_file.h"
+#include "scan/io/clouds/files/point_cloud_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view content(reinterpret_cast<const char*>(data), size);

@@ -4,7 +4,7 @@
 
 #include "relief/io/mesh_io.h"
 #include "relief/io/project_io.h"
-#include "scan/io/clouds/ptx_file.h"
+#include "scan/io/clouds/files/ptx_file.h"
 #include "scan/io/e57/e57_file.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/grids/pcd_grid_writer.h"

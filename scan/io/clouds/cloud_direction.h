@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "scan/io/clouds/cloud_rays.h"
-#include "scan/io/clouds/point_cloud_file.h"
+#include "scan/io/clouds/files/point_cloud_file.h"
 
 namespace relief {
 

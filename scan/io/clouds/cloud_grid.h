@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "relief/scan/result.h"
-#include "scan/io/clouds/point_cloud_file.h"
+#include "scan/io/clouds/files/point_cloud_file.h"
 #include "scan/io/grids/grid_file.h"
 
 namespace relief {

@@ -4,8 +4,8 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/images/codecs/colmap_array.h"
-#include "scan/io/images/codecs/raw_floats.h"
+#include "scan/io/images/codecs/floats/colmap_array.h"
+#include "scan/io/images/codecs/floats/raw_floats.h"
 
 namespace relief {
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <string_view>
 
-#include "scan/io/images/codecs/hdr_header.h"
+#include "scan/io/images/codecs/floats/hdr_header.h"
+#include "scan/io/images/codecs/floats/npy_header.h"
 #include "scan/io/images/codecs/little_endian.h"
-#include "scan/io/images/codecs/npy_header.h"
 #include "scan/io/images/image_limits.h"
 
 namespace relief {

@@ -8,7 +8,7 @@
 
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/image_size.h"
-#include "scan/io/project/spec_json_private.h"
+#include "scan/io/project/json/spec_json_private.h"
 #include "scan/io/workspaces/middlebury_par.h"
 
 namespace relief {

@@ -11,8 +11,8 @@
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/grids/ply_grid_writer.h"
 #include "scan/io/images/image_io.h"
-#include "scan/io/project/camera_json_private.h"
-#include "scan/io/project/spec_json_private.h"
+#include "scan/io/project/json/camera_json_private.h"
+#include "scan/io/project/json/spec_json_private.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "scan/io/clouds/cloud_grid.h"
-#include "scan/io/clouds/point_cloud_file.h"
-#include "scan/io/clouds/ptx_file.h"
+#include "scan/io/clouds/files/point_cloud_file.h"
+#include "scan/io/clouds/files/ptx_file.h"
 #include "scan/io/e57/e57_file.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/grids/pcd_header.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scan/io/files/io_error.h"
-#include "scan/io/project/json_object_private.h"
+#include "scan/io/project/json/json_object_private.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/rgbd/trajectories.h"
 

@@ -1,4 +1,4 @@
-#include "scan/io/clouds/ptx_file.h"
+#include "scan/io/clouds/files/ptx_file.h"
 
 #include <cmath>
 #include <random>

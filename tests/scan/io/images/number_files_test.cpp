@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/files/binary_writer.h"
-#include "scan/io/images/codecs/raw_floats.h"
+#include "scan/io/images/codecs/floats/raw_floats.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/project/view_spec.h"
 #include "tests/support/limited_memory.h"

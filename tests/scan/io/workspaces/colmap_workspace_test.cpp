@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/files/binary_writer.h"
-#include "scan/io/images/codecs/colmap_array.h"
+#include "scan/io/images/codecs/floats/colmap_array.h"
 #include "scan/io/workspaces/colmap/colmap_model.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"

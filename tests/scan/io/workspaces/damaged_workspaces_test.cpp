@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/files/binary_writer.h"
-#include "scan/io/images/codecs/colmap_array.h"
+#include "scan/io/images/codecs/floats/colmap_array.h"
 #include "scan/io/workspaces/colmap/colmap_model.h"
 #include "scan/io/workspaces/meshlab_mlp.h"
 #include "scan/io/workspaces/middlebury_par.h"

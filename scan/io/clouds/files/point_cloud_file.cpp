@@ -1,4 +1,4 @@
-#include "scan/io/clouds/point_cloud_file.h"
+#include "scan/io/clouds/files/point_cloud_file.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "apps/commands/merge_within_limit.h"
+#include "apps/commands/merge/merge_within_limit.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "apps/commands/render_cells.h"
+#include "apps/commands/render/render_cells.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "scan/io/clouds/xyz_columns.h"
+#include "scan/io/clouds/files/xyz_columns.h"
 
 #include <algorithm>
 #include <cctype>

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "scan/io/files/io_error.h"
-#include "scan/io/images/codecs/hdr_header.h"
+#include "scan/io/images/codecs/floats/hdr_header.h"
 #include "scan/io/images/codecs/tiff_layout.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/images/image_limits.h"

@@ -4,7 +4,7 @@
 
 #include "relief/scan/colour.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/images/codecs/image_palette.h"
+#include "scan/io/images/codecs/colours/image_palette.h"
 #include "scan/io/images/codecs/little_endian.h"
 #include "scan/io/images/codecs/tiff_layout.h"
 #include "scan/io/images/image_io.h"

@@ -9,7 +9,7 @@
 #include <ImfInputFile.h>
 
 #include "scan/io/files/io_error.h"
-#include "scan/io/images/codecs/exr_header.h"
+#include "scan/io/images/codecs/floats/exr_header.h"
 #include "scan/io/images/image_io.h"
 
 namespace relief {

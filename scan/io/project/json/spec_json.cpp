@@ -1,5 +1,5 @@
-#include "scan/io/project/camera_json_private.h"
-#include "scan/io/project/spec_json_private.h"
+#include "scan/io/project/json/camera_json_private.h"
+#include "scan/io/project/json/spec_json_private.h"
 
 namespace relief {
 

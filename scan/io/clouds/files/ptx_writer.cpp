@@ -1,6 +1,6 @@
 #include <charconv>
 
-#include "scan/io/clouds/ptx_file.h"
+#include "scan/io/clouds/files/ptx_file.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
 

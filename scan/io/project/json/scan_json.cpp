@@ -4,9 +4,9 @@
 #include <set>
 
 #include "scan/io/files/io_error.h"
-#include "scan/io/images/codecs/raw_floats.h"
+#include "scan/io/images/codecs/floats/raw_floats.h"
 #include "scan/io/images/image_limits.h"
-#include "scan/io/project/json_object_private.h"
+#include "scan/io/project/json/json_object_private.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "scan/io/clouds/files/point_cloud_file.h"
+#include "scan/io/clouds/files/xyz_columns.h"
 #include "scan/io/clouds/grey_of_intensity.h"
-#include "scan/io/clouds/point_cloud_file.h"
-#include "scan/io/clouds/xyz_columns.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/files/text_lines.h"
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "apps/commands/command.h"
-#include "apps/commands/render_cells.h"
+#include "apps/commands/render/render_cells.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "scan/io/files/io_error.h"
-#include "scan/io/images/codecs/bmp_header.h"
-#include "scan/io/images/codecs/image_palette.h"
+#include "scan/io/images/codecs/colours/bmp_header.h"
+#include "scan/io/images/codecs/colours/image_palette.h"
 #include "scan/io/images/codecs/little_endian.h"
 #include "scan/io/images/image_io.h"
 

@@ -1,4 +1,4 @@
-#include "scan/io/images/codecs/image_palette.h"
+#include "scan/io/images/codecs/colours/image_palette.h"
 
 #include <algorithm>
 #include <string>

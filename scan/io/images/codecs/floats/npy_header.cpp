@@ -1,4 +1,4 @@
-#include "scan/io/images/codecs/npy_header.h"
+#include "scan/io/images/codecs/floats/npy_header.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,4 +1,4 @@
-#include "scan/io/images/codecs/exr_header.h"
+#include "scan/io/images/codecs/floats/exr_header.h"
 
 #include <algorithm>
 #include <array>

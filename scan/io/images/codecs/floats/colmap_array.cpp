@@ -1,4 +1,4 @@
-#include "scan/io/images/codecs/colmap_array.h"
+#include "scan/io/images/codecs/floats/colmap_array.h"
 
 #include <bit>
 #include <charconv>

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <string>
 
-#include "scan/io/project/camera_json_private.h"
+#include "scan/io/project/json/camera_json_private.h"
 
 namespace relief {
 

@@ -1,4 +1,4 @@
-#include "apps/commands/run_cache.h"
+#include "apps/commands/run/run_cache.h"
 
 #include <utility>
 

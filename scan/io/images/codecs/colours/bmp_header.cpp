@@ -1,4 +1,4 @@
-#include "scan/io/images/codecs/bmp_header.h"
+#include "scan/io/images/codecs/colours/bmp_header.h"
 
 #include <algorithm>
 #include <bit>

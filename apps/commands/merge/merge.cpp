@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "apps/commands/command.h"
-#include "apps/commands/merge_within_limit.h"
+#include "apps/commands/merge/merge_within_limit.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"

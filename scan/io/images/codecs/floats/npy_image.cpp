@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "scan/io/files/io_error.h"
-#include "scan/io/images/codecs/npy_header.h"
+#include "scan/io/images/codecs/floats/npy_header.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/images/image_limits.h"
 

@@ -8,7 +8,7 @@
 
 #include "apps/commands/command.h"
 #include "apps/commands/export_views.h"
-#include "apps/commands/run_cache.h"
+#include "apps/commands/run/run_cache.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/interruption.h"

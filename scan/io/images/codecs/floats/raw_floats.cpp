@@ -1,4 +1,4 @@
-#include "scan/io/images/codecs/raw_floats.h"
+#include "scan/io/images/codecs/floats/raw_floats.h"
 
 #include <string>
 
