@@ -31,16 +31,28 @@ inline const char* name_of(ErrorKind kind) {
   return "unknown kind";
 }
 
-/// The value of `result`. Without one the test fails with the error's message and ends there, in
-/// functions that return something as well.
-template <typename T>
-T value_of(Result<T> result, std::source_location where = std::source_location::current()) {
-  if (result.ok()) return std::move(result).value();
+/// Fails the test with `message` at `where` and ends it, in functions that return something as
+/// well.
+[[noreturn]] inline void end_test(const std::string& message, const std::source_location& where) {
   const int line = static_cast<int>(where.line());
-  const std::string& message = result.error().message;
   ADD_FAILURE_AT(where.file_name(), line) << message;
   throw ::testing::AssertionException(::testing::TestPartResult(
       ::testing::TestPartResult::kFatalFailure, where.file_name(), line, message.c_str()));
+}
+
+/// The value of `result`. Without one the test fails with the error's message and ends there.
+template <typename T>
+T value_of(Result<T> result, std::source_location where = std::source_location::current()) {
+  if (!result.ok()) end_test(result.error().message, where);
+  return std::move(result).value();
+}
+
+/// The value of `optional`. Without one the test fails and ends there.
+template <typename T>
+T value_of(std::optional<T> optional,
+           std::source_location where = std::source_location::current()) {
+  if (!optional) end_test("there is no value", where);
+  return *std::move(optional);
 }
 
 /// Matches a result that has a value.

@@ -9,6 +9,7 @@
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/grids/ply_grid_writer.h"
 #include "scan/io/images/image_io.h"
+#include "tests/support/geometry_matchers.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
@@ -246,9 +247,11 @@ TEST_F(DepthProject, ANegativeFocalLengthTurnsTheAxisRound) {
       "scan.json",
       R"({"format":"relief-scan","version":1,"views":[{"name":"v7","depth":{"file":"d.png","scale":0.01},)"
       R"("camera":{"model":"pinhole","width":8,"height":6,"fx":5,"fy":-5,"cx":4,"cy":3}}]})");
-  const auto project = value_of(read_project(path), upright = read());
-  const Eigen::Vector3d point = project.views[0].point(6, 1), mirrored(1, -1, 1);
-  EXPECT_LT((point - upright->views[0].point(6, 1).cwiseProduct(mirrored)).norm(), 1e-12);
+  const auto project = value_of(read_project(path));
+  const auto upright = value_of(read());
+  const Eigen::Vector3d point = project.views[0].point(6, 1);
+  const Eigen::Vector3d mirrored(1, -1, 1);
+  EXPECT_THAT(point, IsNear(upright.views[0].point(6, 1).cwiseProduct(mirrored), 1e-12));
   EXPECT_GT(point.y(), 0.0);
 }
 

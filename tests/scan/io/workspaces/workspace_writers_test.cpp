@@ -57,7 +57,7 @@ TEST(WorkspaceWriters, PosesSurviveXf) {
   const auto views = three_posed_views();
   ASSERT_TRUE(write_xf_folder(views, folder / "new"));
   for (const RangeView& view : views) {
-    const auto pose = value_of(pose_beside(folder / "new" / (view.name + ".ply")));
+    const auto pose = value_of(value_of(pose_beside(folder / "new" / (view.name + ".ply"))));
     EXPECT_LT(difference(pose, view.world_from_view), 1e-12);
   }
 }
