@@ -133,7 +133,7 @@ PagedSurface surface_of(const RangeView& measured, const PagedSurfaceOptions& op
   if (corners > 0) surface.centre /= static_cast<double>(corners);
   for_corners([&](int u, int v, SurfacePixel& pixel) {
     const Eigen::Vector3f point = (range.point(u, v) - surface.centre).cast<float>();
-    const Eigen::Vector3f normal = range.normal(u, v).cast<float>();
+    const Eigen::Vector3f& normal = normals(u, v);  // Unrounded: a part of (F1).
     pixel = {{point.x(), point.y(), point.z()},
              static_cast<float>(range.weight(u, v)),
              {normal.x(), normal.y(), normal.z()},
