@@ -81,9 +81,11 @@ ProgramRun run_relief_until(const std::function<bool()>& enough,
 std::vector<std::string> files_below(const std::filesystem::path& folder) {
   std::vector<std::string> names;
   if (!std::filesystem::exists(folder)) return names;
+  // A program that runs beside the test may remove a file between its listing and any question.
+  std::error_code gone;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-    if (entry.is_regular_file())
-      names.push_back(std::filesystem::relative(entry.path(), folder).string());
+    if (entry.is_regular_file(gone))
+      names.push_back(entry.path().lexically_relative(folder).string());
   std::sort(names.begin(), names.end());
   return names;
 }
