@@ -14,6 +14,7 @@
 #include "relief/scan/discontinuities.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
+#include "scan/base/robust_scales.h"
 #include "scan/base/usable_pose.h"
 #include "scan/surface/observation_weights.h"
 #include "scan/surface/range_surface.h"
@@ -30,8 +31,6 @@ constexpr double kLeastAgreement = 0.25;  // cosine, 76 degrees
 constexpr double kLeastCosine = 0.1;      // of the viewing angle, 84 degrees
 // How many measurements the common scatter counts for against a vertex's own.
 constexpr double kPriorWeight = 3.0;
-// [standard deviations]; 95 % efficiency on normal errors (Holland and Welsch 1977)
-constexpr double kTukey = 4.685;
 constexpr std::size_t kGrain = 2048;  // vertices of one piece of work; changes no result
 // Beyond all quads that may tell a normal [largest distances]; bounds the time.
 constexpr double kFar = 10.0;
@@ -163,8 +162,8 @@ class Blender {
     for (int round = 0; round < 3 && observations.size() >= 3; ++round) {
       const Eigen::Vector3d centre = blend.normal;
       const Blend next = weighted_mean(observations, [&](const NormalObservation& observation) {
-        const double r2 =
-            (observation.normal - centre).squaredNorm() / (kTukey * kTukey * 2 * sigma_ * sigma_);
+        const double r2 = (observation.normal - centre).squaredNorm() /
+                          (kTukeyScale * kTukeyScale * 2 * sigma_ * sigma_);
         return r2 < 1.0 ? observation.weight * (1.0 - r2) * (1.0 - r2) : 0.0;
       });
       if (next.views == 0) break;

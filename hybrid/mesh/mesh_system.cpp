@@ -5,13 +5,13 @@
 
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
+#include "scan/base/robust_scales.h"
 
 namespace relief::hybrid {
 
 namespace {
 
 constexpr std::size_t kGrain = 4096;  // vertices of one piece of work; changes no result
-constexpr double kCauchy = 2.385;     // 95 % efficiency on normal errors (Holland and Welsch 1977)
 // How stiff the surface keeps its shape where no normals tell [rad]. A move dies out over a length
 // of quality / 0.05: 20 edges where that is an edge, 40 with half of it, 10 with twice.
 constexpr double kShapeSigma = 0.05;
@@ -148,7 +148,7 @@ void MeshSystem::reweight(const Eigen::VectorXd& displacements) {
       const double variance =
           (mesh_.vertices[j] - mesh_.vertices[i]).squaredNorm() * angular_variance(i, k);
       double weight = base_weight(i, k);
-      if (variance > 0.0) weight /= 1.0 + left * left / (kCauchy * kCauchy * variance);
+      if (variance > 0.0) weight /= 1.0 + left * left / (kCauchyScale * kCauchyScale * variance);
       weight_[k] = static_cast<float>(weight);
     }
   });

@@ -11,6 +11,7 @@
 #include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "relief/scan/threads.h"
+#include "scan/base/robust_scales.h"
 
 namespace relief::registration {
 

@@ -34,10 +34,6 @@ inline double cauchy_weight(double residual, double c) {
   return 1.0 / (1.0 + ratio * ratio);
 }
 
-/// Where the Cauchy loss turns from quadratic to logarithmic [standard deviations]; 2.385 keeps 95
-/// % of the efficiency of least squares on Gaussian residuals (Holland and Welsch 1977).
-inline constexpr double kCauchyScale = 2.385;
-
 /// The sum of Cauchy losses c^2 log(1 + s / c^2) over squared residuals s.
 class CauchyLosses {
  public:

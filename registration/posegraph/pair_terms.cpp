@@ -8,6 +8,7 @@
 
 #include "registration/pairwise/normal_equations.h"
 #include "registration/pairwise/robust.h"
+#include "scan/base/robust_scales.h"
 
 namespace relief::registration {
 

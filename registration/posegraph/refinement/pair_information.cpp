@@ -8,6 +8,7 @@
 
 #include "registration/pairwise/robust.h"
 #include "scan/base/cell_key.h"
+#include "scan/base/robust_scales.h"
 
 namespace relief::registration {
 

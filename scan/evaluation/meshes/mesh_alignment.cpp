@@ -12,6 +12,7 @@
 #include "relief/scan/counter_random.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
+#include "scan/base/robust_scales.h"
 #include "scan/evaluation/meshes/surface_samples.h"
 #include "scan/mesh/triangle_tree.h"
 
@@ -28,10 +29,6 @@ constexpr int kStarts = 96, kStartsKept = 4;
 // Bounds of the time: 96 x 300 x 12 closest points for all short fits. More rank the starts better.
 constexpr std::size_t kFewSamples = 300;
 constexpr int kFewRounds = 12, kMostRounds = 100;
-
-// Where Tukey's biweight ends [standard deviations]: 95 % of the efficiency of least squares on
-// Gaussian errors (Holland and Welsch 1977).
-constexpr double kTukey = 4.685;
 
 Points surface_points(const TriangleMesh& mesh, std::size_t count, std::uint64_t seed) {
   Points points;
@@ -85,7 +82,7 @@ double median_distance(const std::vector<Foot>& feet) {
 
 // Tukey's biweight for the standard deviation that the median stands for.
 double tukey_weight(double distance, double median_distance) {
-  const double limit = kTukey * kSigmaPerMedian * median_distance;
+  const double limit = kTukeyScale * kSigmaPerMedian * median_distance;
   if (distance > limit) return 0.0;
   const double share = limit > 0.0 ? distance / limit : 0.0;
   return (1.0 - share * share) * (1.0 - share * share);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/pairwise/robust.h"
+#include "scan/base/robust_scales.h"
 
 namespace relief::registration {
 namespace {

@@ -14,6 +14,7 @@
 #include "registration/posegraph/refinement/pair_information.h"
 #include "registration/posegraph/refinement/pose_graph_system.h"
 #include "relief/scan/threads.h"
+#include "scan/base/robust_scales.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief::registration {
