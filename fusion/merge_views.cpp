@@ -11,12 +11,15 @@
 #include "fusion/surface/vertex_attributes.h"
 #include "fusion/surface/vertex_colours.h"
 #include "fusion/tsdf/closed_field.h"
+#include "fusion/units/merge_units.h"
 #include "fusion/views/view_sampler.h"
 #include "scan/base/median.h"
 #include "scan/base/median_deviation.h"
 #include "scan/base/parallel.h"
 #include "scan/base/usable_pose.h"
 #include "scan/mesh/mesh_components.h"
+#include "scan/units/content_hash.h"
+#include "scan/units/input_hash.h"
 
 namespace relief::fusion {
 
@@ -27,8 +30,14 @@ struct SampleQuality {
   bool refined = false;    // Any view is.
 };
 
-Result<SampleQuality> quality_of(const ViewSource& views, MemoryLimit* memory) {
+struct Inputs {
   SampleQuality quality;
+  std::vector<std::string> hashes;  // Of the views, where units are kept.
+};
+
+Result<Inputs> look_at(const ViewSource& views, bool hashed, MemoryLimit* memory) {
+  Inputs inputs;
+  SampleQuality& quality = inputs.quality;
   std::vector<double> medians;
   for (std::size_t i = 0; i < views.count; ++i) {
     const auto view = views.load(i);
@@ -36,10 +45,11 @@ Result<SampleQuality> quality_of(const ViewSource& views, MemoryLimit* memory) {
     const double known = median_deviation(**view);
     if (known > 0.0) medians.push_back(known);
     quality.refined |= (*view)->samples == SampleOrigin::kRefined;
+    if (hashed) inputs.hashes.push_back(hash_of_view(**view));
     if (const auto kept = check(memory); !kept) return kept.error();
   }
   quality.deviation = median(std::move(medians));
-  return quality;
+  return inputs;
 }
 
 // What preparing a view takes for a while, per pixel of its grid [bytes]: normals, edges, borders,
@@ -143,12 +153,14 @@ std::unique_ptr<MemoryLimit> limit_of(const Context& context, std::vector<std::s
 }
 
 // All of the zero set. The field, the largest thing there is, is gone afterwards.
-Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views, MergeResult& result,
-                                    MemoryLimit* memory, const Progress& progress) {
+Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views, const FieldUnits& units,
+                                    MergeResult& result, MemoryLimit* memory,
+                                    const Progress& progress) {
   ClosedFieldOptions field_options;
   field_options.voxel_size = result.voxel_size;
   field_options.truncation = result.truncation;
   field_options.memory = memory;
+  field_options.units = units;
   const auto field = compute_closed_field(views, field_options, progress);
   if (!field) return field.error();
   result.moving_blocks = field->moving_blocks;
@@ -216,15 +228,18 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   MergeResult result;
   if (!report_progress(context.progress, 0.0, "merge")) return interrupted;
   const std::unique_ptr<MemoryLimit> memory = limit_of(context, result.notes);
-  const auto quality = quality_of(views, memory.get());
-  if (!quality) return quality.error();
-  const auto samplers = Preparation(options, quality->deviation, memory.get())(views, result.notes);
+  UnitStore* const store = memory ? nullptr : context.store;  // A unit is written in one piece.
+  const auto inputs = look_at(views, store != nullptr, memory.get());
+  if (!inputs) return inputs.error();
+  const SampleQuality& quality = inputs->quality;
+  const auto samplers = Preparation(options, quality.deviation, memory.get())(views, result.notes);
   if (!samplers) return samplers.error();
   release_freed_memory();
   count_samples(*samplers, result);
-  choose_scales(*samplers, options, quality->refined, result);
+  choose_scales(*samplers, options, quality.refined, result);
 
-  auto mesh = closed_surface(*samplers, result, memory.get(), context.progress);
+  const FieldUnits units(store, ContentHash().add(inputs->hashes, options).hex());
+  auto mesh = closed_surface(*samplers, units, result, memory.get(), context.progress);
   if (!mesh) return mesh.error();
   result.mesh = std::move(mesh).value();
   release_freed_memory();

@@ -1,12 +1,12 @@
 #include "fusion/tsdf/closed_field.h"
 
 #include <algorithm>
-#include <climits>
 #include <cmath>
 #include <numbers>
 
 #include <Eigen/Geometry>
 
+#include "fusion/tsdf/field_domain.h"
 #include "fusion/tsdf/obstacle_solver.h"
 #include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
@@ -14,111 +14,6 @@
 namespace relief::fusion {
 
 namespace {
-
-// Free cells of the coarsest lattice on each side of the object. Fewer press what closes an open
-// side against the border; twice as many make 1.7 times the nodes (60^3 / 50^3).
-constexpr int kPaddingCells = 5;
-// Cells round the zero set of a level that the next finer one covers. Where the finer zero set
-// leaves them all the same, close_zero_set() adds blocks, with values of the coarser level.
-constexpr int kBandCells = 2;
-
-Eigen::AlignedBox3d bounds_of(const std::vector<ViewSampler>& views, MemoryLimit* memory) {
-  Eigen::AlignedBox3d box;
-  for (const ViewSampler& view : views) {
-    evict_pages(memory, view.bytes());
-    view.for_surface_points([&](const Eigen::Vector3d& p) { box.extend(p); });
-  }
-  return box;
-}
-
-// The blocks within `reach` of the views' samples.
-std::vector<NodeKey> blocks_near(const std::vector<ViewSampler>& views, const Lattice& lattice,
-                                 double reach, const ClosedFieldOptions& options) {
-  std::vector<std::vector<NodeKey>> by_view(views.size());
-  const auto block_at = [&](const Eigen::Vector3d& p) -> Node {
-    return (lattice.coordinates(p) / kBlockSide).array().floor().cast<int>();
-  };
-  parallel_for(views.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      evict_pages(options.memory, 2 * views[i].bytes());
-      Node last_low = Node::Constant(INT_MAX), last_high = last_low;
-      views[i].for_surface_points([&](const Eigen::Vector3d& p) {
-        const Node low = block_at(p - Eigen::Vector3d::Constant(reach));
-        const Node high = block_at(p + Eigen::Vector3d::Constant(reach));
-        if (low == last_low && high == last_high) return;
-        last_low = low, last_high = high;
-        for (int z = low.z(); z <= high.z(); ++z)
-          for (int y = low.y(); y <= high.y(); ++y)
-            for (int x = low.x(); x <= high.x(); ++x) by_view[i].push_back(key_of({x, y, z}));
-      });
-      make_sorted_set(by_view[i]);
-    }
-  });
-  std::vector<NodeKey> all;
-  for (const auto& keys : by_view) all.insert(all.end(), keys.begin(), keys.end());
-  make_sorted_set(all);
-  return all;
-}
-
-// The blocks of the next coarser lattice that cover `blocks`.
-std::vector<NodeKey> parents_of(const std::vector<NodeKey>& blocks) {
-  std::vector<NodeKey> parents;
-  parents.reserve(blocks.size());
-  for (const NodeKey key : blocks) {
-    const Node block = node_of(key);
-    parents.push_back(key_of({block.x() >> 1, block.y() >> 1, block.z() >> 1}));
-  }
-  make_sorted_set(parents);
-  return parents;
-}
-
-std::vector<NodeKey> all_blocks(const Node& cells) {
-  std::vector<NodeKey> blocks;
-  for (int z = 0; z <= cells.z() / kBlockSide; ++z)
-    for (int y = 0; y <= cells.y() / kBlockSide; ++y)
-      for (int x = 0; x <= cells.x() / kBlockSide; ++x) blocks.push_back(key_of({x, y, z}));
-  make_sorted_set(blocks);
-  return blocks;
-}
-
-bool crossed_cell(const SparseField::Padded& padded, const Node& n) {
-  const bool first = padded[padded_index(n.x(), n.y(), n.z())] > 0.0f;
-  for (int k = 1; k < 8; ++k) {
-    const float corner =
-        padded[padded_index(n.x() + (k & 1), n.y() + (k >> 1 & 1), n.z() + (k >> 2))];
-    if ((corner > 0.0f) != first) return true;
-  }
-  return false;
-}
-
-// The blocks of the next finer lattice within kBandCells of the zero set of `field`.
-std::vector<NodeKey> finer_blocks_near_zero(const SparseField& field,
-                                            const ClosedFieldOptions& options) {
-  std::vector<std::vector<NodeKey>> found(field.block_count());
-  parallel_for(field.block_count(), 16, [&](std::size_t begin, std::size_t end) {
-    evict_pages(options.memory);
-    SparseField::Padded padded;
-    for (std::size_t b = begin; b < end; ++b) {
-      if (!field.active(b)) continue;
-      field.gather(b, padded);
-      for (int i = 0; i < kBlockNodes; ++i) {
-        const Node local = node_at_offset(i);
-        if (!crossed_cell(padded, local)) continue;
-        const Node cell = field.first_node(b) + local;
-        const Node low = block_of(2 * (cell - Node::Constant(kBandCells)));
-        const Node high = block_of(2 * (cell + Node::Constant(kBandCells + 1)));
-        for (int z = low.z(); z <= high.z(); ++z)
-          for (int y = low.y(); y <= high.y(); ++y)
-            for (int x = low.x(); x <= high.x(); ++x) found[b].push_back(key_of({x, y, z}));
-      }
-      make_sorted_set(found[b]);
-    }
-  });
-  std::vector<NodeKey> all;
-  for (const auto& keys : found) all.insert(all.end(), keys.begin(), keys.end());
-  make_sorted_set(all);
-  return all;
-}
 
 // From the first to the last node of a block.
 Eigen::AlignedBox3d box_of(const SparseField& field, std::size_t b) {
@@ -204,25 +99,71 @@ ObstacleSolverOptions solver_options(bool coarsest, const ClosedFieldOptions& op
   return solver;
 }
 
-struct Domain {
-  Lattice finest;
-  int levels = 1;
-  Node coarse_cells = Node::Zero();
+// Values beyond are cut to it: no view measures farther.
+float limit_of(const Lattice& lattice, double truncation) {
+  return static_cast<float>(std::max(truncation, 3.0 * lattice.spacing));
+}
 
-  Lattice lattice(int level) const { return {finest.origin, std::ldexp(finest.spacing, level)}; }
+struct FieldLevel {
+  std::unique_ptr<SparseField> field;
+  std::size_t moving_blocks = 0;
 };
 
-Domain domain_of(const Eigen::AlignedBox3d& box, const ClosedFieldOptions& options) {
-  Domain domain;
-  domain.finest.spacing = options.voxel_size;
-  const double longest = box.sizes().maxCoeff() + 2.0 * options.truncation;
-  while (std::ldexp(options.voxel_size, domain.levels - 1) * options.coarse_cells < longest)
-    ++domain.levels;
-  const double coarse = std::ldexp(options.voxel_size, domain.levels - 1);
-  const double padding = std::max(kPaddingCells * coarse, options.truncation + 2.0 * coarse);
-  domain.finest.origin = box.min() - Eigen::Vector3d::Constant(padding);
-  domain.coarse_cells = ((box.sizes().array() + 2.0 * padding) / coarse).ceil().cast<int>();
-  return domain;
+// Solves for the field on one lattice, on the blocks near the samples and near the zero set of the
+// next coarser field. Without such a field the lattice is the coarsest one, with all its blocks.
+Result<FieldLevel> solve_level(const std::vector<ViewSampler>& views, const FieldDomain& domain,
+                               int level, std::vector<NodeKey> near_samples,
+                               const SparseField* coarser, const ClosedFieldOptions& options,
+                               const Progress& progress) {
+  const Error interrupted{ErrorKind::kInterrupted, "merging was interrupted"};
+  const Lattice lattice = domain.lattice(level);
+  const double truncation = std::max(options.truncation, 2.0 * lattice.spacing);
+  const float limit = limit_of(lattice, options.truncation);
+  // Each level has four times the blocks of the one before.
+  const ProgressPart part{progress, coarser ? std::ldexp(0.8, -2 * (level + 1)) : 0.0,
+                          std::ldexp(0.8, -2 * level)};
+
+  std::vector<NodeKey> blocks = coarser ? std::move(near_samples) : all_blocks(domain.coarse_cells);
+  if (coarser) {
+    const auto near_zero = finer_blocks_near_zero(*coarser, options.memory);
+    blocks.insert(blocks.end(), near_zero.begin(), near_zero.end());
+    make_sorted_set(blocks);
+  }
+  FieldLevel solved;
+  solved.field =
+      std::make_unique<SparseField>(lattice, std::move(blocks), coarser, limit, options.memory);
+  SparseField& field = *solved.field;
+  field.prolong(limit);
+  PagedArray<NodeConstraint> constraints(field.block_count() * kBlockNodes, options.memory);
+  if (!integrate_views(field, views, truncation, limit, constraints, options, part))
+    return interrupted;
+  if (!coarser) fix_outside(field, domain.coarse_cells, limit, constraints);
+  bool stopped = false;
+  ObstacleSolverOptions solver = solver_options(coarser == nullptr, options);
+  solver.go_on = [&] { return !(stopped = !part(1.0)); };
+  solved.moving_blocks = solve_obstacle_problem(field, constraints.span(), solver).moving_blocks;
+  if (stopped) return interrupted;
+  field.close_zero_set(limit);
+  return solved;
+}
+
+// solve_level() as a unit of work.
+Result<FieldLevel> level_or_find(const std::vector<ViewSampler>& views, const FieldDomain& domain,
+                                 int level, std::vector<NodeKey> near_samples,
+                                 const SparseField* coarser, const ClosedFieldOptions& options,
+                                 const Progress& progress) {
+  const bool finest = level == 0;
+  if (auto kept = finest ? std::nullopt : options.units.find(level)) {
+    const Lattice lattice = domain.lattice(level);
+    return FieldLevel{
+        std::make_unique<SparseField>(lattice, std::move(kept->blocks), coarser,
+                                      limit_of(lattice, options.truncation), options.memory),
+        kept->moving_blocks};
+  }
+  auto solved =
+      solve_level(views, domain, level, std::move(near_samples), coarser, options, progress);
+  if (solved && !finest) options.units.keep(level, *solved->field, solved->moving_blocks);
+  return solved;
 }
 
 }  // namespace
@@ -230,51 +171,27 @@ Domain domain_of(const Eigen::AlignedBox3d& box, const ClosedFieldOptions& optio
 Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
                                          const ClosedFieldOptions& options,
                                          const Progress& progress) {
-  const Error interrupted{ErrorKind::kInterrupted, "merging was interrupted"};
-  const Domain domain = domain_of(bounds_of(views, options.memory), options);
-  if (!((domain.coarse_cells.cast<double>() * std::ldexp(1.0, domain.levels)).maxCoeff() <
-        kKeyOffset))
+  const FieldDomain domain = domain_of(views, options.voxel_size, options.truncation,
+                                       options.coarse_cells, options.memory);
+  if (!domain.has_keys())
     return Error{ErrorKind::kUnsolvable, "the voxel size is too small for the size of the object"};
 
   std::vector<std::vector<NodeKey>> near_samples{
-      blocks_near(views, domain.finest, 2.0 * options.voxel_size, options)};
+      blocks_near(views, domain.finest, 2.0 * options.voxel_size, options.memory)};
   while (static_cast<int>(near_samples.size()) < domain.levels)
     near_samples.push_back(parents_of(near_samples.back()));
 
   ClosedField result;
   result.levels.resize(static_cast<std::size_t>(domain.levels));
+  const SparseField* coarser = nullptr;
   for (int level = domain.levels - 1; level >= 0; --level) {
     const auto l = static_cast<std::size_t>(level);
-    const bool coarsest = level == domain.levels - 1;
-    const SparseField* coarser = coarsest ? nullptr : result.levels[l + 1].get();
-    const Lattice lattice = domain.lattice(level);
-    const double truncation = std::max(options.truncation, 2.0 * lattice.spacing);
-    const auto limit = static_cast<float>(std::max(truncation, 3.0 * lattice.spacing));
-    // Each level has four times the blocks of the one before.
-    const ProgressPart part{progress, coarsest ? 0.0 : std::ldexp(0.8, -2 * (level + 1)),
-                            std::ldexp(0.8, -2 * level)};
-
-    std::vector<NodeKey> blocks =
-        coarsest ? all_blocks(domain.coarse_cells) : std::move(near_samples[l]);
-    if (!coarsest) {
-      const auto near_zero = finer_blocks_near_zero(*coarser, options);
-      blocks.insert(blocks.end(), near_zero.begin(), near_zero.end());
-      make_sorted_set(blocks);
-    }
-    result.levels[l] =
-        std::make_unique<SparseField>(lattice, std::move(blocks), coarser, limit, options.memory);
-    SparseField& field = *result.levels[l];
-    field.prolong(limit);
-    PagedArray<NodeConstraint> constraints(field.block_count() * kBlockNodes, options.memory);
-    if (!integrate_views(field, views, truncation, limit, constraints, options, part))
-      return interrupted;
-    if (coarsest) fix_outside(field, domain.coarse_cells, limit, constraints);
-    bool stopped = false;
-    ObstacleSolverOptions solver = solver_options(coarsest, options);
-    solver.go_on = [&] { return !(stopped = !part(1.0)); };
-    result.moving_blocks += solve_obstacle_problem(field, constraints.span(), solver).moving_blocks;
-    if (stopped) return interrupted;
-    field.close_zero_set(limit);
+    auto solved =
+        level_or_find(views, domain, level, std::move(near_samples[l]), coarser, options, progress);
+    if (!solved) return solved.error();
+    result.moving_blocks += solved->moving_blocks;
+    result.levels[l] = std::move(solved->field);
+    coarser = result.levels[l].get();
     if (const auto kept = check(options.memory); !kept) return kept.error();
   }
   return result;

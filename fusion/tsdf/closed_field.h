@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fusion/tsdf/sparse_field.h"
+#include "fusion/units/merge_units.h"
 #include "fusion/views/view_sampler.h"
 #include "relief/scan/progress.h"
 #include "relief/scan/result.h"
@@ -18,6 +19,8 @@ struct ClosedFieldOptions {
   int coarse_cells = 40;
   int max_sweeps = 1000;          ///< Of the solver, on each lattice; it ends when all values rest.
   MemoryLimit* memory = nullptr;  ///< Of the fields; may be null, else it outlives them.
+  /// Keeps all levels but the finest, which has four times the values of all others together.
+  FieldUnits units;
 };
 
 /// A signed function on all of space, positive outside of the object and far away, whose zero set

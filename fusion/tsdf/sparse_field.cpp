@@ -63,6 +63,23 @@ SparseField::SparseField(const Lattice& lattice, std::vector<NodeKey> active_blo
   link_neighbours();
 }
 
+SparseField::SparseField(const Lattice& lattice, SparseFieldBlocks blocks,
+                         const SparseField* coarser, float outside_value, MemoryLimit* memory)
+    : lattice_(lattice),
+      coarser_(coarser),
+      outside_value_(outside_value),
+      keys_(std::move(blocks.keys)),
+      active_(std::move(blocks.active)),
+      memory_(memory),
+      values_(blocks.values.size(), memory) {
+  std::copy(blocks.values.begin(), blocks.values.end(), values_.begin());
+  link_neighbours();
+}
+
+SparseFieldBlocks SparseField::blocks() const {
+  return {keys_, active_, {values_.begin(), values_.end()}};
+}
+
 void SparseField::clear_values() {
   values_ = PagedArray<float>(keys_.size() * kBlockNodes, memory_);
   if (coarser_) return;  // prolong() gives all values

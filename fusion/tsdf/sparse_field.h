@@ -22,6 +22,17 @@ inline Node node_at_offset(int offset) {
   return {offset & 7, (offset >> 3) & 7, (offset >> 6) & 7};
 }
 
+/// All that is stored of a SparseField: one entry per block, border blocks among them.
+struct SparseFieldBlocks {
+  std::vector<NodeKey> keys;         ///< Ascending.
+  std::vector<std::uint8_t> active;  ///< 0: of the border.
+  std::vector<float> values;         ///< kBlockNodes per block.
+
+  bool consistent() const {
+    return active.size() == keys.size() && values.size() == keys.size() * kBlockNodes;
+  }
+};
+
 /// A scalar function on a lattice, stored on blocks of 8 x 8 x 8 nodes in order of their keys. Some
 /// blocks are active, where the function is computed; the others border them, one block wide, and
 /// hold values carried over from a coarser field. Memory is proportional to the number of blocks.
@@ -33,11 +44,15 @@ class SparseField {
   /// of memory (may be null) values are paged.
   SparseField(const Lattice& lattice, std::vector<NodeKey> active_blocks,
               const SparseField* coarser, float outside_value, MemoryLimit* memory = nullptr);
+  /// The field whose blocks() were `blocks`, which are consistent.
+  SparseField(const Lattice& lattice, SparseFieldBlocks blocks, const SparseField* coarser,
+              float outside_value, MemoryLimit* memory = nullptr);
 
   const Lattice& lattice() const { return lattice_; }
   std::size_t block_count() const { return keys_.size(); }
   Node block(std::size_t b) const { return node_of(keys_[b]); }
   bool active(std::size_t b) const { return active_[b] != 0; }
+  SparseFieldBlocks blocks() const;
   /// First node of a block.
   Node first_node(std::size_t b) const { return kBlockSide * block(b); }
 

@@ -43,16 +43,6 @@ void hash_into(ContentHash& hash, const PolishOptions& options) {
 
 }  // namespace relief::hybrid
 
-namespace relief::fusion {
-
-void hash_into(ContentHash& hash, const MergeOptions& options) {
-  const auto& [voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components] =
-      options;
-  hash.add(voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components);
-}
-
-}  // namespace relief::fusion
-
 namespace relief::reconstruction {
 
 void hash_into(ContentHash& hash, const CrossViewOptions& options) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "registration/units/align_units.h"
-#include "relief/fusion/merge_views.h"
 #include "relief/hybrid/mesh_normals.h"
 #include "relief/hybrid/polish_mesh.h"
 #include "relief/hybrid/refine_options.h"
@@ -10,7 +9,8 @@
 #include "scan/units/content_hash.h"
 
 // All fields of the options of the stages that may change a result: not the numbers of threads,
-// nor the limits of memory. Those of aligning are in align_units.h.
+// nor the limits of memory. Those of aligning and
+// merging are in align_units.h and merge_units.h.
 
 namespace relief::registration {
 
@@ -26,12 +26,6 @@ void hash_into(ContentHash& hash, const MeshNormalOptions& options);
 void hash_into(ContentHash& hash, const PolishOptions& options);
 
 }  // namespace relief::hybrid
-
-namespace relief::fusion {
-
-void hash_into(ContentHash& hash, const MergeOptions& options);
-
-}  // namespace relief::fusion
 
 namespace relief::reconstruction {
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "fusion/units/merge_units.h"
 #include "reconstruction/cache/option_hash.h"
 #include "reconstruction/cache/result_codec_private.h"
 #include "scan/units/find_or_compute_private.h"

@@ -26,7 +26,8 @@ using testing::TemporaryFolder;
 
 constexpr int kViews = 6;
 constexpr std::size_t kStages = kViews + 5;  // Two alignments, comparison, two meshes.
-constexpr std::size_t kUnits = kStages + 2;  // The joint refinement of each alignment.
+// The joint refinement of each alignment, two levels of the field.
+constexpr std::size_t kUnits = kStages + 4;
 
 // Exact poses, which stay when a view is replaced.
 void simulate(const fs::path& folder, const std::string& seed) {
@@ -281,7 +282,7 @@ TEST_F(KeptResults, AreRemovedOnRequest) {
   copy_folder(full(), out / "run");
   const ProgramRun run = run_relief({"clean", out / "run"});
   EXPECT_EQ(run.exit_status, 0);
-  EXPECT_THAT(run.standard_error, HasSubstr("removed 13 results of earlier runs"));
+  EXPECT_THAT(run.standard_error, HasSubstr("removed 15 results of earlier runs"));
   EXPECT_FALSE(fs::exists(out / "run/.relief"));
   expect_same_results(full(), out / "run");
   EXPECT_THAT(run_relief({"clean", out / "run"}).standard_error, HasSubstr("anything to remove"));

@@ -1,6 +1,4 @@
 // Reconstructions with a store of finished units: the bytes of those without one.
-#include <mutex>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,42 +6,14 @@
 #include "relief/reconstruction/reconstruct.h"
 #include "relief/simulation/simulate.h"
 #include "scan/units/input_hash.h"
+#include "tests/support/memory_store.h"
 
 namespace relief::reconstruction {
 namespace {
 
 using ::testing::ElementsAre;
+using testing::MemoryStore;
 using ::testing::Pair;
-
-class MemoryStore : public UnitStore {
- public:
-  std::optional<std::string> find(const UnitKey& key) override {
-    const std::scoped_lock lock(mutex_);
-    const auto unit = units.find(key.hash);
-    if (unit == units.end()) return std::nullopt;
-    ++found[key.kind];
-    return unit->second;
-  }
-  void keep(const UnitKey& key, std::string_view content) override {
-    const std::scoped_lock lock(mutex_);
-    ++computed[key.kind];
-    units[key.hash] = content;
-    kinds[key.hash] = key.kind;
-  }
-  void forget(const std::string& kind) {
-    std::erase_if(units, [&](const auto& unit) { return kinds[unit.first] == kind; });
-  }
-  void start_again() {
-    found.clear();
-    computed.clear();
-  }
-
-  std::map<std::string, std::string> units, kinds;  // By hash.
-  std::map<std::string, int> found, computed;
-
- private:
-  static inline std::mutex mutex_;  // Stores are copied.
-};
 
 std::vector<RangeView> scans(std::uint64_t seed = 1) {
   simulation::SimulationOptions options;
@@ -97,8 +67,8 @@ const MemoryStore& full() {
 TEST(KeptUnits, AreOneForEachPieceOfWork) {
   EXPECT_THAT(full().found, ::testing::IsEmpty());
   EXPECT_THAT(full().computed, ElementsAre(Pair("align", 1), Pair("align_again", 1),
-                                           Pair("compare", 1), Pair("joint", 2), Pair("merge", 1),
-                                           Pair("polish", 1), Pair("refine", 8)));
+                                           Pair("compare", 1), Pair("field", 2), Pair("joint", 2),
+                                           Pair("merge", 1), Pair("polish", 1), Pair("refine", 8)));
 }
 
 TEST(KeptUnits, GiveTheBytesOfComputing) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "fusion/units/merge_units.h"
 #include "scan/units/input_hash.h"
 
 namespace relief {

@@ -1,0 +1,128 @@
+#include "fusion/tsdf/field_domain.h"
+
+#include <algorithm>
+#include <climits>
+
+#include <Eigen/Geometry>
+
+#include "scan/base/parallel.h"
+
+namespace relief::fusion {
+
+namespace {
+
+// Cells round the zero set of a level that the next finer one covers. Where the finer zero set
+// leaves them all the same, close_zero_set() adds blocks, with values of the coarser level.
+constexpr int kBandCells = 2;
+
+Eigen::AlignedBox3d bounds_of(const std::vector<ViewSampler>& views, MemoryLimit* memory) {
+  Eigen::AlignedBox3d box;
+  for (const ViewSampler& view : views) {
+    evict_pages(memory, view.bytes());
+    view.for_surface_points([&](const Eigen::Vector3d& p) { box.extend(p); });
+  }
+  return box;
+}
+
+bool crossed_cell(const SparseField::Padded& padded, const Node& n) {
+  const bool first = padded[padded_index(n.x(), n.y(), n.z())] > 0.0f;
+  for (int k = 1; k < 8; ++k) {
+    const float corner =
+        padded[padded_index(n.x() + (k & 1), n.y() + (k >> 1 & 1), n.z() + (k >> 2))];
+    if ((corner > 0.0f) != first) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+FieldDomain domain_of(const std::vector<ViewSampler>& views, double voxel_size, double truncation,
+                      int coarse_cells, MemoryLimit* memory) {
+  const Eigen::AlignedBox3d box = bounds_of(views, memory);
+  FieldDomain domain;
+  domain.finest.spacing = voxel_size;
+  const double longest = box.sizes().maxCoeff() + 2.0 * truncation;
+  while (std::ldexp(voxel_size, domain.levels - 1) * coarse_cells < longest) ++domain.levels;
+  const double coarse = std::ldexp(voxel_size, domain.levels - 1);
+  const double padding = std::max(kPaddingCells * coarse, truncation + 2.0 * coarse);
+  domain.finest.origin = box.min() - Eigen::Vector3d::Constant(padding);
+  domain.coarse_cells = ((box.sizes().array() + 2.0 * padding) / coarse).ceil().cast<int>();
+  return domain;
+}
+
+std::vector<NodeKey> blocks_near(const std::vector<ViewSampler>& views, const Lattice& lattice,
+                                 double reach, MemoryLimit* memory) {
+  std::vector<std::vector<NodeKey>> by_view(views.size());
+  const auto block_at = [&](const Eigen::Vector3d& p) -> Node {
+    return (lattice.coordinates(p) / kBlockSide).array().floor().cast<int>();
+  };
+  parallel_for(views.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      evict_pages(memory, 2 * views[i].bytes());
+      Node last_low = Node::Constant(INT_MAX), last_high = last_low;
+      views[i].for_surface_points([&](const Eigen::Vector3d& p) {
+        const Node low = block_at(p - Eigen::Vector3d::Constant(reach));
+        const Node high = block_at(p + Eigen::Vector3d::Constant(reach));
+        if (low == last_low && high == last_high) return;
+        last_low = low, last_high = high;
+        for (int z = low.z(); z <= high.z(); ++z)
+          for (int y = low.y(); y <= high.y(); ++y)
+            for (int x = low.x(); x <= high.x(); ++x) by_view[i].push_back(key_of({x, y, z}));
+      });
+      make_sorted_set(by_view[i]);
+    }
+  });
+  std::vector<NodeKey> all;
+  for (const auto& keys : by_view) all.insert(all.end(), keys.begin(), keys.end());
+  make_sorted_set(all);
+  return all;
+}
+
+std::vector<NodeKey> parents_of(const std::vector<NodeKey>& blocks) {
+  std::vector<NodeKey> parents;
+  parents.reserve(blocks.size());
+  for (const NodeKey key : blocks) {
+    const Node block = node_of(key);
+    parents.push_back(key_of({block.x() >> 1, block.y() >> 1, block.z() >> 1}));
+  }
+  make_sorted_set(parents);
+  return parents;
+}
+
+std::vector<NodeKey> all_blocks(const Node& cells) {
+  std::vector<NodeKey> blocks;
+  for (int z = 0; z <= cells.z() / kBlockSide; ++z)
+    for (int y = 0; y <= cells.y() / kBlockSide; ++y)
+      for (int x = 0; x <= cells.x() / kBlockSide; ++x) blocks.push_back(key_of({x, y, z}));
+  make_sorted_set(blocks);
+  return blocks;
+}
+
+std::vector<NodeKey> finer_blocks_near_zero(const SparseField& field, MemoryLimit* memory) {
+  std::vector<std::vector<NodeKey>> found(field.block_count());
+  parallel_for(field.block_count(), 16, [&](std::size_t begin, std::size_t end) {
+    evict_pages(memory);
+    SparseField::Padded padded;
+    for (std::size_t b = begin; b < end; ++b) {
+      if (!field.active(b)) continue;
+      field.gather(b, padded);
+      for (int i = 0; i < kBlockNodes; ++i) {
+        const Node local = node_at_offset(i);
+        if (!crossed_cell(padded, local)) continue;
+        const Node cell = field.first_node(b) + local;
+        const Node low = block_of(2 * (cell - Node::Constant(kBandCells)));
+        const Node high = block_of(2 * (cell + Node::Constant(kBandCells + 1)));
+        for (int z = low.z(); z <= high.z(); ++z)
+          for (int y = low.y(); y <= high.y(); ++y)
+            for (int x = low.x(); x <= high.x(); ++x) found[b].push_back(key_of({x, y, z}));
+      }
+      make_sorted_set(found[b]);
+    }
+  });
+  std::vector<NodeKey> all;
+  for (const auto& keys : found) all.insert(all.end(), keys.begin(), keys.end());
+  make_sorted_set(all);
+  return all;
+}
+
+}  // namespace relief::fusion

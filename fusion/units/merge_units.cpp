@@ -1,0 +1,48 @@
+#include "fusion/units/merge_units.h"
+
+#include "scan/units/unit_codec_private.h"
+
+namespace relief::fusion {
+
+namespace {
+
+UnitKey key_of_level(const std::string& inputs, int level) {
+  return unit_key("field", inputs, level);
+}
+
+}  // namespace
+
+// A structured binding names exactly the fields there are: whoever adds one comes by here.
+void hash_into(ContentHash& hash, const MergeOptions& options) {
+  const auto& [voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components] =
+      options;
+  hash.add(voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components);
+}
+
+template <class Archive>
+static void serialize(Archive& archive, SparseFieldBlocks& blocks) {
+  auto& [keys, active, values] = blocks;
+  archive(keys, active, values);
+}
+
+template <class Archive>
+static void serialize(Archive& archive, KeptLevel& level) {
+  auto& [blocks, moving_blocks] = level;
+  archive(blocks, moving_blocks);
+}
+
+std::optional<KeptLevel> FieldUnits::find(int level) const {
+  if (store_ == nullptr) return std::nullopt;
+  auto content = store_->find(key_of_level(inputs_, level));
+  if (!content) return std::nullopt;
+  auto kept = decode_unit<KeptLevel>(std::move(*content));
+  if (!kept || !kept->blocks.consistent()) return std::nullopt;
+  return kept;
+}
+
+void FieldUnits::keep(int level, const SparseField& field, std::size_t moving_blocks) const {
+  if (store_ == nullptr) return;
+  store_->keep(key_of_level(inputs_, level), encode_unit(KeptLevel{field.blocks(), moving_blocks}));
+}
+
+}  // namespace relief::fusion
