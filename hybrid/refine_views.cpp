@@ -13,18 +13,31 @@ namespace relief::hybrid {
 
 namespace {
 
-// Peak memory of refine_view per pixel of the grid [bytes], beyond its input: measured on full
-// grids, see docs/results.md.
-std::size_t bytes_per_pixel(Solver solver) { return solver == Solver::kMultigrid ? 400 : 3000; }
+// Memory of refine_view beyond its input: per pixel of the grid, and per sample [bytes]. Measured
+// on full grids and on the masked ones of the bear, see docs/results.md.
+constexpr std::size_t kPixel = 100;
+std::size_t bytes_per_sample(Solver solver) { return solver == Solver::kMultigrid ? 300 : 2900; }
+
+// The grids of a refined view [bytes per pixel].
+constexpr std::size_t kRefinedPixel = 30;
 
 }  // namespace
+
+std::size_t memory_to_refine(const RangeView& view, Solver solver) {
+  return kPixel * view.range.size() + bytes_per_sample(solver) * view.sample_count();
+}
+
+std::size_t memory_of_refined(const std::vector<RangeView>& views) {
+  std::size_t pixels = 0;
+  for (const RangeView& view : views) pixels += view.range.size();
+  return kRefinedPixel * pixels;
+}
 
 int views_at_once(const std::vector<RangeView>& views, const RefineOptions& options,
                   std::size_t memory) {
   const std::size_t budget = memory > 0 ? memory : usable_memory() / 2;
   std::vector<std::size_t> needs;
-  for (const RangeView& view : views)
-    needs.push_back(view.range.size() * bytes_per_pixel(options.solver));
+  for (const RangeView& view : views) needs.push_back(memory_to_refine(view, options.solver));
   std::sort(needs.begin(), needs.end(), std::greater<>());
   const std::size_t most = std::min(needs.size(), static_cast<std::size_t>(thread_count()));
   std::size_t count = 0, used = 0;
@@ -34,11 +47,18 @@ int views_at_once(const std::vector<RangeView>& views, const RefineOptions& opti
 
 namespace {
 
+// What a limit on the whole process leaves for refining; at least one byte.
+std::size_t memory_left(const std::vector<RangeView>& views, std::size_t limit) {
+  if (limit == 0) return 0;
+  const std::size_t taken = resident_memory() + memory_of_refined(views);
+  return std::max(limit, taken + 1) - taken;
+}
+
 // Some views at a time, each on its part of the threads.
 std::vector<std::optional<Result<RefinedView>>> refine_some_at_once(
     const std::vector<RangeView>& views, const RefineOptions& options, const Context& context,
     const RefineOne& refine) {
-  const int at_once = views_at_once(views, options, context.memory);
+  const int at_once = views_at_once(views, options, memory_left(views, context.memory));
   Context of_view = context;
   of_view.threads = std::max(1, thread_count() / at_once);
   std::vector<std::optional<Result<RefinedView>>> results(views.size());

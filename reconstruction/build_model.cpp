@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "reconstruction/cache/stage_units.h"
+#include "reconstruction/memory_check.h"
 #include "reconstruction/stage_context.h"
 #include "scan/base/parallel.h"
 #include "scan/units/input_hash.h"
@@ -12,6 +13,18 @@
 namespace relief::reconstruction {
 
 namespace {
+
+// Views without normals polish nothing.
+Result<void> check_room_to_polish(const std::vector<RangeView>& views, const TriangleMesh& mesh,
+                                  std::size_t limit) {
+  std::size_t pixels = 0;
+  bool any_normals = false;
+  for (const RangeView& view : views) {
+    pixels += view.range.size();
+    any_normals |= view.has_normals();
+  }
+  return check_memory_to_polish(pixels, mesh.vertices.size(), any_normals ? limit : 0);
+}
 
 // The units of a model depend on these.
 using ViewHashes = std::vector<std::string>;
@@ -56,6 +69,8 @@ Result<Model> finish(Result<fusion::MergeResult> merged, const LoadAllViews& all
     const auto loaded = all(*merged);
     if (!loaded) return loaded.error();
     views = *loaded;
+    const auto room = check_room_to_polish(*views, merged->mesh, context.context.memory);
+    if (!room) return room.error();
   }
   Model model;
   model.mesh = std::move(merged->mesh);

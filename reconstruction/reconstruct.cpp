@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "reconstruction/cache/stage_units.h"
+#include "reconstruction/memory_check.h"
 #include "reconstruction/stage_context.h"
 
 namespace relief::reconstruction {
@@ -23,6 +24,8 @@ class Reconstructor {
       result_.background = find_static_background(result_.views);
       ::relief::remove_background(result_.background, result_.views);
     }
+    if (auto room = check_memory_to_refine(result_.views, options_.refine, context_.memory); !room)
+      return room.error();
     for (const auto stage : {&Reconstructor::align, &Reconstructor::compare, &Reconstructor::refine,
                              &Reconstructor::align_again, &Reconstructor::merge}) {
       const Result<void> done = (this->*stage)();
@@ -114,9 +117,7 @@ class Reconstructor {
   }
 
   Result<void> merge() {
-    Context context = context_;
-    context.memory = 0;
-    auto model = build_model(result_.views, options_.model, context, callbacks_.progress);
+    auto model = build_model(result_.views, options_.model, context_, callbacks_.progress);
     if (!model) return model.error();
     result_.model = std::move(*model);
     return {};

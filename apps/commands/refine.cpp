@@ -21,6 +21,7 @@ struct RefineCommand {
   CommonOptions common;
   ProjectInput input;
   RefineFlags flags;
+  MemoryFlag memory;
   std::filesystem::path output;
 };
 
@@ -29,7 +30,7 @@ int refine(const RefineCommand& command) {
   if (!project) return fail(project.error());
   if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
   Context context = context_of(command.common, "refine");
-  context.memory = command.flags.memory();
+  context.memory = command.memory.bytes();
   const Stopwatch watch;
   auto refined = hybrid::refine_views(project->views, command.flags.resolved(), context);
   if (!refined) return fail(refined.error());
@@ -63,6 +64,7 @@ void add_refine(CLI::App& app, Action& action) {
   add_background_option(*sub, command->input);
   sub->add_option("-o,--output", command->output, "Folder for the refined project")->required();
   add_refine_options(*sub, command->flags);
+  add_memory_option(*sub, command->memory, "fewer views are refined at once");
   add_common_options(*sub, command->common);
   sub->callback([command, &action] { action = [command] { return refine(*command); }; });
 }

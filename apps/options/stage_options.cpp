@@ -85,11 +85,16 @@ void add_refine_options(CLI::App& command, RefineFlags& flags) {
   group->add_option("--solver", options.solver, "Linear solver: multigrid or cholesky")
       ->transform(CLI::CheckedTransformer(kSolvers))
       ->default_str("multigrid");
-  group
-      ->add_option(
-          "--memory", flags.memory_mb,
-          "Memory for the views refined at once [MiB]; 0: half of what the process may use")
-      ->capture_default_str();
+}
+
+void add_memory_option(CLI::App& command, MemoryFlag& flag, const std::string& what) {
+  command
+      .add_option(
+          "--memory", flag.mebibytes,
+          "Memory to keep to, as 4G or 800M; a number alone is in MiB: " + what + "; 0: no limit")
+      ->transform(CLI::AsNumberWithUnit(
+          std::map<std::string, std::size_t>{{"M", 1}, {"G", 1 << 10}, {"T", 1 << 20}}))
+      ->default_str("0");
 }
 
 void add_align_options(CLI::App& command, registration::AlignOptions& options) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
@@ -11,6 +12,15 @@
 
 namespace relief {
 
+/// Memory of the whole process.
+struct MemoryFlag {
+  std::size_t mebibytes = 0;  ///< 0: no limit.
+
+  std::size_t bytes() const { return mebibytes << 20; }
+};
+/// `what`: what is done to keep to the limit.
+void add_memory_option(CLI::App& command, MemoryFlag& flag, const std::string& what);
+
 /// Bind the flags of each stage to the fields of its options, which hold the defaults.
 void add_align_options(CLI::App& command, registration::AlignOptions& options);
 
@@ -18,10 +28,8 @@ void add_align_options(CLI::App& command, registration::AlignOptions& options);
 struct RefineFlags {
   hybrid::RefineOptions options;
   std::optional<double> sigma_normal_deg;
-  std::size_t memory_mb = 0;
 
   hybrid::RefineOptions resolved() const;
-  std::size_t memory() const { return memory_mb << 20; }  ///< [bytes]
 };
 void add_refine_options(CLI::App& command, RefineFlags& flags);
 

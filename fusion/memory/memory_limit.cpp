@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "scan/base/parallel.h"
+#include "scan/base/system_memory.h"
 
 namespace relief::fusion {
 
@@ -42,20 +43,11 @@ std::string mebibytes(std::size_t bytes) {
 
 }  // namespace
 
-std::size_t resident_memory() {
-  unsigned long total = 0, resident = 0;
-  if (std::FILE* file = std::fopen("/proc/self/statm", "re")) {
-    if (std::fscanf(file, "%lu %lu", &total, &resident) != 2) resident = 0;
-    std::fclose(file);
-  }
-  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGE_SIZE));
-}
-
 MemoryLimit::MemoryLimit(std::size_t limit, std::filesystem::path folder,
                          std::function<std::size_t()> resident)
     : limit_(limit),
       folder_(folder.empty() ? default_folder() : std::move(folder)),
-      resident_(resident ? std::move(resident) : resident_memory) {}
+      resident_(resident ? std::move(resident) : [] { return resident_memory(); }) {}
 
 void MemoryLimit::evict_pages(std::size_t needed) {
   if (resident_() + needed <= limit_) return;

@@ -63,9 +63,6 @@ class MemoryLimit {
   std::optional<Error> failure_;
 };
 
-/// Resident memory of this process [bytes].
-std::size_t resident_memory();
-
 /// Evicts the pages of `limit` as MemoryLimit::evict_pages() does; nothing when there is no limit.
 inline void evict_pages(MemoryLimit* limit) {
   if (limit) limit->evict_pages();

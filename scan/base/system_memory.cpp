@@ -117,4 +117,13 @@ std::size_t free_memory(const fs::path& root) {
   return least;
 }
 
+std::size_t resident_memory() {
+  unsigned long total = 0, resident = 0;
+  if (std::FILE* file = std::fopen("/proc/self/statm", "re")) {
+    if (std::fscanf(file, "%lu %lu", &total, &resident) != 2) resident = 0;
+    std::fclose(file);
+  }
+  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGE_SIZE));
+}
+
 }  // namespace relief

@@ -15,4 +15,7 @@ std::size_t usable_memory(const std::filesystem::path& root = "/");
 /// copies of files counts as free.
 std::size_t free_memory(const std::filesystem::path& root = "/");
 
+/// Resident memory of this process [bytes].
+std::size_t resident_memory();
+
 }  // namespace relief

@@ -263,5 +263,23 @@ TEST(Program, MergesWithinAMemoryLimitToTheSameBytes) {
   EXPECT_FALSE(std::filesystem::exists(limited / "low.ply"));
 }
 
+TEST(Program, RunsWithinAMemoryLimitToTheSameBytes) {
+  const TemporaryFolder scans, free, limited, low;
+  simulate(scans, "5", "96");
+  ASSERT_EQ(run_relief({"run", scans / "scan.json", "-o", free.path()}).exit_status, 0);
+  const ProgramRun run =
+      run_relief({"run", scans / "scan.json", "-o", limited.path(), "--memory", "2G"});
+  EXPECT_EQ(run.exit_status, 0) << run.standard_error;
+  EXPECT_EQ(read_text(free / "model.ply"), read_text(limited / "model.ply"));
+  EXPECT_EQ(read_text(free / "scan.json"), read_text(limited / "scan.json"));
+
+  const ProgramRun refused =
+      run_relief({"run", scans / "scan.json", "-o", low.path(), "--memory", "10M"});
+  EXPECT_EQ(refused.exit_status, 1);
+  EXPECT_THAT(refused.standard_error, HasSubstr("aligning and refining the views needs about"));
+  EXPECT_THAT(refused.standard_error, HasSubstr("more than the memory limit of 10 MiB"));
+  EXPECT_FALSE(std::filesystem::exists(low / "model.ply"));
+}
+
 }  // namespace
 }  // namespace relief

@@ -22,7 +22,7 @@ struct MergeCommand {
   CommonOptions common;
   ProjectInput input;
   MergeFlags merge;
-  std::size_t memory_mb = 0;
+  MemoryFlag memory;
   std::filesystem::path output;
 };
 
@@ -62,7 +62,7 @@ int merge(const MergeCommand& command) {
   const reconstruction::ModelOptions options = command.merge.resolved();
   // Stages tell their progress themselves.
   Context context = context_of(command.common, "").with_progress({});
-  context.memory = command.memory_mb << 20;
+  context.memory = command.memory.bytes();
   context.temporary_folder = command.output.has_parent_path() ? command.output.parent_path() : ".";
   const auto merged = context.memory > 0 ? within_limit(command, options, context)
                                          : in_memory(command, options, context);
@@ -93,10 +93,9 @@ void add_merge(CLI::App& app, Action& action) {
       ->required()
       ->check(known_mesh_ending());
   add_merge_options(*sub, command->merge);
-  sub->add_option("--memory", command->memory_mb,
-                  "Memory to keep to [MiB]: views are read one at a time, large fields lie in "
-                  "temporary files beside the output; 0: no limit")
-      ->capture_default_str();
+  add_memory_option(*sub, command->memory,
+                    "views are read one at a time, large fields lie in temporary files beside the "
+                    "output");
   add_common_options(*sub, command->common);
   sub->callback([command, &action] { action = [command] { return merge(*command); }; });
 }

@@ -6,10 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "apps/console/console.h"
 #include "apps/console/progress_display.h"
+#include "reconstruction/memory_check.h"
 #include "relief/io/project_io.h"
 #include "relief/scan/static_background.h"
 #include "scan/base/parallel.h"
@@ -33,6 +32,7 @@ class ProjectViews {
   }
   /// Of the largest view so far.
   std::size_t pixels() const { return pixels_; }
+  bool any_normals() const { return any_normals_; }
 
  private:
   Result<SharedView> load(std::size_t i) {
@@ -45,6 +45,7 @@ class ProjectViews {
       read_ = i + 1;
     }
     pixels_ = std::max(pixels_, loaded->view.range.size());
+    any_normals_ |= loaded->view.has_normals();
     return SharedView(std::make_shared<const RangeView>(std::move(loaded->view)));
   }
 
@@ -52,21 +53,8 @@ class ProjectViews {
   std::vector<ChosenConvention> conventions_;
   const StaticBackground& background_;
   std::size_t read_ = 0, pixels_ = 0;
+  bool any_normals_ = false;
 };
-
-// What polishing holds: views [bytes a pixel], and the mesh, its graph and the system [bytes a
-// vertex]; see docs/fusion.md.
-constexpr std::size_t kViewPixel = 30, kPolishedVertex = 550;
-
-Result<void> check_room_to_polish(const fusion::MergeResult& merged, std::size_t pixels,
-                                  std::size_t limit) {
-  const std::size_t needed = kViewPixel * pixels + kPolishedVertex * merged.mesh.vertices.size();
-  if (needed <= limit) return {};
-  return Error{ErrorKind::kUnsolvable,
-               fmt::format("polishing needs about {} MiB, more than the memory limit of {} MiB: "
-                           "raise the limit or merge with --no-polish",
-                           needed >> 20, limit >> 20)};
-}
 
 // What the search for a background holds: ranges, depths, edges [bytes a pixel].
 constexpr std::size_t kSearchedPixel = 24;
@@ -121,7 +109,9 @@ Result<reconstruction::Model> merge_within_limit(const ProjectInput& input,
   ProjectViews views(std::move(spec->views), std::move(conventions->views), *background);
   ScanProject project;
   const auto load = [&](const fusion::MergeResult& mesh) -> Result<const std::vector<RangeView>*> {
-    const auto room = check_room_to_polish(mesh, count * views.pixels(), context.memory);
+    const auto room =
+        reconstruction::check_memory_to_polish(count * views.pixels(), mesh.mesh.vertices.size(),
+                                               views.any_normals() ? context.memory : 0);
     if (!room) return room.error();
     auto all =
         read_project(input.path, input.options, context.with_progress(console_progress("read")));

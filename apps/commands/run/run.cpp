@@ -41,6 +41,7 @@ struct RunCommand {
   registration::AlignOptions align;
   reconstruction::ContradictedRanges contradicted = reconstruction::ContradictedRanges::kCorrect;
   RefineFlags refine;
+  MemoryFlag memory;
   MergeFlags merge;
   std::filesystem::path output;
   std::vector<std::filesystem::path> exports;
@@ -104,7 +105,8 @@ class Run {
   // Its stages are told apart by the callbacks.
   Context reconstruction_context() {
     Context context = context_of(command_.common, "").with_progress({});
-    context.memory = command_.refine.memory();
+    context.memory = command_.memory.bytes();
+    context.temporary_folder = command_.output;
     context.store = cache_.store();
     return context;
   }
@@ -238,6 +240,8 @@ void add_run(CLI::App& app, Action& action) {
       ->default_str("correct");
   add_refine_options(*sub, command->refine);
   add_merge_options(*sub, command->merge);
+  add_memory_option(*sub, command->memory,
+                    "fewer views are refined at once, large fields lie in temporary files in DIR");
   add_cache_options(*sub, command->cache);
   sub->add_option("--time-limit", command->time_limit,
                   "Stop after this time, as 90s, 30min or 2h; the same command goes on from there")

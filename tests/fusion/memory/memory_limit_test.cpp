@@ -16,6 +16,7 @@
 #include "fusion/tsdf/closed_field.h"
 #include "relief/fusion/merge_views.h"
 #include "relief/scan/threads.h"
+#include "scan/base/system_memory.h"
 #include "tests/fusion/scenes.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"

@@ -77,11 +77,13 @@ struct ReconstructionCallbacks {
 /// only when they are expected to be no worse. Views that cannot be aligned are left out; views
 /// that cannot be refined take part as measured. Positions are in the unit of the views, the model
 /// in their world frame. Its stages are units of work, each view refined one of its own. The memory
-/// of the context bounds what refining takes, see hybrid::refine_views; its progress is told of all
-/// stages together.
+/// of the context is that of the whole process, the views among it. Fewer views are then refined at
+/// once, and merging works in files of `temporary_folder`; the result is the same. Its progress is
+/// told of all stages together.
 ///
 /// Errors: those of registration::align_views, hybrid::refine_views and build_model; kUnsolvable
-/// when no view can be aligned; kInterrupted.
+/// when no view can be aligned, or, before work starts, when the memory does not suffice to align
+/// and refine the views; kInterrupted.
 Result<Reconstruction> reconstruct(std::vector<RangeView> views,
                                    const ReconstructionOptions& options = {},
                                    const Context& context = {},
