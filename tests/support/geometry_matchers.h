@@ -8,10 +8,16 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 
+#include "relief/scan/camera.h"
 #include "relief/scan/mesh_check.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief {
+
+/// How GoogleTest prints a camera: its model and the size of its grid.
+inline void PrintTo(const Camera& camera, std::ostream* out) {
+  *out << to_string(camera.model()) << ' ' << camera.width() << 'x' << camera.height();
+}
 
 /// How GoogleTest prints what a mesh is: sizes, and what keeps it from being a valid solid.
 inline void PrintTo(const MeshCheck& check, std::ostream* out) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <string>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +11,7 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/meshes/coloured_mesh.h"
+#include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -42,20 +45,27 @@ double largest_distance(const TriangleMesh& a, const TriangleMesh& b) {
   return largest;
 }
 
-TEST(MeshIo, PlyKeepsEverything) {
+class MeshFormatWithAttributes : public ::testing::TestWithParam<std::tuple<std::string, double>> {
+};
+INSTANTIATE_TEST_SUITE_P(EndingAndDistance, MeshFormatWithAttributes,
+                         ::testing::Combine(::testing::Values("ply", "vtp"),
+                                            ::testing::Values(0.0, 1e6)),
+                         testing::PrintedName());
+
+TEST_P(MeshFormatWithAttributes, KeepsEverything) {
+  const auto& [ending, distance] = GetParam();
   const TemporaryFolder folder;
-  for (const double distance : {0.0, 1e6}) {
-    const TriangleMesh mesh = with_attributes(tetrahedron(Eigen::Vector3d::Constant(distance)));
-    ASSERT_THAT(write_mesh(mesh, folder / "a.ply"), IsOk());
-    const auto read = value_of(read_mesh(folder / "a.ply"));
-    EXPECT_LT(largest_distance(mesh, read), 2e-7);
-    EXPECT_EQ(read.faces, mesh.faces);
-    EXPECT_EQ(read.normals, mesh.normals);
-    EXPECT_EQ(read.quality, mesh.quality);
-    EXPECT_EQ(read.views, mesh.views);
-    EXPECT_EQ(read.filled, mesh.filled);
-    EXPECT_EQ(read.colours, mesh.colours);
-  }
+  const auto path = folder / ("a." + ending);
+  const TriangleMesh mesh = with_attributes(tetrahedron(Eigen::Vector3d::Constant(distance)));
+  ASSERT_THAT(write_mesh(mesh, path), IsOk());
+  const auto read = value_of(read_mesh(path));
+  EXPECT_LT(largest_distance(mesh, read), 2e-7);
+  EXPECT_EQ(read.faces, mesh.faces);
+  EXPECT_EQ(read.normals, mesh.normals);
+  EXPECT_EQ(read.quality, mesh.quality);
+  EXPECT_EQ(read.views, mesh.views);
+  EXPECT_EQ(read.filled, mesh.filled);
+  EXPECT_EQ(read.colours, mesh.colours);
 }
 
 TEST(MeshIo, ObjAndStlKeepTheSurface) {
@@ -164,22 +174,6 @@ TEST(MeshIo, VtpHoldsTheAttributes) {
   const std::string text = *read_file(folder / "a.vtp");
   for (const char* name : {"normals", "quality", "views", "filled", "RGB", "NumberOfPolys=\"4\""})
     EXPECT_THAT(text, HasSubstr(name));
-}
-
-TEST(MeshIo, VtpKeepsEverything) {
-  const TemporaryFolder folder;
-  for (const double distance : {0.0, 1e6}) {
-    const TriangleMesh mesh = with_attributes(tetrahedron(Eigen::Vector3d::Constant(distance)));
-    ASSERT_THAT(write_mesh(mesh, folder / "a.vtp"), IsOk());
-    const auto read = value_of(read_mesh(folder / "a.vtp"));
-    EXPECT_LT(largest_distance(mesh, read), 2e-7);
-    EXPECT_EQ(read.faces, mesh.faces);
-    EXPECT_EQ(read.normals, mesh.normals);
-    EXPECT_EQ(read.quality, mesh.quality);
-    EXPECT_EQ(read.views, mesh.views);
-    EXPECT_EQ(read.filled, mesh.filled);
-    EXPECT_EQ(read.colours, mesh.colours);
-  }
 }
 
 std::string ascii_vtp(const std::string& points, const std::string& cells,
