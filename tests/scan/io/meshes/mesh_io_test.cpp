@@ -13,37 +13,17 @@
 #include "scan/io/meshes/coloured_mesh.h"
 #include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/small_meshes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::largest_distance;
 using testing::TemporaryFolder;
-
-TriangleMesh tetrahedron(const Eigen::Vector3d& at = Eigen::Vector3d::Zero()) {
-  TriangleMesh mesh;
-  mesh.vertices = {at, at + Eigen::Vector3d(1.1, 0, 0), at + Eigen::Vector3d(0, 1.3, 0),
-                   at + Eigen::Vector3d(0, 0, 1.7)};
-  mesh.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-  return mesh;
-}
-
-TriangleMesh with_attributes(TriangleMesh mesh) {
-  mesh.normals = vertex_normals(mesh);
-  mesh.quality = {0.5f, 1.5f, 2.5f, 3.5f};
-  mesh.views = {1, 2, 300, 0};
-  mesh.filled = {0, 1, 0, 1};
-  mesh.colours = {{1, 2, 3}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}};
-  return mesh;
-}
-
-double largest_distance(const TriangleMesh& a, const TriangleMesh& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.vertices.size(); ++i)
-    largest = std::max(largest, (a.vertices[i] - b.vertices[i]).norm());
-  return largest;
-}
+using testing::tetrahedron;
+using testing::with_attributes;
 
 class MeshFormatWithAttributes : public ::testing::TestWithParam<std::tuple<std::string, double>> {
 };
