@@ -27,7 +27,8 @@ ImageSize read_size(JsonObject& image) {
   for (const double side : sides)
     if (side < 1.0 || side > kMaxImageSide || side != std::floor(side))
       throw JsonError(image.place("size") +
-                      ": expected [width, height], two whole numbers from 1 to 65536");
+                      ": expected [width, height], two whole numbers from 1 to " +
+                      std::to_string(kMaxImageSide));
   return {static_cast<int>(sides[0]), static_cast<int>(sides[1])};
 }
 
