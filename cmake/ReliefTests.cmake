@@ -118,7 +118,9 @@ function(relief_test name)
       relief_add_suites(${name} "${ARG_SOURCES}")
     endif()
   else()
-    gtest_discover_tests(relief_${name}_tests DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+    # Parameters have names: CTest need not know what their values look like.
+    gtest_discover_tests(relief_${name}_tests NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
+                         PROPERTIES TIMEOUT 600)
   endif()
   relief_group_sources(relief_${name}_tests)
 endfunction()

@@ -16,6 +16,7 @@
 
 #include "interop/vtk_fields_private.h"
 #include "scan/io/grids/grid_view.h"
+#include "scan/io/images/image_limits.h"
 #include "scan/io/meshes/poly_data_private.h"
 
 namespace relief::interop {
@@ -168,12 +169,11 @@ Result<RangeView> view_of_image(vtkImageData& data) {
 
 // The size of a surface's grid.
 Result<std::pair<int, int>> grid_size(vtkPolyData& data) {
-  constexpr double kLargestSide = 65536.0;
   const auto size = find_array(*data.GetFieldData(), "grid_size", 2, 1);
   if (!size) return size.error();
   if (!*size) return bad_data("the surface has no field array 'grid_size': it is no range view");
   const double width = (*size)->GetComponent(0, 0), height = (*size)->GetComponent(0, 1);
-  if (!(width >= 1.0 && height >= 1.0 && width <= kLargestSide && height <= kLargestSide))
+  if (!(width >= 1.0 && height >= 1.0 && width <= kMaxImageSide && height <= kMaxImageSide))
     return bad_data("the array 'grid_size' holds no size of a grid");
   return std::pair{static_cast<int>(width), static_cast<int>(height)};
 }

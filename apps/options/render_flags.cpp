@@ -35,6 +35,9 @@ const std::map<std::string, Eigen::Vector3d> kAxes = {{"x", {1, 0, 0}},   {"y", 
 
 constexpr int kLargestSide = 16384;  // [pixels]
 
+// Of a pixel. A mean over n rays errs by 0.5 / sqrt(n) at the most: by half of one of 255 greys.
+constexpr int kMostAmbientRays = 256 * 256;
+
 // `least` to `most` numbers with commas between them.
 std::vector<double> numbers(const std::string& option, const std::string& text, std::size_t least,
                             std::size_t most) {
@@ -166,7 +169,7 @@ void add_quality_flags(CLI::App& command, RenderFlags& flags) {
   group
       ->add_option("--ambient-rays", options.ambient_rays,
                    "Rays of a pixel that look at the sky, of accessibility")
-      ->check(CLI::Range(1, 65536))
+      ->check(CLI::Range(1, kMostAmbientRays))
       ->capture_default_str();
   group
       ->add_option("--ambient-reach", options.ambient_reach,

@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 
 #include "hybrid/noise/coarse_steps.h"
+#include "scan/base/gaussian_core.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
 
@@ -19,22 +20,6 @@ namespace {
 // Second differences between blocks from which a variance is good to a tenth (sqrt(2 / n)).
 constexpr std::size_t kFewestBlocks = 200;
 
-// The smallest positive value among some low quantiles of `values` (all >= 0), with the factor that
-// makes it a standard deviation if they are absolute values of a Gaussian. Low quantiles withstand
-// many outliers; coarsely quantised data needs the higher ones.
-double starting_sigma(std::vector<double>& values) {
-  // q and Phi^-1((1 + q) / 2)
-  constexpr std::array<std::pair<double, double>, 4> kQuantiles{
-      {{0.10, 0.12566}, {0.25, 0.31864}, {0.50, 0.67449}, {0.90, 1.64485}}};
-  for (const auto& [quantile, gaussian] : kQuantiles) {
-    const auto place =
-        values.begin() + static_cast<std::ptrdiff_t>(quantile * static_cast<double>(values.size()));
-    std::nth_element(values.begin(), place, values.end());
-    if (*place > 0.0) return *place / gaussian;
-  }
-  return 0.0;
-}
-
 constexpr std::size_t kValuesAtOnce = 1 << 14;  // Of one piece of work, summed in order.
 
 // Iterations to a fixed point end when it changes by less than this part: a thousandth of the
@@ -44,8 +29,6 @@ constexpr double kSettled = 1e-5;
 // Standard deviation of the Gaussian core of `values`: the fixed point of the second moment of what
 // lies within two standard deviations.
 double core_sigma(std::vector<double> values) {
-  // [standard deviations], E[z^2 | |z| < 2] of a Gaussian z
-  constexpr double kCut = 2.0, kKeptMoment = 0.77374;
   if (values.empty()) return 0.0;
   for (double& value : values) value = std::abs(value);
   double sigma = starting_sigma(values);
@@ -53,13 +36,13 @@ double core_sigma(std::vector<double> values) {
     const auto moments_of = [&](std::size_t begin, std::size_t end) {
       Eigen::Array2d sums = Eigen::Array2d::Zero();  // of squares, of ones
       for (std::size_t k = begin; k < end; ++k)
-        if (values[k] < kCut * sigma) sums += Eigen::Array2d(values[k] * values[k], 1.0);
+        if (values[k] < kCoreCut * sigma) sums += Eigen::Array2d(values[k] * values[k], 1.0);
       return sums;
     };
     const Eigen::Array2d sums =
         parallel_sum(values.size(), kValuesAtOnce, Eigen::Array2d::Zero().eval(), moments_of);
     if (!(sums[0] > 0.0)) break;
-    const double before = std::exchange(sigma, std::sqrt(sums[0] / sums[1] / kKeptMoment));
+    const double before = std::exchange(sigma, std::sqrt(sums[0] / sums[1] / kCoreMoment));
     if (std::abs(sigma - before) <= kSettled * sigma) break;
   }
   return sigma;

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "scan/base/file_descriptor.h"
 #include "scan/units/content_hash.h"
 
 namespace relief::reconstruction {
@@ -32,32 +33,14 @@ std::string head_of(const UnitKey& key, std::string_view content) {
          std::to_string(content.size()) + " " + checksum + "\n";
 }
 
-class OpenFile {
- public:
-  OpenFile(const fs::path& path, int flags) : descriptor_(::open(path.c_str(), flags, 0666)) {}
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  ~OpenFile() { close(); }
-
-  bool is_open() const { return descriptor_ >= 0; }
-  int descriptor() const { return descriptor_; }
-  bool close() {
-    const int descriptor = std::exchange(descriptor_, -1);
-    return descriptor < 0 || ::close(descriptor) == 0;
-  }
-
- private:
-  int descriptor_;
-};
-
 // Nothing when the file cannot be read to its end.
-std::optional<std::string> content_of(const OpenFile& file) {
+std::optional<std::string> content_of(const FileDescriptor& file) {
   struct stat status {};
-  if (::fstat(file.descriptor(), &status) != 0) return std::nullopt;
+  if (::fstat(file.get(), &status) != 0) return std::nullopt;
   std::string content(static_cast<std::size_t>(status.st_size), '\0');
   std::size_t at = 0;
   while (at < content.size()) {
-    const ssize_t count = ::read(file.descriptor(), content.data() + at, content.size() - at);
+    const ssize_t count = ::read(file.get(), content.data() + at, content.size() - at);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return std::nullopt;
     at += static_cast<std::size_t>(count);
@@ -65,9 +48,9 @@ std::optional<std::string> content_of(const OpenFile& file) {
   return content;
 }
 
-bool write_all(const OpenFile& file, std::string_view bytes) {
+bool write_all(const FileDescriptor& file, std::string_view bytes) {
   while (!bytes.empty()) {
-    const ssize_t count = ::write(file.descriptor(), bytes.data(), bytes.size());
+    const ssize_t count = ::write(file.get(), bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
     if (count == 0) errno = ENOSPC;
     if (count <= 0) return false;
@@ -124,7 +107,7 @@ std::optional<std::string> UnitFolder::read(const UnitKey& key) {
   const fs::path path = path_of(key.hash);
   std::optional<std::string> content;
   {
-    const OpenFile file(path, O_RDONLY | O_CLOEXEC);
+    const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
     if (!file.is_open() && errno == ENOENT) return std::nullopt;
     if (file.is_open()) content = content_of(file);
   }
@@ -201,7 +184,7 @@ Result<void> UnitFolder::write(const std::string& hash, const std::string& head,
   std::error_code failure;
   fs::create_directory(path.parent_path(), failure);
   if (failure) return cannot_keep(failure.value());
-  OpenFile file(partial, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC);
+  FileDescriptor file(::open(partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (!file.is_open()) return cannot_keep(errno);
   if (write_all(file, head) && write_all(file, content) && file.close() &&
       ::rename(partial.c_str(), path.c_str()) == 0)

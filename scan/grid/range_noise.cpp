@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "scan/base/gaussian_core.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
 
@@ -62,29 +63,16 @@ double line_difference(const RangeView& view, int u, int v, int du, int dv) {
 // of what lies within two standard deviations. Starts low, to withstand many outliers, but above
 // the zeros of rounded ranges.
 double core_sigma(std::vector<float>& values) {
-  // [standard deviations], E[z^2 | |z| < 2] of a Gaussian z. A cut of 1.5 has 2.6 times the
-  // variance, one of 3 half of it, but takes in more outliers.
-  constexpr double kCut = 2.0, kKeptMoment = 0.77374;
-  // q and Phi^-1((1 + q) / 2)
-  constexpr std::array<std::pair<double, double>, 4> kQuantiles{
-      {{0.10, 0.12566}, {0.25, 0.31864}, {0.50, 0.67449}, {0.90, 1.64485}}};
-  double sigma = 0.0;
-  for (const auto& [quantile, gaussian] : kQuantiles) {
-    const auto place =
-        values.begin() + static_cast<std::ptrdiff_t>(quantile * static_cast<double>(values.size()));
-    std::nth_element(values.begin(), place, values.end());
-    sigma = *place / gaussian;
-    if (sigma > 0.0) break;
-  }
+  double sigma = starting_sigma(values);
   for (int round = 0; round < 30 && sigma > 0.0; ++round) {
     double squares = 0.0, count = 0.0;
     for (const float value : values) {
-      if (!(value < kCut * sigma)) continue;
+      if (!(value < kCoreCut * sigma)) continue;
       squares += double{value} * value;
       count += 1.0;
     }
     if (!(squares > 0.0)) break;
-    const double before = std::exchange(sigma, std::sqrt(squares / count / kKeptMoment));
+    const double before = std::exchange(sigma, std::sqrt(squares / count / kCoreMoment));
     if (std::abs(sigma - before) <= 1e-3 * sigma) break;
   }
   return sigma;

@@ -10,6 +10,8 @@
 
 #include "relief/scan/threads.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/geometry_matchers.h"
+#include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
@@ -50,18 +52,21 @@ RefineOptions with_known_noise(double sigma_position, double sigma_normal) {
   return options;
 }
 
-TEST(RefineView, APlaneWithItsNormalsStaysAsItIs) {
-  for (const Camera& camera : {kOrthographic, Camera::pinhole(64, 48, {80, 70, 30, 20}),
-                               Camera::pinhole_gl(64, 48, {80, 70, 30, 20})}) {
-    const double side = camera.ray(30, 20).direction.z();
-    const RangeView view =
-        testing::render(testing::plane({0, 0, 100 * side}, {0.3, -0.2, 1}), camera);
-    const RefinedView result = refined(view, with_known_noise(0.1, 0.01));
-    EXPECT_EQ(result.status, RefineStatus::kRefined);
-    EXPECT_EQ(result.refined, view.sample_count());
-    EXPECT_EQ(result.view.samples, SampleOrigin::kRefined);
-    EXPECT_LT(largest_change(view, result.view), 2e-5);  // normals are floats
-  }
+class RefineViewOfCamera : public ::testing::TestWithParam<Camera> {};
+INSTANTIATE_TEST_SUITE_P(Cameras, RefineViewOfCamera,
+                         ::testing::Values(kOrthographic, Camera::pinhole(64, 48, {80, 70, 30, 20}),
+                                           Camera::pinhole_gl(64, 48, {80, 70, 30, 20})),
+                         testing::PrintedName());
+
+TEST_P(RefineViewOfCamera, APlaneWithItsNormalsStaysAsItIs) {
+  const double side = GetParam().ray(30, 20).direction.z();
+  const RangeView view =
+      testing::render(testing::plane({0, 0, 100 * side}, {0.3, -0.2, 1}), GetParam());
+  const RefinedView result = refined(view, with_known_noise(0.1, 0.01));
+  EXPECT_EQ(result.status, RefineStatus::kRefined);
+  EXPECT_EQ(result.refined, view.sample_count());
+  EXPECT_EQ(result.view.samples, SampleOrigin::kRefined);
+  EXPECT_LT(largest_change(view, result.view), 2e-5);  // normals are floats
 }
 
 TEST(RefineView, ASphereWithItsNormalsStaysAsItIs) {
@@ -242,26 +247,22 @@ TEST(RefineView, ConvergesWithTheSecondOrderOfTheSpacing) {
   EXPECT_LT(errors[0] / errors[1], 5.0);
 }
 
-TEST(RefineView, AStepInDepthStaysSharp) {
-  for (const double height : {1.5, 5.0, 50.0}) {
-    const auto with_step = [&](RangeView view) {
-      for (int v = 0; v < 48; ++v)
-        for (int u = 32; u < 64; ++u) view.range(u, v) += height;
-      return view;
-    };
-    const RangeView flat =
-        testing::render(testing::plane({0, 0, 90}, {0.2, 0.1, 1}), kOrthographic);
-    const RangeView truth = with_step(flat);
-    RangeView view = truth;
-    testing::add_range_noise(view, 0.15, 4);
-    testing::add_normal_noise(view, 1.5 * kDegree, 5);
-    const RefinedView result = refined(view);
-    double step = 0.0;
-    for (int v = 4; v < 44; ++v)
-      step += (result.view.range(32, v) - result.view.range(31, v)) / 40.0;
-    EXPECT_NEAR(step, truth.range(32, 20) - truth.range(31, 20), 0.1) << height;
-    EXPECT_LT(errors_of(result.view, truth).depth_rms, 0.06) << height;
-  }
+class RefineViewOfAStep : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Heights, RefineViewOfAStep, ::testing::Values(1.5, 5.0, 50.0),
+                         testing::PrintedName());
+
+TEST_P(RefineViewOfAStep, StaysSharp) {
+  RangeView truth = testing::render(testing::plane({0, 0, 90}, {0.2, 0.1, 1}), kOrthographic);
+  for (int v = 0; v < 48; ++v)
+    for (int u = 32; u < 64; ++u) truth.range(u, v) += GetParam();
+  RangeView view = truth;
+  testing::add_range_noise(view, 0.15, 4);
+  testing::add_normal_noise(view, 1.5 * kDegree, 5);
+  const RefinedView result = refined(view);
+  double step = 0.0;
+  for (int v = 4; v < 44; ++v) step += (result.view.range(32, v) - result.view.range(31, v)) / 40.0;
+  EXPECT_NEAR(step, truth.range(32, 20) - truth.range(31, 20), 0.1);
+  EXPECT_LT(errors_of(result.view, truth).depth_rms, 0.06);
 }
 
 TEST(RefineView, AThirdOfWildNormalsIsNoDisaster) {

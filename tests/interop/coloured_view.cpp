@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/small_meshes.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::testing {
@@ -47,17 +48,7 @@ RangeView coloured_view(const Camera& camera) {
   return view;
 }
 
-TriangleMesh mesh_with_attributes() {
-  TriangleMesh mesh;
-  mesh.vertices = {{0, 0, 0}, {1.1, 0, 0}, {0, 1.3, 0}, {0, 0, 1.7}};
-  mesh.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-  mesh.normals = vertex_normals(mesh);
-  mesh.quality = {0.5f, 1.5f, 2.5f, 3.5f};
-  mesh.views = {1, 2, 300, 0};
-  mesh.filled = {0, 1, 0, 1};
-  mesh.colours = {{1, 2, 3}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}};
-  return mesh;
-}
+TriangleMesh mesh_with_attributes() { return with_attributes(tetrahedron()); }
 
 void expect_same_samples(const RangeView& found, const RangeView& given, double tolerance) {
   ASSERT_EQ(found.width(), given.width());

@@ -12,6 +12,8 @@
 #include "relief/interop/pcl_registration.h"
 #include "tests/interop/coloured_view.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/support/geometry_matchers.h"
+#include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
 
 namespace relief::interop {
@@ -30,17 +32,18 @@ using Registration = pcl::Registration<pcl::PointNormal, pcl::PointNormal>;
 
 constexpr double kFloat = 2e-6;  // A few roundings of 32-bit floats.
 
-TEST(PclConversion, GivesViewsBackForEveryCamera) {
-  for (const Camera& camera : cameras_of_all_models()) {
-    SCOPED_TRACE(std::string(to_string(camera.model())));
-    const RangeView view = coloured_view(camera);
-    const auto found = value_of(from_pcl(to_pcl<pcl::PointXYZRGBNormal>(view), camera));
-    expect_same_samples(found, view, kFloat);
-    EXPECT_TRUE(
-        std::equal(found.colours.begin(), found.colours.end(), view.colours.begin(),
-                   [&](const Colour& a, const Colour& b) { return a == b || a == Colour{}; }));
-    EXPECT_EQ(found.colours(24, 18), view.colours(24, 18));
-  }
+class PclConversionOfViews : public ::testing::TestWithParam<Camera> {};
+INSTANTIATE_TEST_SUITE_P(Cameras, PclConversionOfViews,
+                         ::testing::ValuesIn(cameras_of_all_models()), testing::PrintedName());
+
+TEST_P(PclConversionOfViews, GivesThemBack) {
+  const RangeView view = coloured_view(GetParam());
+  const auto found = value_of(from_pcl(to_pcl<pcl::PointXYZRGBNormal>(view), GetParam()));
+  expect_same_samples(found, view, kFloat);
+  EXPECT_TRUE(
+      std::equal(found.colours.begin(), found.colours.end(), view.colours.begin(),
+                 [&](const Colour& a, const Colour& b) { return a == b || a == Colour{}; }));
+  EXPECT_EQ(found.colours(24, 18), view.colours(24, 18));
 }
 
 TEST(PclConversion, FindsTheCamera) {

@@ -15,6 +15,8 @@
 
 #include "relief/io/mesh_io.h"
 #include "tests/interop/coloured_view.h"
+#include "tests/support/geometry_matchers.h"
+#include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -43,26 +45,24 @@ void expect_same_attributes(const RangeView& found, const RangeView& given) {
   }
 }
 
-TEST(VtkConversion, ImagesGiveViewsBackForEveryCamera) {
-  for (const Camera& camera : cameras_of_all_models()) {
-    SCOPED_TRACE(std::string(to_string(camera.model())));
-    const RangeView view = coloured_view(camera);
-    const auto found = value_of(to_range_view(*to_image_data(view)));
-    EXPECT_EQ(found.camera.model(), camera.model());
-    expect_same_samples(found, view, 1e-14);
-    expect_same_attributes(found, view);
+class VtkConversionOfViews : public ::testing::TestWithParam<Camera> {
+ protected:
+  void expect_view_back(vtkDataSet& data, double tolerance) const {
+    const auto found = value_of(to_range_view(data));
+    EXPECT_EQ(found.camera.model(), GetParam().model());
+    expect_same_samples(found, view_, tolerance);
+    expect_same_attributes(found, view_);
   }
-}
 
-TEST(VtkConversion, SurfacesGiveViewsBackForEveryCamera) {
-  for (const Camera& camera : cameras_of_all_models()) {
-    SCOPED_TRACE(std::string(to_string(camera.model())));
-    const RangeView view = coloured_view(camera);
-    const auto found = value_of(to_range_view(*to_poly_data(view)));
-    EXPECT_EQ(found.camera.model(), camera.model());
-    expect_same_samples(found, view, 1e-13);
-    expect_same_attributes(found, view);
-  }
+  const RangeView view_ = coloured_view(GetParam());
+};
+INSTANTIATE_TEST_SUITE_P(Cameras, VtkConversionOfViews,
+                         ::testing::ValuesIn(cameras_of_all_models()), testing::PrintedName());
+
+TEST_P(VtkConversionOfViews, ImagesGiveThemBack) { expect_view_back(*to_image_data(view_), 1e-14); }
+
+TEST_P(VtkConversionOfViews, SurfacesGiveThemBack) {
+  expect_view_back(*to_poly_data(view_), 1e-13);
 }
 
 TEST(VtkConversion, AnImageHoldsWhatTheSensorMeasured) {

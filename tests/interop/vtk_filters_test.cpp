@@ -16,12 +16,14 @@
 #include "relief/interop/vtk_refine_view.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/small_meshes.h"
 
 namespace relief::interop {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::largest_distance;
 
 // What a VTK object reports, instead of its being printed.
 class Reports : public vtkCommand {
@@ -55,13 +57,6 @@ vtkSmartPointer<vtkTrivialProducer> source(const RangeView& view) {
   auto producer = vtkSmartPointer<vtkTrivialProducer>::New();
   producer->SetOutput(to_image_data(view));
   return producer;
-}
-
-double largest_distance(const TriangleMesh& a, const TriangleMesh& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.vertices.size(); ++i)
-    largest = std::max(largest, (a.vertices[i] - b.vertices[i]).norm());
-  return largest;
 }
 
 TEST(VtkFilters, RefiningGivesTheSameAsTheDirectCall) {

@@ -8,10 +8,16 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 
+#include "relief/scan/camera.h"
 #include "relief/scan/mesh_check.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief {
+
+/// How GoogleTest prints a camera: its model and the size of its grid.
+inline void PrintTo(const Camera& camera, std::ostream* out) {
+  *out << to_string(camera.model()) << ' ' << camera.width() << 'x' << camera.height();
+}
 
 /// How GoogleTest prints what a mesh is: sizes, and what keeps it from being a valid solid.
 inline void PrintTo(const MeshCheck& check, std::ostream* out) {
@@ -67,69 +73,66 @@ inline void explain(const RigidMotion& actual, const RigidMotion& expected, std:
        << (actual.translation() - expected.translation()).norm();
 }
 
-template <typename Expected>
-class NearMatcher {
+/// Compares with `expected` as `Rule` says, and tells how far away the value is.
+template <typename Expected, typename Rule>
+class ClosenessMatcher {
  public:
   using is_gtest_matcher = void;
 
-  NearMatcher(Expected expected, double tolerance)
-      : expected_(std::move(expected)), tolerance_(tolerance) {}
+  ClosenessMatcher(Expected expected, Rule rule)
+      : expected_(std::move(expected)), rule_(std::move(rule)) {}
 
   template <typename Actual>
   bool MatchAndExplain(const Actual& actual, std::ostream* out) const {
     if (out) explain(actual, expected_, out);
-    return static_cast<double>((actual - expected_).norm()) < tolerance_;
-  }
-  void DescribeTo(std::ostream* out) const { describe("is nearer than ", out); }
-  void DescribeNegationTo(std::ostream* out) const { describe("is not nearer than ", out); }
-
- private:
-  void describe(const char* verb, std::ostream* out) const {
-    *out << verb << tolerance_ << " to ";
-    show(expected_, out);
-  }
-  Expected expected_;
-  double tolerance_;
-};
-
-/// Matches a vector or matrix whose difference from `expected` has a norm below `tolerance` (the
-/// Frobenius norm for a matrix) [unit of the entries].
-template <typename Derived>
-auto IsNear(const Eigen::MatrixBase<Derived>& expected, double tolerance) {
-  return NearMatcher(evaluated(expected), tolerance);
-}
-
-template <typename Expected>
-class ApproxMatcher {
- public:
-  using is_gtest_matcher = void;
-
-  ApproxMatcher(Expected expected, double precision)
-      : expected_(std::move(expected)), precision_(precision) {}
-
-  template <typename Actual>
-  bool MatchAndExplain(const Actual& actual, std::ostream* out) const {
-    if (out) explain(actual, expected_, out);
-    return actual.isApprox(expected_, precision_);
+    return rule_.holds(actual, expected_);
   }
   void DescribeTo(std::ostream* out) const { describe("is", out); }
   void DescribeNegationTo(std::ostream* out) const { describe("is not", out); }
 
  private:
   void describe(const char* verb, std::ostream* out) const {
-    *out << verb << ", to " << precision_ << " of its norm, ";
+    *out << verb;
+    rule_.describe(out);
     show(expected_, out);
   }
   Expected expected_;
-  double precision_;
+  Rule rule_;
 };
+
+struct IsNearer {
+  double tolerance;
+
+  template <typename Actual, typename Expected>
+  bool holds(const Actual& actual, const Expected& expected) const {
+    return static_cast<double>((actual - expected).norm()) < tolerance;
+  }
+  void describe(std::ostream* out) const { *out << " nearer than " << tolerance << " to "; }
+};
+
+struct IsApproximately {
+  double precision;
+
+  template <typename Actual, typename Expected>
+  bool holds(const Actual& actual, const Expected& expected) const {
+    return actual.isApprox(expected, precision);
+  }
+  void describe(std::ostream* out) const { *out << ", to " << precision << " of its norm, "; }
+};
+
+/// Matches a vector or matrix whose difference from `expected` has a norm below `tolerance` (the
+/// Frobenius norm for a matrix) [unit of the entries].
+template <typename Derived>
+auto IsNear(const Eigen::MatrixBase<Derived>& expected, double tolerance) {
+  return ClosenessMatcher(evaluated(expected), IsNearer{tolerance});
+}
 
 /// Matches what `isApprox` of Eigen calls equal: the difference from `expected` is at most
 /// `precision` of the smaller norm. Poses are compared as 4x4 matrices.
 template <typename Expected>
 auto IsApprox(const Expected& expected,
               double precision = Eigen::NumTraits<double>::dummy_precision()) {
-  return ApproxMatcher(evaluated(expected), precision);
+  return ClosenessMatcher(evaluated(expected), IsApproximately{precision});
 }
 
 /// Matches a mesh, or what check_mesh says of one, that is a valid solid.

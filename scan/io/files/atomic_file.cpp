@@ -3,12 +3,12 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <utility>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "scan/base/file_descriptor.h"
 #include "scan/io/files/io_error.h"
 
 namespace relief {
@@ -32,24 +32,6 @@ fs::path temporary_beside(const fs::path& path) {
   return folder_of(path) / name;
 }
 
-// Closes a descriptor on every way out; close() itself can report a lost write.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() { close(); }
-  bool is_open() const { return fd_ >= 0; }
-  int get() const { return fd_; }
-  bool close() {
-    const int fd = std::exchange(fd_, -1);
-    return fd < 0 || ::close(fd) == 0;
-  }
-
- private:
-  int fd_;
-};
-
 Result<void> check_target(const fs::path& path) {
   std::error_code code;
   if (!path.has_filename()) return cannot_write(path, "this names no file");
@@ -62,7 +44,7 @@ Result<void> check_target(const fs::path& path) {
 
 // Forces written bytes to the disk: only then are a full disk and a failing one known.
 Result<void> flush_to_disk(const fs::path& path, const fs::path& temporary) {
-  Descriptor file(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
+  FileDescriptor file(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
   if (!file.is_open()) return write_error(path, "reopen what was written", errno);
   if (::fsync(file.get()) != 0) return write_error(path, "flush to the disk", errno);
   return {};
@@ -70,7 +52,7 @@ Result<void> flush_to_disk(const fs::path& path, const fs::path& temporary) {
 
 void flush_folder(const fs::path& folder) {
   // Makes the new name durable; some file systems cannot, and the content is safe either way.
-  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const FileDescriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (descriptor.is_open()) (void)::fsync(descriptor.get());
 }
 
@@ -100,7 +82,7 @@ bool is_special(const fs::path& path) {
 
 Result<void> write_bytes(const fs::path& path, const fs::path& target, std::string_view content) {
   const int create = is_special(target) ? 0 : O_CREAT | O_EXCL;
-  Descriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC | create, 0666));
+  FileDescriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC | create, 0666));
   if (!file.is_open()) return write_error(path, "create the file", errno);
   while (!content.empty()) {
     const ssize_t count = ::write(file.get(), content.data(), content.size());
@@ -135,7 +117,7 @@ Result<void> write_file(const fs::path& path, std::string_view content) {
 Result<std::string> read_file(const fs::path& path) {
   std::error_code code;
   if (fs::is_directory(path, code)) return bad_input(path, "this is a folder, not a file");
-  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!file.is_open()) return bad_input(path, std::string("cannot open: ") + std::strerror(errno));
   std::string content;
   struct stat status {};

@@ -6,6 +6,7 @@
 
 #include "relief/scan/range_view.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/files/ply_columns.h"
 #include "scan/io/files/ply_file.h"
 #include "scan/io/grids/grid_file.h"
 #include "scan/io/images/image_limits.h"
@@ -13,24 +14,6 @@
 namespace relief {
 
 namespace {
-
-// Columns of three scalar properties, if all are there.
-using Columns = std::array<const std::vector<double>*, 3>;
-
-std::optional<Columns> find_columns(const PlyElement& element,
-                                    const std::array<const char*, 3>& names) {
-  Columns columns{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const PlyProperty* property = element.find(names[k]);
-    if (!property || property->is_list) return std::nullopt;
-    columns[k] = &property->values;
-  }
-  return columns;
-}
-
-Eigen::Vector3d vector_at(const Columns& columns, std::size_t i) {
-  return {(*columns[0])[i], (*columns[1])[i], (*columns[2])[i]};
-}
 
 Result<int> grid_side(const PlyFile& ply, const char* key, const std::filesystem::path& path) {
   const auto found = ply.object_info.find(key);
@@ -82,8 +65,9 @@ Result<Grid<std::int64_t>> read_places(const PlyFile& ply, std::size_t vertices,
   return vertex;
 }
 
-Result<Colour> colour_at(const Columns& columns, std::size_t i, const std::filesystem::path& path) {
-  const Eigen::Vector3d values = vector_at(columns, i);
+Result<Colour> colour_at(const PlyColumns& columns, std::size_t i,
+                         const std::filesystem::path& path) {
+  const Eigen::Vector3d values = ply_vector(columns, i);
   Colour colour{};
   for (std::size_t k = 0; k < 3; ++k) {
     const double value = values[static_cast<Eigen::Index>(k)];
@@ -105,13 +89,13 @@ Result<GridFile> read_ply_grid(const std::filesystem::path& path) {
   const auto height = grid_side(*ply, "num_rows", path);
   if (!height) return height.error();
   const PlyElement* vertex = ply->find("vertex");
-  const auto xyz = vertex ? find_columns(*vertex, {"x", "y", "z"}) : std::nullopt;
+  const auto xyz = vertex ? ply_columns(*vertex, {"x", "y", "z"}) : std::nullopt;
   if (!xyz) return bad_input(path, "no element vertex with the properties x, y and z");
   const auto places = read_places(*ply, vertex->count, *width, *height, path);
   if (!places) return places.error();
 
-  const auto normal = find_columns(*vertex, {"nx", "ny", "nz"});
-  const auto rgb = find_columns(*vertex, {"red", "green", "blue"});
+  const auto normal = ply_columns(*vertex, {"nx", "ny", "nz"});
+  const auto rgb = ply_columns(*vertex, {"red", "green", "blue"});
   const PlyProperty* confidence = vertex->find("confidence");
   if (confidence && confidence->is_list) confidence = nullptr;
   GridFile grid;
@@ -123,10 +107,10 @@ Result<GridFile> read_ply_grid(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < places->size(); ++i) {
     if ((*places)[i] < 0) continue;
     const auto v = static_cast<std::size_t>((*places)[i]);
-    const Eigen::Vector3d point = vector_at(*xyz, v);
+    const Eigen::Vector3d point = ply_vector(*xyz, v);
     if (!point.allFinite()) continue;
     grid.points[i] = point;
-    if (normal) grid.normals[i] = vector_at(*normal, v).cast<float>();
+    if (normal) grid.normals[i] = ply_vector(*normal, v).cast<float>();
     if (confidence) grid.confidence[i] = static_cast<float>(confidence->values[v]);
     if (!rgb) continue;
     const auto colour = colour_at(*rgb, v, path);

@@ -27,10 +27,10 @@ struct ImageHeader {
 };
 
 /// An error unless an image can be what its header says: a damaged header must not make the reader
-/// allocate without bounds. An image has at most 65536 pixels on a side, 2^28 pixels, and as many
-/// bytes as its compression can have shrunk to `file_bytes`. Beyond 2^26 pixels, where nothing but
-/// a header may be behind the number, its file has a byte for at most 256 pixels. It fits into
-/// `memory` [bytes]. Errors: kBadInput, and kUnsolvable for want of memory.
+/// allocate without bounds. An image has at most kMaxImageSide pixels on a side, 2^28 pixels, and
+/// as many bytes as its compression can have shrunk to `file_bytes`. Beyond 2^26 pixels, where
+/// nothing but a header may be behind the number, its file has a byte for at most 256 pixels. It
+/// fits into `memory` [bytes]. Errors: kBadInput, and kUnsolvable for want of memory.
 Result<void> check_image_header(const ImageHeader& header, std::size_t file_bytes,
                                 const std::filesystem::path& path,
                                 std::size_t memory = free_memory());

@@ -8,6 +8,8 @@
 
 #include "fusion/views/paged_surface.h"
 #include "tests/fusion/scenes.h"
+#include "tests/support/geometry_matchers.h"
+#include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
 
 namespace relief::fusion {
@@ -31,18 +33,20 @@ std::vector<Camera> cameras() {
           Camera::orthographic(60, 60, {-20, -20, 0}, {0.7, 0, 0}, {0, 0.7, 0}, {0, 0, 1})};
 }
 
-TEST(ViewSampler, DistancesToAPlaneAreExactForEveryCamera) {
+class ViewSamplerOfCamera : public ::testing::TestWithParam<Camera> {};
+INSTANTIATE_TEST_SUITE_P(Cameras, ViewSamplerOfCamera, ::testing::ValuesIn(cameras()),
+                         testing::PrintedName());
+
+TEST_P(ViewSamplerOfCamera, DistancesToAPlaneAreExact) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.2, 1.0).normalized(), at(1, 2, 3);
-  for (const Camera& camera : cameras()) {
-    const ViewSampler sampler = sampler_of(render(testing::plane(at, normal), camera, kPose));
-    for (const double distance : {-2.0, 0.0, 1.0, 10.0}) {
-      const auto seen = sampler.observe(at + distance * normal, 0.0);
-      ASSERT_TRUE(seen) << to_string(camera.model());
-      EXPECT_NEAR(seen->distance, distance, 1e-3) << to_string(camera.model());
-      EXPECT_NEAR((seen->normal - normal).norm(), 0.0, 1e-5);
-      EXPECT_GT(seen->weight, 0.5);
-      EXPECT_LE(seen->clearance, std::max(0.0, distance) + 1e-3);
-    }
+  const ViewSampler sampler = sampler_of(render(testing::plane(at, normal), GetParam(), kPose));
+  for (const double distance : {-2.0, 0.0, 1.0, 10.0}) {
+    const auto seen = sampler.observe(at + distance * normal, 0.0);
+    ASSERT_TRUE(seen);
+    EXPECT_NEAR(seen->distance, distance, 1e-3);
+    EXPECT_NEAR((seen->normal - normal).norm(), 0.0, 1e-5);
+    EXPECT_GT(seen->weight, 0.5);
+    EXPECT_LE(seen->clearance, std::max(0.0, distance) + 1e-3);
   }
 }
 
@@ -89,65 +93,62 @@ TEST(ViewSampler, SteepViewsMeasureFromTheFootOfAPoint) {
   EXPECT_LT(at_foot, 0.2 * at_once);
 }
 
-TEST(ViewSampler, LeavesOutOnlyBoxesItKnowsNothingAbout) {
+TEST_P(ViewSamplerOfCamera, LeavesOutOnlyBoxesItKnowsNothingAbout) {
   std::mt19937 random(7);
   const auto number = [&](double least, double most) {
     return least + (most - least) * static_cast<double>(random()) / 4294967295.0;
   };
   constexpr double kReach = 3.0;
   const testing::Surface sphere = testing::sphere({1, 2, 3}, 15.0);
-  for (const Camera& camera : cameras()) {
-    const ViewSampler sampler = sampler_of(render(sphere, camera, kPose));
-    int left_out = 0;
-    for (int i = 0; i < 1000; ++i) {
-      const Eigen::Vector3d low(number(-25, 25), number(-25, 25), number(-25, 25));
-      const Eigen::AlignedBox3d box(low, low + Eigen::Vector3d::Constant(number(1.0, 8.0)));
-      if (sampler.concerns(box, kReach)) continue;
-      ++left_out;
-      for (int k = 0; k < 20; ++k) {
-        const Eigen::Vector3d p = box.min() + box.sizes().cwiseProduct(Eigen::Vector3d(
-                                                  number(0, 1), number(0, 1), number(0, 1)));
-        const auto seen = sampler.observe(p, 0.0);
-        if (!seen) continue;
-        EXPECT_LT(seen->distance, 0.0);
-        EXPECT_GE(seen->range_gap, kReach);
-      }
+  const ViewSampler sampler = sampler_of(render(sphere, GetParam(), kPose));
+  int left_out = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d low(number(-25, 25), number(-25, 25), number(-25, 25));
+    const Eigen::AlignedBox3d box(low, low + Eigen::Vector3d::Constant(number(1.0, 8.0)));
+    if (sampler.concerns(box, kReach)) continue;
+    ++left_out;
+    for (int k = 0; k < 20; ++k) {
+      const Eigen::Vector3d p = box.min() + box.sizes().cwiseProduct(Eigen::Vector3d(
+                                                number(0, 1), number(0, 1), number(0, 1)));
+      const auto seen = sampler.observe(p, 0.0);
+      if (!seen) continue;
+      EXPECT_LT(seen->distance, 0.0);
+      EXPECT_GE(seen->range_gap, kReach);
     }
-    EXPECT_GT(left_out, 300) << to_string(camera.model());
-    EXPECT_LT(left_out, 950) << to_string(camera.model());
   }
+  EXPECT_GT(left_out, 300);
+  EXPECT_LT(left_out, 950);
 }
 
-TEST(ViewSampler, TellsFarPointsFromNearOnesByDepth) {
+TEST_P(ViewSamplerOfCamera, TellsFarPointsFromNearOnesByDepth) {
   std::mt19937 random(8);
   const auto number = [&] { return -25.0 + 50.0 * static_cast<double>(random()) / 4294967295.0; };
   constexpr double kReach = 3.0;
-  for (const Camera& camera : cameras()) {
-    const ViewSampler sampler = sampler_of(render(testing::sphere({1, 2, 3}, 15.0), camera, kPose));
-    int in_front = 0, behind = 0, near = 0;
-    for (int i = 0; i < 3000; ++i) {
-      const auto quad = sampler.quad_on_ray_of({number(), number(), number()});
-      if (!quad) continue;
-      const auto seen = sampler.observe(*quad, 0.0);
-      ASSERT_TRUE(seen);
-      const ViewSampler::Side side = sampler.side(*quad, kReach);
-      if (side == ViewSampler::Side::kNear) {
-        ++near;
-        continue;
-      }
-      EXPECT_GE(seen->range_gap, kReach - 1e-4);
-      if (side == ViewSampler::Side::kInFront) {
-        ++in_front;
-        EXPECT_GT(seen->distance, 0.0);
-      } else {
-        ++behind;
-        EXPECT_LT(seen->distance, 0.0);
-      }
+  const ViewSampler sampler =
+      sampler_of(render(testing::sphere({1, 2, 3}, 15.0), GetParam(), kPose));
+  int in_front = 0, behind = 0, near = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const auto quad = sampler.quad_on_ray_of({number(), number(), number()});
+    if (!quad) continue;
+    const auto seen = sampler.observe(*quad, 0.0);
+    ASSERT_TRUE(seen);
+    const ViewSampler::Side side = sampler.side(*quad, kReach);
+    if (side == ViewSampler::Side::kNear) {
+      ++near;
+      continue;
     }
-    EXPECT_GT(in_front, 100) << to_string(camera.model());
-    EXPECT_GT(behind, 100) << to_string(camera.model());
-    EXPECT_GT(near, 50) << to_string(camera.model());
+    EXPECT_GE(seen->range_gap, kReach - 1e-4);
+    if (side == ViewSampler::Side::kInFront) {
+      ++in_front;
+      EXPECT_GT(seen->distance, 0.0);
+    } else {
+      ++behind;
+      EXPECT_LT(seen->distance, 0.0);
+    }
   }
+  EXPECT_GT(in_front, 100);
+  EXPECT_GT(behind, 100);
+  EXPECT_GT(near, 50);
 }
 
 TEST(ViewSampler, SaysNothingOutsideItsSamples) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <string>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -67,7 +68,10 @@ MeshNormals random_normals(const TriangleMesh& mesh, std::uint64_t seed) {
 
 class PolishInBothForms : public ::testing::TestWithParam<MeshForm> {};
 INSTANTIATE_TEST_SUITE_P(Forms, PolishInBothForms,
-                         ::testing::Values(MeshForm::kAlongNormals, MeshForm::kFull));
+                         ::testing::Values(MeshForm::kAlongNormals, MeshForm::kFull),
+                         [](const auto& test) -> std::string {
+                           return test.param == MeshForm::kFull ? "Full" : "AlongNormals";
+                         });
 
 TEST_P(PolishInBothForms, ANoisySphereWithTrueNormalsBecomesTheSphere) {
   const TriangleMesh sphere = sphere_mesh(30.0, 24);

@@ -1,6 +1,8 @@
 #include "hybrid/model/view_system.h"
 
 #include <random>
+#include <string>
+#include <tuple>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -64,28 +66,36 @@ double objective(const ViewProblem& problem, const ViewWeights& weights, const E
   return sum + double{weights.bias_size} * y.tail(2 * n).squaredNorm();
 }
 
-TEST(ViewSystem, IsTheQuadraticFormOfTheObjective) {
+class ViewSystemOfAModel : public ::testing::TestWithParam<std::tuple<Stencil, bool>> {};
+INSTANTIATE_TEST_SUITE_P(StencilsAndBias, ViewSystemOfAModel,
+                         ::testing::Combine(::testing::Values(Stencil::kCompactEdge,
+                                                              Stencil::kPaperCentral),
+                                            ::testing::Bool()),
+                         [](const auto& test) {
+                           const bool compact =
+                               std::get<Stencil>(test.param) == Stencil::kCompactEdge;
+                           return std::string(compact ? "CompactEdge" : "PaperCentral") +
+                                  (std::get<bool>(test.param) ? "WithBias" : "");
+                         });
+
+TEST_P(ViewSystemOfAModel, IsTheQuadraticFormOfTheObjective) {
+  const auto [stencil, with_bias] = GetParam();
   const RangeView view = ragged_view();
-  for (const Stencil stencil : {Stencil::kCompactEdge, Stencil::kPaperCentral}) {
-    for (const bool with_bias : {true, false}) {
-      const ViewProblem problem = make_view_problem(view, connect_samples(view), stencil);
-      ViewSystem system(problem, with_bias);
-      const ViewWeights weights = random_weights(problem, 3);
-      system.assemble(weights);
-      const Eigen::MatrixXd matrix =
-          Eigen::MatrixXd(system.lower()).selfadjointView<Eigen::Lower>();
-      const Eigen::Index size = matrix.rows();
-      ASSERT_EQ(size, (with_bias ? 3 : 1) * static_cast<Eigen::Index>(problem.size()));
-      const double constant = objective(problem, weights, Eigen::VectorXd::Zero(size), with_bias);
-      for (std::uint32_t seed = 10; seed < 14; ++seed) {
-        const Eigen::VectorXd y = random_vector(size, seed);
-        const double expected = objective(problem, weights, y, with_bias);
-        EXPECT_NEAR(y.dot(matrix * y) - 2.0 * system.rhs().dot(y) + constant, expected,
-                    1e-9 * expected);
-      }
-      EXPECT_GT(matrix.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0.0);
-    }
+  const ViewProblem problem = make_view_problem(view, connect_samples(view), stencil);
+  ViewSystem system(problem, with_bias);
+  const ViewWeights weights = random_weights(problem, 3);
+  system.assemble(weights);
+  const Eigen::MatrixXd matrix = Eigen::MatrixXd(system.lower()).selfadjointView<Eigen::Lower>();
+  const Eigen::Index size = matrix.rows();
+  ASSERT_EQ(size, (with_bias ? 3 : 1) * static_cast<Eigen::Index>(problem.size()));
+  const double constant = objective(problem, weights, Eigen::VectorXd::Zero(size), with_bias);
+  for (std::uint32_t seed = 10; seed < 14; ++seed) {
+    const Eigen::VectorXd y = random_vector(size, seed);
+    const double expected = objective(problem, weights, y, with_bias);
+    EXPECT_NEAR(y.dot(matrix * y) - 2.0 * system.rhs().dot(y) + constant, expected,
+                1e-9 * expected);
   }
+  EXPECT_GT(matrix.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0.0);
 }
 
 TEST(ViewSystem, AssemblingAgainForgetsTheWeightsBefore) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
@@ -132,22 +133,26 @@ Mistakes mistakes(const Scans& scans, const StaticBackground& found) {
 
 const Surface kPlate = plane({0, 0, 115}, {0.2, 0.1, -1});
 
-TEST(StaticBackground, APlateBehindATurningObjectIsFoundToThePixel) {
-  for (const bool with_poses : {true, false}) {
-    Scans scans = turn(figure(), kPlate);
-    if (with_poses)
-      disturb_poses(scans.views);
-    else
-      drop_poses(scans.views);
-    const StaticBackground found = find_static_background(scans.views);
-    const Mistakes errors = mistakes(scans, found);
-    ASSERT_GT(errors.truth, 100000u);
-    EXPECT_EQ(found.views, 12u) << with_poses;
-    EXPECT_EQ(errors.wrong, 0u) << with_poses;
-    EXPECT_EQ(errors.far, 0u) << with_poses;
-    EXPECT_LT(errors.missed, errors.truth / 2000) << with_poses;
-    EXPECT_EQ(found.undecided, 0u);
-  }
+class StaticBackgroundByPoses : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Views, StaticBackgroundByPoses, ::testing::Bool(),
+                         [](const auto& test) -> std::string {
+                           return test.param ? "WithPoses" : "WithoutPoses";
+                         });
+
+TEST_P(StaticBackgroundByPoses, APlateBehindATurningObjectIsFoundToThePixel) {
+  Scans scans = turn(figure(), kPlate);
+  if (GetParam())
+    disturb_poses(scans.views);
+  else
+    drop_poses(scans.views);
+  const StaticBackground found = find_static_background(scans.views);
+  const Mistakes errors = mistakes(scans, found);
+  ASSERT_GT(errors.truth, 100000u);
+  EXPECT_EQ(found.views, 12u);
+  EXPECT_EQ(errors.wrong, 0u);
+  EXPECT_EQ(errors.far, 0u);
+  EXPECT_LT(errors.missed, errors.truth / 2000);
+  EXPECT_EQ(found.undecided, 0u);
 }
 
 // Two views of twelve look through the middle of the ring.
@@ -175,38 +180,32 @@ TEST(StaticBackground, RemovingItLeavesTheObject) {
   EXPECT_THAT(describe(found, true).at(0), ::testing::HasSubstr("--background keep"));
 }
 
-TEST(StaticBackground, NothingIsFoundWhereThereIsNone) {
-  for (const bool with_poses : {true, false}) {
-    Scans scans = turn(figure(), std::nullopt);
-    if (!with_poses) drop_poses(scans.views);
-    const StaticBackground found = find_static_background(scans.views);
-    EXPECT_EQ(found.samples, 0u);
-    EXPECT_TRUE(describe(found, true).empty());
-  }
+TEST_P(StaticBackgroundByPoses, NothingIsFoundWhereThereIsNone) {
+  Scans scans = turn(figure(), std::nullopt);
+  if (!GetParam()) drop_poses(scans.views);
+  const StaticBackground found = find_static_background(scans.views);
+  EXPECT_EQ(found.samples, 0u);
+  EXPECT_TRUE(describe(found, true).empty());
 }
 
 // The body looks the same from all sides; only its handle moves.
-TEST(StaticBackground, ASymmetricBodyOfAnObjectIsKept) {
+TEST_P(StaticBackgroundByPoses, ASymmetricBodyOfAnObjectIsKept) {
   const Surface cup = nearest_of({cylinder(12, -10, 10), sphere({13, 0, 0}, 5)});
-  for (const bool with_poses : {true, false}) {
-    Scans scans = turn(cup, std::nullopt, 12, 0.0);
-    if (with_poses)
-      disturb_poses(scans.views);
-    else
-      drop_poses(scans.views);
-    EXPECT_EQ(find_static_background(scans.views).samples, 0u) << with_poses;
-  }
+  Scans scans = turn(cup, std::nullopt, 12, 0.0);
+  if (GetParam())
+    disturb_poses(scans.views);
+  else
+    drop_poses(scans.views);
+  EXPECT_EQ(find_static_background(scans.views).samples, 0u);
 }
 
-TEST(StaticBackground, ASymmetricFootIsKeptWhenThePlateBehindItIsLeftOut) {
+TEST_P(StaticBackgroundByPoses, ASymmetricFootIsKeptWhenThePlateBehindItIsLeftOut) {
   const Surface statue = nearest_of({figure(), cylinder(11, -20, -9)});
-  for (const bool with_poses : {true, false}) {
-    Scans scans = turn(statue, kPlate, 12, 0.0);
-    if (!with_poses) drop_poses(scans.views);
-    const Mistakes errors = mistakes(scans, find_static_background(scans.views));
-    EXPECT_EQ(errors.wrong, 0u) << with_poses;
-    EXPECT_EQ(errors.far, 0u) << with_poses;
-  }
+  Scans scans = turn(statue, kPlate, 12, 0.0);
+  if (!GetParam()) drop_poses(scans.views);
+  const Mistakes errors = mistakes(scans, find_static_background(scans.views));
+  EXPECT_EQ(errors.wrong, 0u);
+  EXPECT_EQ(errors.far, 0u);
 }
 
 // A camera that moves along a wall sees it at the same ranges; the poses say that it is the scene.

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/parameter_names.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief {
@@ -26,15 +27,17 @@ std::size_t broken(const Grid<std::uint8_t>& edges, int width, int height) {
   return count;
 }
 
-TEST(Discontinuities, AStepIsCutExactlyWhereItIs) {
-  for (const double step : {3.0, 10.0, 1000.0, -5.0}) {
-    RangeView view = step_view(step);
-    testing::add_range_noise(view, 0.2, 7);
-    const GridEdges edges = connect_samples(view);
-    for (int v = 0; v < 30; ++v) EXPECT_FALSE(edges.right(19, v)) << step;
-    EXPECT_EQ(broken(edges.right, 39, 30), 30u) << step;
-    EXPECT_EQ(broken(edges.down, 40, 29), 0u) << step;
-  }
+class DiscontinuitiesOfAStep : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Heights, DiscontinuitiesOfAStep,
+                         ::testing::Values(3.0, 10.0, 1000.0, -5.0), testing::PrintedName());
+
+TEST_P(DiscontinuitiesOfAStep, AStepIsCutExactlyWhereItIs) {
+  RangeView view = step_view(GetParam());
+  testing::add_range_noise(view, 0.2, 7);
+  const GridEdges edges = connect_samples(view);
+  for (int v = 0; v < 30; ++v) EXPECT_FALSE(edges.right(19, v));
+  EXPECT_EQ(broken(edges.right, 39, 30), 30u);
+  EXPECT_EQ(broken(edges.down, 40, 29), 0u);
 }
 
 TEST(Discontinuities, ASteepPlaneIsOneSurface) {

@@ -9,6 +9,7 @@
 #include "relief/scan/triangle_mesh.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/files/ply_columns.h"
 #include "scan/io/files/ply_file.h"
 
 namespace relief {
@@ -69,23 +70,6 @@ PointCloudFile cloud_of_mesh(TriangleMesh mesh) {
   cloud.normals = std::move(mesh.normals);
   cloud.colours = std::move(mesh.colours);
   return cloud;
-}
-
-using PlyColumns = std::array<const std::vector<double>*, 3>;
-
-std::optional<PlyColumns> ply_columns(const PlyElement& vertex,
-                                      const std::array<const char*, 3>& names) {
-  PlyColumns columns{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const PlyProperty* property = vertex.find(names[k]);
-    if (!property || property->is_list) return std::nullopt;
-    columns[k] = &property->values;
-  }
-  return columns;
-}
-
-Eigen::Vector3d ply_vector(const PlyColumns& columns, std::size_t i) {
-  return {(*columns[0])[i], (*columns[1])[i], (*columns[2])[i]};
 }
 
 Colour ply_colour(const PlyColumns& columns, std::size_t i) {

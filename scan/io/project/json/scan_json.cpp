@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/codecs/floats/raw_floats.h"
@@ -26,7 +27,8 @@ ImageSize read_size(JsonObject& image) {
   for (const double side : sides)
     if (side < 1.0 || side > kMaxImageSide || side != std::floor(side))
       throw JsonError(image.place("size") +
-                      ": expected [width, height], two whole numbers from 1 to 65536");
+                      ": expected [width, height], two whole numbers from 1 to " +
+                      std::to_string(kMaxImageSide));
   return {static_cast<int>(sides[0]), static_cast<int>(sides[1])};
 }
 
@@ -142,11 +144,18 @@ CameraSpec read_camera(JsonObject camera) {
   return spec;
 }
 
+// A description that begins with the file and the size of its image.
+template <typename Spec>
+Spec spec_of_image(JsonObject& image, const std::filesystem::path& project) {
+  Spec spec;
+  ImageFile taken = take_image(image, project);
+  spec.file = std::move(taken.file);
+  spec.size = taken.size;
+  return spec;
+}
+
 DepthSpec read_depth(JsonObject depth, const std::filesystem::path& project) {
-  const ImageFile image = take_image(depth, project);
-  DepthSpec spec;
-  spec.file = image.file;
-  spec.size = image.size;
+  auto spec = spec_of_image<DepthSpec>(depth, project);
   if (depth.has("scale")) spec.scale = depth.positive("scale");
   if (depth.has("kind")) spec.along_ray = depth.choice<bool>("kind", {{"z", false}, {"ray", true}});
   depth.finish();
@@ -154,20 +163,14 @@ DepthSpec read_depth(JsonObject depth, const std::filesystem::path& project) {
 }
 
 DeviationSpec read_deviation(JsonObject deviation, const std::filesystem::path& project) {
-  const ImageFile image = take_image(deviation, project);
-  DeviationSpec spec;
-  spec.file = image.file;
-  spec.size = image.size;
+  auto spec = spec_of_image<DeviationSpec>(deviation, project);
   if (deviation.has("scale")) spec.scale = deviation.positive("scale");
   deviation.finish();
   return spec;
 }
 
 NormalSpec read_normals(JsonObject normals, const std::filesystem::path& project) {
-  const ImageFile image = take_image(normals, project);
-  NormalSpec spec;
-  spec.file = image.file;
-  spec.size = image.size;
+  auto spec = spec_of_image<NormalSpec>(normals, project);
   if (normals.has("encoding"))
     spec.encoding = normals.choice<NormalEncoding>(
         "encoding", {{"rgb", NormalEncoding::kRgb}, {"unit", NormalEncoding::kUnit}});

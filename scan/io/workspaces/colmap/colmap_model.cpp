@@ -60,7 +60,8 @@ Result<ColmapCamera> colmap_camera(std::uint32_t id, const std::string& model, d
                                "colmap image_undistorter, and read the workspace it writes");
   if (!(width >= 1.0 && width <= kMaxImageSide && height >= 1.0 && height <= kMaxImageSide))
     return bad_input(path, place + "camera " + std::to_string(id) +
-                               " has no usable image size (1 to 65536 pixels a side)");
+                               " has no usable image size (1 to " + std::to_string(kMaxImageSide) +
+                               " pixels a side)");
   if (parameters.size() != (simple ? 3u : 4u))
     return bad_input(path, place + "expected " + (simple ? "f cx cy" : "fx fy cx cy") +
                                " after the size of camera " + std::to_string(id));

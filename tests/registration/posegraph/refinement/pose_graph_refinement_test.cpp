@@ -70,13 +70,18 @@ TEST(PairInformation, TakesInnerAndEdgeSamplesInProportion) {
   EXPECT_NEAR(static_cast<double>(from_edge), 3000.0 * part, 1.0);
 }
 
-TEST(PairInformation, IsTheSumOverItsResiduals) {
-  const Ring ring(1);
-  const auto poses = poses_of(ring.truth);
+PairInformationOptions information_options(const Ring& ring) {
   PairInformationOptions options;
   options.search.max_distance = 5.0 * ring.spacing();
   options.patch = 8.0 * ring.spacing();
   options.centre = Eigen::Vector3d(3.0, -2.0, 1.0);
+  return options;
+}
+
+TEST(PairInformation, IsTheSumOverItsResiduals) {
+  const Ring ring(1);
+  const auto poses = poses_of(ring.truth);
+  const PairInformationOptions options = information_options(ring);
   const auto compressed = pair_information(ring.surfaces[0], ring.surfaces[1], poses[0], poses[1],
                                            in_grid_order(ring.surfaces[0], 3000), options);
 
@@ -112,10 +117,7 @@ TEST(PairInformation, IsTheSumOverItsResiduals) {
 TEST(PairInformation, IsIndifferentToMotionsThatAreIgnored) {
   const Ring ring(1);
   const auto poses = poses_of(ring.truth);
-  PairInformationOptions options;
-  options.search.max_distance = 5.0 * ring.spacing();
-  options.patch = 8.0 * ring.spacing();
-  options.centre = Eigen::Vector3d(3.0, -2.0, 1.0);
+  const PairInformationOptions options = information_options(ring);
   const auto all = pair_information(ring.surfaces[0], ring.surfaces[1], poses[0], poses[1],
                                     in_grid_order(ring.surfaces[0], 3000), options);
   DegenerateDirection slide;

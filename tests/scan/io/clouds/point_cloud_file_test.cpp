@@ -8,6 +8,7 @@
 #include "relief/io/mesh_io.h"
 #include "relief/scan/triangle_mesh.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
@@ -192,16 +193,19 @@ TriangleMesh square() {
   return mesh;
 }
 
-TEST(PointCloudFile, VerticesOfMeshesAreThePoints) {
+class PointCloudOfAMesh : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Endings, PointCloudOfAMesh, ::testing::Values("ply", "obj", "stl", "vtp"),
+                         testing::PrintedName());
+
+TEST_P(PointCloudOfAMesh, HasItsVerticesAsPoints) {
   const TemporaryFolder folder;
-  for (const char* name : {"a.ply", "a.obj", "a.stl", "a.vtp"}) {
-    ASSERT_THAT(write_mesh(square(), folder / name), IsOk());
-    const auto cloud = value_of(read_point_cloud(folder / name));
-    EXPECT_EQ(cloud.points.size(), 4u) << name;
-    ASSERT_EQ(cloud.facing.size(), 4u) << name;
-    EXPECT_EQ(cloud.facing[0], Eigen::Vector3f(0, 0, 1)) << name;
-    EXPECT_THAT(cloud.normals, IsEmpty()) << name;
-  }
+  const auto path = folder / ("a." + GetParam());
+  ASSERT_THAT(write_mesh(square(), path), IsOk());
+  const auto cloud = value_of(read_point_cloud(path));
+  EXPECT_EQ(cloud.points.size(), 4u);
+  ASSERT_EQ(cloud.facing.size(), 4u);
+  EXPECT_EQ(cloud.facing[0], Eigen::Vector3f(0, 0, 1));
+  EXPECT_THAT(cloud.normals, IsEmpty());
 }
 
 TEST(PointCloudFile, ReadsPcdPoints) {

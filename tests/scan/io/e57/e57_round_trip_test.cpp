@@ -52,27 +52,29 @@ void expect_same_samples(const GridFile& grid, const RangeView& view) {
   }
 }
 
-TEST(E57RoundTrip, SamplesAreTheSameToTheLastBit) {
+class E57RoundTripOfWidth : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Widths, E57RoundTripOfWidth, ::testing::Values(2, 9, 150),
+                         ::testing::PrintToStringParamName());
+
+TEST_P(E57RoundTripOfWidth, SamplesAreTheSameToTheLastBit) {
   const TemporaryFolder folder;
-  for (const int width : {2, 9, 150}) {
-    RangeView view = sphere_view(width, width + 3);
-    RangeView plain = view;
-    plain.normals = {};
-    plain.colours = {};
-    plain.pose = PoseKind::kAbsent;
-    ASSERT_THAT(write_e57({view, plain}, folder / "a.e57"), IsOk());
-    const auto first = value_of(read_e57_scan(folder / "a.e57", 0));
-    expect_same_samples(first, view);
-    ASSERT_TRUE(first.world_from_view.has_value());
-    EXPECT_TRUE(first.world_from_view->isApprox(view.world_from_view, 1e-15));
-    EXPECT_TRUE(first.notes.empty());
-    const auto second = value_of(read_e57_scan(folder / "a.e57", 1));
-    expect_same_samples(second, plain);
-    EXPECT_TRUE(second.normals.empty());
-    EXPECT_TRUE(second.colours.empty());
-    EXPECT_FALSE(second.world_from_view.has_value());
-    EXPECT_EQ(list_e57_scans(folder / "a.e57")->front().name, view.name);
-  }
+  RangeView view = sphere_view(GetParam(), GetParam() + 3);
+  RangeView plain = view;
+  plain.normals = {};
+  plain.colours = {};
+  plain.pose = PoseKind::kAbsent;
+  ASSERT_THAT(write_e57({view, plain}, folder / "a.e57"), IsOk());
+  const auto first = value_of(read_e57_scan(folder / "a.e57", 0));
+  expect_same_samples(first, view);
+  ASSERT_TRUE(first.world_from_view.has_value());
+  EXPECT_TRUE(first.world_from_view->isApprox(view.world_from_view, 1e-15));
+  EXPECT_TRUE(first.notes.empty());
+  const auto second = value_of(read_e57_scan(folder / "a.e57", 1));
+  expect_same_samples(second, plain);
+  EXPECT_TRUE(second.normals.empty());
+  EXPECT_TRUE(second.colours.empty());
+  EXPECT_FALSE(second.world_from_view.has_value());
+  EXPECT_EQ(list_e57_scans(folder / "a.e57")->front().name, view.name);
 }
 
 TEST(E57RoundTrip, ANormalThatIsMissingStaysMissing) {

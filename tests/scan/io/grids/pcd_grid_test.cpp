@@ -8,6 +8,7 @@
 
 #include "scan/io/grids/grid_file.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -106,26 +107,27 @@ TEST(PcdGrid, ReadsCompressedFieldsOfSeveralSizes) {
   EXPECT_EQ(grid.colours(1, 1), (Colour{10, 20, 33}));
 }
 
-TEST(PcdGrid, UnpacksColours) {
+class PcdColoursOfType : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Types, PcdColoursOfType, ::testing::Values("F", "U"),
+                         testing::PrintedName());
+
+TEST_P(PcdColoursOfType, UnpacksColours) {
   const TemporaryFolder folder;
-  for (const char* type : {"F", "U"}) {
-    std::string bytes;
-    for (std::uint32_t i = 0; i < 4; ++i) {
-      const float xyz[] = {static_cast<float>(i % 2), static_cast<float>(i / 2), 1.0f};
-      const std::uint32_t packed = 0x0a141e + i;
-      bytes.append(reinterpret_cast<const char*>(xyz), 12);
-      bytes.append(reinterpret_cast<const char*>(&packed), 4);
-    }
-    const auto grid = value_of(read_grid_file(folder.write(
-        "a.pcd",
-        std::string("# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F ") +
-            type +
-            "\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA "
-            "binary\n" +
-            bytes)));
-    EXPECT_EQ(grid.colours(0, 0), (Colour{10, 20, 30})) << type;
-    EXPECT_EQ(grid.colours(1, 1), (Colour{10, 20, 33})) << type;
+  std::string bytes;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const float xyz[] = {static_cast<float>(i % 2), static_cast<float>(i / 2), 1.0f};
+    const std::uint32_t packed = 0x0a141e + i;
+    bytes.append(reinterpret_cast<const char*>(xyz), 12);
+    bytes.append(reinterpret_cast<const char*>(&packed), 4);
   }
+  const auto grid = value_of(read_grid_file(folder.write(
+      "a.pcd", "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F " +
+                   GetParam() +
+                   "\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA "
+                   "binary\n" +
+                   bytes)));
+  EXPECT_EQ(grid.colours(0, 0), (Colour{10, 20, 30}));
+  EXPECT_EQ(grid.colours(1, 1), (Colour{10, 20, 33}));
 }
 
 TEST(PcdGrid, ReadsTheViewpoint) {

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <tuple>
 
 #include <ImfArray.h>
 #include <ImfChannelList.h>
@@ -15,6 +16,7 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -164,18 +166,20 @@ void set_tag(const std::filesystem::path& path, std::uint32_t tag, std::uint16_t
   TIFFClose(tiff);
 }
 
-TEST(ImageIo, TiffIsTurnedUprightByItsOrientation) {
+class TiffInEveryOrientation : public ::testing::TestWithParam<std::tuple<int, std::uint16_t>> {};
+INSTANTIATE_TEST_SUITE_P(ChannelsAndTag, TiffInEveryOrientation,
+                         ::testing::Combine(::testing::Values(1, 3),
+                                            ::testing::Range<std::uint16_t>(1, 9)),
+                         testing::PrintedName());
+
+TEST_P(TiffInEveryOrientation, IsTurnedUpright) {
+  const auto [channels, orientation] = GetParam();
   const TemporaryFolder folder;
   const auto path = folder / "a.tif";
-  for (const int channels : {1, 3}) {
-    const Image stored = ramp(5, 3, channels, 65535, 7.0f);
-    for (std::uint16_t orientation = 1; orientation <= 8; ++orientation) {
-      write_tiff<std::uint16_t>(path, stored, SAMPLEFORMAT_UINT, false, false);
-      set_tag(path, TIFFTAG_ORIENTATION, orientation);
-      SCOPED_TRACE(orientation);
-      expect_same(read_image(path), turned(stored, orientation));
-    }
-  }
+  const Image stored = ramp(5, 3, channels, 65535, 7.0f);
+  write_tiff<std::uint16_t>(path, stored, SAMPLEFORMAT_UINT, false, false);
+  set_tag(path, TIFFTAG_ORIENTATION, orientation);
+  expect_same(read_image(path), turned(stored, orientation));
 }
 
 TEST(ImageIo, TiffWhoseLeastIsWhiteIsInverted) {

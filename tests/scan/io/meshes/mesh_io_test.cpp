@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <string>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,53 +11,41 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/meshes/coloured_mesh.h"
+#include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/small_meshes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::largest_distance;
 using testing::TemporaryFolder;
+using testing::tetrahedron;
+using testing::with_attributes;
 
-TriangleMesh tetrahedron(const Eigen::Vector3d& at = Eigen::Vector3d::Zero()) {
-  TriangleMesh mesh;
-  mesh.vertices = {at, at + Eigen::Vector3d(1.1, 0, 0), at + Eigen::Vector3d(0, 1.3, 0),
-                   at + Eigen::Vector3d(0, 0, 1.7)};
-  mesh.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-  return mesh;
-}
+class MeshFormatWithAttributes : public ::testing::TestWithParam<std::tuple<std::string, double>> {
+};
+INSTANTIATE_TEST_SUITE_P(EndingAndDistance, MeshFormatWithAttributes,
+                         ::testing::Combine(::testing::Values("ply", "vtp"),
+                                            ::testing::Values(0.0, 1e6)),
+                         testing::PrintedName());
 
-TriangleMesh with_attributes(TriangleMesh mesh) {
-  mesh.normals = vertex_normals(mesh);
-  mesh.quality = {0.5f, 1.5f, 2.5f, 3.5f};
-  mesh.views = {1, 2, 300, 0};
-  mesh.filled = {0, 1, 0, 1};
-  mesh.colours = {{1, 2, 3}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}};
-  return mesh;
-}
-
-double largest_distance(const TriangleMesh& a, const TriangleMesh& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.vertices.size(); ++i)
-    largest = std::max(largest, (a.vertices[i] - b.vertices[i]).norm());
-  return largest;
-}
-
-TEST(MeshIo, PlyKeepsEverything) {
+TEST_P(MeshFormatWithAttributes, KeepsEverything) {
+  const auto& [ending, distance] = GetParam();
   const TemporaryFolder folder;
-  for (const double distance : {0.0, 1e6}) {
-    const TriangleMesh mesh = with_attributes(tetrahedron(Eigen::Vector3d::Constant(distance)));
-    ASSERT_THAT(write_mesh(mesh, folder / "a.ply"), IsOk());
-    const auto read = value_of(read_mesh(folder / "a.ply"));
-    EXPECT_LT(largest_distance(mesh, read), 2e-7);
-    EXPECT_EQ(read.faces, mesh.faces);
-    EXPECT_EQ(read.normals, mesh.normals);
-    EXPECT_EQ(read.quality, mesh.quality);
-    EXPECT_EQ(read.views, mesh.views);
-    EXPECT_EQ(read.filled, mesh.filled);
-    EXPECT_EQ(read.colours, mesh.colours);
-  }
+  const auto path = folder / ("a." + ending);
+  const TriangleMesh mesh = with_attributes(tetrahedron(Eigen::Vector3d::Constant(distance)));
+  ASSERT_THAT(write_mesh(mesh, path), IsOk());
+  const auto read = value_of(read_mesh(path));
+  EXPECT_LT(largest_distance(mesh, read), 2e-7);
+  EXPECT_EQ(read.faces, mesh.faces);
+  EXPECT_EQ(read.normals, mesh.normals);
+  EXPECT_EQ(read.quality, mesh.quality);
+  EXPECT_EQ(read.views, mesh.views);
+  EXPECT_EQ(read.filled, mesh.filled);
+  EXPECT_EQ(read.colours, mesh.colours);
 }
 
 TEST(MeshIo, ObjAndStlKeepTheSurface) {
@@ -164,22 +154,6 @@ TEST(MeshIo, VtpHoldsTheAttributes) {
   const std::string text = *read_file(folder / "a.vtp");
   for (const char* name : {"normals", "quality", "views", "filled", "RGB", "NumberOfPolys=\"4\""})
     EXPECT_THAT(text, HasSubstr(name));
-}
-
-TEST(MeshIo, VtpKeepsEverything) {
-  const TemporaryFolder folder;
-  for (const double distance : {0.0, 1e6}) {
-    const TriangleMesh mesh = with_attributes(tetrahedron(Eigen::Vector3d::Constant(distance)));
-    ASSERT_THAT(write_mesh(mesh, folder / "a.vtp"), IsOk());
-    const auto read = value_of(read_mesh(folder / "a.vtp"));
-    EXPECT_LT(largest_distance(mesh, read), 2e-7);
-    EXPECT_EQ(read.faces, mesh.faces);
-    EXPECT_EQ(read.normals, mesh.normals);
-    EXPECT_EQ(read.quality, mesh.quality);
-    EXPECT_EQ(read.views, mesh.views);
-    EXPECT_EQ(read.filled, mesh.filled);
-    EXPECT_EQ(read.colours, mesh.colours);
-  }
 }
 
 std::string ascii_vtp(const std::string& points, const std::string& cells,

@@ -9,6 +9,7 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/grids/ply_grid_writer.h"
+#include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
@@ -59,20 +60,22 @@ void expect_same_points(const RangeView& read, const RangeView& view, double tol
   for (std::size_t i = 0; i < left.size(); ++i) ASSERT_LT((left[i] - right[i]).norm(), tolerance);
 }
 
-TEST(ScanFile, EveryScanOfAFileIsAView) {
+class ScanFileWithTwoScans : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Endings, ScanFileWithTwoScans, ::testing::Values("ptx", "e57"),
+                         testing::PrintedName());
+
+TEST_P(ScanFileWithTwoScans, HasAViewForEach) {
   const TemporaryFolder folder;
+  const auto path = folder / ("two." + GetParam());
   const std::vector<RangeView> views{ball_view("a", 1.0), ball_view("b", 2.0)};
-  ASSERT_THAT(write_ptx(views, folder / "two.ptx"), IsOk());
-  ASSERT_THAT(write_e57(views, folder / "two.e57"), IsOk());
-  for (const char* name : {"two.ptx", "two.e57"}) {
-    const auto project = value_of(read_project(folder / name));
-    ASSERT_EQ(project.views.size(), 2u) << name;
-    for (std::size_t i = 0; i < 2; ++i) {
-      EXPECT_EQ(project.views[i].name, "two-" + std::to_string(i + 1));
-      EXPECT_EQ(project.views[i].pose, PoseKind::kGuess);
-      EXPECT_TRUE(project.views[i].world_from_view.isApprox(views[i].world_from_view, 1e-12));
-      expect_same_points(project.views[i], views[i], 1e-9);
-    }
+  ASSERT_THAT(GetParam() == "ptx" ? write_ptx(views, path) : write_e57(views, path), IsOk());
+  const auto project = value_of(read_project(path));
+  ASSERT_EQ(project.views.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(project.views[i].name, "two-" + std::to_string(i + 1));
+    EXPECT_EQ(project.views[i].pose, PoseKind::kGuess);
+    EXPECT_TRUE(project.views[i].world_from_view.isApprox(views[i].world_from_view, 1e-12));
+    expect_same_points(project.views[i], views[i], 1e-9);
   }
 }
 

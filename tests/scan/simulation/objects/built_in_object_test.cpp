@@ -25,16 +25,18 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> edge_uses
   return uses;
 }
 
-TEST(GeodesicSphere, IsAClosedOrientedSphere) {
-  for (const int divisions : {1, 2, 3, 7}) {
-    const TriangleMesh mesh = geodesic_sphere(divisions);
-    EXPECT_EQ(mesh.vertices.size(), 10u * divisions * divisions + 2u);
-    EXPECT_EQ(mesh.faces.size(), 20u * divisions * divisions);
-    const auto uses = edge_uses(mesh);
-    EXPECT_EQ(mesh.vertices.size() + mesh.faces.size(), uses.size() + 2u);  // genus 0
-    for (const auto& [edge, count] : uses) EXPECT_EQ(count, std::pair(1, 1));
-    for (const auto& vertex : mesh.vertices) EXPECT_NEAR(vertex.norm(), 1.0, 1e-15);
-  }
+class GeodesicSphere : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Divisions, GeodesicSphere, ::testing::Values(1, 2, 3, 7),
+                         ::testing::PrintToStringParamName());
+
+TEST_P(GeodesicSphere, IsAClosedOrientedSphere) {
+  const TriangleMesh mesh = geodesic_sphere(GetParam());
+  EXPECT_EQ(mesh.vertices.size(), 10u * GetParam() * GetParam() + 2u);
+  EXPECT_EQ(mesh.faces.size(), 20u * GetParam() * GetParam());
+  const auto uses = edge_uses(mesh);
+  EXPECT_EQ(mesh.vertices.size() + mesh.faces.size(), uses.size() + 2u);  // genus 0
+  for (const auto& [edge, count] : uses) EXPECT_EQ(count, std::pair(1, 1));
+  for (const auto& vertex : mesh.vertices) EXPECT_NEAR(vertex.norm(), 1.0, 1e-15);
 }
 
 TEST(GeodesicSphere, ApproachesTheVolumeOfTheBallWithSecondOrder) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "relief/scan/threads.h"
+#include "tests/support/parameter_names.h"
 
 namespace relief::simulation {
 namespace {
@@ -18,16 +19,19 @@ double correlation(const Grid<double>& noise, int du, int dv) {
   return sum / count;
 }
 
-TEST(PixelNoise, HasTheStatedVarianceAndCorrelation) {
-  for (const double length : {1.5, 2.0, 3.0, 6.0}) {
-    const Grid<double> noise = pixel_noise(700, 600, length, {3, 1});
-    // The number of independent patches bounds how well the moments are known.
-    const double tolerance = 4.0 * length * std::sqrt(4.0 / static_cast<double>(noise.size()));
-    EXPECT_NEAR(correlation(noise, 0, 0), 1.0, tolerance);
-    for (const auto& [du, dv] : {std::pair{1, 0}, {0, 1}, {2, 0}, {0, 3}, {2, 2}, {6, 1}}) {
-      const double expected = std::exp(-(du * du + dv * dv) / (length * length));
-      EXPECT_NEAR(correlation(noise, du, dv), expected, tolerance) << length << " " << du << dv;
-    }
+class PixelNoiseOfLength : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Lengths, PixelNoiseOfLength, ::testing::Values(1.5, 2.0, 3.0, 6.0),
+                         testing::PrintedName());
+
+TEST_P(PixelNoiseOfLength, HasTheStatedVarianceAndCorrelation) {
+  const double length = GetParam();
+  const Grid<double> noise = pixel_noise(700, 600, length, {3, 1});
+  // The number of independent patches bounds how well the moments are known.
+  const double tolerance = 4.0 * length * std::sqrt(4.0 / static_cast<double>(noise.size()));
+  EXPECT_NEAR(correlation(noise, 0, 0), 1.0, tolerance);
+  for (const auto& [du, dv] : {std::pair{1, 0}, {0, 1}, {2, 0}, {0, 3}, {2, 2}, {6, 1}}) {
+    const double expected = std::exp(-(du * du + dv * dv) / (length * length));
+    EXPECT_NEAR(correlation(noise, du, dv), expected, tolerance) << du << dv;
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -127,27 +128,32 @@ TEST(Simulate, SameSeedGivesTheSameBytesAtAnyThreadCount) {
   }
 }
 
-TEST(Simulate, ViewsTogetherSeeNearlyTheWholeObject) {
-  for (const ViewLayout layout : {ViewLayout::kTurntable, ViewLayout::kSphere}) {
-    SimulationOptions options = small_options();
-    options.views = 12;
-    options.layout = layout;
-    const auto simulation = value_of(simulate(options));
-    const TriangleMesh mesh = built_in_truth_mesh(24);
-    std::size_t seen = 0;
-    for (const auto& vertex : mesh.vertices) {
-      bool visible = false;
-      for (const RangeView& view : simulation.truth.views) {
-        const Eigen::Vector3d point = view.world_from_view.inverse() * vertex;
-        const auto pixel = view.camera.project(point);
-        const int u = static_cast<int>(std::lround(pixel->x()));
-        const int v = static_cast<int>(std::lround(pixel->y()));
-        if (view.has_sample(u, v) && std::abs(view.range(u, v) - point.z()) < 2.0) visible = true;
-      }
-      seen += visible;
+class SimulateInALayout : public ::testing::TestWithParam<ViewLayout> {};
+INSTANTIATE_TEST_SUITE_P(Layouts, SimulateInALayout,
+                         ::testing::Values(ViewLayout::kTurntable, ViewLayout::kSphere),
+                         [](const auto& test) -> std::string {
+                           return test.param == ViewLayout::kSphere ? "Sphere" : "Turntable";
+                         });
+
+TEST_P(SimulateInALayout, ViewsTogetherSeeNearlyTheWholeObject) {
+  SimulationOptions options = small_options();
+  options.views = 12;
+  options.layout = GetParam();
+  const auto simulation = value_of(simulate(options));
+  const TriangleMesh mesh = built_in_truth_mesh(24);
+  std::size_t seen = 0;
+  for (const auto& vertex : mesh.vertices) {
+    bool visible = false;
+    for (const RangeView& view : simulation.truth.views) {
+      const Eigen::Vector3d point = view.world_from_view.inverse() * vertex;
+      const auto pixel = view.camera.project(point);
+      const int u = static_cast<int>(std::lround(pixel->x()));
+      const int v = static_cast<int>(std::lround(pixel->y()));
+      if (view.has_sample(u, v) && std::abs(view.range(u, v) - point.z()) < 2.0) visible = true;
     }
-    EXPECT_GT(static_cast<double>(seen), 0.98 * static_cast<double>(mesh.vertices.size()));
+    seen += visible;
   }
+  EXPECT_GT(static_cast<double>(seen), 0.98 * static_cast<double>(mesh.vertices.size()));
 }
 
 SimulationOptions realistic_options() {
