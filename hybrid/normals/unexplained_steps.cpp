@@ -17,7 +17,7 @@ constexpr double kDeviations = 5.0;
 // Of the median of three Gaussian samples: 1 - sqrt(3) / pi.
 constexpr double kMedianVariance = 0.449;
 
-double median(std::array<double, kReach> values, int count) {
+double median_of_first(std::array<double, kReach> values, int count) {
   std::sort(values.begin(), values.begin() + count);
   return 0.5 * (values[static_cast<std::size_t>((count - 1) / 2)] +
                 values[static_cast<std::size_t>(count / 2)]);
@@ -51,7 +51,7 @@ Side side_of(const Line& line, int direction) {
     height += direction * step;
     heights[static_cast<std::size_t>(side.count)] = height;
   }
-  side.height = median(heights, side.count);
+  side.height = median_of_first(heights, side.count);
   return side;
 }
 
