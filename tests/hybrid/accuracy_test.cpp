@@ -8,6 +8,7 @@
 
 #include "relief/hybrid/refine_view.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
@@ -17,10 +18,10 @@ namespace {
 using testing::bumpy_camera;
 using testing::bumpy_surface;
 using testing::errors_of;
+using testing::kDegree;
 using testing::ViewErrors;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180.0;
 
 RangeView refined(const RangeView& view, const RefineOptions& options = {}) {
   auto result = value_of(refine_view(view, options));

@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "relief/scan/threads.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/degree.h"
 #include "tests/support/geometry_matchers.h"
 #include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
@@ -21,8 +21,8 @@ namespace {
 using testing::bumpy_camera;
 using testing::bumpy_surface;
 using testing::errors_of;
+using testing::kDegree;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 const Camera kOrthographic =
     Camera::orthographic(64, 48, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <random>
 
 #include <Eigen/Geometry>
@@ -11,6 +10,7 @@
 #include "relief/hybrid/refine_view.h"
 #include "relief/simulation/simulate.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
@@ -20,9 +20,8 @@ namespace {
 using testing::bumpy_camera;
 using testing::bumpy_surface;
 using testing::errors_of;
+using testing::kDegree;
 using testing::ViewErrors;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 RangeView noisy(RangeView view, double range_noise = 0.3, double normal_noise_deg = 1.5) {
   testing::add_range_noise(view, range_noise, 1);

@@ -4,21 +4,21 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/hybrid/mesh_shapes.h"
+#include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::hybrid {
 namespace {
 
+using testing::kDegree;
 using testing::sphere_mesh;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kRadius = 30.0;
 
 // Views of a sphere from six sides, 1.0 between samples at its nearest point.

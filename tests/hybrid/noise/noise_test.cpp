@@ -1,16 +1,16 @@
 #include "hybrid/noise/noise.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/degree.h"
 
 namespace relief::hybrid {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using testing::kDegree;
 
 const RangeView& truth() {
   static const RangeView view =

@@ -15,13 +15,14 @@
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/threads.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::hybrid {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using testing::kDegree;
 const MeasurementNoise kNoise{0.3, 1.5 * kDegree};
 
 // A small view with a hole, an occlusion, a patch without normals and unequal confidences.

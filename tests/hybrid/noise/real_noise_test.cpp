@@ -1,20 +1,20 @@
 // What refine_view does with the errors of real sensors, with default options.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "relief/hybrid/refine_view.h"
 #include "tests/hybrid/bumpy_view.h"
+#include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::hybrid {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using testing::kDegree;
 constexpr int kSide = 160;
 
 const RangeView& truth() {

@@ -9,18 +9,19 @@
 #include <gtest/gtest.h>
 
 #include "relief/scan/threads.h"
+#include "tests/support/degree.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief {
 namespace {
 
+using testing::kDegree;
 using testing::look_at;
 using testing::plane;
 using testing::render;
 using testing::sphere;
 using testing::Surface;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 const Camera kCamera = Camera::pinhole(160, 120, {200, 200, 79.5, 59.5});
 constexpr double kNoise = 0.1;  // About a third of the sample spacing.
 

@@ -5,13 +5,14 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief::evaluation {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using testing::kDegree;
 
 ScanProject views_of_a_sphere(int count) {
   const Camera camera = Camera::pinhole(40, 40, {80, 80, 19.5, 19.5});

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/normals/normal_map.h"
+#include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/synthetic_views.h"
 
@@ -15,8 +16,7 @@ namespace relief {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
+using testing::kDegree;
 const Camera kCamera = Camera::pinhole(150, 150, {300, 300, 74.5, 74.5});
 const Eigen::Matrix3d kIdentity = Eigen::Matrix3d::Identity();
 const Eigen::Matrix3d kYReversed = Eigen::Vector3d(1, -1, 1).asDiagonal();

@@ -10,16 +10,16 @@
 
 #include "relief/scan/threads.h"
 #include "tests/scan/simulation/sensor_bench.h"
+#include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
 
 namespace relief::simulation {
 namespace {
 
 using testing::angle_between;
+using testing::kDegree;
 using testing::perfect_shading;
 using testing::SensorBench;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 RangeView shaded(const SensorBench& bench, const PhotometricStereo& camera, int view = 0) {
   RangeView scan = bench.truth;
