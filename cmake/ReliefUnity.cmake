@@ -2,20 +2,26 @@
 # instantiated once for all of them.
 #
 # The unnamed namespaces of files compiled together are one. Files that give the same name to different things at the
-# start of a line go into different groups, so that no file needs to know which names the others use.
+# start of a line go into different groups, so that no file needs to know which names the others use. Functions outside
+# of unnamed namespaces have one definition in the whole program: of one name they are overloads, which files may share.
 
 set(RELIEF_UNITY_FILES 8 CACHE STRING "How many source files at most are compiled together with CMAKE_UNITY_BUILD")
 
-# The names that a source file defines at the start of a line, and those that it takes over by `using other::name`. Some
-# too many do no harm.
+# The names that a source file defines for itself at the start of a line, and those that it shares with others: functions
+# outside of unnamed namespaces, and what it takes over by `using other::name`. Some too many do no harm.
 function(relief_names_in file defined used)
   file(READ ${file} text)
   string(REGEX REPLACE "[][;]" "_" text "\n${text}")
-  string(REGEX MATCHALL "\n[A-Za-z_][^\n]*" lines "${text}")
+  string(REGEX MATCHALL "\n[A-Za-z_}][^\n]*" lines "${text}")
   set(definitions "")
   set(uses "")
+  set(unnamed FALSE)
   foreach(line IN LISTS lines)
-    if(line MATCHES "^\n(TEST|INSTANTIATE|namespace|using namespace|template|extern)")
+    if(line STREQUAL "\nnamespace {")
+      set(unnamed TRUE)
+    elseif(line STREQUAL "\n}  // namespace")
+      set(unnamed FALSE)
+    elseif(line MATCHES "^\n}" OR line MATCHES "^\n(TEST|INSTANTIATE|namespace|using namespace|template|extern)")
       continue()
     elseif(line MATCHES "^\n(struct|class|union|enum class|enum) ([A-Za-z0-9_]+)")
       list(APPEND definitions ${CMAKE_MATCH_2})
@@ -23,8 +29,14 @@ function(relief_names_in file defined used)
       list(APPEND definitions ${CMAKE_MATCH_1})
     elseif(line MATCHES "^\nusing .*::([A-Za-z0-9_]+)_$")
       list(APPEND uses ${CMAKE_MATCH_1})
-    elseif(line MATCHES "^\n([^=({]*[ &*])?([A-Za-z_][A-Za-z0-9_]*) *[=({]")
-      list(APPEND definitions ${CMAKE_MATCH_2})
+    elseif(line MATCHES "^\n([^=({]*[ &*])?([A-Za-z_][A-Za-z0-9_]*) *([=({])")
+      set(name ${CMAKE_MATCH_2})
+      set(opening ${CMAKE_MATCH_3})
+      if(unnamed OR NOT opening STREQUAL "(" OR line MATCHES "^\nstatic ")
+        list(APPEND definitions ${name})
+      else()
+        list(APPEND uses ${name})
+      endif()
       if(line MATCHES "^\n(constexpr|const) ")  # `constexpr double kFirst = 1.0, kSecond = 2.0;`
         string(REGEX MATCHALL ", [A-Za-z_][A-Za-z0-9_]* *=" further "${line}")
         foreach(name IN LISTS further)
