@@ -1,6 +1,8 @@
 # How tests are built and registered with CTest.
 include(GoogleTest)
 
+option(RELIEF_TEST_SUITES "Register suites with CTest in place of single tests, as the sanitizers always do" OFF)
+
 # Tests that the sanitizers leave to the other presets, as for --gtest_filter: they measure accuracy, or run code that other
 # tests run as well, many times over or on more data.
 set(RELIEF_UNSANITIZED_TESTS
@@ -66,17 +68,21 @@ function(relief_suites_of files result)
   set(${result} ${suites} PARENT_SCOPE)
 endfunction()
 
-# One CTest test per suite: a sanitized program takes long to start, and what the tests of a suite share is made once. Tests that
-# compare numbers of threads run the same code twice; they are for the thread sanitizer.
+# One CTest test per suite: a program starts once for all its tests, and what they share is made once. The sanitizers leave
+# out the tests that compare numbers of threads, which run the same code twice; they are for the thread sanitizer.
 function(relief_add_suites name files)
   relief_suites_of("${files}" suites)
-  list(JOIN RELIEF_UNSANITIZED_TESTS ":" left_out)
+  set(left_out "")
+  if(RELIEF_SANITIZE)
+    list(JOIN RELIEF_UNSANITIZED_TESTS ":" left_out)
+    set(left_out "-*.*Thread*:${left_out}")
+  endif()
   foreach(suite IN LISTS suites)
-    if("${suite}.*" IN_LIST RELIEF_UNSANITIZED_TESTS)
+    if(RELIEF_SANITIZE AND "${suite}.*" IN_LIST RELIEF_UNSANITIZED_TESTS)
       continue()
     endif()
     add_test(NAME ${name}.${suite}
-      COMMAND relief_${name}_tests "--gtest_filter=${suite}.*:*/${suite}.*-*.*Thread*:${left_out}")
+      COMMAND relief_${name}_tests "--gtest_filter=${suite}.*:*/${suite}.*${left_out}")
     set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT 1800)
   endforeach()
 endfunction()
@@ -94,6 +100,26 @@ function(relief_thread_tests_of files result)
   set(${result} ${kept} PARENT_SCOPE)
 endfunction()
 
+# One CTest test for all tests that compare numbers of threads.
+function(relief_add_thread_tests name)
+  list(JOIN RELIEF_UNSANITIZED_TESTS ":" left_out)
+  add_test(NAME ${name}.threads
+    COMMAND relief_${name}_tests "--gtest_filter=*Thread*:ParallelFor.*:RunIn.*-${left_out}")
+  set_tests_properties(${name}.threads PROPERTIES TIMEOUT 1800)
+endfunction()
+
+function(relief_register_tests name files)
+  if(RELIEF_SANITIZE MATCHES "thread")
+    relief_add_thread_tests(${name})
+  elseif(RELIEF_SANITIZE OR RELIEF_TEST_SUITES)
+    relief_add_suites(${name} "${files}")
+  else()
+    # Parameters have names: CTest need not know what their values look like.
+    gtest_discover_tests(relief_${name}_tests NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
+                         PROPERTIES TIMEOUT 600)
+  endif()
+endfunction()
+
 # relief_test(NAME LIBRARIES ... SOURCES ...): one test program per folder, registered with CTest.
 function(relief_test name)
   cmake_parse_arguments(ARG "" "" "LIBRARIES;SOURCES" ${ARGN})
@@ -109,18 +135,7 @@ function(relief_test name)
   if(RELIEF_SANITIZE)
     # Tests spend their time in the libraries; their own code compiles in two thirds of the time like this.
     target_compile_options(relief_${name}_tests PRIVATE -Og)
-    if(RELIEF_SANITIZE MATCHES "thread")
-      list(JOIN RELIEF_UNSANITIZED_TESTS ":" left_out)
-      add_test(NAME ${name}.threads
-        COMMAND relief_${name}_tests "--gtest_filter=*Thread*:ParallelFor.*:RunIn.*-${left_out}")
-      set_tests_properties(${name}.threads PROPERTIES TIMEOUT 1800)
-    else()
-      relief_add_suites(${name} "${ARG_SOURCES}")
-    endif()
-  else()
-    # Parameters have names: CTest need not know what their values look like.
-    gtest_discover_tests(relief_${name}_tests NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
-                         PROPERTIES TIMEOUT 600)
   endif()
+  relief_register_tests(${name} "${ARG_SOURCES}")
   relief_group_sources(relief_${name}_tests)
 endfunction()
