@@ -4,7 +4,8 @@
 #include <string>
 
 #include "scan/io/files/unit_quaternion.h"
-#include "scan/io/grids/grid_camera.h"
+#include "scan/io/grids/cameras/camera_fit.h"
+#include "scan/io/grids/cameras/grid_camera.h"
 
 namespace relief {
 

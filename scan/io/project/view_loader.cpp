@@ -5,7 +5,8 @@
 
 #include "scan/base/system_memory.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/grids/grid_camera.h"
+#include "scan/io/grids/cameras/camera_fit.h"
+#include "scan/io/grids/cameras/grid_camera.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/normals/normal_map.h"
 #include "scan/io/project/scan_file.h"

@@ -1,4 +1,4 @@
-#include "scan/io/grids/normal_side.h"
+#include "scan/io/grids/cameras/normal_side.h"
 
 #include <algorithm>
 #include <cmath>

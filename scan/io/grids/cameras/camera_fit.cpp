@@ -1,148 +1,23 @@
-#include "scan/io/grids/grid_camera.h"
+#include "scan/io/grids/cameras/camera_fit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Dense>
 
-#include "relief/scan/range_view.h"
-#include "scan/base/median.h"
-#include "scan/io/grids/normal_side.h"
+#include "scan/io/grids/cameras/grid_samples.h"
+#include "scan/io/grids/cameras/normal_side.h"
 
 namespace relief {
 
 namespace {
 
-constexpr double kGoodProjectionPixels = 0.5;  // RMS: more names the pixel beside
-// Of the sample spacing. Single precision, 2^-24, allows so much up to 16,000 spacings off; beyond,
-// a camera without a formula keeps the points where they are.
-constexpr double kOnRay = 1e-3;
 // The residual of a spherical camera over that of the other models: 1.5, as between those (see
 // fit_camera), for each of two coordinates, rounded down.
 constexpr double kSphericalGain = 0.4;
-
-struct Samples {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<Eigen::Vector2d> pixels;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-};
-
-Samples collect(const Grid<Eigen::Vector3d>& points) {
-  Samples samples;
-  for (int v = 0; v < points.height(); ++v) {
-    for (int u = 0; u < points.width(); ++u) {
-      if (!points(u, v).allFinite()) continue;
-      samples.points.push_back(points(u, v));
-      samples.pixels.emplace_back(u, v);
-      samples.mean += points(u, v);
-    }
-  }
-  if (!samples.points.empty()) samples.mean /= static_cast<double>(samples.points.size());
-  return samples;
-}
-
-double median_spacing(const Grid<Eigen::Vector3d>& points) {
-  std::vector<double> lengths;
-  for (int v = 0; v < points.height(); ++v)
-    for (int u = 0; u + 1 < points.width(); ++u)
-      if (const double length = (points(u + 1, v) - points(u, v)).norm(); length == length)
-        lengths.push_back(length);
-  return median(lengths);
-}
-
-// A camera with a formula, as a ratio of affine functions.
-RationalProjection projection_of(const Camera& camera) {
-  const auto& k = camera.intrinsics();
-  switch (camera.model()) {
-    case Camera::Model::kPinhole:
-      return {{k.fx, 0, k.cx, 0}, {0, 0, 1, 0}, {0, k.fy, k.cy, 0}, {0, 0, 1, 0}};
-    case Camera::Model::kPinholeGl:
-      return {{k.fx, 0, -k.cx, 0}, {0, 0, -1, 0}, {0, k.fy, -k.cy, 0}, {0, 0, -1, 0}};
-    case Camera::Model::kOrthographic: {
-      const Ray origin = camera.ray_at(0, 0);
-      Eigen::Matrix3d axes;
-      axes << camera.ray_at(1, 0).origin - origin.origin,
-          camera.ray_at(0, 1).origin - origin.origin, origin.direction;
-      const Eigen::Matrix3d inverse = axes.inverse();
-      RationalProjection projection;
-      projection.u_denominator = projection.v_denominator = Eigen::Vector4d::UnitW();
-      projection.u_numerator << inverse.row(0).transpose(), -inverse.row(0).dot(origin.origin);
-      projection.v_numerator << inverse.row(1).transpose(), -inverse.row(1).dot(origin.origin);
-      return projection;
-    }
-    case Camera::Model::kSpherical:
-    case Camera::Model::kRayTable:
-      break;
-  }
-  return camera.projection().value_or(RationalProjection{});
-}
-
-double rms_pixels(const Samples& samples, const RationalProjection& projection) {
-  double squares = 0.0;
-  for (std::size_t i = 0; i < samples.points.size(); ++i) {
-    const auto pixel = projection.project(samples.points[i]);
-    if (!pixel) return std::numeric_limits<double>::infinity();
-    squares += (*pixel - samples.pixels[i]).squaredNorm();
-  }
-  return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, samples.points.size())));
-}
-
-// The better of the model's own projection and the fitted one.
-RationalProjectionFit best_projection(const Samples& samples, const Camera& model) {
-  RationalProjectionFit best{projection_of(model), 0.0};
-  best.rms_pixels = rms_pixels(samples, best.projection);
-  const auto fit = fit_rational_projection(samples.points, samples.pixels);
-  return fit && fit->rms_pixels < best.rms_pixels ? *fit : best;
-}
-
-// The ray of a pixel without a sample. Parallel rays whose lattice is not regular go through the
-// place where the projection sees the pixel at the samples' mean depth.
-Ray empty_ray(int u, int v, const Camera& model, const RationalProjectionFit& projection,
-              const Eigen::Vector3d& mean) {
-  Ray ray = model.ray(u, v);
-  if (model.model() != Camera::Model::kOrthographic ||
-      projection.rms_pixels > kGoodProjectionPixels)
-    return ray;
-  const Ray line = projection.projection.ray(u, v, ray.direction);
-  const double slope = line.direction.dot(ray.direction);
-  const Eigen::Vector3d at_mean =
-      line.at((mean - line.origin).dot(ray.direction) / (slope != 0.0 ? slope : 1.0));
-  if (!at_mean.allFinite()) return ray;
-  return {at_mean - ray.range_of(at_mean) * ray.direction, ray.direction};
-}
-
-Grid<Ray> shifted_rays(const Grid<Eigen::Vector3d>& points, const Grid<double>& range,
-                       const Camera& model, const RationalProjectionFit& projection,
-                       const Eigen::Vector3d& mean) {
-  Grid<Ray> rays(points.width(), points.height());
-  for (int v = 0; v < points.height(); ++v) {
-    for (int u = 0; u < points.width(); ++u) {
-      if (range(u, v) != range(u, v)) {
-        rays(u, v) = empty_ray(u, v, model, projection, mean);
-        continue;
-      }
-      const Eigen::Vector3d direction = model.ray(u, v).direction;
-      rays(u, v) = {points(u, v) - range(u, v) * direction, direction};
-    }
-  }
-  return rays;
-}
-
-void add_spherical_camera(const Grid<Eigen::Vector3d>& points, const Camera& model,
-                          GridCamera& result) {
-  const SphericalProjection& angles = *model.spherical_projection();
-  result.rms_pixels = angles.rms_pixels(points);
-  if (result.exact_model) {
-    result.camera = model;
-    return;
-  }
-  Grid<Ray> rays = shifted_rays(points, result.range, model, {}, Eigen::Vector3d::Zero());
-  result.camera = result.rms_pixels <= kGoodProjectionPixels
-                      ? Camera::ray_table(std::move(rays), angles)
-                      : Camera::ray_table(std::move(rays), std::nullopt);
-}
 
 struct DepthExtent {
   double nearest = std::numeric_limits<double>::infinity();
@@ -156,7 +31,7 @@ struct DepthExtent {
 };
 
 // u and v as affine functions of the point: the projection of an orthographic camera.
-std::optional<RationalProjection> fit_affine(const Samples& samples) {
+std::optional<RationalProjection> fit_affine(const GridSamples& samples) {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 2> cross = Eigen::Matrix<double, 3, 2>::Zero();
   Eigen::Vector2d pixel_mean = Eigen::Vector2d::Zero();
@@ -180,7 +55,8 @@ std::optional<RationalProjection> fit_affine(const Samples& samples) {
 
 // pixel = centre + focal * (P[axis] / depth) by linear regression. The focal length is negative
 // where the axis of the frame points against the rows or columns.
-std::optional<std::pair<double, double>> fit_focal(const Samples& samples, int axis, double sign) {
+std::optional<std::pair<double, double>> fit_focal(const GridSamples& samples, int axis,
+                                                   double sign) {
   double n = 0, s = 0, p = 0, ss = 0, sp = 0;
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
     const double depth = sign * samples.points[i].z();
@@ -195,7 +71,7 @@ std::optional<std::pair<double, double>> fit_focal(const Samples& samples, int a
   return std::pair{focal, (p - focal * s) / n};
 }
 
-std::optional<PinholeIntrinsics> fit_intrinsics(const Samples& samples, double sign) {
+std::optional<PinholeIntrinsics> fit_intrinsics(const GridSamples& samples, double sign) {
   const auto x = fit_focal(samples, 0, sign), y = fit_focal(samples, 1, sign);
   if (!x || !y) return std::nullopt;
   return PinholeIntrinsics{x->first, y->first, x->second, y->second};
@@ -203,7 +79,8 @@ std::optional<PinholeIntrinsics> fit_intrinsics(const Samples& samples, double s
 
 // +1 or -1: the sign with which `direction` leads away from the sensor (see the header).
 double away_from_sensor(const Eigen::Vector3d& direction, const GridFile& grid,
-                        const Samples& samples, const RationalProjection& projection, double rms) {
+                        const GridSamples& samples, const RationalProjection& projection,
+                        double rms) {
   // How many pixels the samples' picture shrinks per unit of depth, times their depth.
   DepthExtent depth, u_extent, v_extent;
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
@@ -250,7 +127,7 @@ struct Candidate {
   double rms = 0.0;
 };
 
-void add_pinhole(const Samples& samples, const Grid<Eigen::Vector3d>& points, double sign,
+void add_pinhole(const GridSamples& samples, const Grid<Eigen::Vector3d>& points, double sign,
                  std::vector<Candidate>& candidates) {
   const auto k = fit_intrinsics(samples, sign);
   if (!k) return;
@@ -262,7 +139,7 @@ void add_pinhole(const Samples& samples, const Grid<Eigen::Vector3d>& points, do
   candidates.push_back({{camera, text}, rms_pixels(samples, projection_of(camera))});
 }
 
-Candidate orthographic_candidate(const Samples& samples, const GridFile& grid) {
+Candidate orthographic_candidate(const GridSamples& samples, const GridFile& grid) {
   const auto affine = fit_affine(samples);
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
   if (affine)
@@ -289,7 +166,7 @@ void add_spherical(const Grid<Eigen::Vector3d>& points, std::vector<Candidate>& 
                         fit->rms_pixels});
 }
 
-void add_rational(const Samples& samples, const GridFile& grid,
+void add_rational(const GridSamples& samples, const GridFile& grid,
                   std::vector<Candidate>& candidates) {
   const auto fit = fit_rational_projection(samples.points, samples.pixels);
   if (!fit) return;
@@ -305,42 +182,9 @@ void add_rational(const Samples& samples, const GridFile& grid,
 
 }  // namespace
 
-GridCamera camera_through_points(const Grid<Eigen::Vector3d>& points, const Camera& model) {
-  GridCamera result;
-  result.range = Grid<double>(points.width(), points.height(), kNoSample);
-  double largest = 0.0;
-  for (int v = 0; v < points.height(); ++v) {
-    for (int u = 0; u < points.width(); ++u) {
-      if (!points(u, v).allFinite()) continue;
-      const Ray ray = model.ray(u, v);
-      result.range(u, v) = ray.range_of(points(u, v));
-      largest = std::max(largest, (ray.at(result.range(u, v)) - points(u, v)).norm());
-    }
-  }
-  result.exact_model =
-      model.model() != Camera::Model::kRayTable && largest <= kOnRay * median_spacing(points);
-  if (model.model() == Camera::Model::kSpherical) {
-    add_spherical_camera(points, model, result);
-    return result;
-  }
-  const Samples samples = collect(points);
-  if (result.exact_model) {
-    result.camera = model;
-    result.rms_pixels = rms_pixels(samples, projection_of(model));
-    return result;
-  }
-  const RationalProjectionFit projection = best_projection(samples, model);
-  result.rms_pixels = projection.rms_pixels;
-  result.camera = Camera::ray_table(
-      shifted_rays(points, result.range, model, projection, samples.mean),
-      projection.rms_pixels <= kGoodProjectionPixels ? std::optional(projection.projection)
-                                                     : std::nullopt);
-  return result;
-}
-
 Camera fit_orthographic(const Grid<Eigen::Vector3d>& points, const Eigen::Vector3d& direction) {
   const Eigen::Vector3d d = direction.normalized();
-  const Samples samples = collect(points);
+  const GridSamples samples = collect_samples(points);
   const auto count = static_cast<Eigen::Index>(samples.points.size());
   Eigen::MatrixX3d design(count, 3), target(count, 3);
   DepthExtent extent;
@@ -390,7 +234,7 @@ Camera rational_camera(const Grid<Eigen::Vector3d>& points, const RationalProjec
 }
 
 FittedCamera fit_camera(const GridFile& grid) {
-  const Samples samples = collect(grid.points);
+  const GridSamples samples = collect_samples(grid.points);
   std::vector<Candidate> candidates;
   add_pinhole(samples, grid.points, 1.0, candidates);
   add_pinhole(samples, grid.points, -1.0, candidates);
@@ -409,7 +253,7 @@ FittedCamera fit_camera(const GridFile& grid) {
 }
 
 FittedCamera fit_orthographic(const GridFile& grid) {
-  Candidate candidate = orthographic_candidate(collect(grid.points), grid);
+  Candidate candidate = orthographic_candidate(collect_samples(grid.points), grid);
   candidate.fitted.description += residual_text(candidate.rms);
   return candidate.fitted;
 }

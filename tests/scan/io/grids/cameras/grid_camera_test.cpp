@@ -1,9 +1,10 @@
-#include "scan/io/grids/grid_camera.h"
+#include "scan/io/grids/cameras/grid_camera.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "scan/io/grids/cameras/camera_fit.h"
 #include "tests/support/synthetic_views.h"
 
 namespace relief {
