@@ -170,7 +170,9 @@ Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views, const
                            " blocks of voxels it still moved when its sweeps ended");
   if (!report_progress(progress, 0.7, "extract"))
     return Error{ErrorKind::kInterrupted, "merging was interrupted"};
-  return extract_isosurface(field->finest(), memory);
+  TriangleMesh mesh = extract_isosurface(field->finest(), memory);
+  if (const auto kept = check(memory); !kept) return kept.error();
+  return mesh;
 }
 
 bool opens_holes(const MergeOptions& options) {
@@ -209,10 +211,11 @@ Result<void> fair_fill(const FairFillOptions& options, const std::vector<ViewSam
         "object, leave them open (--holes keep, --largest-fill)");
   if (fair.places.empty()) return {};
   result.mesh.vertices.swap(fair.places);
-  evict_pages(options.memory, kMeshCheck * result.mesh.vertices.size());
-  const MeshCheck check = check_mesh(result.mesh);
+  if (const auto room = make_room(options.memory, kMeshCheck * result.mesh.vertices.size()); !room)
+    return room.error();
+  MeshCheck check = check_mesh(result.mesh);
   if (check.watertight()) {
-    result.check = check;
+    result.check = std::move(check);
     result.mesh.normals = vertex_normals(result.mesh);
   } else {
     result.mesh.vertices.swap(fair.places);
@@ -228,8 +231,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   MergeResult result;
   if (!report_progress(context.progress, 0.0, "merge")) return interrupted;
   const std::unique_ptr<MemoryLimit> memory = limit_of(context, result.notes);
-  UnitStore* const store = memory ? nullptr : context.store;  // A unit is written in one piece.
-  const auto inputs = look_at(views, store != nullptr, memory.get());
+  const auto inputs = look_at(views, context.store != nullptr, memory.get());
   if (!inputs) return inputs.error();
   const SampleQuality& quality = inputs->quality;
   const auto samplers = Preparation(options, quality.deviation, memory.get())(views, result.notes);
@@ -238,7 +240,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   count_samples(*samplers, result);
   choose_scales(*samplers, options, quality.refined, result);
 
-  const FieldUnits units(store, ContentHash().add(inputs->hashes, options).hex());
+  const FieldUnits units(context.store, ContentHash().add(inputs->hashes, options).hex());
   auto mesh = closed_surface(*samplers, units, result, memory.get(), context.progress);
   if (!mesh) return mesh.error();
   result.mesh = std::move(mesh).value();
@@ -252,19 +254,24 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
     return Error{ErrorKind::kUnsolvable,
                  "no surface was found: the voxel size is too large for the object"};
   align_edges_with_creases(result.mesh, {result.voxel_size, result.view_noise, memory.get()});
-  evict_pages(memory.get(), kMeshCheck * result.mesh.vertices.size());
-  if (const auto kept = check(memory.get()); !kept) return kept.error();
+  if (const auto room = make_room(memory.get(), kMeshCheck * result.mesh.vertices.size()); !room)
+    return room.error();
   result.check = check_mesh(result.mesh);
   if (!result.check.watertight()) return failed_check(result.check);
 
   if (!report_progress(context.progress, 0.85, "measure the surface")) return interrupted;
-  evict_pages(memory.get(), kVertexAttributes * result.mesh.vertices.size());
+  if (const auto room = make_room(memory.get(), kVertexAttributes * result.mesh.vertices.size());
+      !room)
+    return room.error();
   const VertexAttributeOptions measure{result.truncation, result.voxel_size, result.view_noise,
                                        memory.get()};
   set_vertex_attributes(result.mesh, *samplers, measure);
   const FairFillOptions fair{result.truncation, result.voxel_size, memory.get()};
   if (const auto faired = fair_fill(fair, *samplers, result, context.progress); !faired)
     return faired.error();
+  if (const auto room = make_room(memory.get(), kVertexAttributes * result.mesh.vertices.size());
+      !room)
+    return room.error();
   set_filled_quality(result.mesh);
   set_vertex_colours(result.mesh, *samplers, measure);
   result.filled_area_fraction = filled_area_fraction(result.mesh);

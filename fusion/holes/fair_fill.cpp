@@ -41,8 +41,8 @@ constexpr double kRoughTolerance = 0.05, kTolerance = 1e-3;  // [voxels]
 // 5 % of their distance, which reaches the intrusion at five voxels. Bounds the time.
 constexpr double kRough = 5.0;
 
-// Memory for each vertex of the mesh, and for each that may move besides [bytes].
-constexpr std::size_t kVertex = 60, kMoving = 900;
+// Memory for each vertex of the mesh, and for each filled one while regions are found [bytes].
+constexpr std::size_t kVertex = 60, kFilled = 60;
 
 // How far the work on a region has come.
 struct Settling {
@@ -68,12 +68,14 @@ class Fairing {
         changed_(mesh.vertices.size(), 0) {}
 
   Result<FairFill> run() {
+    if (const auto kept = check(options_.memory); !kept) return kept.error();
     if (work_.empty() && regions_.too_large() == 0) return FairFill();
     for (int round = 0; round <= kRounds; ++round) settle_all(round == kRounds);
     for (std::size_t v = 0; v < places_.size(); ++v) changed_[v] = places_[v] != mesh_.vertices[v];
     for (int round = 0; !stopped_ && resolve_intersections(round); ++round) {
     }
     if (stopped_) return Error{ErrorKind::kInterrupted, "closing holes was interrupted"};
+    if (const auto kept = check(options_.memory); !kept) return kept.error();
     const auto unsolved = static_cast<std::size_t>(std::count_if(
         work_.begin(), work_.end(), [](const Settling& work) { return work.unsolved; }));
     return FairFill{std::move(places_), unsolved, regions_.too_large()};
@@ -297,8 +299,8 @@ Result<FairFill> fair_filled_regions(const TriangleMesh& mesh,
   const auto filled = static_cast<std::size_t>(std::count_if(
       mesh.filled.begin(), mesh.filled.end(), [](std::uint8_t flag) { return flag != 0; }));
   if (filled == 0) return FairFill();
-  evict_pages(options.memory, kVertex * mesh.vertices.size() + kMoving * filled);
-  if (!check(options.memory)) return FairFill();
+  const auto room = make_room(options.memory, kVertex * mesh.vertices.size() + kFilled * filled);
+  if (!room) return room.error();
   return Fairing(mesh, views, options, progress).run();
 }
 

@@ -23,7 +23,7 @@ struct FairFill {
 /// surface goes on across the border of what was measured with the slope it arrives with, or, where
 /// the closed field left it at a sharp angle, spans the border plainly. It stays out of space that
 /// a view saw empty, or leaves it where it can, and intersects itself nowhere it did not.
-/// The only error is kInterrupted.
+/// Errors: kInterrupted, and what `options.memory` tells when it cannot be kept.
 Result<FairFill> fair_filled_regions(const TriangleMesh& mesh,
                                      const std::vector<ViewSampler>& views,
                                      const FairFillOptions& options, const Progress& progress = {});

@@ -37,11 +37,12 @@ constexpr int kApproach = 6;
 // edge at its border. By (F8) a block turns by 0, a sphere by 69 of 89 degrees: 0.1 to 0.7 will do.
 constexpr double kCarried = 0.5;
 
-// Of each vertex the number of edges to the nearest filled one, at most `most` + 1.
-std::vector<std::uint8_t> rings_around_filled(const TriangleMesh& mesh, int most) {
+// Of each vertex the number of edges to the nearest one with `set`, at most `most` + 1.
+std::vector<std::uint8_t> rings_around(const TriangleMesh& mesh,
+                                       const std::vector<std::uint8_t>& set, int most) {
   std::vector<std::uint8_t> rings(mesh.vertices.size());
   for (std::size_t v = 0; v < rings.size(); ++v)
-    rings[v] = mesh.filled[v] ? 0 : static_cast<std::uint8_t>(most + 1);
+    rings[v] = set[v] ? 0 : static_cast<std::uint8_t>(most + 1);
   for (int ring = 1; ring <= most; ++ring)
     for (const auto& face : mesh.faces) {
       if (std::none_of(face.begin(), face.end(), [&](auto v) { return rings[v] == ring - 1; }))
@@ -70,22 +71,29 @@ double attraction_of(int ring, double voxel) { return std::pow(std::ldexp(voxel,
 FairRegions::FairRegions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
                          const FairFillOptions& options)
     : mesh_(mesh),
-      rings_(rings_around_filled(mesh, kMargin + 1 + kApproach)),
+      rings_(rings_around(mesh, mesh.filled, kMargin + 1 + kApproach)),
       around_(mesh, up_to(kMargin + kApproach, rings_)),
-      normals_(mesh, rings_, kMargin + 1) {
-  find(options.most_solved);
+      region_of_(mesh.vertices.size(), kNone),
+      regions_(find(options.most_solved)),
+      normals_(mesh, near_regions(), options.memory) {
   parallel_for(regions_.size(), 1, [&](std::size_t begin, std::size_t end) {
     evict_pages(options.memory);
     for (std::size_t r = begin; r < end; ++r) prepare(regions_[r], views, options);
   });
 }
 
-void FairRegions::find(std::size_t most_solved) {
+std::vector<FairRegion> FairRegions::find(std::size_t most_solved) {
   const std::vector<std::uint32_t> first = regions_of(mesh_, up_to(kMargin, rings_));
+  std::vector<std::uint32_t> sizes(first.size(), 0);
+  for (const std::uint32_t region : first) ++sizes[region];
   std::map<std::uint32_t, FairRegion> candidates;
-  for (std::uint32_t v = 0; v < first.size(); ++v)
-    if (rings_[v] <= kMargin) candidates[first[v]].vertices.push_back({v, mesh_.vertices[v]});
-  region_of_.assign(first.size(), kNone);
+  for (std::uint32_t v = 0; v < first.size(); ++v) {
+    if (rings_[v] > kMargin) continue;
+    FairRegion& region = candidates[first[v]];
+    region.vertices.reserve(sizes[first[v]]);
+    region.vertices.push_back({v, mesh_.vertices[v]});
+  }
+  std::vector<FairRegion> found;
   for (auto& [start, region] : candidates) {
     add_border(region);
     if (region.border.empty() || !is_deep(region) || is_crevice(region)) continue;
@@ -94,9 +102,20 @@ void FairRegions::find(std::size_t most_solved) {
       continue;
     }
     for (const PlateVertex& free : region.vertices)
-      region_of_[free.vertex] = static_cast<std::uint32_t>(regions_.size());
-    regions_.push_back(std::move(region));
+      region_of_[free.vertex] = static_cast<std::uint32_t>(found.size());
+    found.push_back(std::move(region));
   }
+  return found;
+}
+
+// The vertices whose faces the normals in the regions depend on. Those of faces of the last ring
+// are an edge farther.
+std::vector<std::uint8_t> FairRegions::near_regions() const {
+  std::vector<std::uint8_t> near(region_of_.size());
+  for (std::size_t v = 0; v < near.size(); ++v) near[v] = region_of_[v] != kNone;
+  near = up_to(SideNormals::kReach + 1, rings_around(mesh_, near, SideNormals::kReach + 1));
+  for (std::size_t v = 0; v < near.size(); ++v) near[v] = near[v] && rings_[v] <= kMargin + 1;
+  return near;
 }
 
 // Whether the region has a filled vertex among filled ones only. Else there is no shape to find.

@@ -51,7 +51,8 @@ class FairRegions {
   const SideNormals& normals() const { return normals_; }
 
  private:
-  void find(std::size_t most_solved);
+  std::vector<FairRegion> find(std::size_t most_solved);
+  std::vector<std::uint8_t> near_regions() const;
   bool is_crevice(const FairRegion& region) const;
   bool is_deep(const FairRegion& region) const;
   void add_border(FairRegion& region) const;
@@ -65,10 +66,10 @@ class FairRegions {
   const TriangleMesh& mesh_;
   std::vector<std::uint8_t> rings_;  // Edges to the nearest filled vertex, up to a few.
   FacesAround around_;
-  SideNormals normals_;
-  std::vector<FairRegion> regions_;
   std::size_t too_large_ = 0;
   std::vector<std::uint32_t> region_of_;
+  std::vector<FairRegion> regions_;
+  SideNormals normals_;
 };
 
 }  // namespace relief::fusion

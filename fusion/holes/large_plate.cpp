@@ -31,8 +31,7 @@ class PoissonTwice {
     poisson *= -1.0;
     poisson.diagonal() += equations.attraction.cwiseProduct(area).cwiseSqrt();
     factor_.analyzePattern(poisson);
-    evict_pages(memory, factor_.bytes());
-    if (!check(memory)) return false;
+    if (!make_room(memory, factor_.bytes())) return false;
     factor_.factorize(poisson);
     return factor_.info() == Eigen::Success && (factor_.vectorD().array() > 0.0).all();
   }

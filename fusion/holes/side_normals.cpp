@@ -6,19 +6,21 @@ namespace relief::fusion {
 
 namespace {
 
-// Rings over which normals are averaged, one pass each. The area grows with their number: with half
-// of it noise and ragged borders tilt the mean 1.4 times as far, with twice it reaches past edges.
-constexpr int kRings = 4;
+// Two maps of the normals while they are averaged, of half as many vertices [bytes per face].
+constexpr std::size_t kFace = 80;
 
 }  // namespace
 
-SideNormals::SideNormals(const TriangleMesh& mesh, const std::vector<std::uint8_t>& rings,
-                         int reach)
+// One pass of averaging for each ring of kReach. The area grows with their number: with half of it
+// noise and ragged borders tilt the mean 1.4 times as far, with twice it reaches past edges.
+SideNormals::SideNormals(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted,
+                         MemoryLimit* memory)
     : mesh_(mesh) {
   for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
     if (std::any_of(mesh.faces[f].begin(), mesh.faces[f].end(),
-                    [&](std::uint32_t v) { return rings[v] <= reach; }))
+                    [&](std::uint32_t v) { return wanted[v] != 0; }))
       faces_.push_back(f);
+  if (!make_room(memory, kFace * faces_.size())) return;
   for (const std::uint32_t f : faces_) {
     const Eigen::Vector3d cross = face_cross(mesh, f);
     const bool measured = is_measured(f);
@@ -26,7 +28,7 @@ SideNormals::SideNormals(const TriangleMesh& mesh, const std::vector<std::uint8_
       if (mesh.filled[v] || measured)
         normals_.try_emplace(v, Eigen::Vector3d::Zero()).first->second += cross;
   }
-  for (int ring = 0; ring < kRings; ++ring) average();
+  for (int ring = 0; ring < kReach; ++ring) average();
 }
 
 Eigen::Vector3d SideNormals::at(std::uint32_t vertex) const {

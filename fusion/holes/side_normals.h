@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "fusion/holes/thin_plate.h"
+#include "fusion/memory/memory_limit.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief::fusion {
@@ -16,8 +17,13 @@ namespace relief::fusion {
 /// meet.
 class SideNormals {
  public:
-  /// Of faces with a vertex at most `reach` edges from a filled one, as `rings` tells.
-  SideNormals(const TriangleMesh& mesh, const std::vector<std::uint8_t>& rings, int reach);
+  /// Edges from a vertex to those that its normal depends on: it is averaged over so many rings.
+  static constexpr int kReach = 4;
+
+  /// Of faces with a vertex that has `wanted` set. `memory` may be null; where it cannot be kept,
+  /// which it tells, all normals are unknown.
+  SideNormals(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted,
+              MemoryLimit* memory);
 
   /// Of one vertex, of length 1; zero where it is unknown.
   Eigen::Vector3d at(std::uint32_t vertex) const;

@@ -88,8 +88,7 @@ class PlateSystem {
     if (system.rows() > kLarge) release_freed_memory();
     SizedFactor factor;
     factor.analyzePattern(system);
-    evict_pages(memory, factor.bytes());
-    if (!check(memory)) return {};
+    if (!make_room(memory, factor.bytes())) return {};
     factor.factorize(system);
     if (factor.info() != Eigen::Success) return {};
     return places_of(factor.solve(right));
@@ -217,8 +216,7 @@ std::vector<Eigen::Vector3d> solve_thin_plate(const TriangleMesh& mesh, const Fa
                                               const PlatePatch& patch,
                                               const PlateOptions& options) {
   if (patch.free.empty()) return {};
-  evict_pages(options.memory, kSystem * patch.free.size());
-  if (!check(options.memory)) return {};
+  if (!make_room(options.memory, kSystem * patch.free.size())) return {};
   const PlateSystem system(mesh, around, patch);
   return patch.free.size() <= options.most_factorised ? system.solve(options.memory)
                                                       : system.approach(patch, options);

@@ -21,6 +21,10 @@ namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
+// The part of a limit up to which arrays lie in memory. Takes at most so much from what the rest of
+// the work may need, which no file can hold. Changes no result.
+constexpr std::size_t kAmple = 8;
+
 std::filesystem::path default_folder() {
   const char* given = std::getenv("TMPDIR");
   return given && *given ? given : "/tmp";
@@ -48,6 +52,14 @@ MemoryLimit::MemoryLimit(std::size_t limit, std::filesystem::path folder,
     : limit_(limit),
       folder_(folder.empty() ? default_folder() : std::move(folder)),
       resident_(resident ? std::move(resident) : [] { return resident_memory(); }) {}
+
+bool MemoryLimit::keep_in_memory(std::size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  const std::size_t most = limit_ / kAmple;
+  if (in_memory_ + bytes > most || resident_() + in_memory_ + bytes > most) return false;
+  in_memory_ += bytes;
+  return true;
+}
 
 void MemoryLimit::evict_pages(std::size_t needed) {
   if (resident_() + needed <= limit_) return;

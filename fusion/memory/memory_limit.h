@@ -30,6 +30,14 @@ class MemoryLimit {
   MemoryLimit(const MemoryLimit&) = delete;
   MemoryLimit& operator=(const MemoryLimit&) = delete;
 
+  /// Whether `needed` [bytes] can be had without handing pages back.
+  bool has_room(std::size_t needed) const { return resident_() + needed <= limit_; }
+
+  /// Whether one more large array of `bytes` may lie in memory. All such arrays together have an
+  /// eighth of the limit, with all that the process has now: so a limit that is ample costs
+  /// nothing, and a tight one nearly all of them lie in files.
+  bool keep_in_memory(std::size_t bytes);
+
   /// Makes room for `needed` [bytes] that are about to be allocated; the default serves the work on
   /// a brick.
   void evict_pages(std::size_t needed = kBrickBytes);
@@ -60,6 +68,7 @@ class MemoryLimit {
   mutable std::mutex mutex_;
   std::map<void*, std::size_t> blocks_;
   std::size_t releases_ = 0;
+  std::size_t in_memory_ = 0;  // Of the arrays that keep_in_memory() allowed.
   std::optional<Error> failure_;
 };
 
@@ -72,6 +81,11 @@ inline void evict_pages(MemoryLimit* limit, std::size_t needed) {
 }
 inline Result<void> check(const MemoryLimit* limit) {
   return limit ? limit->check() : Result<void>();
+}
+/// Both: an error, before they are taken, when there is no room for `needed` [bytes].
+inline Result<void> make_room(MemoryLimit* limit, std::size_t needed) {
+  evict_pages(limit, needed);
+  return check(limit);
 }
 
 }  // namespace relief::fusion

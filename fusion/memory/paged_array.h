@@ -12,9 +12,9 @@
 
 namespace relief::fusion {
 
-/// A fixed number of values, all bits zero at first: in memory, or, under a limit, in a file that
-/// is mapped to memory. What was never written takes no memory. T is plain data for which zero bits
-/// are a value.
+/// A fixed number of values, all bits zero at first: in memory, or, under a limit that is not
+/// ample, in a file that is mapped to memory. What was never written takes no memory. T is plain
+/// data for which zero bits are a value.
 template <typename T>
 class PagedArray {
   static_assert(std::is_trivially_destructible_v<T>);
@@ -24,7 +24,8 @@ class PagedArray {
   /// `limit` may be null and must outlive the array.
   PagedArray(std::size_t count, MemoryLimit* limit) : count_(count) {
     if (count == 0) return;
-    if (limit) data_ = static_cast<T*>(limit->map(count * sizeof(T)));
+    if (limit && !limit->keep_in_memory(count * sizeof(T)))
+      data_ = static_cast<T*>(limit->map(count * sizeof(T)));
     if (data_)
       limit_ = limit;
     else  // also when there is no file, which the limit's check() tells

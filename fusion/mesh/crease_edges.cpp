@@ -226,7 +226,7 @@ class CreaseEdges {
 }  // namespace
 
 std::size_t align_edges_with_creases(TriangleMesh& mesh, const CreaseEdgeOptions& options) {
-  evict_pages(options.memory, kVertex * mesh.vertices.size());
+  if (!make_room(options.memory, kVertex * mesh.vertices.size())) return 0;
   const std::size_t turned = CreaseEdges(mesh, options).run();
   mesh.normals = vertex_normals(mesh);
   return turned;

@@ -231,9 +231,11 @@ class BrickJoiner {
 TriangleMesh extract_isosurface(const SparseField& field, MemoryLimit* memory) {
   BrickJoiner joiner(field, memory);
   for (BlockRange brick = next_brick(field, 0); brick.begin < brick.end;
-       brick = next_brick(field, brick.end))
+       brick = next_brick(field, brick.end)) {
+    if (!check(memory)) return {};
     joiner.add(triangle_corners(field, brick, memory),
                kBlockSide * (field.block(brick.end - 1).z() + 1));
+  }
   return joiner.finish();
 }
 

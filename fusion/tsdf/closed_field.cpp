@@ -147,13 +147,21 @@ Result<FieldLevel> solve_level(const std::vector<ViewSampler>& views, const Fiel
   return solved;
 }
 
+// Whether a level can be written and read as a unit. It is in memory three times then: as the
+// field, its blocks, and their bytes. Blocks near the zero set may be as many as those near
+// samples.
+bool room_for_unit(std::size_t blocks_near_samples, const MemoryLimit* memory) {
+  constexpr std::size_t kBlock = std::size_t{3} * 2 * kBlockNodes * sizeof(float);
+  return memory == nullptr || memory->has_room(kBlock * blocks_near_samples);
+}
+
 // solve_level() as a unit of work.
 Result<FieldLevel> level_or_find(const std::vector<ViewSampler>& views, const FieldDomain& domain,
                                  int level, std::vector<NodeKey> near_samples,
                                  const SparseField* coarser, const ClosedFieldOptions& options,
                                  const Progress& progress) {
-  const bool finest = level == 0;
-  if (auto kept = finest ? std::nullopt : options.units.find(level)) {
+  const bool is_unit = level != 0 && room_for_unit(near_samples.size(), options.memory);
+  if (auto kept = is_unit ? options.units.find(level) : std::nullopt) {
     const Lattice lattice = domain.lattice(level);
     return FieldLevel{
         std::make_unique<SparseField>(lattice, std::move(kept->blocks), coarser,
@@ -162,7 +170,7 @@ Result<FieldLevel> level_or_find(const std::vector<ViewSampler>& views, const Fi
   }
   auto solved =
       solve_level(views, domain, level, std::move(near_samples), coarser, options, progress);
-  if (solved && !finest) options.units.keep(level, *solved->field, solved->moving_blocks);
+  if (solved && is_unit) options.units.keep(level, *solved->field, solved->moving_blocks);
   return solved;
 }
 

@@ -31,19 +31,19 @@ struct Merged {
   TriangleMesh mesh;
 };
 
-Merged merged(const std::vector<RangeView>& views) {
+Merged merged(const std::vector<RangeView>& views, double voxel = kVoxel) {
   Merged result;
   for (const RangeView& view : views) {
     auto sampler = ViewSampler::create(view, {});
     if (sampler && !sampler->empty()) result.samplers.push_back(std::move(sampler).value());
   }
   ClosedFieldOptions options;
-  options.voxel_size = kVoxel;
+  options.voxel_size = voxel;
   options.truncation = kTruncation;
   const auto field = value_of(compute_closed_field(result.samplers, options, {}));
   result.mesh = extract_isosurface(field.finest());
   keep_largest_component(result.mesh);
-  set_vertex_attributes(result.mesh, result.samplers, {kTruncation, kVoxel, 0.1, nullptr});
+  set_vertex_attributes(result.mesh, result.samplers, {kTruncation, voxel, 0.1, nullptr});
   return result;
 }
 
@@ -109,6 +109,20 @@ TEST(FairFill, TooLargeRegionsStayAsTheyAre) {
   EXPECT_GT(fair.too_large, 0u);
   EXPECT_EQ(fair.unsolved, 0u);
   EXPECT_EQ(fair.places, sphere.mesh.vertices);
+}
+
+// A process that has nothing yet, and needs no more than these 20 MiB unless a plate is solved.
+TEST(FairFill, OnlyRegionsThatAreSolvedNeedTheMemoryForIt) {
+  const Merged sphere = merged(sphere_from(3, 14), 0.5 * kVoxel);
+  MemoryLimit limit(std::size_t{20} << 20, {}, [] { return std::size_t{0}; });
+  FairFillOptions options = default_options();
+  options.voxel_size = 0.5 * kVoxel;
+  options.memory = &limit;
+  options.most_solved = 0;
+  EXPECT_THAT(fair_filled_regions(sphere.mesh, sphere.samplers, options), IsOk());
+  options.most_solved = FairFillOptions().most_solved;
+  EXPECT_THAT(fair_filled_regions(sphere.mesh, sphere.samplers, options),
+              HasError(ErrorKind::kUnsolvable, "limit of 20 MiB"));
 }
 
 TEST(FairFill, LargeRegionsAskWhetherToGoOn) {
@@ -232,15 +246,14 @@ TEST(FairFill, ThreadsAndALimitOfMemoryDoNotChangeAByte) {
     EXPECT_EQ(places, reference);
   }
   FairFillOptions options = default_options();
-  for (const std::size_t limit : {1000, 94}) {
-    MemoryLimit memory(limit << 20, {}, scarce);
-    options.memory = &memory;
-    const auto places = fair_filled_regions(sphere.mesh, sphere.samplers, options)->places;
-    EXPECT_EQ(memory.check().ok(), limit == 1000) << "the factor does not fit into 4 MiB";
-    if (memory.check()) {
-      EXPECT_EQ(places, reference);
-    }
-  }
+  MemoryLimit wide(std::size_t{1000} << 20, {}, scarce);
+  options.memory = &wide;
+  EXPECT_EQ(value_of(fair_filled_regions(sphere.mesh, sphere.samplers, options)).places, reference);
+  MemoryLimit tight(std::size_t{94} << 20, {}, scarce);
+  options.memory = &tight;
+  EXPECT_THAT(fair_filled_regions(sphere.mesh, sphere.samplers, options),
+              HasError(ErrorKind::kUnsolvable, "limit of 94 MiB"))
+      << "the factor does not fit into 4 MiB";
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ std::size_t always_near_the_limit() {
 
 TEST_F(MemoryLimitTest, ArraysKeepTheirValuesWhenTheirPagesAreHandedBack) {
   MemoryLimit limit(100 * kMebibyte, folder_, always_near_the_limit);
-  PagedArray<std::uint32_t> array(1 << 20, &limit);
+  PagedArray<std::uint32_t> array(1 << 22, &limit);  // 16 MiB: more than an eighth of the limit.
   for (std::uint32_t i = 0; i < array.size(); ++i) {
     ASSERT_EQ(array[i], 0u);
     array[i] = 2654435761u * i;
@@ -57,6 +57,14 @@ TEST_F(MemoryLimitTest, ArraysKeepTheirValuesWhenTheirPagesAreHandedBack) {
   for (std::uint32_t i = 0; i < moved.size(); ++i) ASSERT_EQ(moved[i], 2654435761u * i);
   EXPECT_THAT(limit.check(), IsOk());
   EXPECT_EQ(entries_of(folder_), 0u) << "the files have no name";
+}
+
+TEST_F(MemoryLimitTest, AnEighthOfTheLimitMayLieInMemory) {
+  MemoryLimit limit(800 * kMebibyte, folder_, [] { return 40 * kMebibyte; });
+  EXPECT_FALSE(limit.keep_in_memory(61 * kMebibyte)) << "the process has 40 of 100 MiB";
+  EXPECT_TRUE(limit.keep_in_memory(50 * kMebibyte));
+  EXPECT_TRUE(limit.keep_in_memory(10 * kMebibyte));
+  EXPECT_FALSE(limit.keep_in_memory(1));
 }
 
 TEST_F(MemoryLimitTest, PagesHandedBackAreNoLongerResident) {
