@@ -120,8 +120,8 @@ Result<FieldLevel> solve_level(const std::vector<ViewSampler>& views, const Fiel
   const double truncation = std::max(options.truncation, 2.0 * lattice.spacing);
   const float limit = limit_of(lattice, options.truncation);
   // Each level has four times the blocks of the one before.
-  const ProgressPart part{progress, coarser ? std::ldexp(0.8, -2 * (level + 1)) : 0.0,
-                          std::ldexp(0.8, -2 * level)};
+  const ProgressPart part{progress, coarser ? std::ldexp(1.0, -2 * (level + 1)) : 0.0,
+                          std::ldexp(1.0, -2 * level)};
 
   std::vector<NodeKey> blocks = coarser ? std::move(near_samples) : all_blocks(domain.coarse_cells);
   if (coarser) {
