@@ -4,6 +4,8 @@
 #include <numbers>
 #include <string>
 
+#include "scan/base/control_groups.h"
+
 namespace relief {
 
 namespace {
@@ -94,7 +96,14 @@ void add_memory_option(CLI::App& command, MemoryFlag& flag, const std::string& w
           "Memory to keep to, as 4G or 800M; a number alone is in MiB: " + what + "; 0: no limit")
       ->transform(CLI::AsNumberWithUnit(
           std::map<std::string, std::size_t>{{"M", 1}, {"G", 1 << 10}, {"T", 1 << 20}}))
-      ->default_str("0");
+      ->default_str("what the control group leaves, if it has a limit");
+}
+
+std::size_t MemoryFlag::bytes(const std::filesystem::path& root) const {
+  // A tenth is for what is not resident: page tables, and pages of files not yet written.
+  constexpr double kShare = 0.9;
+  if (mebibytes) return *mebibytes << 20;
+  return static_cast<std::size_t>(kShare * static_cast<double>(memory_in_groups(root)));
 }
 
 void add_align_options(CLI::App& command, registration::AlignOptions& options) {

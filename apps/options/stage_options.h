@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -14,9 +15,11 @@ namespace relief {
 
 /// Memory of the whole process.
 struct MemoryFlag {
-  std::size_t mebibytes = 0;  ///< 0: no limit.
+  /// 0: no limit. Not given: what control groups leave (a container, a batch job), if they do.
+  std::optional<std::size_t> mebibytes;
 
-  std::size_t bytes() const { return mebibytes << 20; }
+  /// The limit now, 0: none. `root`: see memory_in_groups().
+  std::size_t bytes(const std::filesystem::path& root = "/") const;
 };
 /// `what`: what is done to keep to the limit.
 void add_memory_option(CLI::App& command, MemoryFlag& flag, const std::string& what);

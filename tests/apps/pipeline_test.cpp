@@ -14,10 +14,12 @@ namespace {
 using nlohmann::json;
 using testing::files_below;
 using ::testing::HasSubstr;
+using testing::ProgramLimits;
 using testing::ProgramRun;
 using testing::read_text;
 using testing::run_relief;
 using testing::TemporaryFolder;
+using testing::write_text;
 
 json report_of(const std::filesystem::path& folder) {
   return json::parse(read_text(folder / "report.json"));
@@ -252,7 +254,7 @@ TEST(Program, MergesWithinAMemoryLimitToTheSameBytes) {
   simulate(scans, "5", "96");
   ASSERT_EQ(run_relief({"merge", scans / "scan.json", "-o", free / "model.ply"}).exit_status, 0);
   const ProgramRun run =
-      run_relief({"merge", scans / "scan.json", "-o", limited / "model.ply", "--memory", "2000"});
+      run_relief({"merge", scans / "scan.json", "-o", limited / "model.ply", "--memory", "250"});
   EXPECT_EQ(run.exit_status, 0) << run.standard_error;
   EXPECT_EQ(read_text(free / "model.ply"), read_text(limited / "model.ply"));
 
@@ -268,7 +270,7 @@ TEST(Program, RunsWithinAMemoryLimitToTheSameBytes) {
   simulate(scans, "5", "96");
   ASSERT_EQ(run_relief({"run", scans / "scan.json", "-o", free.path()}).exit_status, 0);
   const ProgramRun run =
-      run_relief({"run", scans / "scan.json", "-o", limited.path(), "--memory", "2G"});
+      run_relief({"run", scans / "scan.json", "-o", limited.path(), "--memory", "250M"});
   EXPECT_EQ(run.exit_status, 0) << run.standard_error;
   EXPECT_EQ(read_text(free / "model.ply"), read_text(limited / "model.ply"));
   EXPECT_EQ(read_text(free / "scan.json"), read_text(limited / "scan.json"));
@@ -279,6 +281,36 @@ TEST(Program, RunsWithinAMemoryLimitToTheSameBytes) {
   EXPECT_THAT(refused.standard_error, HasSubstr("aligning and refining the views needs about"));
   EXPECT_THAT(refused.standard_error, HasSubstr("more than the memory limit of 10 MiB"));
   EXPECT_FALSE(std::filesystem::exists(low / "model.ply"));
+}
+
+// What a container with so much memory tells, in both versions of control groups.
+void write_control_groups(const TemporaryFolder& folder, std::size_t mebibytes) {
+  const std::string limit = std::to_string(mebibytes << 20);
+  write_text(folder / "memory.max", limit);
+  write_text(folder / "memory.current", "0");
+  write_text(folder / "memory/memory.limit_in_bytes", limit);
+  write_text(folder / "memory/memory.usage_in_bytes", "0");
+}
+
+TEST(Program, RunsWithinTheLimitOfItsControlGroupToTheSameBytes) {
+  const TemporaryFolder scans, free, limited, low, groups;
+  simulate(scans, "5", "96");
+  ASSERT_EQ(run_relief({"run", scans / "scan.json", "-o", free.path()}).exit_status, 0);
+  write_control_groups(groups, 250);
+  const ProgramLimits limits{.control_groups = groups.path()};
+  const ProgramRun run = run_relief({"run", scans / "scan.json", "-o", limited.path()}, limits);
+  if (run.exit_status == ProgramLimits::kNotPermitted)
+    GTEST_SKIP() << "mounting other control groups is not permitted";
+  EXPECT_EQ(run.exit_status, 0) << run.standard_error;
+  EXPECT_EQ(read_text(free / "model.ply"), read_text(limited / "model.ply"));
+
+  write_control_groups(groups, 1);
+  const ProgramRun refused = run_relief({"run", scans / "scan.json", "-o", low.path()}, limits);
+  EXPECT_EQ(refused.exit_status, 1);
+  EXPECT_THAT(refused.standard_error, HasSubstr("more than the memory limit"));
+  const ProgramRun unlimited =
+      run_relief({"run", scans / "scan.json", "-o", low.path(), "--memory", "0"}, limits);
+  EXPECT_EQ(unlimited.exit_status, 0) << unlimited.standard_error;
 }
 
 }  // namespace

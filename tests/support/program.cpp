@@ -7,6 +7,8 @@
 #include <system_error>
 
 #include <fcntl.h>
+#include <sched.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,6 +16,13 @@
 namespace relief::testing {
 
 namespace {
+
+// For this process and its children only.
+bool mount_over(const std::filesystem::path& folder, const char* place) {
+  return unshare(CLONE_NEWNS) == 0 &&
+         mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+         mount(folder.c_str(), place, nullptr, MS_BIND, nullptr) == 0;
+}
 
 [[noreturn]] void become_program(std::vector<char*> arguments, const std::string& out,
                                  const std::string& err, const ProgramLimits& limits) {
@@ -27,6 +36,8 @@ namespace {
     const rlimit limit{bytes, bytes};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
+  if (!limits.control_groups.empty() && !mount_over(limits.control_groups, "/sys/fs/cgroup"))
+    _exit(ProgramLimits::kNotPermitted);
   execv(arguments[0], arguments.data());
   _exit(127);
 }

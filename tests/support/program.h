@@ -19,6 +19,10 @@ struct ProgramRun {
 
 struct ProgramLimits {
   long file_size_bytes = -1;  ///< Largest file it may write; writing more fails as on a full disk.
+  /// Stands for /sys/fs/cgroup, where it is not empty. That takes the rights to mount: without them
+  /// the exit status is kNotPermitted.
+  std::filesystem::path control_groups = {};
+  static constexpr int kNotPermitted = 126;
 };
 
 /// Runs the program under test with `arguments` and waits for it.

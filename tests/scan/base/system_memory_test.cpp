@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "scan/base/control_groups.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
@@ -67,6 +68,18 @@ TEST_F(SystemMemory, HasTheLimitOfAGroupOfVersion1) {
   write("sys/fs/cgroup/memory/memory.usage_in_bytes", megabytes(5000));
   EXPECT_EQ(usable(), 1024u);
   EXPECT_EQ(free(), 48u);
+}
+
+TEST_F(SystemMemory, OfGroupsIsWhatTheProcessHasAndWhatIsFreeInThem) {
+  EXPECT_EQ(memory_in_groups(root_.path()), 0u) << "no group limits it";
+  write("proc/self/cgroup", "0::/jobs/mine\n");
+  write("sys/fs/cgroup/jobs/mine/memory.max", megabytes(2048));
+  write("sys/fs/cgroup/jobs/mine/memory.current", megabytes(1500));
+  write("sys/fs/cgroup/jobs/mine/memory.stat", "inactive_file " + megabytes(500));
+  EXPECT_GE(memory_in_groups(root_.path()), 1048 * kMega);
+  EXPECT_LT(memory_in_groups(root_.path()), 2048 * kMega);
+  write("sys/fs/cgroup/jobs/mine/memory.max", megabytes(100000));
+  EXPECT_EQ(memory_in_groups(root_.path()), 0u) << "a limit above the machine is none";
 }
 
 // A container sees its own group as the root, but may be told the path that the host knows.
