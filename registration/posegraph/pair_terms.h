@@ -2,12 +2,11 @@
 
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "registration/pairwise/degenerate_directions.h"
 #include "registration/pairwise/normal_equations.h"
 #include "registration/pairwise/normal_residual.h"
 #include "registration/pairwise/plane_residual.h"
+#include "registration/posegraph/quadratic_residuals.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {
@@ -16,15 +15,12 @@ namespace relief::registration {
 /// relative to the target: the sum of squares of `residuals` is that of the losses,
 /// 2 D^T r its gradient and D^T D the Gauss-Newton matrix of reweighted least squares, with D the
 /// derivative by a motion of the source as in PlaneResidual.
-struct CompressedTerms {
-  Eigen::Matrix<double, 7, 1> residuals = Eigen::Matrix<double, 7, 1>::Zero();
-  Eigen::Matrix<double, 7, 6> derivative = Eigen::Matrix<double, 7, 6>::Zero();
-};
+using CompressedTerms = QuadraticResiduals<6>;
 
-/// The seven residuals of summed terms, `losses` the sum of what they cost (R6). Directions that
-/// the matrix does not determine, or determines negatively, have no say. Not finite if the sums are
-/// not.
-CompressedTerms compress(const NormalEquations& sum, double losses);
+/// The seven residuals of summed terms, `losses` the sum of what they cost (R6).
+inline CompressedTerms compress(const NormalEquations& sum, double losses) {
+  return quadratic_residuals<6>(sum.matrix, sum.gradient, losses);
+}
 
 /// All terms of the joint refinement between one view's samples and another's surface: (R3) and
 /// (R9), with the Cauchy loss.

@@ -4,9 +4,8 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Geometry>
-
 #include "registration/pairwise/robust.h"
+#include "registration/posegraph/pose_step.h"
 #include "registration/posegraph/refinement/pair_information.h"
 #include "registration/posegraph/refinement/pose_graph_system.h"
 #include "scan/base/parallel.h"
@@ -18,31 +17,11 @@ namespace {
 // Directed pairs whose patches are held in memory at a time.
 constexpr std::size_t kPairsAtOnce = 64;
 
-// The mean of the views' centres.
-Eigen::Vector3d common_centre(const std::vector<const ViewSurface*>& surfaces,
-                              const std::vector<RigidMotion>& world_from_view) {
-  const Eigen::Vector3d first = world_from_view.front() * surfaces.front()->centre();
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < surfaces.size(); ++i)
-    offset += world_from_view[i] * surfaces[i]->centre() - first;
-  return first + offset / static_cast<double>(surfaces.size());
-}
-
 double median_spacing(const std::vector<const ViewSurface*>& surfaces) {
   std::vector<double> spacings;
   for (const ViewSurface* surface : surfaces)
     if (!surface->samples().empty()) spacings.push_back(surface->spacing());
   return quantile(spacings, 0.5);
-}
-
-RigidMotion moved(const RigidMotion& world_from_view, const RigidTangent& tangent,
-                  const Eigen::Vector3d& centre) {
-  RigidMotion centred = world_from_view;
-  centred.translation() -= centre;
-  RigidMotion result = motion_from_tangent(tangent) * centred;
-  result.linear() = Eigen::Quaterniond(result.linear()).normalized().toRotationMatrix();
-  result.translation() += centre;
-  return result;
 }
 
 // The pairs of views while their poses move by small steps about one centre.
