@@ -16,6 +16,10 @@ set(RELIEF_UNSANITIZED_TESTS
   AlignViews.MovesWithTheWorld
   AnalyticShapes.*
   BuiltInObject.KeepsTheBounds*
+  CalibrateViews.FindsABendOfEveryView
+  CalibrateViews.HeedsTheScope
+  CalibrateViews.IsTheSame*
+  CalibrateViews.LeavesKnownPoses*
   ErrorSpectrum.OfAWave*
   GlobalRegistration.DoesNotForceASphere*
   GlobalRegistration.FindsShuffledViews*
@@ -51,6 +55,8 @@ set(RELIEF_UNSANITIZED_TESTS
   RefineRealScans.TheGeometryOfThePanel*
   Robustness.RealisticSensors*
   ScanDefects.SensorsErrOnThePlateToo
+  SimulatedErrors.FindsNothing*
+  SimulatedErrors.LeavesTheOverallScale
   SensorErrors.*)
 
 # The suites of tests in source files.

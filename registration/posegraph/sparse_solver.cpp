@@ -60,6 +60,8 @@ std::string_view to_string(SolverStage stage) {
       return "joint";
     case SolverStage::kPoseGraph:
       return "pose graph";
+    case SolverStage::kCalibration:
+      return "calibration";
   }
   return "unknown";
 }

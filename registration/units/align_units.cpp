@@ -33,6 +33,11 @@ void hash_into(ContentHash& hash, const AlignOptions& options) {
   hash.add(surface, starting_poses, refinement);
 }
 
+void hash_into(ContentHash& hash, const CalibrationOptions& options) {
+  const auto& [scope, samples] = options;
+  hash.add(scope, samples);
+}
+
 static void hash_into(ContentHash& hash, const CoarseScale& scale) {
   const auto& [radius, cell] = scale;
   hash.add(radius, cell);

@@ -6,6 +6,7 @@
 #include "registration/global/pair_search.h"
 #include "registration/posegraph/joint_refinement.h"
 #include "relief/registration/align_options.h"
+#include "relief/registration/calibrate_views.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/unit_store.h"
 #include "scan/units/content_hash.h"
@@ -16,6 +17,7 @@ void hash_into(ContentHash& hash, const ViewSurfaceOptions& options);
 void hash_into(ContentHash& hash, const StartingPoseOptions& options);
 void hash_into(ContentHash& hash, const JointRefinementOptions& options);
 void hash_into(ContentHash& hash, const AlignOptions& options);
+void hash_into(ContentHash& hash, const CalibrationOptions& options);
 
 /// The parts of an alignment that are kept as units of work. Each function gives what the function
 /// without a store gives, to the bit.

@@ -3,6 +3,7 @@
 #include "registration/global/pair_search.h"
 #include "registration/posegraph/joint_refinement.h"
 #include "relief/registration/align_views.h"
+#include "relief/registration/calibrate_views.h"
 #include "scan/units/unit_codec_private.h"
 
 // How cereal writes the results of aligning. A structured binding names exactly the fields there
@@ -38,6 +39,25 @@ template <class Archive>
 void serialize(Archive& archive, Alignment& alignment) {
   auto& [views, pairs, termination, iterations, rms, solves, notes] = alignment;
   archive(views, pairs, termination, iterations, rms, solves, notes);
+}
+
+template <class Archive>
+void serialize(Archive& archive, CalibratedError& error) {
+  auto& [kind, per_view, held_out_gain, held_out_gain_std, size, size_std] = error;
+  archive(kind, per_view, held_out_gain, held_out_gain_std, size, size_std);
+}
+
+template <class Archive>
+void serialize(Archive& archive, ViewCalibration& view) {
+  auto& [sensor, coefficients, coefficient_std] = view;
+  archive(sensor, coefficients, coefficient_std);
+}
+
+template <class Archive>
+void serialize(Archive& archive, SensorCalibration& calibration) {
+  auto& [errors, views, alignment, deviation_before, deviation_after, iterations, notes] =
+      calibration;
+  archive(errors, views, alignment, deviation_before, deviation_after, iterations, notes);
 }
 
 template <class Archive>

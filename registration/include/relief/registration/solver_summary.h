@@ -13,8 +13,9 @@ enum class SolverTermination {
 
 /// What a minimisation is about.
 enum class SolverStage {
-  kJoint,      ///< Correspondences of all pairs, renewed after each solve (R3).
-  kPoseGraph,  ///< The quadratic sum over all samples of all pairs (R11).
+  kJoint,        ///< Correspondences of all pairs, renewed after each solve (R3).
+  kPoseGraph,    ///< The quadratic sum over all samples of all pairs (R11).
+  kCalibration,  ///< Poses and errors of the sensors together (C2).
 };
 
 /// One minimisation over all poses, as the solver sums it up.
@@ -31,7 +32,7 @@ struct SolverSummary {
 /// `converged`, `iteration limit` or `failed`.
 std::string_view to_string(SolverTermination termination);
 
-/// `joint` or `pose graph`.
+/// `joint`, `pose graph` or `calibration`.
 std::string_view to_string(SolverStage stage);
 
 }  // namespace relief::registration

@@ -1,0 +1,131 @@
+#include "registration/calibration/calibration_notes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace relief::registration {
+
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", value);
+  return text;
+}
+
+// The root mean square over its owners of what the terms of an error move samples by [unit]: the
+// fields are scaled to one spacing, and nearly orthogonal.
+double size_of(const Sensors& sensors, const ErrorModel& model, std::size_t choice) {
+  double sum = 0.0, owners = 0.0;
+  const std::size_t count =
+      model.choices[choice].per_view ? sensors.of_view.size() : sensors.models.size();
+  for (std::size_t owner = 0; owner < count; ++owner) {
+    const std::size_t sensor = model.choices[choice].per_view ? sensors.of_view[owner] : owner;
+    double squares = 0.0;
+    for (const ErrorParameter& parameter : model.parameters)
+      if (parameter.choice == choice && parameter.owner == owner)
+        squares += parameter.value * parameter.value;
+    sum += squares * std::pow(sensors.models[sensor].spacing(), 2);
+    owners += squares > 0.0 ? 1.0 : 0.0;
+  }
+  return owners > 0.0 ? std::sqrt(sum / owners) : 0.0;
+}
+
+// The first parameter of an error in its natural unit: what there is to say where it is alone.
+double natural_value(const Sensors& sensors, const ErrorModel& model, std::size_t choice) {
+  for (const ErrorParameter& parameter : model.parameters) {
+    if (parameter.choice != choice) continue;
+    const std::size_t sensor =
+        model.choices[choice].per_view ? sensors.of_view[parameter.owner] : parameter.owner;
+    return sensors.models[sensor].natural(parameter.term, parameter.value);
+  }
+  return 0.0;
+}
+
+std::string what_is_wrong(const Sensors& sensors, const ErrorModel& model, std::size_t choice) {
+  const double value = natural_value(sensors, model, choice);
+  const auto percent = [&](double part) { return number(std::abs(100.0 * part)) + " %"; };
+  switch (model.choices[choice].error) {
+    case SensorError::kRangeOffset:
+      return "ranges are too " + std::string(value < 0.0 ? "long" : "short") + " by a length";
+    case SensorError::kRangeScale:
+      return "ranges are too " + std::string(value < 0.0 ? "long" : "short") + " by " +
+             percent(value);
+    case SensorError::kRangeNonlinearity:
+      return "ranges are not linear";
+    case SensorError::kQuadraticWarp:
+      return "ranges tilt and bend over the image";
+    case SensorError::kCubicWarp:
+    case SensorError::kQuarticWarp:
+      return "ranges bend over the image";
+    case SensorError::kFocalLength:
+      return "the focal length is too " + std::string(value < 0.0 ? "long" : "short") + " by " +
+             percent(value);
+    case SensorError::kAspectRatio:
+      return "fx / fy is too " + std::string(value < 0.0 ? "large" : "small") + " by " +
+             percent(2.0 * value);
+    case SensorError::kPrincipalPoint:
+      return "the principal point is off";
+    case SensorError::kRadialDistortion:
+      return "the lens distorts radially";
+    case SensorError::kTangentialDistortion:
+      return "the lens distorts tangentially";
+    case SensorError::kInterlacing:
+      return "every other row is shifted by " + number(std::abs(value)) + " columns";
+  }
+  return "unknown error";
+}
+
+}  // namespace
+
+void describe_errors(const Sensors& sensors, const ErrorModel& model, const ErrorModel& deviation,
+                     SensorCalibration& result) {
+  for (std::size_t c = 0; c < model.choices.size(); ++c) {
+    CalibratedError& error = result.errors[c];
+    error.size = size_of(sensors, model, c);
+    error.size_std = size_of(sensors, deviation, c);
+    const bool one_each =
+        error.error == SensorError::kRangeScale || error.error == SensorError::kFocalLength ||
+        error.error == SensorError::kAspectRatio || error.error == SensorError::kInterlacing;
+    result.notes.push_back((error.per_view && one_each
+                                ? std::string(to_string(error.error)) + ", in every view another"
+                                : what_is_wrong(sensors, model, c) +
+                                      (error.per_view ? ", in every view differently" : "")) +
+                           ": moves samples by " + number(error.size) + " (deviation " +
+                           number(error.size_std) + ")");
+  }
+}
+
+std::string_view to_string(SensorError error) {
+  switch (error) {
+    case SensorError::kRangeOffset:
+      return "range offset";
+    case SensorError::kRangeScale:
+      return "range scale";
+    case SensorError::kRangeNonlinearity:
+      return "range non-linearity";
+    case SensorError::kQuadraticWarp:
+      return "quadratic warp";
+    case SensorError::kCubicWarp:
+      return "cubic warp";
+    case SensorError::kQuarticWarp:
+      return "quartic warp";
+    case SensorError::kFocalLength:
+      return "focal length";
+    case SensorError::kAspectRatio:
+      return "aspect ratio";
+    case SensorError::kPrincipalPoint:
+      return "principal point";
+    case SensorError::kRadialDistortion:
+      return "radial distortion";
+    case SensorError::kTangentialDistortion:
+      return "tangential distortion";
+    case SensorError::kInterlacing:
+      return "interlacing";
+  }
+  return "unknown";
+}
+
+}  // namespace relief::registration

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "registration/calibration/error_model.h"
+#include "relief/registration/calibrate_views.h"
+
+namespace relief::registration {
+
+/// Sets the sizes of the errors that were found, and says in words what they are. `deviation`: the
+/// model with the standard deviations of its parameters as values.
+void describe_errors(const Sensors& sensors, const ErrorModel& model, const ErrorModel& deviation,
+                     SensorCalibration& result);
+
+}  // namespace relief::registration

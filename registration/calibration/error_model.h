@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "registration/calibration/sensor_model.h"
+#include "relief/registration/calibrate_views.h"
+
+namespace relief::registration {
+
+/// An error that is estimated, and by whom it is shared.
+struct ErrorChoice {
+  SensorError error = SensorError::kRangeOffset;
+  bool per_view = false;  ///< Else one for all views of a sensor.
+
+  bool operator==(const ErrorChoice&) const = default;
+};
+
+/// One number that is estimated: the coefficient of a term of a sensor, for one view or for all
+/// views of the sensor.
+struct ErrorParameter {
+  std::size_t choice = 0;  ///< Index into the choices of its model.
+  std::size_t owner = 0;   ///< The view, or the sensor where it is shared.
+  std::size_t term = 0;    ///< Of the sensor.
+  double value = 0.0;      ///< [sample spacings, root mean square]
+};
+
+/// The errors that are estimated, with their coefficients.
+struct ErrorModel {
+  std::vector<ErrorChoice> choices;
+  std::vector<ErrorParameter> parameters;
+  /// Standard deviation of a coefficient before any correspondence is known [sample spacings].
+  double prior_deviation = 1.0;
+
+  /// The precision that goes with it.
+  double prior() const { return 1.0 / (prior_deviation * prior_deviation); }
+
+  /// Adds an error with all its parameters, which are 0.
+  void add(const ErrorChoice& choice, const Sensors& sensors);
+
+  bool has(const ErrorChoice& choice) const;
+
+  /// Whether a parameter takes part in the coefficients of a view.
+  bool concerns(const ErrorParameter& parameter, std::size_t view, const Sensors& sensors) const;
+
+  /// Of all terms of a view's sensor (C1).
+  std::vector<double> coefficients(std::size_t view, const Sensors& sensors) const;
+};
+
+}  // namespace relief::registration

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/calibration/calibration_sums.h"
+#include "registration/calibration/error_model.h"
+#include "registration/calibration/system_layout.h"
+
+namespace relief::registration {
+
+/// What a model does to the correspondences of each fold, when the other folds determine its
+/// parameters and the poses.
+struct HeldOutFit {
+  std::array<double, kFolds> gain{};         ///< By how much the sum of squares falls.
+  std::array<Eigen::VectorXd, kFolds> step;  ///< Of the parameters.
+};
+
+/// Cross-validation of error models. The residuals are linearised once, and the poses eliminated
+/// once for each fold. So a model costs the solution of one small system for each fold.
+class HeldOutTest {
+ public:
+  /// `per_view`: whether models may have errors per view. `held` views do not move.
+  HeldOutTest(const std::vector<PairSums>& pairs, const Sensors& sensors,
+              const std::vector<bool>& held, bool per_view);
+
+  HeldOutFit fit(const ErrorModel& model) const;
+
+  bool per_view() const { return layout_.per_view; }
+  /// The sum of squares of all folds without any error.
+  double squares() const { return squares_; }
+
+ private:
+  // A quadratic function of the coefficients of all terms, its poses eliminated.
+  struct ReducedSum {
+    Eigen::MatrixXd matrix;
+    Eigen::VectorXd gradient;
+  };
+  struct Fold {
+    ReducedSum train, test;
+  };
+  // Poses that minimise a sum, as functions of the coefficients c: offset + slope c.
+  struct EliminatedPoses {
+    Eigen::VectorXd offset;
+    Eigen::MatrixXd slope;
+
+    EliminatedPoses(const QuadraticSum& sum, Eigen::Index poses);
+    ReducedSum reduce(const QuadraticSum& sum) const;
+  };
+
+  static ReducedSum by_parameters(const ReducedSum& sum,
+                                  const std::vector<std::vector<Eigen::Index>>& coefficients);
+
+  const Sensors& sensors_;
+  SystemLayout layout_;
+  std::array<Fold, kFolds> folds_;
+  Eigen::MatrixXd common_motion_;  // By the coefficients; none where no errors per view may be.
+  double squares_ = 0.0;
+};
+
+}  // namespace relief::registration

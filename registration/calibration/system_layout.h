@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/calibration/calibration_sums.h"
+#include "registration/calibration/error_model.h"
+
+namespace relief::registration {
+
+/// Where the unknowns of a calibration stand in one vector: the poses of the views that move, then
+/// the coefficients of all terms, of each view or of each sensor.
+struct SystemLayout {
+  std::vector<Eigen::Index> pose;   ///< Of each view; -1: it is held.
+  std::vector<Eigen::Index> terms;  ///< Of each view, counted from the first coefficient.
+  Eigen::Index poses = 0, coefficients = 0;
+  bool per_view = false;
+
+  SystemLayout(const Sensors& sensors, const std::vector<bool>& held, bool per_view);
+
+  /// The coefficients that a parameter of a model adds to.
+  std::vector<Eigen::Index> coefficients_of(const ErrorModel& model,
+                                            const ErrorParameter& parameter,
+                                            const Sensors& sensors) const;
+};
+
+/// The sums of one fold over all pairs.
+QuadraticSum sum_of_fold(const std::vector<PairSums>& pairs, std::size_t fold,
+                         const Sensors& sensors, const SystemLayout& layout);
+
+/// The sum over all pairs of common_motion(), by the coefficients.
+Eigen::MatrixXd common_motion_of(const std::vector<PairSums>& pairs, const Sensors& sensors,
+                                 const SystemLayout& layout);
+
+}  // namespace relief::registration

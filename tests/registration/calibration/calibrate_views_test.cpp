@@ -1,0 +1,211 @@
+#include "relief/registration/calibrate_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "registration/calibration/sensor_model.h"
+#include "tests/registration/bumpy_object.h"
+#include "tests/support/result_matchers.h"
+
+namespace relief::registration {
+namespace {
+
+using testing::mean_displacements;
+using testing::perturbed;
+using testing::poses_of;
+
+const std::vector<RangeView>& true_ring() {
+  static const std::vector<RangeView> views = testing::ring_of_views({.views = 10});
+  return views;
+}
+
+double spacing() {
+  static const double value = sample_spacing(true_ring()[0]);
+  return value;
+}
+
+Sensors sensors_of(const std::vector<RangeView>& views) {
+  std::vector<const RangeView*> pointers;
+  for (const RangeView& view : views) pointers.push_back(&view);
+  return find_sensors(pointers, std::vector<double>(views.size(), spacing()));
+}
+
+// What a sensor measures whose error `error` has the coefficients that `coefficient(view, index)`
+// gives for its first terms.
+std::vector<RangeView> spoiled(SensorError error,
+                               const std::function<double(std::size_t, int)>& coefficient) {
+  std::vector<RangeView> views = true_ring();
+  const Sensors sensors = sensors_of(views);
+  const SensorModel& model = sensors.models.front();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    std::vector<double> coefficients(model.terms(), 0.0);
+    for (std::size_t k = 0, index = 0; k < model.terms(); ++k)
+      if (model.error_of(k) == error) coefficients[k] = coefficient(i, static_cast<int>(index++));
+    views[i].range = model.corrected(views[i], coefficients).range;
+  }
+  return perturbed(views, Eigen::Vector3d::Zero(), 0.01, 0.5 * spacing());
+}
+
+SensorCalibration calibrated(const std::vector<RangeView>& views,
+                             const CalibrationOptions& options = {}, const Context& context = {}) {
+  return calibrate_views(views, align_views(views).value(), {}, options, context).value();
+}
+
+bool has_error(const SensorCalibration& calibration, SensorError error, bool per_view) {
+  return std::any_of(calibration.errors.begin(), calibration.errors.end(), [&](const auto& found) {
+    return found.error == error && found.per_view == per_view;
+  });
+}
+
+double worst_pose(const Alignment& alignment) {
+  const auto errors =
+      mean_displacements(true_ring(), alignment.world_from_view(), poses_of(true_ring()));
+  return *std::max_element(errors.begin(), errors.end()) / spacing();
+}
+
+// A bend of the ranges of every view: second and fourth term of the quadratic warp.
+double shared_bend(std::size_t, int index) { return index == 2 ? 0.5 : index == 4 ? -0.4 : 0.0; }
+double bend_of_view(std::size_t view, int index) {
+  return index >= 2 ? 0.5 * std::sin(1.0 + 2.0 * static_cast<double>(view) + index) : 0.0;
+}
+
+// All views bent alike, and what is found of it.
+struct BentRing {
+  std::vector<RangeView> views = spoiled(SensorError::kQuadraticWarp, shared_bend);
+  Alignment before = align_views(views).value();
+  SensorCalibration calibration = calibrate_views(views, before).value();
+};
+const BentRing& bent_ring() {
+  static const BentRing ring;
+  return ring;
+}
+
+// Every view bent in its own way.
+const std::vector<RangeView>& views_bent_apart() {
+  static const std::vector<RangeView> views = spoiled(SensorError::kQuadraticWarp, bend_of_view);
+  return views;
+}
+
+TEST(CalibrateViews, FindsNothingWhereThereIsNothing) {
+  const auto views = perturbed(true_ring(), Eigen::Vector3d::Zero(), 0.01, 0.5 * spacing());
+  const SensorCalibration calibration = calibrated(views);
+  EXPECT_FALSE(calibration.found());
+  EXPECT_GT(calibration.deviation_before, 0.0);
+}
+
+TEST(CalibrateViews, FindsABendThatAllViewsShare) {
+  const auto& [views, before, calibration] = bent_ring();
+  EXPECT_TRUE(has_error(calibration, SensorError::kQuadraticWarp, false));
+  EXPECT_LT(calibration.deviation_after, 0.9 * calibration.deviation_before);
+  EXPECT_LT(worst_pose(calibration.alignment), 0.3 * worst_pose(before));
+  const Sensors sensors = sensors_of(views);
+  const SensorModel& model = sensors.models.front();
+  for (std::size_t k = 0, index = 0; k < model.terms(); ++k) {
+    if (model.error_of(k) != SensorError::kQuadraticWarp) continue;
+    if (index == 2 || index == 4)
+      EXPECT_NEAR(calibration.views[0].coefficients[k], -shared_bend(0, static_cast<int>(index)),
+                  0.1)
+          << "term " << index;
+    ++index;
+  }
+}
+
+TEST(CalibrateViews, FindsABendOfEveryView) {
+  const auto& views = views_bent_apart();
+  const Alignment before = align_views(views).value();
+  const SensorCalibration calibration = calibrated(views, {.scope = CalibrationScope::kPerView});
+  EXPECT_TRUE(has_error(calibration, SensorError::kQuadraticWarp, true));
+  EXPECT_LT(calibration.deviation_after, 0.7 * calibration.deviation_before);
+  EXPECT_LT(calibration.alignment.rms, 0.7 * before.rms);
+}
+
+TEST(CalibrateViews, HeedsTheScope) {
+  const auto& views = views_bent_apart();
+  EXPECT_FALSE(calibrated(views, {.scope = CalibrationScope::kOff}).found());
+  for (const CalibrationScope scope : {CalibrationScope::kAuto, CalibrationScope::kShared})
+    for (const CalibratedError& error : calibrated(views, {.scope = scope}).errors)
+      EXPECT_FALSE(error.per_view);
+}
+
+TEST(CalibrateViews, SaysWhereSingleViewsErr) {
+  const SensorCalibration calibration = calibrated(views_bent_apart());
+  EXPECT_THAT(calibration.notes,
+              ::testing::Contains(::testing::HasSubstr("views err each in its own way")));
+}
+
+TEST(CalibrateViews, AppliesWhatItFound) {
+  const SensorCalibration& calibration = bent_ring().calibration;
+  auto views = bent_ring().views;
+  apply_calibration(calibration, views);
+  // The remaining error of the ranges, but for a constant: the pose takes that.
+  const RangeView &truth = true_ring()[3], &corrected = views[3];
+  double sum = 0.0, squares = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < truth.range.size(); ++i) {
+    if (!(truth.range[i] == truth.range[i])) continue;
+    const double error = corrected.range[i] - truth.range[i];
+    sum += error;
+    squares += error * error;
+    count += 1.0;
+  }
+  EXPECT_LT(std::sqrt(squares / count - std::pow(sum / count, 2)), 0.15 * spacing());
+  EXPECT_EQ(views[3].world_from_view.matrix(),
+            calibration.alignment.views[3].world_from_view.matrix());
+}
+
+TEST(CalibrateViews, WidensTheDeviationsOfPoses) {
+  const SensorCalibration& calibration = bent_ring().calibration;
+  double widest = 0.0;
+  for (const ViewReport& view : calibration.alignment.views)
+    widest = std::max(widest, view.pose_std.maxCoeff());
+  EXPECT_GT(widest, 0.0);
+  for (const CalibratedError& error : calibration.errors) EXPECT_GT(error.size_std, 0.0);
+}
+
+TEST(CalibrateViews, IsTheSameOnAnyNumberOfThreads) {
+  const auto& [views, before, two] = bent_ring();
+  const SensorCalibration one = calibrate_views(views, before, {}, {}, {.threads = 1}).value();
+  ASSERT_TRUE(one.found());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    EXPECT_EQ(one.views[i].coefficients, two.views[i].coefficients);
+    EXPECT_EQ(one.alignment.views[i].world_from_view.matrix(),
+              two.alignment.views[i].world_from_view.matrix());
+  }
+}
+
+TEST(CalibrateViews, LeavesKnownPosesWhereTheyAre) {
+  auto views = bent_ring().views;
+  views[2].world_from_view = true_ring()[2].world_from_view;
+  views[2].pose = PoseKind::kKnown;
+  const SensorCalibration calibration = calibrated(views);
+  ASSERT_TRUE(calibration.found());
+  EXPECT_EQ(calibration.alignment.views[2].world_from_view.matrix(),
+            true_ring()[2].world_from_view.matrix());
+}
+
+TEST(CalibrateViews, NeedsThreeViews) {
+  const auto& views = bent_ring().views;
+  EXPECT_FALSE(calibrated({views[0], views[1]}).found());
+}
+
+TEST(CalibrateViews, RefusesWhatDoesNotBelongTogether) {
+  EXPECT_THAT(calibrate_views(true_ring(), Alignment()), HasError(ErrorKind::kBadInput));
+  EXPECT_THAT(calibrate_views(true_ring(), align_views(true_ring()).value(), {}, {.samples = 1}),
+              HasError(ErrorKind::kBadInput));
+}
+
+TEST(CalibrateViews, StopsOnRequest) {
+  const Alignment aligned = align_views(true_ring()).value();
+  Context context;
+  context.progress = [](double, std::string_view) { return false; };
+  EXPECT_THAT(calibrate_views(true_ring(), aligned, {}, {}, context),
+              HasError(ErrorKind::kInterrupted));
+}
+
+}  // namespace
+}  // namespace relief::registration
