@@ -92,6 +92,8 @@ std::string_view to_string(Stage stage) {
   switch (stage) {
     case Stage::kAlign:
       return "align";
+    case Stage::kCalibrate:
+      return "calibrate";
     case Stage::kCompare:
       return "compare";
     case Stage::kRefine:

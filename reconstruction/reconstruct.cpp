@@ -26,8 +26,9 @@ class Reconstructor {
     }
     if (auto room = check_memory_to_refine(result_.views, options_.refine, context_.memory); !room)
       return room.error();
-    for (const auto stage : {&Reconstructor::align, &Reconstructor::compare, &Reconstructor::refine,
-                             &Reconstructor::align_again, &Reconstructor::merge}) {
+    for (const auto stage :
+         {&Reconstructor::align, &Reconstructor::calibrate, &Reconstructor::compare,
+          &Reconstructor::refine, &Reconstructor::align_again, &Reconstructor::merge}) {
       const Result<void> done = (this->*stage)();
       if (!done) return done.error();
     }
@@ -42,6 +43,20 @@ class Reconstructor {
     registration::apply_alignment(*alignment, result_.views);
     if (auto told = tell(callbacks_.aligned, *alignment); !told) return told;
     result_.first_alignment = std::move(*alignment);
+    return {};
+  }
+
+  Result<void> calibrate() {
+    if (options_.calibration.scope != registration::CalibrationScope::kOff) {
+      auto calibration = calibrate_or_find(result_.views, result_.first_alignment, options_.align,
+                                           options_.calibration, stages_.of(Stage::kCalibrate));
+      if (!calibration) return calibration.error();
+      registration::apply_calibration(*calibration, result_.views);
+      result_.calibration = std::move(*calibration);
+      if (result_.calibration.found()) result_.first_alignment = result_.calibration.alignment;
+      if (auto told = tell(callbacks_.calibrated, result_.calibration, result_.views); !told)
+        return told;
+    }
     drop_unaligned();
     if (result_.views.empty())
       return Error{ErrorKind::kUnsolvable, "no view could be aligned: nothing to merge"};

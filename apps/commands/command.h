@@ -33,6 +33,7 @@ using AddCommand = void (*)(CLI::App& app, Action& action);
 
 void add_info(CLI::App& app, Action& action);
 void add_align(CLI::App& app, Action& action);
+void add_calibrate(CLI::App& app, Action& action);
 void add_refine(CLI::App& app, Action& action);
 void add_merge(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);

@@ -16,6 +16,7 @@ std::vector<PlannedStage> stages_of_run(bool with_normals) {
     stages.push_back({stage, share});
   };
   add_alignment("align", with_normals ? 0.13 : 0.28);
+  add("calibrate", with_normals ? 0.1 : 0.2);
   add("compare", with_normals ? 0.02 : 0.06);
   add("refine", with_normals ? 0.31 : 0.15);
   if (with_normals) add_alignment("align again", 0.1);

@@ -32,6 +32,12 @@ const std::map<std::string, registration::GivenPoses> kCoarseSearches = {
 
 constexpr double kRadians = std::numbers::pi / 180.0;
 
+const std::map<std::string, registration::CalibrationScope> kCalibrationScopes = {
+    {"auto", registration::CalibrationScope::kAuto},
+    {"off", registration::CalibrationScope::kOff},
+    {"shared", registration::CalibrationScope::kShared},
+    {"per-view", registration::CalibrationScope::kPerView}};
+
 const std::map<std::string, registration::Association> kAssociations = {
     {"auto", registration::Association::kAuto},
     {"projective", registration::Association::kProjective},
@@ -155,6 +161,23 @@ void add_align_options(CLI::App& command, registration::AlignOptions& options) {
       ->add_option("--max-iterations", refinement.max_iterations,
                    "Renewals of the correspondences, per level")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+void add_calibration_options(CLI::App& command, registration::CalibrationOptions& options) {
+  auto* group = command.add_option_group("Calibration");
+  group
+      ->add_option(
+          "--calibration", options.scope,
+          "Errors of the sensors that held-out samples confirm: auto and shared (of all views "
+          "of a sensor; auto says where single views err as well), per-view (of single "
+          "views too), or off")
+      ->transform(CLI::CheckedTransformer(kCalibrationScopes))
+      ->default_str("auto");
+  group
+      ->add_option("--calibration-samples", options.samples,
+                   "Samples per direction of a pair of views that errors are estimated from")
+      ->check(CLI::Range(100, 1000000))
       ->capture_default_str();
 }
 

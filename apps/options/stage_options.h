@@ -10,6 +10,7 @@
 #include "relief/hybrid/refine_view.h"
 #include "relief/reconstruction/build_model.h"
 #include "relief/registration/align_views.h"
+#include "relief/registration/calibrate_views.h"
 
 namespace relief {
 
@@ -26,6 +27,9 @@ void add_memory_option(CLI::App& command, MemoryFlag& flag, const std::string& w
 
 /// Bind the flags of each stage to the fields of its options, which hold the defaults.
 void add_align_options(CLI::App& command, registration::AlignOptions& options);
+
+/// Adds --calibration and --calibration-samples.
+void add_calibration_options(CLI::App& command, registration::CalibrationOptions& options);
 
 /// Angles are degrees on the command line and radians in the options.
 struct RefineFlags {

@@ -97,6 +97,19 @@ Result<registration::Alignment> align_or_find(std::string_view kind,
       [&] { return registration::align_views(views, options, context); });
 }
 
+Result<registration::SensorCalibration> calibrate_or_find(
+    const std::vector<RangeView>& views, const registration::Alignment& aligned,
+    const registration::AlignOptions& align, const registration::CalibrationOptions& options,
+    const Context& context) {
+  return find_or_compute<registration::SensorCalibration>(
+      context.store,
+      [&] {
+        return unit_key("calibrate", hashes_of_views(views), aligned.world_from_view(),
+                        aligned.pairs, align, options);
+      },
+      [&] { return registration::calibrate_views(views, aligned, align, options, context); });
+}
+
 Result<std::vector<ViewConsistency>> weigh_or_find(const std::vector<registration::PairFit>& pairs,
                                                    const CrossViewOptions& options,
                                                    std::vector<RangeView>& views,

@@ -9,6 +9,7 @@
 #include "relief/hybrid/refine_views.h"
 #include "relief/reconstruction/cross_view_consistency.h"
 #include "relief/registration/align_views.h"
+#include "relief/registration/calibrate_views.h"
 
 namespace relief::reconstruction {
 
@@ -20,6 +21,12 @@ Result<registration::Alignment> align_or_find(std::string_view kind,
                                               const std::vector<RangeView>& views,
                                               const registration::AlignOptions& options,
                                               const Context& context);
+
+/// registration::calibrate_views.
+Result<registration::SensorCalibration> calibrate_or_find(
+    const std::vector<RangeView>& views, const registration::Alignment& aligned,
+    const registration::AlignOptions& align, const registration::CalibrationOptions& options,
+    const Context& context);
 
 /// weigh_by_consistency.
 Result<std::vector<ViewConsistency>> weigh_or_find(const std::vector<registration::PairFit>& pairs,

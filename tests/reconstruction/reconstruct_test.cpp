@@ -58,6 +58,12 @@ TEST(Reconstruct, TellsOfTheStagesInOrder) {
     told.push_back("aligned");
     return Result<void>{};
   };
+  callbacks.calibrated = [&](const registration::SensorCalibration&,
+                             const std::vector<RangeView>& views) {
+    EXPECT_EQ(views.size(), scans().size());
+    told.push_back("calibrated");
+    return Result<void>{};
+  };
   callbacks.compared = [&](const std::vector<ViewConsistency>& consistency,
                            const std::vector<RangeView>& views) {
     EXPECT_EQ(consistency.size(), views.size());
@@ -79,14 +85,15 @@ TEST(Reconstruct, TellsOfTheStagesInOrder) {
     return Result<void>{Error{ErrorKind::kCannotWrite, "no room"}};
   };
   const auto result = reconstruct(scans(), {}, {}, callbacks);
-  EXPECT_THAT(told,
-              ElementsAre("aligned", "compared", "refined", "aligned again", "views finished"));
+  EXPECT_THAT(told, ElementsAre("aligned", "calibrated", "compared", "refined", "aligned again",
+                                "views finished"));
   ASSERT_THAT(result, HasError());
   EXPECT_EQ(result.error().message, "no room");
 }
 
 TEST(Reconstruct, StopsInEveryStage) {
-  for (const Stage last : {Stage::kAlign, Stage::kCompare, Stage::kRefine, Stage::kMerge}) {
+  for (const Stage last :
+       {Stage::kAlign, Stage::kCalibrate, Stage::kCompare, Stage::kRefine, Stage::kMerge}) {
     ReconstructionCallbacks callbacks;
     callbacks.progress = [last](Stage stage, double, std::string_view) { return stage < last; };
     EXPECT_THAT(reconstruct(scans(), {}, {}, callbacks), HasError(ErrorKind::kInterrupted))

@@ -16,6 +16,7 @@
 #include "apps/console/progress_display.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/alignment_report.h"
+#include "apps/reports/calibration_report.h"
 #include "apps/reports/consistency_report.h"
 #include "apps/reports/html/html_report.h"
 #include "apps/reports/model_report.h"
@@ -39,6 +40,7 @@ struct RunCommand {
   CommonOptions common;
   ProjectInput input;
   registration::AlignOptions align;
+  registration::CalibrationOptions calibration;
   reconstruction::ContradictedRanges contradicted = reconstruction::ContradictedRanges::kCorrect;
   RefineFlags refine;
   MemoryFlag memory;
@@ -94,6 +96,7 @@ class Run {
     reconstruction::ReconstructionOptions options;
     options.remove_background = false;  // read_with_notes() did.
     options.align = command_.align;
+    options.calibration = command_.calibration;
     options.contradicted = command_.contradicted;
     options.refine = command_.refine.resolved();
     options.model = command_.merge.resolved();
@@ -117,6 +120,10 @@ class Run {
     callbacks.aligned = [this](const registration::Alignment& alignment) {
       return keep_alignment(alignment);
     };
+    callbacks.calibrated = [this](const registration::SensorCalibration& calibration,
+                                  const std::vector<RangeView>& views) {
+      return keep_calibration(calibration, views);
+    };
     callbacks.compared = [this](const std::vector<reconstruction::ViewConsistency>& consistency,
                                 const std::vector<RangeView>& views) {
       return keep_consistency(consistency, views);
@@ -137,10 +144,23 @@ class Run {
   Result<void> keep_alignment(const registration::Alignment& alignment) {
     cache_.log("align", "alignment");
     Json report = to_json(alignment);
-    report["seconds"] = watch_.seconds();
-    log_alignment(alignment, project_.unit, report["seconds"]);
+    align_seconds_ = watch_.seconds();
+    report["seconds"] = align_seconds_;
+    log_alignment(alignment, project_.unit, align_seconds_);
     warn_of_unverified(alignment);
     return keep("align", report);
+  }
+
+  Result<void> keep_calibration(const registration::SensorCalibration& calibration,
+                                const std::vector<RangeView>& views) {
+    cache_.log("calibrate", "calibration");
+    Json report = calibration_report(calibration, views);
+    report["seconds"] = watch_.seconds();
+    log_calibration(calibration, project_.unit, report["seconds"]);
+    if (auto kept = keep("calibrate", report); !kept || !calibration.found()) return kept;
+    Json alignment = to_json(calibration.alignment);
+    alignment["seconds"] = align_seconds_;
+    return keep("align", alignment);
   }
 
   Result<void> keep_consistency(const std::vector<reconstruction::ViewConsistency>& consistency,
@@ -216,6 +236,7 @@ class Run {
   ScanProject project_;  // Its views are given away.
   RunCache cache_;
   Stopwatch watch_;  // Of the stage.
+  double align_seconds_ = 0.0;
 };
 
 }  // namespace
@@ -231,6 +252,7 @@ void add_run(CLI::App& app, Action& action) {
       ->required();
   add_export_option(*sub, command->exports);
   add_align_options(*sub, command->align);
+  add_calibration_options(*sub, command->calibration);
   sub->add_option_function<std::string>(
          "--contradicted",
          [command](const std::string& what) { command->contradicted = contradicted_ranges(what); },

@@ -25,7 +25,7 @@ using testing::run_relief_until;
 using testing::TemporaryFolder;
 
 constexpr int kViews = 6;
-constexpr std::size_t kStages = kViews + 5;  // Two alignments, comparison, two meshes.
+constexpr std::size_t kStages = kViews + 6;  // Two alignments, calibration, comparison, two meshes.
 // The joint refinement of each alignment, two levels of the field.
 constexpr std::size_t kUnits = kStages + 4;
 

@@ -66,9 +66,10 @@ const MemoryStore& full() {
 
 TEST(KeptUnits, AreOneForEachPieceOfWork) {
   EXPECT_THAT(full().found, ::testing::IsEmpty());
-  EXPECT_THAT(full().computed, ElementsAre(Pair("align", 1), Pair("align_again", 1),
-                                           Pair("compare", 1), Pair("field", 2), Pair("joint", 2),
-                                           Pair("merge", 1), Pair("polish", 1), Pair("refine", 8)));
+  EXPECT_THAT(full().computed,
+              ElementsAre(Pair("align", 1), Pair("align_again", 1), Pair("calibrate", 1),
+                          Pair("compare", 1), Pair("field", 2), Pair("joint", 2), Pair("merge", 1),
+                          Pair("polish", 1), Pair("refine", 8)));
 }
 
 TEST(KeptUnits, GiveTheBytesOfComputing) {

@@ -17,10 +17,10 @@
 
 namespace relief::reconstruction {
 
-enum class Stage { kAlign, kCompare, kRefine, kAlignAgain, kMerge, kPolish };
-inline constexpr int kStages = 6;
+enum class Stage { kAlign, kCalibrate, kCompare, kRefine, kAlignAgain, kMerge, kPolish };
+inline constexpr int kStages = 7;
 
-/// `align`, `compare`, `refine`, `align again`, `merge` or `polish`.
+/// `align`, `calibrate`, `compare`, `refine`, `align again`, `merge` or `polish`.
 std::string_view to_string(Stage stage);
 
 /// Told how far a stage is: `fraction` in [0, 1] of its step named `step`. Returning false asks to

@@ -1,0 +1,73 @@
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "apps/commands/command.h"
+#include "apps/console/console.h"
+#include "apps/console/exit_status.h"
+#include "apps/console/output.h"
+#include "apps/options/stage_options.h"
+#include "apps/reports/alignment_report.h"
+#include "apps/reports/calibration_report.h"
+#include "relief/registration/align_views.h"
+#include "relief/registration/calibrate_views.h"
+#include "scan/base/stopwatch.h"
+
+namespace relief {
+
+namespace {
+
+struct CalibrateCommand {
+  CommonOptions common;
+  ProjectInput input;
+  registration::AlignOptions align;
+  registration::CalibrationOptions options;
+  std::filesystem::path output;
+};
+
+int calibrate(const CalibrateCommand& command) {
+  auto project = read_with_notes(command.input, command.common);
+  if (!project) return fail(project.error());
+  if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
+  const auto alignment =
+      registration::align_views(project->views, command.align, context_of(command.common, "align"));
+  if (!alignment) return fail(alignment.error());
+  registration::apply_alignment(*alignment, project->views);
+  warn_of_unverified(*alignment);
+  const Stopwatch watch;
+  const auto calibration =
+      registration::calibrate_views(project->views, *alignment, command.align, command.options,
+                                    context_of(command.common, "calibrate"));
+  if (!calibration) return fail(calibration.error());
+  registration::apply_calibration(*calibration, project->views);
+  Json report = calibration_report(*calibration, project->views);
+  report["seconds"] = watch.seconds();
+  log_calibration(*calibration, project->unit, report["seconds"]);
+
+  if (const auto written =
+          write_project(*project, command.output, context_of(command.common, "write"));
+      !written)
+    return fail(written.error());
+  const auto reported = write_report(report_path(command.common, command.output / "scan.json"),
+                                     "calibrate", report, command.common);
+  if (!reported) return fail(reported.error());
+  Console::info("wrote " + (command.output / "scan.json").string());
+  return alignment->complete() && alignment->solved() ? kDone : kDataDoesNotAllow;
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Action& action) {
+  auto command = std::make_shared<CalibrateCommand>();
+  auto* sub = app.add_subcommand(
+      "calibrate", "Align the views, and correct what the calibration of their sensors has wrong");
+  add_project_input(*sub, command->input);
+  add_background_option(*sub, command->input);
+  sub->add_option("-o,--output", command->output, "Folder for the corrected project")->required();
+  add_align_options(*sub, command->align);
+  add_calibration_options(*sub, command->options);
+  add_common_options(*sub, command->common);
+  sub->callback([command, &action] { action = [command] { return calibrate(*command); }; });
+}
+
+}  // namespace relief
