@@ -38,6 +38,9 @@ constexpr int kMostPairsOfAView = 8;
 // More views have only errors that they share: the terms of all views make a dense system, of a
 // thousand unknowns for 40.
 constexpr std::size_t kMostViewsApart = 40;
+// More views are left as they are: all poses together make a dense system, of 13 MB and half a
+// second for 200.
+constexpr std::size_t kMostViews = 200;
 // Edge of the cubes that are in one fold as a whole [sample spacings], as of the clusters of (R12).
 constexpr double kPatch = 8.0;
 
@@ -121,7 +124,7 @@ class Calibrating {
 
   Result<SensorCalibration> run() {
     if (options_.scope == CalibrationScope::kOff || linked_views() < kFewestViews ||
-        !shape_holds_all(aligned_))
+        linked_views() > kMostViews || !shape_holds_all(aligned_))
       return std::move(result_);
     for (bool moving = true; moving && result_.iterations < kMostIterations;) {
       if (const auto prepared = prepare(false); !prepared) return prepared.error();

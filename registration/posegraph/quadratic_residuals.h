@@ -17,7 +17,8 @@ struct QuadraticResiduals {
   Eigen::Matrix<double, kRows, 1> residuals;
   Eigen::Matrix<double, kRows, N> derivative;
 
-  explicit QuadraticResiduals(Eigen::Index size = N)
+  QuadraticResiduals() : QuadraticResiduals(N == Eigen::Dynamic ? 0 : N) {}
+  explicit QuadraticResiduals(Eigen::Index size)
       : residuals(Eigen::Matrix<double, kRows, 1>::Zero(size + 1)),
         derivative(Eigen::Matrix<double, kRows, N>::Zero(size + 1, size)) {}
 };

@@ -118,7 +118,8 @@ Reading expected_error(double fraction) {
   };
 }
 
-constexpr const char* kStages[] = {"align", "compare", "refine", "align_again", "merge"};
+constexpr const char* kStages[] = {"align",  "calibrate",   "compare",
+                                   "refine", "align_again", "merge"};
 
 std::optional<double> seconds_of_all(const RunFolder& run) {
   std::vector<double> seconds;
@@ -207,6 +208,8 @@ FigureGroup cost_figures() {
       "cost",
       {{"seconds", "Time of all stages", Quantity::kTime, seconds_of_all},
        {"seconds_align", "Time to align", Quantity::kTime, at("/align/seconds")},
+       {"seconds_calibrate", "Time to calibrate sensors", Quantity::kTime,
+        at("/calibrate/seconds")},
        {"seconds_compare", "Time to compare views", Quantity::kTime, at("/compare/seconds")},
        {"seconds_refine", "Time to refine", Quantity::kTime, at("/refine/seconds")},
        {"seconds_align_again", "Time to align again", Quantity::kTime, at("/align_again/seconds")},

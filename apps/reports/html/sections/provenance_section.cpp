@@ -27,6 +27,7 @@ std::string times(const ReportFigures& report) {
     const char *section, *name;
   };
   constexpr Stage kStages[] = {{"/align", "Time to align"},
+                               {"/calibrate", "Time to calibrate sensors"},
                                {"/compare", "Time to compare views"},
                                {"/refine", "Time to refine"},
                                {"/align_again", "Time to align again"},

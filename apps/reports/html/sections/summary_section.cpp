@@ -81,6 +81,14 @@ std::string good_poses(const ReportContent& content) {
                   verified == 1 ? "stands" : "stand"));
 }
 
+// What calibration corrected, in its own words.
+std::string good_calibration(const ReportContent& content) {
+  std::string html;
+  for (const std::string& note : content.report.entries("/calibrate/notes"))
+    html += item("Sensors: " + escape_html(content.report.text(note)) + ".");
+  return html;
+}
+
 std::string good_refinement(const ReportContent& content) {
   const ReportFigures& report = content.report;
   std::string html;
@@ -200,7 +208,8 @@ std::string list(const char* title, const std::string& items, const char* none) 
 }  // namespace
 
 std::string summary_section(const ReportContent& content) {
-  const std::string good = good_poses(content) + good_refinement(content) + good_model(content);
+  const std::string good = good_poses(content) + good_calibration(content) +
+                           good_refinement(content) + good_model(content);
   const std::string rescan = to_rescan(content, ViewGrade::kRescan) + unmeasured_regions(content);
   const std::string check = to_rescan(content, ViewGrade::kCheck);
   return fmt::format(

@@ -84,7 +84,7 @@ struct SensorCalibration {
 /// intrinsics share a sensor. An error is estimated where correspondences that took no part in its
 /// estimate fit better with it than without, by more than chance. `aligned` is the alignment of the
 /// views, made with the options `align`. Views at known poses stay there. Nothing is found where
-/// fewer than three views overlap, and where shape alone does not hold all views.
+/// fewer than three views overlap, or more than 200, and where shape alone does not hold all views.
 ///
 /// Errors: kBadInput for options out of range; kInterrupted.
 Result<SensorCalibration> calibrate_views(const std::vector<RangeView>& views,
