@@ -1,5 +1,7 @@
-// Every reader under libFuzzer: scripts/fuzz READER SECONDS. The input is the content of one file,
-// whose name gives the reader; RELIEF_FUZZ_READER tells which one of the list below.
+// Readers of files under libFuzzer: scripts/fuzz TARGET SECONDS. The input is the content of one
+// file, whose name gives the reader; RELIEF_FUZZ_READER tells which one of the list below.
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -12,13 +14,10 @@
 
 #include "relief/io/mesh_io.h"
 #include "relief/io/poses_io.h"
+#include "relief/io/project_io.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/project/scan_file.h"
 #include "scan/io/project/view_spec.h"
-#include "scan/io/workspaces/colmap/colmap_model.h"
-#include "scan/io/workspaces/middlebury_par.h"
-#include "scan/io/workspaces/pose_beside.h"
-#include "scan/io/workspaces/rgbd/calibration.h"
 
 namespace {
 
@@ -39,15 +38,10 @@ const std::map<std::string, FuzzedReader>& fuzzed_readers() {
   const auto image = [](const fs::path& path) { (void)relief::read_image(path); };
   const auto mesh = [](const fs::path& path) { (void)relief::read_mesh(path); };
   const auto project = [](const fs::path& path) { (void)relief::read_project_spec(path); };
-  const auto model = [](const fs::path& path) {
-    (void)relief::read_colmap_model(path.parent_path());
-  };
   static const std::map<std::string, FuzzedReader> kReaders = {
       {"ply_grid", {"scan.ply", read_scans}},
+      {"grid_view", {"scan.ply", [](const fs::path& path) { (void)relief::read_project(path); }}},
       {"pcd", {"scan.pcd", read_scans}},
-      {"ptx", {"scan.ptx", read_scans}},
-      {"e57", {"scan.e57", read_scans}},
-      {"xyz", {"scan.xyz", read_scans}},
       {"pts", {"scan.pts", read_scans}},
       {"png", {"image.png", image}},
       {"tiff", {"image.tiff", image}},
@@ -65,7 +59,6 @@ const std::map<std::string, FuzzedReader>& fuzzed_readers() {
         [](const fs::path& path) {
           (void)relief::read_image(path, {{5, 4}});
         }}},
-      {"colmap_array", {"image.bin", image}},
       {"ply_mesh", {"mesh.ply", mesh}},
       {"obj", {"mesh.obj", mesh}},
       {"stl", {"mesh.stl", mesh}},
@@ -73,16 +66,6 @@ const std::map<std::string, FuzzedReader>& fuzzed_readers() {
       {"scan_json", {"scan.json", project}},
       {"conf", {"scan.conf", project}},
       {"aln", {"scan.aln", project}},
-      {"mlp", {"scan.mlp", project}},
-      {"colmap_images", {"images.bin", model}},
-      {"calibration",
-       {"calibration.txt",
-        [](const fs::path& path) { (void)relief::find_calibration(path.parent_path()); }}},
-      {"xf",
-       {"scan.xf",
-        [](const fs::path& path) { (void)relief::pose_beside(path.parent_path() / "scan.ply"); }}},
-      {"middlebury",
-       {"a_par.txt", [](const fs::path& path) { (void)relief::read_middlebury_par(path); }}},
       {"poses", {"poses.json", [](const fs::path& path) { (void)relief::read_poses(path); }}},
   };
   return kReaders;
