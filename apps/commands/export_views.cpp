@@ -9,6 +9,7 @@
 #include "scan/io/clouds/files/ptx_file.h"
 #include "scan/io/e57/e57_file.h"
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/project/pose_files.h"
 
@@ -59,14 +60,14 @@ double metres_in(const std::string& unit) {
 }  // namespace
 
 bool is_export_path(const fs::path& path) {
-  const fs::path ending = path.extension();
+  const std::string ending = lower_ending(path);
   return ending == ".e57" || ending == ".ptx" || ending == ".pcd" || is_pose_path(path) ||
          is_mesh_path(path);
 }
 
 Result<void> export_views(const ScanProject& project, const fs::path& source,
                           const ReadProjectOptions& source_options, const fs::path& path) {
-  const fs::path ending = path.extension();
+  const std::string ending = lower_ending(path);
   if (ending == ".e57") return write_e57(project.views, path, metres_in(project.unit));
   if (ending == ".ptx") return write_ptx(project.views, path, metres_in(project.unit));
   if (ending == ".pcd") return write_pcd(project, path);

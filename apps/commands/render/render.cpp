@@ -16,6 +16,7 @@
 #include "apps/options/input_kind.h"
 #include "apps/options/render_flags.h"
 #include "apps/reports/report.h"
+#include "scan/io/files/file_ending.h"
 
 namespace relief {
 
@@ -148,7 +149,7 @@ void choose_size(RenderFlags& flags, std::size_t inputs, bool models) {
 }
 
 Result<void> render_all(RenderCommand& command, Json& report) {
-  if (command.output.extension() != ".png")
+  if (lower_ending(command.output) != ".png")
     return Error{ErrorKind::kBadInput,
                  command.output.string() + ": pictures are written as PNG; end the name in .png"};
   if (auto ready = prepare_folder_of(command.output); !ready) return ready;

@@ -3,17 +3,19 @@
 #include <fstream>
 #include <string>
 
+#include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 
 namespace relief {
 
 bool has_grid_ending(const std::filesystem::path& path) {
-  return path.extension() == ".ply" || path.extension() == ".pcd";
+  const std::string ending = lower_ending(path);
+  return ending == ".ply" || ending == ".pcd";
 }
 
 bool is_grid_file(const std::filesystem::path& path) {
-  if (path.extension() == ".pcd") return true;
-  if (path.extension() != ".ply") return false;
+  if (lower_ending(path) == ".pcd") return true;
+  if (lower_ending(path) != ".ply") return false;
   std::ifstream file(path);
   std::string line;
   for (int lines = 0; lines < 1000 && std::getline(file, line); ++lines) {
@@ -25,8 +27,8 @@ bool is_grid_file(const std::filesystem::path& path) {
 }
 
 Result<GridFile> read_grid_file(const std::filesystem::path& path) {
-  if (path.extension() == ".ply") return read_ply_grid(path);
-  if (path.extension() == ".pcd") return read_pcd_grid(path);
+  if (lower_ending(path) == ".ply") return read_ply_grid(path);
+  if (lower_ending(path) == ".pcd") return read_pcd_grid(path);
   return bad_input(path, "unknown grid format '" + path.extension().string() +
                              "'; use a range-grid .ply or an organized .pcd");
 }

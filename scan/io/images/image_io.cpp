@@ -3,6 +3,7 @@
 #include <array>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/codecs/floats/colmap_array.h"
 #include "scan/io/images/codecs/floats/raw_floats.h"
@@ -49,7 +50,7 @@ Result<Image> read_raw_floats(const std::filesystem::path& path,
 
 Result<Image> read_image(const std::filesystem::path& path, const std::optional<ImageSize>& size) {
   if (has_raw_ending(path)) return read_raw_floats(path, size);
-  const std::string ending = image_ending(path);
+  const std::string ending = lower_ending(path);
   const Decoder decode = decoder_of(ending);
   if (!decode)
     return bad_input(path, "unknown image format '" + ending +

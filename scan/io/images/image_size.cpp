@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "scan/io/files/file_ending.h"
 #include "scan/io/images/codecs/floats/hdr_header.h"
 #include "scan/io/images/codecs/floats/npy_header.h"
 #include "scan/io/images/codecs/little_endian.h"
@@ -149,18 +150,11 @@ std::string read_head(std::ifstream& file, std::size_t bytes) {
 }
 
 bool ends_like(const std::filesystem::path& path, std::initializer_list<const char*> endings) {
-  const std::string ending = image_ending(path);
+  const std::string ending = lower_ending(path);
   return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }
 
 }  // namespace
-
-std::string image_ending(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
 
 std::optional<ImageSize> image_size(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -174,7 +168,7 @@ std::optional<ImageSize> image_size(const std::filesystem::path& path) {
   if (head.starts_with("\x93NUMPY")) return npy_size(more());
   if (head.size() > 2 && head[0] == 'P' && std::string_view("2356").find(head[1]) < 4)
     return pnm_size(head);
-  return image_ending(path) == ".tga" ? tga_size(head) : array_size(head);  // No mark of its own.
+  return lower_ending(path) == ".tga" ? tga_size(head) : array_size(head);  // No mark of its own.
 }
 
 bool has_depth_image_ending(const std::filesystem::path& path) {

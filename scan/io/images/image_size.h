@@ -16,9 +16,6 @@ struct ImageSize {
 /// headers.
 std::optional<ImageSize> image_size(const std::filesystem::path& path);
 
-/// The ending of a file name in lower case, with its dot.
-std::string image_ending(const std::filesystem::path& path);
-
 /// Whether a file name ends like an image that can hold depths.
 bool has_depth_image_ending(const std::filesystem::path& path);
 

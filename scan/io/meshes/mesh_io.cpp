@@ -1,11 +1,11 @@
 #include "relief/io/mesh_io.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include <Eigen/Geometry>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/meshes/mesh_codecs.h"
 
@@ -13,17 +13,10 @@ namespace relief {
 
 namespace {
 
-std::string ending_of(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
-
 using Encoder = Result<std::string> (*)(const TriangleMesh&);
 
 Encoder encoder_of(const std::filesystem::path& path) {
-  const std::string ending = ending_of(path);
+  const std::string ending = lower_ending(path);
   if (ending == ".ply") return encode_ply_mesh;
   if (ending == ".vtp") return encode_vtp_mesh;
   if (ending == ".obj") return encode_obj_mesh;
@@ -48,7 +41,7 @@ bool needs_doubles(const TriangleMesh& mesh) {
 }
 
 Result<TriangleMesh> read_mesh(const std::filesystem::path& path) {
-  const std::string ending = ending_of(path);
+  const std::string ending = lower_ending(path);
   if (ending == ".ply") return read_ply_mesh(path);
   if (ending == ".obj") return read_obj_mesh(path);
   if (ending == ".stl") return read_stl_mesh(path);
@@ -59,7 +52,7 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& path) {
 Result<void> write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path) {
   const Encoder encode = encoder_of(path);
   if (!encode)
-    return cannot_write(path, "unknown mesh format '" + ending_of(path) +
+    return cannot_write(path, "unknown mesh format '" + lower_ending(path) +
                                   "'; use .ply, .vtp, .obj, .stl, .glb or .3mf");
   const auto bytes = encode(mesh);
   if (!bytes) return cannot_write(path, bytes.error().message);

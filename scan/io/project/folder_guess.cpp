@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/json/spec_json_private.h"
@@ -94,13 +95,15 @@ struct NamedImage {
   std::string view;
 };
 
-// The role is told by the name of the file, else by that of its folder.
+// The role is told by the name of the file, else by that of its folder, where single letters say
+// nothing.
 std::optional<NamedImage> named_image(const fs::path& file, const std::string& folder_name) {
   ImageName name = name_of_image(file);
   if (!name.role)
     for (const std::string& word : words_of(in_lower_case(folder_name)))
-      if (!name.role) name.role = role_of_word(word);
-  if (!name.role) return std::nullopt;
+      if (!name.role && word.size() > 1) name.role = role_of_word(word);
+  const bool can_be_depth = has_depth_image_ending(file);
+  if (!name.role || (name.role == ImageRole::kDepth && !can_be_depth)) return std::nullopt;
   return NamedImage{file, *name.role, name.view};
 }
 
@@ -119,8 +122,8 @@ void add_images(const fs::path& folder, const std::string& folder_name,
 // Those of the folder itself and of the folders in it, by name.
 std::vector<NamedImage> images_in(const fs::path& folder) {
   std::vector<NamedImage> images;
-  add_images(folder, "", images);
   std::error_code code;
+  add_images(folder, fs::weakly_canonical(folder, code).filename().string(), images);
   for (const auto& entry : fs::directory_iterator(folder, code))
     if (entry.is_directory(code))
       add_images(entry.path(), entry.path().filename().string(), images);
@@ -171,7 +174,7 @@ void take_listed_camera(const CamerasByView& cameras, ViewSpec& view) {
 
 // Depth maps of whole numbers hold millimetres far more often than metres.
 bool holds_whole_numbers(const fs::path& depth) {
-  const std::string ending = in_lower_case(depth.extension().string());
+  const std::string ending = lower_ending(depth);
   return ending == ".png" || ending == ".pgm";
 }
 

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/files/text_lines.h"
 #include "scan/io/project/view_spec.h"
@@ -114,19 +115,20 @@ std::string stanford_conf(const ScanProject& project, const std::vector<std::str
 }  // namespace
 
 bool is_pose_path(const fs::path& path) {
-  const fs::path ending = path.extension();
+  const std::string ending = lower_ending(path);
   return ending == ".aln" || ending == ".conf" || ending == ".mlp" || ending == ".log" ||
          ending == ".tum";
 }
 
 Result<void> write_pose_file(const ScanProject& project, const fs::path& source,
                              const ReadProjectOptions& source_options, const fs::path& path) {
-  if (path.extension() == ".log") return write_file(path, open3d_log(project));
-  if (path.extension() == ".tum") return write_file(path, tum_trajectory(project));
+  const std::string ending = lower_ending(path);
+  if (ending == ".log") return write_file(path, open3d_log(project));
+  if (ending == ".tum") return write_file(path, tum_trajectory(project));
   const auto files = grid_files(project, source, source_options, path);
   if (!files) return files.error();
-  if (path.extension() == ".mlp") return write_file(path, meshlab_mlp_text(project.views, *files));
-  const bool aln = path.extension() == ".aln";
+  if (ending == ".mlp") return write_file(path, meshlab_mlp_text(project.views, *files));
+  const bool aln = ending == ".aln";
   return write_file(path, aln ? meshlab_aln(project, *files) : stanford_conf(project, *files));
 }
 

@@ -3,7 +3,9 @@
 #include <sstream>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/project/no_project.h"
 #include "scan/io/project/scan_file.h"
 #include "scan/io/project/view_spec.h"
 #include "scan/io/workspaces/colmap/colmap_workspace.h"
@@ -90,24 +92,24 @@ Result<ProjectSpec> spec_of_scans(const std::vector<fs::path>& files,
 }
 
 Result<ProjectSpec> parse_project(const std::string& text, const fs::path& path) {
-  if (path.extension() == ".json") return parse_scan_json(text, path);
-  auto project = path.extension() == ".aln"   ? parse_meshlab_aln(text, path)
-                 : path.extension() == ".mlp" ? parse_meshlab_mlp(text, path)
-                                              : parse_stanford_conf(text, path);
+  const std::string ending = lower_ending(path);
+  if (ending == ".json") return parse_scan_json(text, path);
+  auto project = ending == ".aln"   ? parse_meshlab_aln(text, path)
+                 : ending == ".mlp" ? parse_meshlab_mlp(text, path)
+                                    : parse_stanford_conf(text, path);
   if (project) project->unit = kUnknownUnit;
   return project;
 }
 
 Result<ProjectSpec> spec_of_file(const fs::path& path, const ReadProjectOptions& options) {
+  if (belongs_to_depth_maps(path)) return why_no_project(path);
   if (is_project_file(path)) {
     auto text = read_file(path);
     if (!text) return text.error();
     return parse_project(*text, path);
   }
   if (has_scan_ending(path)) return spec_of_scans({path}, options);
-  return bad_input(path, "unknown project format '" + path.extension().string() +
-                             "'; use a scan.json, a .conf, .aln or .mlp, a file of scans (.ply "
-                             ".pcd .ptx .e57 .xyz .pts .obj .stl .vtp), or a folder");
+  return why_no_project(path);
 }
 
 // What a folder without a project file holds.
@@ -118,7 +120,8 @@ struct FolderContent {
 
 // Text files that may be anything (.txt, .csv) count as points only where they are named.
 bool is_surely_points(const fs::path& path) {
-  return path.extension() != ".txt" && path.extension() != ".csv";
+  const std::string ending = lower_ending(path);
+  return ending != ".txt" && ending != ".csv";
 }
 
 Result<FolderContent> look_into(const fs::path& folder) {
@@ -127,7 +130,7 @@ Result<FolderContent> look_into(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, code)) {
     const fs::path& path = entry.path();
     if (is_project_file(path)) {
-      if (path.extension() != ".json") content.projects.push_back(path);
+      if (lower_ending(path) != ".json") content.projects.push_back(path);
       continue;
     }
     const ScanFileKind kind = kind_of_scan_file(path);
@@ -182,7 +185,7 @@ Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOpti
 }  // namespace
 
 bool is_project_file(const fs::path& path) {
-  const fs::path ending = path.extension();
+  const std::string ending = lower_ending(path);
   return ending == ".json" || ending == ".conf" || ending == ".aln" || ending == ".mlp";
 }
 

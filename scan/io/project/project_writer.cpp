@@ -7,6 +7,7 @@
 
 #include "relief/io/project_io.h"
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/grids/ply_grid_writer.h"
@@ -175,7 +176,7 @@ json document_of_spec(const ScanProject& project, const ProjectSpec& spec, const
 // The scan.json that a source stands for, if it is one.
 std::optional<fs::path> scan_json_of(const fs::path& source) {
   std::error_code code;
-  if (source.extension() == ".json") return source;
+  if (lower_ending(source) == ".json") return source;
   if (fs::is_directory(source, code) && fs::exists(source / "scan.json", code))
     return source / "scan.json";
   return std::nullopt;

@@ -1,7 +1,6 @@
 #include "scan/io/project/scan_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <string>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include "scan/io/clouds/files/point_cloud_file.h"
 #include "scan/io/clouds/files/ptx_file.h"
 #include "scan/io/e57/e57_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/grids/pcd_header.h"
 
@@ -17,13 +17,6 @@ namespace relief {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower_ending(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return ending;
-}
 
 PointCloudFile cloud_of_e57(E57Cloud e57) {
   PointCloudFile cloud;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 
 #include "relief/io/mesh_io.h"
 #include "relief/scan/triangle_mesh.h"
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/files/ply_columns.h"
 #include "scan/io/files/ply_file.h"
@@ -15,13 +15,6 @@
 namespace relief {
 
 namespace {
-
-std::string cloud_ending(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
 
 bool is_one_of(const std::string& ending, std::initializer_list<const char*> endings) {
   return std::find(endings.begin(), endings.end(), ending) != endings.end();
@@ -128,7 +121,7 @@ Result<PointCloudFile> read_pcd_cloud(const std::filesystem::path& path) {
 }  // namespace
 
 bool has_cloud_ending(const std::filesystem::path& path) {
-  const std::string ending = cloud_ending(path);
+  const std::string ending = lower_ending(path);
   return is_text_ending(ending) || is_mesh_ending(ending) || is_one_of(ending, {".pcd", ".ply"});
 }
 
@@ -147,7 +140,7 @@ PointCloudFile cloud_of_grid(const GridFile& grid) {
 }
 
 Result<PointCloudFile> read_point_cloud(const std::filesystem::path& path) {
-  const std::string ending = cloud_ending(path);
+  const std::string ending = lower_ending(path);
   if (is_text_ending(ending)) return read_text_cloud(path);
   auto cloud = [&]() -> Result<PointCloudFile> {
     if (ending == ".pcd") return read_pcd_cloud(path);

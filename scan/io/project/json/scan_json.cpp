@@ -232,6 +232,8 @@ ViewSpec read_view(JsonObject view, const std::filesystem::path& project) {
 
 ProjectSpec read_document(const json& document, const std::filesystem::path& path) {
   JsonObject root(document, "");
+  if (!root.has("format"))
+    throw JsonError("format: missing; a project begins with \"format\": \"relief-scan\"");
   if (root.text("format") != "relief-scan")
     throw JsonError("format: is '" + root.text("format") + "', expected 'relief-scan'");
   if (root.number("version") != 1.0)

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/images/image_limits.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -138,7 +139,7 @@ Result<void> take_names(const CalibrationWords& words, const fs::path& path,
 // The calibration in a file, if it is one.
 Result<std::optional<Calibration>> calibration_of_file(const fs::path& path) {
   std::error_code code;
-  const bool is_json = path.extension() == ".json";
+  const bool is_json = lower_ending(path) == ".json";
   if (!has_calibration_name(path)) return std::optional<Calibration>();
   if (fs::file_size(path, code) > kMaxCalibrationBytes || code) return std::optional<Calibration>();
   const auto text = read_file(path);
@@ -161,10 +162,10 @@ bool same_calibration(const Calibration& a, const Calibration& b) {
 }  // namespace
 
 bool has_calibration_name(const fs::path& path) {
-  if (path.extension() == ".json") return true;
+  if (lower_ending(path) == ".json") return true;
   const std::string stem = path.stem().string();
   const auto has = [&](const char* part) { return stem.find(part) != std::string::npos; };
-  return path.extension() == ".txt" && !has("traj") &&
+  return lower_ending(path) == ".txt" && !has("traj") &&
          (has("calib") || has("intrinsic") || stem.starts_with("camera"));
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/images/image_size.h"
 #include "scan/io/workspaces/workspace_text.h"
 
@@ -33,7 +34,7 @@ std::string frame_of_depth(const fs::path& path) {
 
 std::optional<fs::path> association_file(const fs::path& folder) {
   for (const fs::path& file : files_in(folder))
-    if (file.extension() == ".txt" &&
+    if (lower_ending(file) == ".txt" &&
         kind_of_rgbd_text(first_bytes(file)) == RgbdText::kAssociations)
       return file;
   return std::nullopt;
@@ -154,7 +155,8 @@ Result<RgbdFrames> named_frames(const fs::path& folder) {
   std::map<std::string, fs::path> colours;
   for (const fs::path& file : files)
     if (const fs::path stem = file.stem();
-        has_photograph_ending(file) && (stem.extension() == ".color" || stem.extension() == ".rgb"))
+        has_photograph_ending(file) &&
+        (lower_ending(stem) == ".color" || lower_ending(stem) == ".rgb"))
       colours.emplace(stem.stem().string(), file);
   RgbdFrames found;
   for (const fs::path& file : files) {

@@ -53,6 +53,16 @@ TEST(FolderGuess, FindsRolesInNamesOfFolders) {
   EXPECT_TRUE(guess.project.views[0].normals);
 }
 
+TEST(FolderGuess, TheFolderItselfMayTellTheRole) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "depth");
+  folder.write("depth/1.png", depth_png());
+  folder.write("depth/photo.jpg", "");
+  const auto guess = value_of(guess_project(folder / "depth/."));
+  ASSERT_EQ(guess.project.views.size(), 1u);
+  EXPECT_EQ(guess.project.views[0].depth->file.filename(), "1.png");
+}
+
 TEST(FolderGuess, TakesCamerasAndPosesFromAMiddleburyList) {
   const TemporaryFolder folder;
   for (const char* name : {"templeSR0001_depth.png", "templeSR0002_depth.png", "b_depth.png"})

@@ -409,6 +409,25 @@ TEST(ProjectIo, WhatIsNoProjectIsNamed) {
   }
 }
 
+// A file that belongs to a project, without being one, says what to give in its place.
+TEST(ProjectIo, PartsOfProjectsNameTheRemedy) {
+  const TemporaryFolder folder;
+  const auto error = [&](const char* name, const char* content) {
+    return read_project(folder.write(name, content));
+  };
+  EXPECT_THAT(error("a.log", "0 0 1\n"), HasError("a.log: holds poses", "name the folder"));
+  EXPECT_THAT(error("a.fc", "5 5 1 1\n"), HasError("give it as --fc"));
+  EXPECT_THAT(error("a.PNG", ""), HasError("is an image without a camera; 'relief init FOLDER'"));
+  EXPECT_THAT(error("a.laz", ""), HasError("export it as E57, PTX or XYZ text"));
+  EXPECT_THAT(error("a.glb", ""), HasError("only written"));
+  EXPECT_THAT(error("camera.json", R"({"intrinsic_matrix": [5,0,0, 0,5,0, 2,1,1]})"),
+              HasError("camera.json: belongs to depth maps; name the folder"));
+  EXPECT_THAT(error("groundtruth.txt", "# truth\ntime tx ty tz qx qy qz qw\n1 0 0 0 0 0 0 1\n"),
+              HasError("groundtruth.txt: belongs to depth maps"));
+  EXPECT_THAT(error("a.foo", ""), HasError("unknown project format '.foo'"));
+  EXPECT_THAT(error("scan.json", "{}"), HasError("a project begins with \"format\""));
+}
+
 TEST(ProjectIo, ManyViewsOfOneFileAreBoundByTheMemory) {
   const TemporaryFolder folder;
   Image depth(64, 64, 1, 65535);

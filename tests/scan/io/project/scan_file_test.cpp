@@ -60,6 +60,35 @@ void expect_same_points(const RangeView& read, const RangeView& view, double tol
   for (std::size_t i = 0; i < left.size(); ++i) ASSERT_LT((left[i] - right[i]).norm(), tolerance);
 }
 
+class ScanFileInCapitals : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Endings, ScanFileInCapitals, ::testing::Values("PLY", "Pcd"),
+                         testing::PrintedName());
+
+TEST_P(ScanFileInCapitals, IsAGridStill) {
+  const TemporaryFolder folder;
+  const RangeView view = ball_view("a", 1.0);
+  const auto path = folder.write(
+      "A." + GetParam(), GetParam() == "PLY" ? encode_ply_grid(view) : encode_pcd_grid(view));
+  EXPECT_EQ(kind_of_scan_file(path), ScanFileKind::kGrid);
+  const auto grid = value_of(read_scan_file(path));
+  EXPECT_EQ(grid.points.width(), view.width());
+  EXPECT_EQ(grid.points.height(), view.height());
+}
+
+TEST(ScanFile, ProjectsMayEndInCapitals) {
+  const TemporaryFolder folder;
+  folder.write("a.ply", encode_ply_grid(ball_view("a", 1.0)));
+  const std::string rows = "1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n";
+  for (const char* name : {"A.ALN", "A.Conf"}) {
+    const auto path =
+        folder.write(name, name == std::string("A.ALN") ? "1\na.ply\n#\n" + rows + "0\n"
+                                                        : "bmesh a.ply 5 6 7 0 0 0 1\n");
+    const auto project = value_of(read_project(path));
+    ASSERT_EQ(project.views.size(), 1u) << name;
+    EXPECT_EQ(project.views[0].world_from_view.translation(), Eigen::Vector3d(5, 6, 7)) << name;
+  }
+}
+
 class ScanFileWithTwoScans : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Endings, ScanFileWithTwoScans, ::testing::Values("ptx", "e57"),
                          testing::PrintedName());

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/codecs/little_endian.h"
 #include "scan/io/images/image_limits.h"
@@ -9,7 +10,7 @@
 namespace relief {
 
 bool has_raw_ending(const std::filesystem::path& path) {
-  const std::string ending = image_ending(path);
+  const std::string ending = lower_ending(path);
   return ending == ".raw" || ending == ".f32";
 }
 
