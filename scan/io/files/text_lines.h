@@ -28,6 +28,12 @@ inline std::string_view next_line(std::string_view& text) {
   return line;
 }
 
+/// A text without the mark that some editors put before UTF-8.
+inline std::string_view without_byte_order_mark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
 /// Whether the whole of `word` is a number, which `value` then holds. Numbers too small for a
 /// double are 0; `nan` and `inf` are numbers.
 inline bool parse_number(std::string_view word, double& value) {

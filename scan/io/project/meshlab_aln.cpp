@@ -12,7 +12,8 @@ namespace {
 // The lines of an alignment file, with their numbers for errors. Blank lines are skipped.
 class AlnLines {
  public:
-  AlnLines(std::string_view text, const std::filesystem::path& path) : text_(text), path_(path) {}
+  AlnLines(std::string_view text, const std::filesystem::path& path)
+      : text_(without_byte_order_mark(text)), path_(path) {}
 
   /// The next line without blanks at its ends; an error at the end of the file.
   Result<std::string_view> next(const char* expected) {

@@ -24,7 +24,7 @@ std::string_view trimmed(std::string_view text);
 class NumberedLines {
  public:
   NumberedLines(std::string_view text, const std::filesystem::path& path)
-      : text_(text), path_(path) {}
+      : text_(without_byte_order_mark(text)), path_(path) {}
 
   /// The next line, trimmed, whatever it holds; false at the end of the text.
   bool next_any(std::string_view& line);

@@ -35,7 +35,7 @@ struct PtxHeader {
 class PtxParser {
  public:
   PtxParser(std::string_view content, const std::filesystem::path& path)
-      : rest_(content), path_(path) {}
+      : rest_(without_byte_order_mark(content)), path_(path) {}
 
   // Whether something follows.
   bool has_more() const {

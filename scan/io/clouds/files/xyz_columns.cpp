@@ -116,6 +116,22 @@ std::string_view next_field(std::string_view& line) {
   return field;
 }
 
+bool has_decimal_commas(std::string_view line) {
+  std::size_t fields = 0, with_comma = 0;
+  while (!line.empty()) {
+    const std::size_t length = std::min(line.find_first_of(" \t;\r"), line.size());
+    std::string_view field = line.substr(0, length);
+    line.remove_prefix(std::min(length + 1, line.size()));
+    if (field.ends_with(',')) field.remove_suffix(1);
+    if (field.empty()) continue;
+    const auto commas = std::count(field.begin(), field.end(), ',');
+    if (commas > 1) return false;
+    ++fields;
+    with_comma += commas == 1 ? 1 : 0;
+  }
+  return fields >= 3 && with_comma > 0;
+}
+
 std::optional<XyzColumns> columns_by_name(std::string_view line, std::size_t& names,
                                           std::size_t& unknown) {
   std::map<Role, std::size_t> columns;

@@ -33,6 +33,10 @@ struct XyzColumns {
 /// around one are taken off. Empty at the end.
 std::string_view next_field(std::string_view& line);
 
+/// Whether a line has decimal commas, as `1,5 2 0,25`: commas stand inside of three fields or more
+/// that other separators part, and none has two.
+bool has_decimal_commas(std::string_view line);
+
 /// The columns that a line of names tells; nothing when x, y or z is not among them. `unknown`
 /// counts the names without meaning here.
 std::optional<XyzColumns> columns_by_name(std::string_view line, std::size_t& names,

@@ -25,9 +25,11 @@ std::string_view without_comment_mark(std::string_view line) {
 class XyzParser {
  public:
   XyzParser(std::string_view content, const std::filesystem::path& path)
-      : rest_(content), path_(path) {}
+      : rest_(without_byte_order_mark(content)), path_(path) {}
 
   Result<PointCloudFile> parse() {
+    if (rest_.starts_with("\xff\xfe") || rest_.starts_with("\xfe\xff"))
+      return bad_input(path_, "holds UTF-16 text; save it as UTF-8 or plain text");
     while (!rest_.empty()) {
       ++line_number_;
       if (auto parsed = parse_line(next_line(rest_)); !parsed) return parsed.error();
@@ -78,14 +80,16 @@ class XyzParser {
     const std::size_t columns = table_.values.size() - before;
     if (columns == 0) return at_line("no number between the separators");
     if (columns == 1) return begin_block(before);
-    if (table_.columns == 0) return begin_table(columns);
+    if (table_.columns == 0) return begin_table(line, columns);
     if (columns != table_.columns)
       return at_line(std::to_string(columns) + " numbers, but the points before have " +
                      std::to_string(table_.columns));
     return {};
   }
 
-  Result<void> begin_table(std::size_t columns) {
+  Result<void> begin_table(std::string_view line, std::size_t columns) {
+    if (has_decimal_commas(line))
+      return at_line("decimals have commas; write them with a point, as 1.5");
     if (columns < 3) return at_line("a point has at least three numbers: x y z");
     table_.columns = columns;
     if (!named_ || names_ == columns) return {};

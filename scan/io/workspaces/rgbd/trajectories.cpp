@@ -175,6 +175,7 @@ Result<Trajectory> parse_log_trajectory(std::string_view text, const fs::path& p
 }
 
 RgbdText kind_of_rgbd_text(std::string_view text) {
+  text = without_byte_order_mark(text);
   for (int line_count = 0; !text.empty() && line_count < 64; ++line_count) {
     const std::string_view line = trimmed(next_line(text));
     if (line.empty()) continue;

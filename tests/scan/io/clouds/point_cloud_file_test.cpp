@@ -45,6 +45,25 @@ TEST(XyzText, KnowsSeparatorsAndComments) {
   }
 }
 
+TEST(XyzText, KnowsTheMarksOfEditors) {
+  EXPECT_EQ(parsed("\xef\xbb\xbf"
+                   "1 2 3\n")
+                .points[0],
+            Eigen::Vector3d(1, 2, 3));
+  EXPECT_THAT(parse(std::string("\xff\xfe"
+                                "1\0 \0",
+                                6)),
+              HasError("UTF-16 text; save it as UTF-8"));
+}
+
+// Read as separators, they would give other points, and colours besides.
+TEST(XyzText, RefusesDecimalCommas) {
+  for (const char* text : {"1,5 2,3 0,1\n", "1,5;2,3;0,1\n", "0,5\t1\t2\n"})
+    EXPECT_THAT(parse(text), HasError("line 1: decimals have commas; write them with a point"))
+        << text;
+  EXPECT_THAT(parsed("1 2 3 7,8,9\n").colours, ElementsAre(Colour{7, 8, 9}));
+}
+
 TEST(XyzText, TellsNormalsFromColours) {
   const auto normals = parsed("1 2 3 0 0.6 0.8\n4 5 6 0 0 -1\n");
   EXPECT_THAT(normals.normals,
