@@ -3,21 +3,38 @@
 
 #include <Eigen/Geometry>
 
+#include "scan/io/clouds/files/point_cloud_file.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/files/text_lines.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {
 
 namespace {
 
+// The name of a file may hold blanks: it goes up to the first word with the ending of a scan, else
+// it is the first word.
+std::string take_file_name(std::istringstream& line) {
+  const auto start = line.tellg();
+  std::string file;
+  for (std::string word; line >> word;) {
+    file += (file.empty() ? "" : " ") + word;
+    if (has_cloud_ending(file)) return file;
+  }
+  line.clear();
+  line.seekg(start);
+  line >> file;
+  return file;
+}
+
 // `bmesh FILE tx ty tz qx qy qz qw`. The quaternion of this format is the inverse of the usual one:
 // p_world = R(q)^T p + t, as the published Stanford scans show.
 Result<ViewSpec> parse_bmesh(std::istringstream& line, const std::filesystem::path& path,
                              const std::string& place) {
-  std::string file;
+  const std::string file = take_file_name(line);
   Eigen::Vector3d t;
   double x = 0, y = 0, z = 0, w = 0;
-  if (!(line >> file >> t.x() >> t.y() >> t.z() >> x >> y >> z >> w))
+  if (!(line >> t.x() >> t.y() >> t.z() >> x >> y >> z >> w))
     return bad_input(path, place + "expected 'bmesh FILE tx ty tz qx qy qz qw'");
   if (std::string extra; line >> extra)
     return bad_input(path, place + "unexpected '" + extra + "' after the quaternion");
@@ -39,7 +56,7 @@ Result<ViewSpec> parse_bmesh(std::istringstream& line, const std::filesystem::pa
 Result<ProjectSpec> parse_stanford_conf(const std::string& text,
                                         const std::filesystem::path& path) {
   ProjectSpec project;
-  std::istringstream lines(text);
+  std::istringstream lines{std::string(without_byte_order_mark(text))};
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     const std::string place = "line " + std::to_string(number) + ": ";

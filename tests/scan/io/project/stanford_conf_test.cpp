@@ -19,6 +19,14 @@ TEST(StanfordConf, TheQuaternionIsTheInverseRotation) {
   EXPECT_NEAR((moved - Eigen::Vector3d(2, 2, 3)).norm(), 0.0, 1e-7);
 }
 
+TEST(StanfordConf, NamesOfFilesMayHoldBlanks) {
+  const auto spec = value_of(parse_stanford_conf(
+      "bmesh dragon 0.5 left.ply 1 2 3 0 0 0 1\nbmesh scan 1 2 3 0 0 0 1\n", "d/bun.conf"));
+  EXPECT_EQ(*spec.views.at(0).grid, "d/dragon 0.5 left.ply");
+  EXPECT_EQ(spec.views[0].name, "dragon 0.5 left");
+  EXPECT_EQ(*spec.views.at(1).grid, "d/scan");
+}
+
 TEST(StanfordConf, ErrorsNameTheLine) {
   const auto error = [](const std::string& text) { return parse_stanford_conf(text, "bun.conf"); };
   EXPECT_THAT(error("camera 0\nbmesh a.ply 1 2\n"), HasError("bun.conf: line 2"));
