@@ -9,6 +9,7 @@
 #include "apps/console/exit_status.h"
 #include "apps/console/interruption.h"
 #include "apps/console/progress_display.h"
+#include "apps/options/number_checks.h"
 #include "relief/scan/static_background.h"
 
 namespace relief {
@@ -75,7 +76,7 @@ void add_reading_options(CLI::App& command, ReadProjectOptions& options) {
   command
       .add_option("--depth-scale", options.depth_scale,
                   "Steps of such a depth map to the unit, as 1000 or 5000 to the metre")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command
       .add_option_function<std::vector<double>>(
           "--viewpoint",

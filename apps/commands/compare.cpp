@@ -5,6 +5,7 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
+#include "apps/options/number_checks.h"
 #include "apps/reports/comparison/comparison_page.h"
 #include "apps/reports/comparison/comparison_report.h"
 #include "apps/version.h"
@@ -96,14 +97,14 @@ void add_compare(CLI::App& app, Action& action) {
       "Take both frames as one; otherwise B is brought into the frame of A by the poses of the "
       "views that both runs placed");
   sub->add_option("--samples", command->options.distances.samples, "Points on each model")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   sub->add_option("--thresholds,--threshold", command->options.distances.thresholds,
                   "Distances whose shares of the surface are told; default: multiples of the "
                   "edge length");
   sub->add_option("--colour-scale", command->options.colour_scale,
                   "Distance that has full colour; default: that of 95 % of the surfaces")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   add_common_options(*sub, command->common);
   sub->callback([command, &action] { action = [command] { return compare(*command); }; });
 }

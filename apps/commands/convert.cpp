@@ -25,6 +25,11 @@ struct ConvertCommand {
 };
 
 int convert_mesh(const ConvertCommand& command) {
+  if (!is_mesh_path(command.output))
+    return fail({ErrorKind::kBadInput,
+                 command.output.string() + ": " + command.input.path.string() +
+                     " is a mesh, which is written as .ply, .obj, .stl, .vtp, .glb or .3mf; "
+                     "--as-views takes it as points that a scanner saw"});
   const auto mesh = read_mesh(command.input.path);
   if (!mesh) return fail(mesh.error());
   if (const auto written = write_mesh(*mesh, command.output); !written)

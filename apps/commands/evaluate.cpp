@@ -12,6 +12,7 @@
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
 #include "apps/options/input_kind.h"
+#include "apps/options/number_checks.h"
 #include "apps/reports/evaluation_plots.h"
 #include "apps/reports/evaluation_report.h"
 #include "relief/evaluation/mesh_alignment.h"
@@ -20,6 +21,7 @@
 #include "scan/evaluation/base/angles.h"
 #include "scan/evaluation/base/error_colours.h"
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/meshes/coloured_mesh.h"
 
 namespace relief {
@@ -134,7 +136,7 @@ Result<ScanProject> truth_from_poses(const ScanProject& result, const std::files
 
 // Whether a JSON file is more than a list of poses.
 bool holds_views(const std::filesystem::path& path) {
-  if (path.extension() != ".json") return true;
+  if (lower_ending(path) != ".json") return true;
   const auto text = read_file(path);
   return !text || text->find("relief-scan") != std::string::npos;
 }
@@ -220,7 +222,7 @@ void add_evaluate(CLI::App& app, Action& action) {
       "Folder for report.json and, of meshes, errors.ply and completeness.ply, coloured");
   sub->add_option("--colour-scale", command->colour_scale,
                   "Error that has full colour; default: that of 95 % of the surface")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   sub->add_option("--plots", command->plots,
                   "Folder for plots by gnuplot, and their data: distances and histogram of meshes, "
                   "spectra and error images of views");

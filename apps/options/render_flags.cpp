@@ -6,6 +6,8 @@
 #include <map>
 #include <sstream>
 
+#include "apps/options/number_checks.h"
+
 namespace relief {
 
 namespace {
@@ -174,7 +176,7 @@ void add_quality_flags(CLI::App& command, RenderFlags& flags) {
   group
       ->add_option("--ambient-reach", options.ambient_reach,
                    "How far they look, as a part of the model's diagonal")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   group->add_option("--background", options.background, "white or transparent")
       ->transform(CLI::CheckedTransformer(kBackgrounds).description(""))

@@ -4,6 +4,8 @@
 #include <utility>
 #include <variant>
 
+#include "apps/options/number_checks.h"
+
 namespace relief {
 
 namespace {
@@ -226,7 +228,7 @@ Result<void> SensorChoice::apply(simulation::SimulationOptions& options) const {
 
 void add_simulation_options(CLI::App& command, simulation::SimulationOptions& options) {
   command.add_option("--views", options.views, "Number of views")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   command.add_option("--width", options.width, "Pixels of a row")->capture_default_str();
   command.add_option("--height", options.height, "Pixels of a column")->capture_default_str();

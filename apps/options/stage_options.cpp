@@ -4,6 +4,7 @@
 #include <numbers>
 #include <string>
 
+#include "apps/options/number_checks.h"
 #include "scan/base/control_groups.h"
 
 namespace relief {
@@ -72,11 +73,11 @@ void add_refine_options(CLI::App& command, RefineFlags& flags) {
   group
       ->add_option("--sigma-position", options.sigma_position,
                    "Noise of the range [unit]; default: estimated per view")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   group
       ->add_option("--sigma-normal", flags.sigma_normal_deg,
                    "Noise of the normals [deg]; default: estimated per view")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   group->add_option(
       "--lambda", options.lambda,
       "Weight of positions against normals as published, in (0, 1); replaces the noise "
@@ -84,7 +85,7 @@ void add_refine_options(CLI::App& command, RefineFlags& flags) {
   group
       ->add_option("--smoothing-scale", options.smoothing_scale,
                    "Scale of the two-step correction [samples]; default: where the errors cross")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   group->add_option("--robust-rounds", options.robust_rounds, "Rounds of robust reweighting")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
@@ -143,7 +144,7 @@ void add_align_options(CLI::App& command, registration::AlignOptions& options) {
   group
       ->add_option("--search-distance", refinement.search_distance,
                    "How far off the starting poses may be [unit]; 0: a fifth of a view's radius")
-      ->check(CLI::NonNegativeNumber)
+      ->check(nonnegative_number())
       ->capture_default_str();
   group
       ->add_option("--min-overlap", refinement.min_overlap,
@@ -160,7 +161,7 @@ void add_align_options(CLI::App& command, registration::AlignOptions& options) {
   group
       ->add_option("--max-iterations", refinement.max_iterations,
                    "Renewals of the correspondences, per level")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
 }
 
@@ -196,11 +197,11 @@ void add_polish_options(CLI::App& command, MergeFlags& flags) {
   group
       ->add_option("--polish-sigma-position", options.sigma_position,
                    "Error of the merged positions [unit]; default: per vertex, as merged")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   group
       ->add_option("--polish-sigma-normal", flags.polish_sigma_normal_deg,
                    "Error of the blended normals [deg]; default: per vertex, from the views")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
 }
 
 }  // namespace
@@ -212,12 +213,12 @@ void add_merge_options(CLI::App& command, MergeFlags& flags) {
       ->add_option(
           "--voxel", options.voxel_size,
           "Lattice spacing [unit]; 0: the median sample spacing, 0.8 of it for refined views")
-      ->check(CLI::NonNegativeNumber)
+      ->check(nonnegative_number())
       ->capture_default_str();
   group
       ->add_option("--truncation", options.truncation,
                    "How far from a view's surface it counts [unit]; 0: from voxel and noise")
-      ->check(CLI::NonNegativeNumber)
+      ->check(nonnegative_number())
       ->capture_default_str();
   group->add_flag_callback(
       "--keep-components", [&options] { options.keep_components = true; },
@@ -232,7 +233,7 @@ void add_merge_options(CLI::App& command, MergeFlags& flags) {
       ->add_option("--largest-fill", options.largest_fill,
                    "Holes that reach farther than this from what was measured stay open [unit]; 0: "
                    "all are filled")
-      ->check(CLI::NonNegativeNumber)
+      ->check(nonnegative_number())
       ->capture_default_str();
   fusion::DecimationOptions& decimation = flags.options.decimation;
   group->add_option("--faces", decimation.faces, "Decimate to this number of faces; 0: do not")
@@ -240,7 +241,7 @@ void add_merge_options(CLI::App& command, MergeFlags& flags) {
   group
       ->add_option("--decimation-error", decimation.max_error,
                    "Decimate as far as the surface moves by no more than this [unit]; 0: no bound")
-      ->check(CLI::NonNegativeNumber)
+      ->check(nonnegative_number())
       ->capture_default_str();
   add_polish_options(command, flags);
 }

@@ -218,6 +218,37 @@ TEST(WrongUsage, IsExitStatusTwo) {
   }
 }
 
+TEST(WrongUsage, NumbersOutOfRangeAreNamedInFewWords) {
+  for (const char* value : {"0", "-1", "inf", "many"}) {
+    const ProgramRun run = run_relief({"info", "a", "--depth-scale", value});
+    EXPECT_EQ(run.exit_status, 2);
+    EXPECT_THAT(run.standard_error,
+                HasSubstr("--depth-scale: '" + std::string(value) + "' is no positive number"));
+  }
+}
+
+TEST(WrongUsage, AMeshIsNoScanUnlessItIsCalledOne) {
+  const TemporaryFolder folder;
+  write_text(folder / "a.obj", "v 0 0 5\nv 1 0 5\nv 0 1 5\nf 1 2 3\n");
+  const ProgramRun run = run_relief({"convert", folder / "a.obj", "-o", folder / "a.e57"});
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_THAT(run.standard_error, HasSubstr("is a mesh"));
+  EXPECT_THAT(run.standard_error, HasSubstr("--as-views"));
+}
+
+// Such a file is a cloud, which becomes a view, not a mesh.
+TEST(WrongUsage, AFileThatDeclaresNoFacesIsACloud) {
+  const TemporaryFolder folder;
+  write_text(folder / "cloud.ply",
+             "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+             "property float z\nelement face 0\nproperty list uchar int vertex_indices\n"
+             "end_header\n0 0 5\n1 0 5\n0 1 5\n1 1 5\n");
+  const ProgramRun run = run_relief(
+      {"convert", folder / "cloud.ply", "--viewpoint", "0", "0", "0", "-o", folder / "a.pcd"});
+  EXPECT_EQ(run.exit_status, 0) << run.standard_error;
+  EXPECT_TRUE(std::filesystem::exists(folder / "a.pcd"));
+}
+
 // What `merge` says of a 2x2 range grid with these vertex lines.
 void expect_bad_grid(const std::string& vertices, const std::string& words) {
   const TemporaryFolder folder;

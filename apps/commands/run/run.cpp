@@ -14,6 +14,7 @@
 #include "apps/console/interruption.h"
 #include "apps/console/output.h"
 #include "apps/console/progress_display.h"
+#include "apps/options/number_checks.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/alignment_report.h"
 #include "apps/reports/calibration_report.h"
@@ -269,7 +270,7 @@ void add_run(CLI::App& app, Action& action) {
                   "Stop after this time, as 90s, 30min or 2h; the same command goes on from there")
       ->transform(CLI::AsNumberWithUnit(
           std::map<std::string, double>{{"s", 1.0}, {"min", 60.0}, {"h", 3600.0}}))
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   sub->add_flag("--no-html-report", command->no_html_report, "Do not write report.html");
   add_html_report_options(*sub, command->html);
   add_common_options(*sub, command->common);
