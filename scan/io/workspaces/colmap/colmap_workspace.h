@@ -1,12 +1,8 @@
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
-#include <vector>
 
 #include "relief/scan/result.h"
-#include "relief/scan/rigid_motion.h"
-#include "scan/io/images/image_io.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {
@@ -32,11 +28,5 @@ bool is_colmap_workspace(const std::filesystem::path& folder);
 /// kBadInput names file and place.
 Result<ProjectSpec> read_colmap_workspace(const std::filesystem::path& folder,
                                           const ColmapOptions& options = {});
-
-/// |depth - z| / z of the points (world frame) that fall on a pixel with depth: z is that of the
-/// point in the view, the pixel the nearest one. Points behind the view are left out.
-std::vector<double> depth_differences(const Image& depth, const PinholeIntrinsics& intrinsics,
-                                      const RigidMotion& world_from_view,
-                                      const std::vector<Eigen::Vector3d>& points);
 
 }  // namespace relief

@@ -1,11 +1,14 @@
 #include "scan/io/workspaces/rgbd/rgbd_folder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/mirrored_images.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
 #include "scan/io/workspaces/rgbd/rgbd_layouts.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -20,7 +23,7 @@ namespace fs = std::filesystem;
 using TrajectoryParser = Result<Trajectory> (*)(std::string_view, const fs::path&);
 
 TrajectoryParser trajectory_parser(const fs::path& file) {
-  const fs::path ending = file.extension();
+  const std::string ending = lower_ending(file);
   const bool is_json = ending == ".json";
   if (!is_json && ending != ".txt" && ending != ".log" && ending != ".tum" &&
       ending != ".freiburg" && ending != ".traj")
@@ -121,6 +124,11 @@ Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& fo
   return assign_poses(*trajectory, (*file)->path, found.frames);
 }
 
+bool can_be_intrinsics(const PinholeIntrinsics& k) {
+  const auto usable = [](double focal) { return std::isfinite(focal) && focal != 0.0; };
+  return usable(k.fx) && usable(k.fy) && std::isfinite(k.cx) && std::isfinite(k.cy);
+}
+
 // What holds for all frames of a folder.
 struct RgbdSetting {
   std::optional<PinholeIntrinsics> intrinsics;
@@ -130,6 +138,8 @@ struct RgbdSetting {
 
 Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found,
                                  const RgbdOptions& options, std::vector<std::string>& notes) {
+  if (options.intrinsics && !can_be_intrinsics(*options.intrinsics))
+    return bad_input(folder, "the focal lengths FX and FY of --intrinsics must not be 0");
   RgbdSetting setting;
   Calibration calibration;
   if (!options.intrinsics || !options.depth_scale) {
@@ -234,6 +244,7 @@ Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& 
         !added)
       return added.error();
   add_counts(*poses, misfits, project.notes);
+  if (auto note = note_on_mirrored_images(project)) project.notes.push_back(std::move(*note));
   return project;
 }
 

@@ -8,6 +8,7 @@
 #include "scan/io/files/binary_writer.h"
 #include "scan/io/images/codecs/floats/colmap_array.h"
 #include "scan/io/workspaces/colmap/colmap_model.h"
+#include "scan/io/workspaces/depth_differences.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"

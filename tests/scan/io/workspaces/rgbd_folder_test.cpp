@@ -6,10 +6,12 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/images/image_io.h"
 #include "scan/io/project/view_loader.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/rgbd/trajectories.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 
@@ -19,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::TemporaryFolder;
 
 const char* const kPose = "1 0 0 5\n0 0 -1 6\n0 1 0 7\n0 0 0 1\n";
@@ -170,6 +173,8 @@ TEST_F(RgbdFolder, TumSequence) {
   EXPECT_THAT(
       read_rgbd_folder(folder_.path()),
       HasError("depth maps without intrinsics", "--intrinsics FX FY CX CY", "calibration file"));
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), {PinholeIntrinsics{0, 525, 319.5, 239.5}, {}}),
+              HasError("FX and FY of --intrinsics must not be 0"));
   write("calibration.txt", "525 525 319.5 239.5\n");
   const auto spec = value_of(read_rgbd_folder(folder_.path()));
   ASSERT_EQ(spec.views.size(), 2u);
@@ -256,6 +261,41 @@ TEST_F(RgbdFolder, CalibrationsThatDifferAreNamed) {
   write("intrinsic_depth.txt", "3 3 2 2\n");
   const auto spec = value_of(read_rgbd_folder(folder_.path(), {{}, 1000.0}));
   EXPECT_EQ(spec.views[0].camera->intrinsics.fx, 3);
+}
+
+// Two frames in front of a slope, the second one higher, with the depth in millimetres.
+void write_frames(const TemporaryFolder& folder, const Camera& camera) {
+  for (int i = 0; i < 2; ++i) {
+    RigidMotion pose = RigidMotion::Identity();
+    pose.translation().y() = 0.4 * i;
+    const RangeView view = testing::render(testing::plane({0, 0, 3}, {0, 0.5, -1}), camera, pose);
+    Image depth(view.width(), view.height(), 1, 65535);
+    for (int v = 0; v < view.height(); ++v)
+      for (int u = 0; u < view.width(); ++u)
+        depth(u, v) = static_cast<float>(std::lround(1000.0 * view.range(u, v)));
+    const std::string frame = "frame-" + std::to_string(i);
+    folder.write(frame + ".depth.png", *encode_png(depth));
+    folder.write(frame + ".pose.txt",
+                 "1 0 0 0\n0 1 0 " + std::to_string(0.4 * i) + "\n0 0 1 0\n0 0 0 1\n");
+  }
+}
+
+TEST_F(RgbdFolder, SaysThatImagesSeemMirrored) {
+  const PinholeIntrinsics upright{120, 120, 79.5, 59.5}, mirrored{120, -120, 79.5, 59.5};
+  write_frames(folder_, Camera::pinhole(160, 120, mirrored));
+  const auto right = value_of(read_rgbd_folder(folder_.path(), {mirrored, 1000.0}));
+  EXPECT_THAT(right.notes, Not(Contains(HasSubstr("mirrored"))));
+  const auto wrong = value_of(read_rgbd_folder(folder_.path(), {upright, 1000.0}));
+  EXPECT_THAT(wrong.notes, Contains(HasSubstr("give --intrinsics 120 -120 79.5 59.5")));
+}
+
+TEST(RgbdOnRealData, SayThatImagesSeemMirrored) {
+  RELIEF_REQUIRE_TEST_DATA(folder, "rgbd");
+  const auto notes = [&](double fy) {
+    return read_rgbd_folder(folder, {PinholeIntrinsics{481.2, fy, 319.5, 239.5}, 5000.0})->notes;
+  };
+  EXPECT_THAT(notes(-480), Not(Contains(HasSubstr("mirrored"))));
+  EXPECT_THAT(notes(480), Contains(HasSubstr("give --intrinsics 481.2 -480 319.5 239.5")));
 }
 
 TEST(RgbdOnRealData, TumTexts) {
