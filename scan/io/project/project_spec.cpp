@@ -5,6 +5,7 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/image_size.h"
 #include "scan/io/project/no_project.h"
 #include "scan/io/project/scan_file.h"
 #include "scan/io/project/view_spec.h"
@@ -149,6 +150,29 @@ Result<ProjectSpec> read_as(const char* what, const fs::path& folder, Result<Pro
   return project;
 }
 
+std::size_t count_images(const fs::path& folder) {
+  std::error_code code;
+  std::size_t images = 0;
+  for (const auto& entry : fs::directory_iterator(folder, code))
+    images += has_depth_image_ending(entry.path()) ? 1 : 0;
+  return images;
+}
+
+Error no_project_in(const fs::path& folder) {
+  if (const std::size_t images = count_images(folder))
+    return bad_input(folder,
+                     "holds images (" + std::to_string(images) +
+                         "), but neither intrinsics nor a layout that tells depth maps: 'relief "
+                         "init " +
+                         folder.string() +
+                         " --intrinsics FX FY CX CY --depth-scale N' writes a scan.json for them; "
+                         "a folder with depth/ and a calibration or trajectory is read as it is");
+  return bad_input(folder,
+                   "no scan.json, no file of scans (.ply .pcd .ptx .e57 .xyz .pts .obj .stl "
+                   ".vtp), no depth maps with their lists or poses and no COLMAP workspace in "
+                   "it; name the folder above if these lie there, or try 'relief init'");
+}
+
 Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOptions& options) {
   std::error_code code;
   if (fs::exists(folder / "scan.json", code)) return spec_of_file(folder / "scan.json", options);
@@ -160,11 +184,7 @@ Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOpti
   const auto content = look_into(folder);
   if (!content) return content.error();
   if (content->projects.size() == 1) return spec_of_file(content->projects.front(), options);
-  if (content->grids.empty() && content->points.empty())
-    return bad_input(folder,
-                     "no scan.json, no file of scans (.ply .pcd .ptx .e57 .xyz .pts .obj .stl "
-                     ".vtp), no depth maps with their lists or poses and no COLMAP workspace in "
-                     "it; name the folder above if these lie there, or try 'relief init'");
+  if (content->grids.empty() && content->points.empty()) return no_project_in(folder);
   auto project = spec_of_scans(content->grids.empty() ? content->points : content->grids, options);
   if (project && !content->projects.empty()) {
     std::string names;

@@ -409,6 +409,15 @@ TEST(ProjectIo, WhatIsNoProjectIsNamed) {
   }
 }
 
+TEST(ProjectIo, ImagesWithoutACameraNameTheWayOn) {
+  const TemporaryFolder folder;
+  folder.write("depth_000.png", "");
+  folder.write("depth_001.PNG", "");
+  EXPECT_THAT(read_project(folder.path()),
+              HasError("holds images (2), but neither intrinsics", "relief init",
+                       "--intrinsics FX FY CX CY --depth-scale N"));
+}
+
 // A file that belongs to a project, without being one, says what to give in its place.
 TEST(ProjectIo, PartsOfProjectsNameTheRemedy) {
   const TemporaryFolder folder;
