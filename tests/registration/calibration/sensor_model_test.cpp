@@ -96,22 +96,23 @@ TEST_P(SensorModelFields, AreNothingWithoutCoefficients) {
   EXPECT_EQ(same.camera.model(), view.camera.model());
 }
 
+std::string name_of(const ::testing::TestParamInfo<Rays>& rays) {
+  switch (rays.param) {
+    case Rays::kPinhole:
+      return "Pinhole";
+    case Rays::kPinholeGl:
+      return "PinholeGl";
+    case Rays::kTable:
+      return "TableOfRays";
+    case Rays::kSpherical:
+      return "Spherical";
+  }
+  return "Unknown";
+}
 INSTANTIATE_TEST_SUITE_P(Cameras, SensorModelFields,
                          ::testing::Values(Rays::kPinhole, Rays::kPinholeGl, Rays::kTable,
                                            Rays::kSpherical),
-                         [](const ::testing::TestParamInfo<Rays>& info) -> std::string {
-                           switch (info.param) {
-                             case Rays::kPinhole:
-                               return "Pinhole";
-                             case Rays::kPinholeGl:
-                               return "PinholeGl";
-                             case Rays::kTable:
-                               return "TableOfRays";
-                             case Rays::kSpherical:
-                               return "Spherical";
-                           }
-                           return "Unknown";
-                         });
+                         name_of);
 
 TEST(SensorModel, KeepsAPinholeCameraOneWithoutDistortion) {
   const RangeView view = view_with(Rays::kPinhole);
