@@ -282,7 +282,8 @@ TEST_F(KeptResults, AreRemovedOnRequest) {
   copy_folder(full(), out / "run");
   const ProgramRun run = run_relief({"clean", out / "run"});
   EXPECT_EQ(run.exit_status, 0);
-  EXPECT_THAT(run.standard_error, HasSubstr("removed 15 results of earlier runs"));
+  EXPECT_THAT(run.standard_error,
+              HasSubstr("removed " + std::to_string(kUnits) + " results of earlier runs"));
   EXPECT_FALSE(fs::exists(out / "run/.relief"));
   expect_same_results(full(), out / "run");
   EXPECT_THAT(run_relief({"clean", out / "run"}).standard_error, HasSubstr("anything to remove"));
