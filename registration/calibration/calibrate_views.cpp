@@ -5,14 +5,15 @@
 #include <cstdio>
 #include <utility>
 
+#include "registration/calibration/calibration_input.h"
 #include "registration/calibration/calibration_notes.h"
-#include "registration/calibration/calibration_problem.h"
-#include "registration/calibration/calibration_sums.h"
-#include "registration/calibration/error_model.h"
-#include "registration/calibration/held_out.h"
+#include "registration/calibration/estimation/calibration_problem.h"
+#include "registration/calibration/estimation/calibration_sums.h"
+#include "registration/calibration/estimation/pose_inflation.h"
+#include "registration/calibration/model/error_model.h"
 #include "registration/calibration/pairwise_fit.h"
-#include "registration/calibration/pose_inflation.h"
-#include "registration/calibration/term_selection.h"
+#include "registration/calibration/selection/held_out.h"
+#include "registration/calibration/selection/term_selection.h"
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/joint_refinement.h"
@@ -33,8 +34,6 @@ constexpr int kMostIterations = 6;
 // Coefficients and poses have come to rest when they move samples by no more [sample spacings]: as
 // much as the poses of exact data err by.
 constexpr double kTolerance = 0.01;
-// Pairs with the largest overlaps of a view that are used. Bounds time and memory.
-constexpr int kMostPairsOfAView = 8;
 // More views have only errors that they share: the terms of all views make a dense system, of a
 // thousand unknowns for 40.
 constexpr std::size_t kMostViewsApart = 40;
@@ -47,30 +46,6 @@ constexpr double kPatch = 8.0;
 // Part of the overlap that must stay: chance and the borders of views take less than a twentieth.
 constexpr double kLeastOverlap = 0.95;
 
-std::vector<ViewPair> fitting_pairs(const Alignment& aligned) {
-  std::vector<ViewPair> pairs;
-  for (const PairFit& fit : aligned.pairs)
-    if (fit.status != PairStatus::kMisfit && aligned.views[fit.a].aligned &&
-        aligned.views[fit.b].aligned)
-      pairs.push_back({fit.a, fit.b, fit.overlap});
-  return largest_overlaps(aligned.views.size(), pairs, kMostPairsOfAView);
-}
-
-// The gauge: known poses, views without pairs, and the first view of each group without a known
-// pose.
-std::vector<bool> held_views(const std::vector<RangeView>& views,
-                             const std::vector<ViewPair>& pairs) {
-  const auto group = connected_groups(views.size(), pairs);
-  std::vector<bool> held(views.size()), has_held(views.size(), false);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    held[i] = views[i].pose == PoseKind::kKnown;
-    if (held[i]) has_held[group[i]] = true;
-  }
-  for (std::size_t i = 0; i < views.size(); ++i)
-    if (group[i] == i && !has_held[i]) held[i] = true;
-  return held;
-}
-
 std::vector<double> spacings_of(const std::vector<RangeView>& views) {
   return parallel_map<double>(views.size(),
                               [&](std::size_t i) { return sample_spacing(views[i]); });
@@ -80,29 +55,6 @@ std::vector<const RangeView*> pointers_to(const std::vector<RangeView>& views) {
   std::vector<const RangeView*> pointers;
   for (const RangeView& view : views) pointers.push_back(&view);
   return pointers;
-}
-
-// All that a surface without normal maps is made of.
-RangeView ranges_of(const RangeView& view) {
-  RangeView ranges;
-  ranges.name = view.name;
-  ranges.camera = view.camera;
-  ranges.range = view.range;
-  ranges.confidence = view.confidence;
-  ranges.deviation = view.deviation;
-  ranges.samples = view.samples;
-  return ranges;
-}
-
-// Whether the shape of the pairs holds every view that has pairs.
-bool shape_holds_all(const Alignment& aligned) {
-  std::vector<bool> paired(aligned.views.size(), false), held(aligned.views.size(), false);
-  for (const PairFit& fit : aligned.pairs)
-    for (const std::size_t view : {fit.a, fit.b}) {
-      paired[view] = true;
-      held[view] = held[view] || fit.degenerate_directions.empty();
-    }
-  return paired == held;
 }
 
 class Calibrating {
@@ -312,17 +264,6 @@ class Calibrating {
     for (const auto* solves : {&solves_, &refined->solves})
       alignment.solves.insert(alignment.solves.end(), solves->begin(), solves->end());
     return {};
-  }
-
-  // Of the parameters, by leaving out one fold after the other (Efron 1982).
-  static std::vector<double> jackknife_deviations(const HeldOutFit& fit) {
-    constexpr auto kCount = static_cast<double>(kFolds);
-    Eigen::VectorXd mean = Eigen::VectorXd::Zero(fit.step[0].size());
-    for (const Eigen::VectorXd& step : fit.step) mean += step / kCount;
-    Eigen::VectorXd squares = Eigen::VectorXd::Zero(mean.size());
-    for (const Eigen::VectorXd& step : fit.step) squares += (step - mean).cwiseAbs2();
-    const Eigen::VectorXd deviations = (squares * (kCount - 1.0) / kCount).cwiseSqrt();
-    return {deviations.data(), deviations.data() + deviations.size()};
   }
 
   // The views as given and as corrected, by the same measure: distances along the lines of sight,

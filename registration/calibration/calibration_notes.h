@@ -1,6 +1,6 @@
 #pragma once
 
-#include "registration/calibration/error_model.h"
+#include "registration/calibration/model/error_model.h"
 #include "relief/registration/calibrate_views.h"
 
 namespace relief::registration {

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "registration/calibration/sensor_model.h"
+#include "registration/calibration/model/sensor_model.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/support/result_matchers.h"
 

@@ -1,4 +1,4 @@
-#include "registration/calibration/sensor_model.h"
+#include "registration/calibration/model/sensor_model.h"
 
 #include <algorithm>
 #include <cmath>

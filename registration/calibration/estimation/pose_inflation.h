@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "registration/calibration/calibration_sums.h"
-#include "registration/calibration/error_model.h"
+#include "registration/calibration/estimation/calibration_sums.h"
+#include "registration/calibration/model/error_model.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {

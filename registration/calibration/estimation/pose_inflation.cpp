@@ -1,12 +1,12 @@
-#include "registration/calibration/pose_inflation.h"
+#include "registration/calibration/estimation/pose_inflation.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
 
-#include "registration/calibration/held_out.h"
-#include "registration/calibration/system_layout.h"
+#include "registration/calibration/estimation/system_layout.h"
+#include "registration/calibration/selection/held_out.h"
 
 namespace relief::registration {
 

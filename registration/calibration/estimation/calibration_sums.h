@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "registration/calibration/sensor_model.h"
+#include "registration/calibration/model/sensor_model.h"
 #include "registration/pairwise/correspondences.h"
 #include "registration/posegraph/view_graph.h"
 #include "registration/surface/view_surface.h"

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "registration/calibration/sensor_model.h"
+#include "registration/calibration/model/sensor_model.h"
 #include "relief/registration/calibrate_views.h"
 
 namespace relief::registration {

@@ -1,4 +1,4 @@
-#include "registration/calibration/term_selection.h"
+#include "registration/calibration/selection/term_selection.h"
 
 #include <algorithm>
 #include <cmath>

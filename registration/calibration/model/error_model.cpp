@@ -1,4 +1,4 @@
-#include "registration/calibration/error_model.h"
+#include "registration/calibration/model/error_model.h"
 
 #include <algorithm>
 

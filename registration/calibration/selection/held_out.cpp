@@ -1,4 +1,4 @@
-#include "registration/calibration/held_out.h"
+#include "registration/calibration/selection/held_out.h"
 
 #include <Eigen/Cholesky>
 
@@ -104,6 +104,16 @@ HeldOutFit HeldOutTest::fit(const ErrorModel& model) const {
     }
   });
   return fit;
+}
+
+std::vector<double> jackknife_deviations(const HeldOutFit& fit) {
+  constexpr auto kCount = static_cast<double>(kFolds);
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(fit.step[0].size());
+  for (const Eigen::VectorXd& step : fit.step) mean += step / kCount;
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(mean.size());
+  for (const Eigen::VectorXd& step : fit.step) squares += (step - mean).cwiseAbs2();
+  const Eigen::VectorXd deviations = (squares * (kCount - 1.0) / kCount).cwiseSqrt();
+  return {deviations.data(), deviations.data() + deviations.size()};
 }
 
 }  // namespace relief::registration

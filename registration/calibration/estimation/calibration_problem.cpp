@@ -1,4 +1,4 @@
-#include "registration/calibration/calibration_problem.h"
+#include "registration/calibration/estimation/calibration_problem.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "registration/calibration/calibration_sums.h"
+#include "registration/calibration/estimation/calibration_sums.h"
 
 #include <algorithm>
 #include <array>

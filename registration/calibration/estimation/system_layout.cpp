@@ -1,4 +1,4 @@
-#include "registration/calibration/system_layout.h"
+#include "registration/calibration/estimation/system_layout.h"
 
 namespace relief::registration {
 

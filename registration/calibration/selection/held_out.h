@@ -6,9 +6,9 @@
 
 #include <Eigen/Core>
 
-#include "registration/calibration/calibration_sums.h"
-#include "registration/calibration/error_model.h"
-#include "registration/calibration/system_layout.h"
+#include "registration/calibration/estimation/calibration_sums.h"
+#include "registration/calibration/estimation/system_layout.h"
+#include "registration/calibration/model/error_model.h"
 
 namespace relief::registration {
 
@@ -18,6 +18,9 @@ struct HeldOutFit {
   std::array<double, kFolds> gain{};         ///< By how much the sum of squares falls.
   std::array<Eigen::VectorXd, kFolds> step;  ///< Of the parameters.
 };
+
+/// Standard deviations of the parameters, by leaving out one fold after the other (Efron 1982).
+std::vector<double> jackknife_deviations(const HeldOutFit& fit);
 
 /// Cross-validation of error models. The residuals are linearised once, and the poses eliminated
 /// once for each fold. So a model costs the solution of one small system for each fold.

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "registration/calibration/calibration_sums.h"
-#include "registration/calibration/error_model.h"
+#include "registration/calibration/estimation/calibration_sums.h"
+#include "registration/calibration/model/error_model.h"
 
 namespace relief::registration {
 

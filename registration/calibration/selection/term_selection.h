@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "registration/calibration/error_model.h"
-#include "registration/calibration/held_out.h"
+#include "registration/calibration/model/error_model.h"
+#include "registration/calibration/selection/held_out.h"
 #include "relief/registration/calibrate_views.h"
 
 namespace relief::registration {

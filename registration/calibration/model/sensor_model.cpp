@@ -1,4 +1,4 @@
-#include "registration/calibration/sensor_model.h"
+#include "registration/calibration/model/sensor_model.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "registration/calibration/corrected_camera.h"
+#include "registration/calibration/model/corrected_camera.h"
 
 namespace relief::registration {
 

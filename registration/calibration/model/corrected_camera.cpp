@@ -1,4 +1,4 @@
-#include "registration/calibration/corrected_camera.h"
+#include "registration/calibration/model/corrected_camera.h"
 
 #include <algorithm>
 #include <cmath>
