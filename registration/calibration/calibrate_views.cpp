@@ -91,7 +91,7 @@ class Calibrating {
       inflation_ = pose_inflation(sums, sensors_, model_, held_);
       describe(held_out_test(sums).fit(model_));
     }
-    note_errors_per_view();
+    note_errors_per_view(result_);
     if (model_.choices.empty()) return std::move(result_);
     if (const auto aligned = align_corrected(); !aligned) return aligned.error();
     if (!result_.alignment.solved() || !fits_better()) return nothing_found();
@@ -112,20 +112,21 @@ class Calibrating {
   }
 
   // The folds of one view agree on what bends all views alike, so they cannot speak against it.
-  void note_errors_per_view() {
+  void note_errors_per_view(SensorCalibration& calibration) const {
     if (gain_per_view_ == 0.0) return;
     char text[160];
     std::snprintf(text, sizeof text,
                   "views err each in its own way: ranges of single views would lower the squared "
                   "distances by %.2g %%; the scope per-view corrects them",
                   100.0 * gain_per_view_);
-    result_.notes.emplace_back(text);
+    calibration.notes.emplace_back(text);
   }
 
   // What the held-out samples promised did not come true.
   SensorCalibration nothing_found() const {
     SensorCalibration nothing;
     nothing.deviation_before = nothing.deviation_after = result_.deviation_before;
+    note_errors_per_view(nothing);
     return nothing;
   }
 
