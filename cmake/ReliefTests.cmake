@@ -3,8 +3,8 @@ include(GoogleTest)
 
 option(RELIEF_TEST_SUITES "Register suites with CTest in place of single tests, as the sanitizers always do" OFF)
 
-# Tests that the sanitizers leave to the other presets, as for --gtest_filter: they measure accuracy, or run code that other
-# tests run as well, many times over or on more data.
+# Tests that the sanitizers leave to the other presets, as for --gtest_filter. They measure accuracy, limit memory (a
+# sanitizer takes as much again for itself), or run code that other tests run as well, many times over or on more data.
 set(RELIEF_UNSANITIZED_TESTS
   Accuracy.*
   AlignMesh.UndoesAnyMotion
@@ -45,7 +45,10 @@ set(RELIEF_UNSANITIZED_TESTS
   PoseGraphRefinement.ReportsTheCovariance*
   Program.ComparesViews*
   Program.DoesNotLoseAccuracy*
+  Program.MergesWithinAMemoryLimit*
   Program.RunsTheWholeWay*
+  Program.RunsWithinAMemoryLimit*
+  Program.RunsWithinTheLimit*
   Program.SingleSteps*
   RangeDeviation.ErrorsAreAsLarge*
   RealNoise.NothingIsRefined*
