@@ -44,7 +44,9 @@ Json every_parameter(const simulation::ScanDefects& defects, bool undeclared_nor
           {"normal_mistake", name_of(defects.normal_mistake)},
           {"undeclared_normals", undeclared_normals},
           {"focal_factor", defects.focal_factor},
-          {"scale_factor", defects.scale_factor}};
+          {"scale_factor", defects.scale_factor},
+          {"radial_distortion", defects.radial_distortion},
+          {"range_offset", defects.range_offset}};
 }
 
 }  // namespace
@@ -103,6 +105,9 @@ void add_defect_options(CLI::App& command, DefectChoice& choice) {
                          "The project does not say which axes and space its normals have"));
   add("--focal-factor", defects.focal_factor, "Factor of the focal length in the written cameras");
   add("--scale-factor", defects.scale_factor, "Factor of all ranges, poses staying as they are");
+  add("--radial-distortion", defects.radial_distortion,
+      "By which part rays at the image corner go farther out than the written cameras say");
+  add("--range-offset", defects.range_offset, "What all ranges are too long by [sample spacings]");
 }
 
 Json defects_json(const simulation::ScanDefects& defects, bool undeclared_normals) {

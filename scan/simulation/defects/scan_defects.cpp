@@ -1,6 +1,9 @@
 #include "relief/simulation/scan_defects.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "relief/scan/counter_random.h"
 #include "scan/simulation/base/for_each_sample.h"
@@ -86,16 +89,19 @@ Result<void> validate(const ScanDefects& d) {
     if (auto checked = validate(*d.background); !checked) return checked;
   if (d.glare)
     if (auto checked = validate(*d.glare); !checked) return checked;
-  return first_failure({require_positive("noise_half", d.noise_half),
-                        require_not_negative("view_warp", d.view_warp),
-                        require(d.outlier_fraction >= 0.0 && d.outlier_fraction <= 1.0,
-                                "outlier_fraction", d.outlier_fraction, "in [0, 1]"),
-                        require_not_negative("outlier_distance", d.outlier_distance),
-                        require_not_negative("quantisation", d.quantisation),
-                        require(d.missing_fraction >= 0.0 && d.missing_fraction < 1.0,
-                                "missing_fraction", d.missing_fraction, "in [0, 1)"),
-                        require_positive("focal_factor", d.focal_factor),
-                        require_positive("scale_factor", d.scale_factor)});
+  return first_failure(
+      {require_positive("noise_half", d.noise_half), require_not_negative("view_warp", d.view_warp),
+       require(d.outlier_fraction >= 0.0 && d.outlier_fraction <= 1.0, "outlier_fraction",
+               d.outlier_fraction, "in [0, 1]"),
+       require_not_negative("outlier_distance", d.outlier_distance),
+       require_not_negative("quantisation", d.quantisation),
+       require(d.missing_fraction >= 0.0 && d.missing_fraction < 1.0, "missing_fraction",
+               d.missing_fraction, "in [0, 1)"),
+       require_positive("focal_factor", d.focal_factor),
+       require_positive("scale_factor", d.scale_factor),
+       require(d.radial_distortion > -1.0 / 3.0 && d.radial_distortion < 1.0, "radial_distortion",
+               d.radial_distortion, "in (-1/3, 1)"),
+       require(std::isfinite(d.range_offset), "range_offset", d.range_offset, "finite")});
 }
 
 void spoil_view(RangeView& view, const ScanDefects& defects, const SensorScene& scene) {
@@ -111,15 +117,40 @@ void mistake_normals(RangeView& view, NormalMistake mistake, const RigidMotion& 
   for (Eigen::Vector3f& normal : view.normals) normal = mistaken(normal, mistake, world_from_view);
 }
 
-void miscalibrate(RangeView& view, const ScanDefects& defects) {
+// Along a ray x = X / Z is undistorted: x_true = x (1 + k1 r^2) (Brown 1971).
+Camera true_camera(const Camera& stated, const ScanDefects& defects) {
+  if (defects.radial_distortion == 0.0) return stated;
+  const auto square = [&](int u, int v) {
+    return stated.ray(u, v).direction.head<2>().squaredNorm();
+  };
+  const int right = stated.width() - 1, bottom = stated.height() - 1;
+  const double corner =
+      std::max({square(0, 0), square(right, 0), square(0, bottom), square(right, bottom)});
+  Grid<Ray> rays(stated.width(), stated.height());
+  for (int v = 0; v <= bottom; ++v) {
+    for (int u = 0; u <= right; ++u) {
+      rays(u, v) = stated.ray(u, v);
+      rays(u, v).direction.head<2>() *= 1.0 + defects.radial_distortion * square(u, v) / corner;
+    }
+  }
+  return Camera::ray_table(std::move(rays), std::optional<RationalProjection>());
+}
+
+void miscalibrate(RangeView& view, const Camera& stated, const ScanDefects& defects,
+                  double spacing) {
+  if (defects.radial_distortion != 0.0) view.camera = stated;
   if (defects.focal_factor != 1.0) {
-    PinholeIntrinsics stated = view.camera.intrinsics();
-    stated.fx *= defects.focal_factor;
-    stated.fy *= defects.focal_factor;
-    view.camera = Camera::pinhole(view.width(), view.height(), stated);
+    PinholeIntrinsics wrong = stated.intrinsics();
+    wrong.fx *= defects.focal_factor;
+    wrong.fy *= defects.focal_factor;
+    view.camera = Camera::pinhole(view.width(), view.height(), wrong);
   }
   if (defects.scale_factor != 1.0)
     for_each_sample(view, [&](int u, int v) { view.range(u, v) *= defects.scale_factor; });
+  if (defects.range_offset != 0.0)
+    for_each_sample(view, [&](int u, int v) {
+      view.range(u, v) += defects.range_offset * spacing / view.camera.ray(u, v).direction.norm();
+    });
 }
 
 }  // namespace relief::simulation

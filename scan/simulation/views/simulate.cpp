@@ -38,6 +38,8 @@ Result<void> validate(const SimulationOptions& o) {
                o.defects.focal_factor, "1 but for pinhole rays"),
        require(o.rays == SensorRays::kPinhole || o.defects.scale_factor == 1.0, "scale_factor",
                o.defects.scale_factor, "1 but for pinhole rays"),
+       require(o.rays == SensorRays::kPinhole || o.defects.radial_distortion == 0.0,
+               "radial_distortion", o.defects.radial_distortion, "0 but for pinhole rays"),
        require(o.mesh_divisions >= 0, "mesh_divisions", o.mesh_divisions, "0 or more")});
 }
 
@@ -92,7 +94,6 @@ RangeView measured(const SensorScene& scene, const SimulationOptions& options) {
   measure_normals(view, options.normal_sensor, scene);
   measure_range(view, options.range_sensor, scene);
   spoil_view(view, options.defects, scene);
-  miscalibrate(view, options.defects);
   mistake_normals(view, options.defects.normal_mistake, scene.truth.world_from_view);
   return view;
 }
@@ -137,8 +138,9 @@ Result<Simulation> simulate_views(const SimulationObject& object, const Simulati
       range_deviation(options.range_sensor, simulation.distance, simulation.spacing);
   simulation.scans.unit = simulation.truth.unit = object.unit;
 
-  const Camera camera =
+  const Camera stated =
       sensor_camera(options.rays, options.width, options.height, focal, simulation.spacing);
+  const Camera camera = true_camera(stated, options.defects);
   const auto paint_random = [&](SensorErrorKind kind) { return sensor_stream(options.seed, kind); };
   const PaintedSurface paint(options.reflectance, simulation.diameter, paint_random(kDarkPatches),
                              paint_random(kGlossyPatches));
@@ -152,6 +154,7 @@ Result<Simulation> simulate_views(const SimulationObject& object, const Simulati
     RangeView scan = scanned({object, paint, exact, index, simulation.distance, simulation.spacing,
                               simulation.diameter, options.seed},
                              options);
+    miscalibrate(scan, stated, options.defects, simulation.spacing);
     if (scan.sample_count() == 0)
       return Error{ErrorKind::kUnsolvable, "simulated view " + exact.name + " sees nothing"};
     set_pose(scan, index, object.centre, simulation.diameter, options);

@@ -200,6 +200,24 @@ TEST(ScanDefects, StatesAWrongFocalLengthAndScale) {
   EXPECT_THAT(simulate(options), HasError("focal_factor"));
 }
 
+TEST(ScanDefects, HidesADistortionOfTheLensAndAnOffset) {
+  SimulationOptions options = exact_sensors();
+  const Simulation right = simulated(options);
+  options.defects.radial_distortion = 0.01;
+  options.defects.range_offset = 2.0;
+  const Simulation wrong = simulated(options);
+  const RangeView &scan = wrong.scans.views[0], &truth = wrong.truth.views[0];
+  EXPECT_EQ(scan.camera.ray(3, 5).direction, right.scans.views[0].camera.ray(3, 5).direction);
+  const Eigen::Vector3d stated = scan.camera.ray(0, 0).direction;
+  const Eigen::Vector3d farther = truth.camera.ray(0, 0).direction;
+  EXPECT_NEAR(farther.x(), 1.01 * stated.x(), 1e-12);
+  EXPECT_NEAR(farther.y(), 1.01 * stated.y(), 1e-12);
+  const double length = scan.camera.ray(64, 64).direction.norm();
+  EXPECT_NEAR((scan.range(64, 64) - truth.range(64, 64)) * length, 2.0 * wrong.spacing, 1e-9);
+  options.rays = SensorRays::kLine;
+  EXPECT_THAT(simulate(options), HasError("radial_distortion"));
+}
+
 TEST(ScanDefects, DoNotDependOnThreads) {
   SimulationOptions options = exact_sensors();
   options.range_sensor = WhiteRangeSensor{0.3};

@@ -42,6 +42,10 @@ struct ScanDefects {
   double focal_factor = 1.0;
   /// Factor of all ranges, poses staying as they are, > 0; not 1 for pinhole rays only.
   double scale_factor = 1.0;
+  /// By which part rays at the corner of the image go farther from the axis than the scans state:
+  /// the true lens distorts radially, with Brown's k1. > -1/3; not 0 for pinhole rays only.
+  double radial_distortion = 0.0;
+  double range_offset = 0.0;  ///< Of all ranges, along the rays [sample spacings].
 };
 
 /// kBadInput names a field out of its range.
@@ -55,7 +59,13 @@ void spoil_view(RangeView& view, const ScanDefects& defects, const SensorScene& 
 /// normals are then what a wrong file holds, and may face away from the sensor.
 void mistake_normals(RangeView& view, NormalMistake mistake, const RigidMotion& world_from_view);
 
-/// Gives a pinhole view a wrong focal length and a wrong scale.
-void miscalibrate(RangeView& view, const ScanDefects& defects);
+/// The camera that takes the scans whose camera is said to be `stated`: with the distortion that
+/// nobody knows of.
+Camera true_camera(const Camera& stated, const ScanDefects& defects);
+
+/// Gives a view the camera `stated`, with a wrong focal length, and ranges with a wrong scale and
+/// offset. `spacing`: of the samples [unit].
+void miscalibrate(RangeView& view, const Camera& stated, const ScanDefects& defects,
+                  double spacing);
 
 }  // namespace relief::simulation
