@@ -170,9 +170,9 @@ void add_calibration_options(CLI::App& command, registration::CalibrationOptions
   group
       ->add_option(
           "--calibration", options.scope,
-          "Errors of the sensors that held-out samples confirm: auto and shared (of all views "
-          "of a sensor; auto says where single views err as well), per-view (of single "
-          "views too), or off")
+          "Errors of the sensors that held-out samples and views confirm: auto (of all views of a "
+          "sensor and of single views), shared (of all views only), per-view (of single views "
+          "without confirmation by others too), or off")
       ->transform(CLI::CheckedTransformer(kCalibrationScopes))
       ->default_str("auto");
   group

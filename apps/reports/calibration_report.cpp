@@ -16,6 +16,8 @@ Json calibration_report(const registration::SensorCalibration& calibration,
                       {"per_view", error.per_view},
                       {"held_out_gain", error.held_out_gain},
                       {"held_out_gain_std", error.held_out_gain_std},
+                      {"left_out_views_gain", error.left_out_views_gain},
+                      {"left_out_views_gain_std", error.left_out_views_gain_std},
                       {"size", error.size},
                       {"size_std", error.size_std}});
   for (std::size_t i = 0; i < views.size() && calibration.found(); ++i)

@@ -13,6 +13,7 @@
 #include "registration/calibration/model/error_model.h"
 #include "registration/calibration/pairwise_fit.h"
 #include "registration/calibration/selection/held_out.h"
+#include "registration/calibration/selection/left_out_views.h"
 #include "registration/calibration/selection/term_selection.h"
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
@@ -83,7 +84,7 @@ class Calibrating {
       const auto sums = sum();
       result_.deviation_after = median_deviation(sums);
       if (result_.iterations == 0) start();
-      if (result_.iterations == 0) select(held_out_test(sums));
+      if (result_.iterations == 0) select(sums);
       if (model_.choices.empty()) break;
       moving = step(sums);
       ++result_.iterations;
@@ -105,20 +106,23 @@ class Calibrating {
     return static_cast<std::size_t>(std::count(linked.begin(), linked.end(), true));
   }
 
-  HeldOutTest held_out_test(const std::vector<PairSums>& sums) const {
-    const bool per_view =
-        options_.scope != CalibrationScope::kShared && linked_views() <= kMostViewsApart;
-    return HeldOutTest(sums, sensors_, held_, per_view);
+  bool may_err_apart() const {
+    return options_.scope != CalibrationScope::kShared && linked_views() <= kMostViewsApart;
   }
 
-  // The folds of one view agree on what bends all views alike, so they cannot speak against it.
+  HeldOutTest held_out_test(const std::vector<PairSums>& sums) const {
+    return HeldOutTest(sums, sensors_, held_, may_err_apart());
+  }
+
+  // Other places of the same views confirm what other views do not: a view's local errors.
   void note_errors_per_view(SensorCalibration& calibration) const {
-    if (gain_per_view_ == 0.0) return;
-    char text[160];
+    if (unconfirmed_gain_ == 0.0) return;
+    char text[200];
     std::snprintf(text, sizeof text,
                   "views err each in its own way: ranges of single views would lower the squared "
-                  "distances by %.2g %%; the scope per-view corrects them",
-                  100.0 * gain_per_view_);
+                  "distances by %.2g %%, which views left out do not confirm; the scope per-view "
+                  "corrects them",
+                  100.0 * unconfirmed_gain_);
     calibration.notes.emplace_back(text);
   }
 
@@ -195,17 +199,22 @@ class Calibrating {
     return quantile(deviations, 0.5);
   }
 
-  void select(const HeldOutTest& test) {
-    const SelectedErrors selected = select_errors(test, sensors_, options_.scope, model_);
+  void select(const std::vector<PairSums>& sums) {
+    const SelectedErrors selected =
+        select_errors(held_out_test(sums), LeftOutViewsTest(sums, sensors_, held_, may_err_apart()),
+                      sensors_, options_.scope, model_);
     for (std::size_t c = 0; c < model_.choices.size(); ++c) {
       CalibratedError error;
       error.error = model_.choices[c].error;
       error.per_view = model_.choices[c].per_view;
-      error.held_out_gain = selected.gains[c].gain;
-      error.held_out_gain_std = selected.gains[c].deviation;
+      const auto& [places, views] = selected.gains[c];
+      error.held_out_gain = places.gain;
+      error.held_out_gain_std = places.deviation;
+      error.left_out_views_gain = views.gain;
+      error.left_out_views_gain_std = views.deviation;
       result_.errors.push_back(error);
     }
-    gain_per_view_ = selected.gain_per_view;
+    if (options_.scope == CalibrationScope::kAuto) unconfirmed_gain_ = selected.unconfirmed_gain;
   }
 
   // Whether poses or errors still moved.
@@ -295,7 +304,7 @@ class Calibrating {
   CalibratedViews calibrated_;
   std::vector<RigidTangent> inflation_;
   std::vector<SolverSummary> solves_;
-  double gain_per_view_ = 0.0;
+  double unconfirmed_gain_ = 0.0;
   SensorCalibration result_;
 };
 

@@ -43,8 +43,8 @@ void serialize(Archive& archive, Alignment& alignment) {
 
 template <class Archive>
 void serialize(Archive& archive, CalibratedError& error) {
-  auto& [kind, per_view, held_out_gain, held_out_gain_std, size, size_std] = error;
-  archive(kind, per_view, held_out_gain, held_out_gain_std, size, size_std);
+  auto& [kind, per_view, gain, gain_std, views_gain, views_gain_std, size, size_std] = error;
+  archive(kind, per_view, gain, gain_std, views_gain, views_gain_std, size, size_std);
 }
 
 template <class Archive>

@@ -54,26 +54,30 @@ std::vector<Eigen::Index> SystemLayout::coefficients_of(const ErrorModel& model,
   return found;
 }
 
+void add_fold(const PairSums& pair, std::size_t fold, const Sensors& sensors,
+              const SystemLayout& layout, QuadraticSum& all) {
+  const QuadraticSum& sum = pair.folds[fold];
+  const std::vector<Part> parts = parts_of(pair, sensors, layout);
+  for (const Part& a : parts) {
+    all.gradient.segment(a.to, a.count) += a.sign * sum.gradient.segment(a.from, a.count);
+    for (const Part& b : parts)
+      all.matrix.block(a.to, b.to, a.count, b.count) +=
+          a.sign * b.sign * sum.matrix.block(a.from, b.from, a.count, b.count);
+  }
+  all.squares += sum.squares;
+}
+
 QuadraticSum sum_of_fold(const std::vector<PairSums>& pairs, std::size_t fold,
                          const Sensors& sensors, const SystemLayout& layout) {
   QuadraticSum all(layout.poses + layout.coefficients);
-  for (const PairSums& pair : pairs) {
-    const QuadraticSum& sum = pair.folds[fold];
-    const std::vector<Part> parts = parts_of(pair, sensors, layout);
-    for (const Part& a : parts) {
-      all.gradient.segment(a.to, a.count) += a.sign * sum.gradient.segment(a.from, a.count);
-      for (const Part& b : parts)
-        all.matrix.block(a.to, b.to, a.count, b.count) +=
-            a.sign * b.sign * sum.matrix.block(a.from, b.from, a.count, b.count);
-    }
-    all.squares += sum.squares;
-  }
+  for (const PairSums& pair : pairs) add_fold(pair, fold, sensors, layout, all);
   return all;
 }
 
-Eigen::MatrixXd common_motion_of(const std::vector<PairSums>& pairs, const Sensors& sensors,
-                                 const SystemLayout& layout) {
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(layout.coefficients, layout.coefficients);
+ReducedSum common_motion_of(const std::vector<PairSums>& pairs, const Sensors& sensors,
+                            const SystemLayout& layout) {
+  ReducedSum sum(layout.coefficients);
+  Eigen::MatrixXd& all = sum.matrix;
   for (const PairSums& pair : pairs) {
     const auto source =
         static_cast<Eigen::Index>(sensors.models[sensors.of_view[pair.source]].terms());
@@ -85,7 +89,7 @@ Eigen::MatrixXd common_motion_of(const std::vector<PairSums>& pairs, const Senso
     all.block(s, t, source, target) += motion.topRightCorner(source, target);
     all.block(t, s, target, source) += motion.bottomLeftCorner(target, source);
   }
-  return all;
+  return sum;
 }
 
 }  // namespace relief::registration

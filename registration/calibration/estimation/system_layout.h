@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "registration/calibration/estimation/calibration_sums.h"
+#include "registration/calibration/estimation/reduced_sum.h"
 #include "registration/calibration/model/error_model.h"
 
 namespace relief::registration {
@@ -30,8 +31,12 @@ struct SystemLayout {
 QuadraticSum sum_of_fold(const std::vector<PairSums>& pairs, std::size_t fold,
                          const Sensors& sensors, const SystemLayout& layout);
 
-/// The sum over all pairs of common_motion(), by the coefficients.
-Eigen::MatrixXd common_motion_of(const std::vector<PairSums>& pairs, const Sensors& sensors,
-                                 const SystemLayout& layout);
+/// Adds those of one pair.
+void add_fold(const PairSums& pair, std::size_t fold, const Sensors& sensors,
+              const SystemLayout& layout, QuadraticSum& all);
+
+/// The sum over all pairs of common_motion(), by the coefficients; its gradient is 0.
+ReducedSum common_motion_of(const std::vector<PairSums>& pairs, const Sensors& sensors,
+                            const SystemLayout& layout);
 
 }  // namespace relief::registration

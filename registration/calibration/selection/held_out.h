@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "registration/calibration/estimation/calibration_sums.h"
+#include "registration/calibration/estimation/reduced_sum.h"
 #include "registration/calibration/estimation/system_layout.h"
 #include "registration/calibration/model/error_model.h"
 
@@ -21,6 +22,17 @@ struct HeldOutFit {
 
 /// Standard deviations of the parameters, by leaving out one fold after the other (Efron 1982).
 std::vector<double> jackknife_deviations(const HeldOutFit& fit);
+
+/// The coefficients that each parameter of a model adds to.
+std::vector<std::vector<Eigen::Index>> coefficients_of(const ErrorModel& model,
+                                                       const Sensors& sensors,
+                                                       const SystemLayout& layout);
+
+/// The precision of the parameters before any correspondence is known: their prior, and the common
+/// motion of those that views have apart (C2), a sum by the coefficients.
+Eigen::MatrixXd prior_of(const ErrorModel& model,
+                         std::vector<std::vector<Eigen::Index>> coefficients,
+                         const ReducedSum& common_motion);
 
 /// Cross-validation of error models. The residuals are linearised once, and the poses eliminated
 /// once for each fold. So a model costs the solution of one small system for each fold.
@@ -37,30 +49,13 @@ class HeldOutTest {
   double squares() const { return squares_; }
 
  private:
-  // A quadratic function of the coefficients of all terms, its poses eliminated.
-  struct ReducedSum {
-    Eigen::MatrixXd matrix;
-    Eigen::VectorXd gradient;
-  };
   struct Fold {
     ReducedSum train, test;
   };
-  // Poses that minimise a sum, as functions of the coefficients c: offset + slope c.
-  struct EliminatedPoses {
-    Eigen::VectorXd offset;
-    Eigen::MatrixXd slope;
-
-    EliminatedPoses(const QuadraticSum& sum, Eigen::Index poses);
-    ReducedSum reduce(const QuadraticSum& sum) const;
-  };
-
-  static ReducedSum by_parameters(const ReducedSum& sum,
-                                  const std::vector<std::vector<Eigen::Index>>& coefficients);
-
   const Sensors& sensors_;
   SystemLayout layout_;
   std::array<Fold, kFolds> folds_;
-  Eigen::MatrixXd common_motion_;  // By the coefficients; none where no errors per view may be.
+  ReducedSum common_motion_;  // Of errors per view; empty where there may be none.
   double squares_ = 0.0;
 };
 

@@ -1,17 +1,30 @@
 #include "registration/calibration/selection/term_selection.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace relief::registration {
 
 namespace {
 
-// Standard errors by which the gain of the folds must exceed 0: Student's t of four degrees of
+// Standard errors by which the gain of the five folds must exceed 0: Student's t of four degrees of
 // freedom lies beyond with a probability of 0.005. There are two dozen candidates.
 constexpr double kLeastGain = 4.6;
+
+// The same of the views left out, by the degrees of freedom from 1: Student's t lies beyond with a
+// probability of 0.025. They confirm an error that the folds found.
+constexpr std::array kLeastGainOfViews = {12.7, 4.30, 3.18, 2.78, 2.57, 2.45,
+                                          2.36, 2.31, 2.26, 2.23, 2.20};
+
+// The gains of two views share the pair of both, so the variance of their sum is twice what that of
+// the views tells.
+constexpr double kSharedPairs = 2.0;
 
 // Part of the sum of squares that an error must take away. Its square root is how far the error
 // moves samples along their normals, in deviations of the residuals: less is below three hundredths
@@ -22,6 +35,9 @@ constexpr double kLeastPart = 1e-3;
 // two (docs/results.md, Calibration).
 constexpr double kMostMotion = 3.0;
 constexpr int kPriorSteps = 16;  // Each halves the prior.
+
+// Widths of the prior that are tried, in deviations of the distances of views.
+constexpr std::array kPriorFactors = {0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0};
 
 // With one sensor whose rays start from one point, the scale of its ranges is that of everything.
 constexpr ErrorChoice kOverallScale{SensorError::kRangeScale, false};
@@ -43,43 +59,92 @@ std::vector<ErrorChoice> candidates(const Sensors& sensors, bool per_view) {
   return choices;
 }
 
-// Of one model over another, relative to `squares`.
-HeldOutGain gain_over(const HeldOutFit& before, const HeldOutFit& after, double squares) {
+// The sum of the gains of all parts, relative to `squares`.
+HeldOutGain sum_of_gains(const std::vector<double>& parts, double squares) {
   HeldOutGain result;
-  double sum = 0.0, sum_of_squares = 0.0;
-  for (std::size_t f = 0; f < kFolds; ++f) {
-    const double gain = (after.gain[f] - before.gain[f]) / squares;
-    sum += gain;
-    sum_of_squares += gain * gain;
+  double sum_of_squares = 0.0;
+  for (const double part : parts) {
+    result.gain += part / squares;
+    sum_of_squares += part / squares * (part / squares);
   }
-  constexpr auto kCount = static_cast<double>(kFolds);
-  const double variance = std::max(0.0, sum_of_squares - sum * sum / kCount) / (kCount - 1.0);
-  result.gain = sum;
-  result.deviation = std::sqrt(kCount * variance);
+  const auto count = static_cast<double>(parts.size());
+  const double variance =
+      std::max(0.0, sum_of_squares - result.gain * result.gain / count) / (count - 1.0);
+  result.deviation = std::sqrt(count * variance);
+  return result;
+}
+
+bool confirmed(const HeldOutGain& of_views, std::size_t groups) {
+  if (groups < 2) return false;
+  const std::size_t freedom = std::min(groups - 1, kLeastGainOfViews.size());
+  return of_views.gain > kLeastGainOfViews[freedom - 1] * of_views.deviation;
+}
+
+// What is known of a model: how well it fits places and views that took no part.
+struct Fit {
+  HeldOutFit places;
+  std::vector<double> views;
+};
+
+template <class Parts>
+std::vector<double> differences(const Parts& after, const Parts& before) {
+  std::vector<double> result;
+  for (std::size_t i = 0; i < after.size(); ++i) result.push_back(after[i] - before[i]);
   return result;
 }
 
 struct Extension {
   ErrorModel model;
-  HeldOutFit fit;
-  HeldOutGain gain;
+  Fit fit;
+  ErrorGain gain;
 };
 
-std::optional<Extension> best_extension(const HeldOutTest& test, const Sensors& sensors,
-                                        const std::vector<ErrorChoice>& choices,
-                                        const ErrorModel& model, const HeldOutFit& before) {
-  std::optional<Extension> best;
-  for (const ErrorChoice& choice : choices) {
-    if (model.has(choice)) continue;
-    ErrorModel extended = model;
-    extended.add(choice, sensors);
-    HeldOutFit fit = test.fit(extended);
-    const HeldOutGain gain = gain_over(before, fit, test.squares());
-    if (!(gain.gain > kLeastPart && gain.gain > kLeastGain * gain.deviation)) continue;
-    if (!best || gain.gain > best->gain.gain) best = {std::move(extended), std::move(fit), gain};
+class Selecting {
+ public:
+  Selecting(const HeldOutTest& places, const LeftOutViewsTest& views, const Sensors& sensors)
+      : places_(places), views_(views), sensors_(sensors) {}
+
+  Fit fit(const ErrorModel& model) const { return {places_.fit(model), views_.gains(model)}; }
+
+  // The model with the one of `choices` that gains most, if any gains by more than chance.
+  // `confirm`: at views that took no part as well.
+  std::optional<Extension> best_extension(const std::vector<ErrorChoice>& choices,
+                                          const ErrorModel& model, const Fit& before,
+                                          bool confirm) const {
+    std::optional<Extension> best;
+    for (const ErrorChoice& choice : choices) {
+      if (model.has(choice)) continue;
+      auto extension = extend(model, choice, before, confirm);
+      if (extension && (!best || extension->gain.places.gain > best->gain.places.gain))
+        best = std::move(extension);
+    }
+    return best;
   }
-  return best;
-}
+
+ private:
+  std::optional<Extension> extend(const ErrorModel& model, const ErrorChoice& choice,
+                                  const Fit& before, bool confirm) const {
+    Extension extension;
+    extension.model = model;
+    extension.model.add(choice, sensors_);
+    extension.fit.places = places_.fit(extension.model);
+    HeldOutGain& of_places = extension.gain.places;
+    of_places =
+        sum_of_gains(differences(extension.fit.places.gain, before.places.gain), places_.squares());
+    if (of_places.gain <= kLeastPart || of_places.gain <= kLeastGain * of_places.deviation)
+      return std::nullopt;
+    extension.fit.views = views_.gains(extension.model);
+    HeldOutGain& of_views = extension.gain.views;
+    of_views = sum_of_gains(differences(extension.fit.views, before.views), places_.squares());
+    of_views.deviation *= std::sqrt(kSharedPairs);
+    if (confirm && !confirmed(of_views, extension.fit.views.size())) return std::nullopt;
+    return extension;
+  }
+
+  const HeldOutTest& places_;
+  const LeftOutViewsTest& views_;
+  const Sensors& sensors_;
+};
 
 // The root mean square over the views of what a model moves samples by [sample spacings], about:
 // the fields of the terms are scaled to one spacing.
@@ -108,26 +173,47 @@ void narrow_prior(const HeldOutTest& test, const Sensors& sensors, ErrorModel& m
   }
 }
 
+// What holds for views left out: the prior is as wide as they gain most by.
+void choose_prior(const LeftOutViewsTest& views, ErrorModel& model) {
+  ErrorModel trial = model;
+  double chosen = model.prior_deviation, best = -std::numeric_limits<double>::infinity();
+  for (const double factor : kPriorFactors) {
+    trial.prior_deviation = factor * model.prior_deviation;
+    const std::vector<double> gains = views.gains(trial);
+    const double gain = std::accumulate(gains.begin(), gains.end(), 0.0);
+    if (gain <= best) continue;
+    best = gain;
+    chosen = trial.prior_deviation;
+  }
+  model.prior_deviation = chosen;
+}
+
 }  // namespace
 
-SelectedErrors select_errors(const HeldOutTest& test, const Sensors& sensors,
-                             CalibrationScope scope, ErrorModel& model) {
+SelectedErrors select_errors(const HeldOutTest& places, const LeftOutViewsTest& views,
+                             const Sensors& sensors, CalibrationScope scope, ErrorModel& model) {
+  const Selecting selecting(places, views, sensors);
   SelectedErrors selected;
-  HeldOutFit fit = test.fit(model);
-  const auto add_best_of = [&](const std::vector<ErrorChoice>& choices) {
-    while (auto best = best_extension(test, sensors, choices, model, fit)) {
+  Fit fit = selecting.fit(model);
+  const auto add_best_of = [&](const std::vector<ErrorChoice>& choices, bool confirm) {
+    while (auto best = selecting.best_extension(choices, model, fit, confirm)) {
       model = std::move(best->model);
       fit = std::move(best->fit);
       selected.gains.push_back(best->gain);
     }
   };
-  add_best_of(candidates(sensors, false));
-  if (test.per_view() && scope == CalibrationScope::kPerView)
-    add_best_of(candidates(sensors, true));
-  else if (test.per_view() && scope == CalibrationScope::kAuto)
-    if (const auto best = best_extension(test, sensors, candidates(sensors, true), model, fit))
-      selected.gain_per_view = best->gain.gain;
-  if (!selected.gains.empty()) narrow_prior(test, sensors, model);
+  add_best_of(candidates(sensors, false), true);
+  if (places.per_view()) {
+    const auto of_views = candidates(sensors, true);
+    add_best_of(of_views, scope != CalibrationScope::kPerView);
+    if (const auto best = selecting.best_extension(of_views, model, fit, false))
+      selected.unconfirmed_gain = best->gain.places.gain;
+  }
+  if (selected.gains.empty()) return selected;
+  if (scope == CalibrationScope::kPerView)
+    narrow_prior(places, sensors, model);
+  else
+    choose_prior(views, model);
   return selected;
 }
 

@@ -4,6 +4,7 @@
 
 #include "registration/calibration/model/error_model.h"
 #include "registration/calibration/selection/held_out.h"
+#include "registration/calibration/selection/left_out_views.h"
 #include "relief/registration/calibrate_views.h"
 
 namespace relief::registration {
@@ -14,17 +15,23 @@ struct HeldOutGain {
   double gain = 0.0, deviation = 0.0;
 };
 
+/// The same of correspondences of other places, and of views that took no part.
+struct ErrorGain {
+  HeldOutGain places, views;
+};
+
 struct SelectedErrors {
-  std::vector<HeldOutGain> gains;  ///< Of the errors that were added to the model, in their order.
-  /// What an error that views do not share would gain, where it was not asked for; 0: nothing.
-  double gain_per_view = 0.0;
+  std::vector<ErrorGain> gains;  ///< Of the errors that were added to the model, in their order.
+  /// What places gain by an error per view that other views do not confirm; 0: nothing.
+  double unconfirmed_gain = 0.0;
 };
 
 /// Adds to `model`, one after the other, the errors by which held-out correspondences gain most, as
-/// long as they gain by more than chance: those that views share, then, in the scope kPerView,
-/// those that views have apart. Then narrows the prior of the model as far as the motion of the
+/// long as they gain by more than chance, and views that are left out gain as well: those that
+/// views share, then those that views have apart. In the scope kPerView the latter need no
+/// confirmation by other views. Then narrows the prior of the model as far as the motion of the
 /// views demands.
-SelectedErrors select_errors(const HeldOutTest& test, const Sensors& sensors,
-                             CalibrationScope scope, ErrorModel& model);
+SelectedErrors select_errors(const HeldOutTest& places, const LeftOutViewsTest& views,
+                             const Sensors& sensors, CalibrationScope scope, ErrorModel& model);
 
 }  // namespace relief::registration

@@ -41,6 +41,16 @@ TEST(SimulatedErrors, FindsAFocalLengthThatIsTooLong) {
       << calibration.notes[0];
 }
 
+TEST(SimulatedErrors, FindsADistortionOfTheLens) {
+  simulation::SimulationOptions options = small_scans();
+  options.defects.radial_distortion = 0.03;
+  const SensorCalibration calibration =
+      calibration_of(simulation::simulate(options).value().scans.views);
+  ASSERT_EQ(calibration.errors.size(), 1u);
+  EXPECT_EQ(calibration.errors[0].error, SensorError::kRadialDistortion);
+  EXPECT_FALSE(calibration.errors[0].per_view);
+}
+
 TEST(SimulatedErrors, FindsNothingInCleanScans) {
   EXPECT_FALSE(calibration_of(simulation::simulate(small_scans()).value().scans.views).found());
 }

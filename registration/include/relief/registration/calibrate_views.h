@@ -33,9 +33,9 @@ enum class SensorError {
 /// Which views share the errors of a sensor.
 enum class CalibrationScope {
   kOff,      ///< Nothing is estimated.
-  kAuto,     ///< Errors that the views of a sensor share; notes say where views have more.
-  kShared,   ///< The same, without looking at single views.
-  kPerView,  ///< Errors that views share, then errors of the ranges of single views.
+  kAuto,     ///< Errors that views share, then errors of the ranges of single views.
+  kShared,   ///< Errors that the views of a sensor share.
+  kPerView,  ///< As kAuto, with those of single views that views left out do not confirm.
 };
 
 struct CalibrationOptions {
@@ -51,6 +51,8 @@ struct CalibratedError {
   /// By how much the error lowers the squared residuals of held-out correspondences, relative to
   /// the sum before it was estimated, and the standard error of that.
   double held_out_gain = 0.0, held_out_gain_std = 0.0;
+  /// The same of views that took no part in the estimate (C4).
+  double left_out_views_gain = 0.0, left_out_views_gain_std = 0.0;
   /// How far the error moves samples along their normals [unit], root mean square, and the standard
   /// deviation of that.
   double size = 0.0, size_std = 0.0;
@@ -81,10 +83,11 @@ struct SensorCalibration {
 
 /// Estimates what the calibration of the sensors has wrong from overlapping views at nearly right
 /// poses, together with these poses (C2). Views with the same kind of camera, size of grid and
-/// intrinsics share a sensor. An error is estimated where correspondences that took no part in its
-/// estimate fit better with it than without, by more than chance. `aligned` is the alignment of the
-/// views, made with the options `align`. Views at known poses stay there. Nothing is found where
-/// fewer than three views overlap, or more than 200, and where shape alone does not hold all views.
+/// intrinsics share a sensor. An error is estimated where correspondences and views that took no
+/// part in its estimate fit better with it than without, by more than chance. `aligned` is the
+/// alignment of the views, made with the options `align`. Views at known poses stay there. Nothing
+/// is found where fewer than three views overlap, or more than 200, and where shape alone does not
+/// hold all views.
 ///
 /// Errors: kBadInput for options out of range; kInterrupted.
 Result<SensorCalibration> calibrate_views(const std::vector<RangeView>& views,

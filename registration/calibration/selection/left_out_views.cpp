@@ -1,0 +1,97 @@
+#include "registration/calibration/selection/left_out_views.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include <Eigen/Cholesky>
+
+#include "registration/calibration/selection/held_out.h"
+#include "scan/base/parallel.h"
+
+namespace relief::registration {
+
+namespace {
+
+// Groups of views at most. Up to so many views are left out one by one. The sums of a group of
+// twice as many views with errors apart take ten megabytes, so there are fewer groups then.
+constexpr std::size_t kMostGroups = 12;
+
+std::size_t most_groups(std::size_t views, bool per_view) {
+  return per_view && views > 2 * kMostGroups ? kMostGroups / 2 : kMostGroups;
+}
+
+// Of a pair that touches a group: it touches that of its other view as well.
+constexpr double kShare = 0.5;
+
+// The group of each view that shares surface with others. Views that follow each other, which are
+// often neighbours, are in different groups.
+std::vector<std::size_t> groups_of(const std::vector<PairSums>& pairs, std::size_t views,
+                                   std::size_t most, std::size_t& groups) {
+  std::vector<bool> linked(views, false);
+  for (const PairSums& pair : pairs)
+    if (pair.deviation > 0.0) linked[pair.source] = linked[pair.target] = true;
+  std::vector<std::size_t> group(views, most);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < views; ++i)
+    if (linked[i]) group[i] = count++ % most;
+  groups = std::min(count, most);
+  return group;
+}
+
+}  // namespace
+
+LeftOutViewsTest::LeftOutViewsTest(const std::vector<PairSums>& pairs, const Sensors& sensors,
+                                   const std::vector<bool>& held, bool per_view)
+    : sensors_(sensors), layout_(sensors, held, per_view) {
+  std::size_t groups = 0;
+  const std::vector<std::size_t> group =
+      groups_of(pairs, held.size(), most_groups(held.size(), per_view), groups);
+  const auto touches = [&](const PairSums& pair, std::size_t g) {
+    return group[pair.source] == g || group[pair.target] == g;
+  };
+  const auto folds = parallel_map<QuadraticSum>(
+      kFolds, [&](std::size_t f) { return sum_of_fold(pairs, f, sensors, layout_); });
+  const Eigen::Index size = layout_.poses + layout_.coefficients;
+  QuadraticSum all(size);
+  for (const QuadraticSum& fold : folds) all += fold;
+  const auto of_others = parallel_map<EliminatedPoses>(kFolds, [&](std::size_t f) {
+    QuadraticSum others = all;
+    others.matrix -= folds[f].matrix;
+    others.gradient -= folds[f].gradient;
+    return EliminatedPoses(others, layout_.poses);
+  });
+  groups_ = parallel_map<Group>(groups, [&](std::size_t g) {
+    Group result;
+    QuadraticSum train(size);
+    result.test = ReducedSum(layout_.coefficients);
+    for (std::size_t f = 0; f < kFolds; ++f) {
+      QuadraticSum touched(size);
+      for (const PairSums& pair : pairs)
+        add_fold(pair, f, sensors, layout_, touches(pair, g) ? touched : train);
+      const ReducedSum test = of_others[f].reduce(touched);
+      result.test.matrix += test.matrix;
+      result.test.gradient += test.gradient;
+    }
+    result.train = EliminatedPoses(train, layout_.poses).reduce(train);
+    if (per_view) {
+      std::vector<PairSums> others;
+      std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(others),
+                   [&](const PairSums& pair) { return !touches(pair, g); });
+      result.common_motion = common_motion_of(others, sensors, layout_);
+    }
+    return result;
+  });
+}
+
+std::vector<double> LeftOutViewsTest::gains(const ErrorModel& model) const {
+  const auto coefficients = coefficients_of(model, sensors_, layout_);
+  return parallel_map<double>(groups_.size(), [&](std::size_t g) {
+    if (coefficients.empty()) return 0.0;
+    ReducedSum train = groups_[g].train.by_parameters(coefficients);
+    train.matrix += prior_of(model, coefficients, groups_[g].common_motion);
+    const Eigen::VectorXd found = -Eigen::LDLT<Eigen::MatrixXd>(train.matrix).solve(train.gradient);
+    return kShare * groups_[g].test.by_parameters(coefficients).fall(found);
+  });
+}
+
+}  // namespace relief::registration
