@@ -15,14 +15,14 @@ std::vector<PlannedStage> stages_of_run(bool with_normals) {
   const auto add = [&](const std::string& stage, double share) {
     stages.push_back({stage, share});
   };
-  add_alignment("align", with_normals ? 0.12 : 0.18);
-  add("calibrate", with_normals ? 0.06 : 0.33);
-  add("compare", with_normals ? 0.02 : 0.04);
-  add("refine", with_normals ? 0.29 : 0.09);
-  if (with_normals) add_alignment("align again", 0.1);
+  add_alignment("align", with_normals ? 0.11 : 0.2);
+  add("calibrate", with_normals ? 0.05 : 0.1);
+  add("compare", with_normals ? 0.02 : 0.05);
+  add("refine", with_normals ? 0.24 : 0.08);
+  if (with_normals) add_alignment("align again", 0.08);
   add("write", with_normals ? 0.02 : 0.01);
-  add("merge", with_normals ? 0.26 : 0.33);
-  if (with_normals) add("polish", 0.11);
+  add("merge", with_normals ? 0.34 : 0.54);
+  if (with_normals) add("polish", 0.12);
   return stages;
 }
 
