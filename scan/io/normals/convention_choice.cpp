@@ -47,14 +47,14 @@ int distance_to_usual(const NormalEvidence& view, const NormalConvention& conven
 
 // Of `left`, the one nearest to the usual ones; of equally near ones that which agrees best.
 std::size_t nearest(const NormalEvidence& view, const std::vector<std::size_t>& left,
-                    const ConventionScores& scores) {
+                    const ConventionRanking& ranking) {
   constexpr double kRounding = 1e-9;  // What rounding may make disagreements differ by.
   const auto& all = all_conventions(view.kind);
   std::size_t best = left.front();
   for (const std::size_t c : left) {
     const int nearer = distance_to_usual(view, all[best]) - distance_to_usual(view, all[c]);
     if (nearer > 0 ||
-        (nearer == 0 && scores.disagreement(c) < scores.disagreement(best) - kRounding))
+        (nearer == 0 && ranking.disagreement[c] < ranking.disagreement[best] - kRounding))
       best = c;
   }
   return best;
@@ -65,17 +65,17 @@ struct Decision {
   bool certain = true;  // No other one fits that would make much of a difference.
 };
 
-Decision decide(const NormalEvidence& view, const ConventionScores& of_all) {
-  ConventionScores of_view(view.kind);
-  of_view.add(view);
-  const std::vector<std::size_t> alone = of_view.candidates(), together = of_all.candidates();
+Decision decide(const NormalEvidence& view, const ConventionRanking& of_all) {
+  ConventionScores scores(view.kind);
+  scores.add(view);
+  const ConventionRanking alone = scores.ranking();
   std::vector<std::size_t> left;
-  std::set_intersection(alone.begin(), alone.end(), together.begin(), together.end(),
-                        std::back_inserter(left));
+  std::set_intersection(alone.candidates.begin(), alone.candidates.end(), of_all.candidates.begin(),
+                        of_all.candidates.end(), std::back_inserter(left));
   const bool contradicts_others = left.empty();
-  if (contradicts_others) left = alone;
+  if (contradicts_others) left = alone.candidates;
   const auto& all = all_conventions(view.kind);
-  Decision decision{all[nearest(view, left, contradicts_others ? of_view : of_all)],
+  Decision decision{all[nearest(view, left, contradicts_others ? alone : of_all)],
                     !view.patches.patches.empty() || left.size() == 1};
   for (const std::size_t c : left)
     if (angle_between(view, all[c], decision.convention) > kSame) decision.certain = false;
@@ -90,7 +90,7 @@ Error unrelated(const NormalEvidence& view, const NormalConvention& best, double
                                   "scale and camera are right, or take `normals` out of the view");
 }
 
-Result<ChosenConvention> settle(const NormalEvidence& view, const ConventionScores& of_all,
+Result<ChosenConvention> settle(const NormalEvidence& view, const ConventionRanking& of_all,
                                 ConventionNotes& notes) {
   const Decision decision = decide(view, of_all);
   ChosenConvention chosen{decision.convention, true};
@@ -115,12 +115,13 @@ Result<ConventionChoice> choose_conventions(const std::vector<NormalEvidence>& v
   for (std::size_t first = 0; first < views.size(); ++first) {
     if (done[first]) continue;
     std::vector<std::size_t> group;
-    ConventionScores of_all(views[first].kind);
+    ConventionScores scores(views[first].kind);
     for (std::size_t i = first; i < views.size(); ++i) {
       if (!alike(views[first], views[i])) continue;
       group.push_back(i);
-      of_all.add(views[i]);
+      scores.add(views[i]);
     }
+    const ConventionRanking of_all = scores.ranking();  // The same for all: made once.
     for (const std::size_t i : group) {
       done[i] = true;
       const auto chosen = settle(views[i], of_all, notes);

@@ -195,12 +195,14 @@ bool ConventionScores::clearly_better(std::size_t a, std::size_t b) const {
   return relief.clear() && compare_with_plane(a).clear() && directions.deviations > -kDeviations;
 }
 
-std::vector<std::size_t> ConventionScores::candidates() const {
+ConventionRanking ConventionScores::ranking() const {
   const std::size_t winner = best();
-  std::vector<std::size_t> left;
-  for (std::size_t c = 0; c < conventions_.size(); ++c)
-    if (possible(c) && (c == winner || !clearly_better(winner, c))) left.push_back(c);
-  return left;
+  ConventionRanking ranking;
+  for (std::size_t c = 0; c < conventions_.size(); ++c) {
+    ranking.disagreement.push_back(disagreement(c));
+    if (possible(c) && (c == winner || !clearly_better(winner, c))) ranking.candidates.push_back(c);
+  }
+  return ranking;
 }
 
 }  // namespace relief

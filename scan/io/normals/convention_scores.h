@@ -9,6 +9,13 @@
 
 namespace relief {
 
+/// What scores say of each of all_conventions.
+struct ConventionRanking {
+  std::vector<double> disagreement;  ///< See ConventionScores::disagreement().
+  /// All that the best one is not clearly better than, itself included; in their order.
+  std::vector<std::size_t> candidates;
+};
+
 /// How well each of all_conventions agrees with the depth, in parts of views so far from each other
 /// that their errors are independent. Two measures, both made such that a bias of up to
 /// kLargestBias, which may be the same all over a view, speaks for no convention:
@@ -26,8 +33,8 @@ class ConventionScores {
   std::size_t best() const;
   /// Whether `a` agrees so much better than `b` that chance and bias do not explain it.
   bool clearly_better(std::size_t a, std::size_t b) const;
-  /// All that the best one is not clearly better than, itself included; in their order.
-  std::vector<std::size_t> candidates() const;
+  /// Of all conventions. Goes through all parts for each of them.
+  ConventionRanking ranking() const;
   /// The mean of both measures; the lower the better.
   double disagreement(std::size_t convention) const;
   bool possible(std::size_t convention) const;
