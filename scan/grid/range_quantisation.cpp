@@ -75,6 +75,11 @@ Differences differences_of(const RangeView& view, const Coordinate& coordinate, 
   return differences;
 }
 
+// Of a difference, which is not negative: std::floor is one instruction, std::round is a call.
+double nearest_multiple(double difference, double step) {
+  return std::floor(difference / step + 0.5);
+}
+
 // The least-squares step of the differences up to `most` steps, from a first guess that is off by
 // `off` of it.
 double improve(const Differences& differences, double step, double most, double off) {
@@ -82,7 +87,7 @@ double improve(const Differences& differences, double step, double most, double 
   for (const auto& along : differences) {
     for (const Difference& difference : along) {
       if (difference.value <= difference.error || difference.value > most * step) continue;
-      const double multiple = std::round(difference.value / step);
+      const double multiple = nearest_multiple(difference.value, step);
       if (std::abs(difference.value - multiple * step) > off * step + difference.error) continue;
       products += multiple * difference.value;
       squares += multiple * multiple;
@@ -99,7 +104,7 @@ std::optional<double> multiples(const std::vector<Difference>& differences, doub
   for (const Difference& difference : differences) {
     if (difference.error > kMostError * step || difference.value > kMostSteps * step) continue;
     const double off = difference.error + kOffLattice * step;
-    const auto multiple = static_cast<std::size_t>(std::round(difference.value / step));
+    const auto multiple = static_cast<std::size_t>(nearest_multiple(difference.value, step));
     const bool zero = difference.value <= difference.error;
     const double gap = std::abs(difference.value - static_cast<double>(multiple) * step);
     const bool hit = zero || (multiple > 0 && gap <= off);
