@@ -32,6 +32,13 @@ struct ViewGraphOptions {
   Association association = Association::kAuto;
 };
 
+/// The pairs of views with samples whose bounding spheres come as near to each other as `margin`
+/// [unit] at the given poses, in lexicographic order, without their overlaps. The time grows with
+/// the views and the pairs found, not with the square of the views.
+std::vector<ViewPair> find_meeting_pairs(const std::vector<ViewSurface>& surfaces,
+                                         const std::vector<RigidMotion>& world_from_view,
+                                         double margin);
+
 /// The pairs of views that overlap at the given poses, in lexicographic order. Each is judged by a
 /// few hundred samples, and only where the bounding spheres meet.
 std::vector<ViewPair> find_overlapping_pairs(const std::vector<ViewSurface>& surfaces,

@@ -32,22 +32,13 @@ struct Judged {
   bool confirms = false, violates_free_space = false;
 };
 
-bool may_meet(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a) {
-  return (b_from_a * a.centre() - b.centre()).norm() <= a.radius() + b.radius();
-}
-
 std::vector<Judged> pairs_to_judge(const std::vector<ViewSurface>& surfaces,
                                    const std::vector<RigidMotion>& poses,
                                    const std::vector<ViewRole>& roles) {
   std::vector<Judged> pairs;
-  const auto takes_part = [&](std::size_t i) {
-    return roles[i] != ViewRole::kExcluded && !surfaces[i].samples().empty();
-  };
-  for (std::size_t a = 0; a < surfaces.size(); ++a)
-    for (std::size_t b = a + 1; b < surfaces.size(); ++b)
-      if (takes_part(a) && takes_part(b) &&
-          may_meet(surfaces[a], surfaces[b], poses[b].inverse() * poses[a]))
-        pairs.push_back({a, b, {}, false, false, false});
+  for (const auto& [a, b, unused] : find_meeting_pairs(surfaces, poses, 0.0))
+    if (roles[a] != ViewRole::kExcluded && roles[b] != ViewRole::kExcluded)
+      pairs.push_back({a, b, {}, false, false, false});
   return pairs;
 }
 

@@ -1,5 +1,7 @@
 #include "registration/posegraph/view_graph.h"
 
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "tests/registration/bumpy_object.h"
@@ -23,6 +25,29 @@ TEST(ViewGraph, LinksNeighboursOfARingAndNotOppositeViews) {
   EXPECT_TRUE(linked(0, 7));
   for (std::size_t i = 0; i < 4; ++i) EXPECT_FALSE(linked(i, i + 4));
   EXPECT_EQ(connected_groups(8, pairs), std::vector<std::size_t>(8, 0));
+}
+
+TEST(ViewGraph, MeetingPairsAreThoseOfBruteForce) {
+  const auto views = testing::ring_of_views({.views = 12, .pixels = 40});
+  std::vector<ViewSurface> surfaces;
+  for (const auto& view : views) surfaces.emplace_back(view);
+  std::mt19937 generator(2);
+  std::normal_distribution<double> normal(0.0, 3.0 * surfaces[0].radius());
+  auto poses = testing::poses_of(views);
+  for (RigidMotion& pose : poses)
+    pose.pretranslate(Eigen::Vector3d(normal(generator), normal(generator), normal(generator)));
+  for (const double margin : {0.0, surfaces[0].radius()}) {
+    std::vector<std::pair<std::size_t, std::size_t>> found, expected;
+    for (const auto& pair : find_meeting_pairs(surfaces, poses, margin))
+      found.emplace_back(pair.a, pair.b);
+    for (std::size_t a = 0; a < 12; ++a)
+      for (std::size_t b = a + 1; b < 12; ++b)
+        if ((poses[a] * surfaces[a].centre() - poses[b] * surfaces[b].centre()).norm() <=
+            surfaces[a].radius() + surfaces[b].radius() + margin)
+          expected.emplace_back(a, b);
+    EXPECT_FALSE(expected.empty());
+    EXPECT_EQ(found, expected);
+  }
 }
 
 TEST(ViewGraph, KeepsTheLargestOverlapsOfEachViewAndItsGroupsTogether) {
