@@ -34,8 +34,9 @@ struct JointRefinement {
   /// centre in world axes; zero for held views. See PoseGraphSystem::covariance().
   std::vector<Matrix6d> pose_covariance;
   std::vector<RigidTangent> pose_std;  ///< The roots of their diagonals.
-  PoseCovariance joint_covariance;     ///< Of all poses together; not kept in a UnitStore.
-  std::vector<SolverSummary> solves;   ///< In their order.
+  /// Of all poses together, between views of up to 32 alone; not kept in a UnitStore.
+  PoseCovariance joint_covariance;
+  std::vector<SolverSummary> solves;  ///< In their order.
 };
 
 /// What the refinement may do with a view.
@@ -46,8 +47,8 @@ enum class ViewRole {
 };
 
 /// Refines all poses at once: minimises the robust point-to-plane distances of all overlapping
-/// pairs, both ways (R3), and renews the correspondences until the poses stand still. The only
-/// error is kInterrupted.
+/// pairs, both ways (R3), and renews the correspondences until the poses stand still. Of many views
+/// only the largest overlaps of each take part. The only error is kInterrupted.
 Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
                                        const std::vector<RigidMotion>& world_from_view,
                                        const std::vector<ViewRole>& roles,

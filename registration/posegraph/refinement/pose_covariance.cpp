@@ -1,5 +1,8 @@
 #include "registration/posegraph/refinement/pose_covariance.h"
 
+#include <cassert>
+#include <utility>
+
 namespace relief::registration {
 
 namespace {
@@ -35,7 +38,11 @@ std::vector<Matrix6d> times(const std::vector<Matrix6d>& rows, const SymmetricBl
 PoseCovariance::PoseCovariance(PoseGraphProblem information, SymmetricBlocks scatter,
                                std::vector<Eigen::Vector3d> centres)
     : parts_(std::make_shared<Parts>(
-          Parts{std::move(information), std::move(scatter), std::move(centres)})) {}
+          Parts{std::move(information), {}, std::move(scatter), std::move(centres)})) {}
+
+PoseCovariance::PoseCovariance(std::vector<Matrix6d> of_views, std::vector<Eigen::Vector3d> centres)
+    : parts_(std::make_shared<Parts>(
+          Parts{std::nullopt, std::move(of_views), {}, std::move(centres)})) {}
 
 Matrix6d PoseCovariance::of(std::size_t view) const {
   const Matrix6d block = between(view, view);
@@ -44,13 +51,21 @@ Matrix6d PoseCovariance::of(std::size_t view) const {
 
 Matrix6d PoseCovariance::between(std::size_t a, std::size_t b) const {
   if (!parts_) return Matrix6d::Zero();
-  const std::size_t views = parts_->centres.size();
-  const auto half = times(rows_of(parts_->information, a, views), parts_->scatter);
-  Matrix6d about_centre = Matrix6d::Zero();
-  for (std::size_t i = 0; i < views; ++i)
-    about_centre.noalias() += half[i] * parts_->information.inverse(i, b);
-  return about_point(parts_->centres[a]) * about_centre *
+  return about_point(parts_->centres[a]) * about_centre(a, b) *
          about_point(parts_->centres[b]).transpose();
+}
+
+Matrix6d PoseCovariance::about_centre(std::size_t a, std::size_t b) const {
+  if (!parts_->information) {
+    assert(a == b);
+    return parts_->of_views[a];
+  }
+  const PoseGraphProblem& information = *parts_->information;
+  const std::size_t views = parts_->centres.size();
+  const auto half = times(rows_of(information, a, views), parts_->scatter);
+  Matrix6d block = Matrix6d::Zero();
+  for (std::size_t i = 0; i < views; ++i) block.noalias() += half[i] * information.inverse(i, b);
+  return block;
 }
 
 }  // namespace relief::registration

@@ -1,6 +1,7 @@
 #include "registration/posegraph/refinement/pose_graph_problem.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -65,6 +66,21 @@ class EdgeCost : public ceres::SizedCostFunction<7, 6, 6> {
 };
 
 }  // namespace
+
+SymmetricBlocks information_blocks(const std::vector<PairInformation>& pairs,
+                                   const std::vector<RigidTangent>& prior, double step_gain) {
+  SymmetricBlocks matrix;
+  for (std::size_t i = 0; i < prior.size(); ++i) matrix[{i, i}] = prior[i].asDiagonal();
+  for (const auto& [views, edge] : edges_of(pairs, step_gain)) {
+    const CompressedTerms terms = compress(edge.sum, edge.losses);
+    Matrix6d block = terms.derivative.transpose() * terms.derivative;
+    if (!terms.residuals.allFinite()) block.setConstant(std::numeric_limits<double>::quiet_NaN());
+    matrix[{views.first, views.first}] += block;
+    matrix[{views.second, views.second}] += block;
+    matrix[views] = -block;
+  }
+  return matrix;
+}
 
 struct PoseGraphProblem::Parts {
   std::vector<bool> held;

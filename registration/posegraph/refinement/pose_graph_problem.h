@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "registration/posegraph/refinement/block_sandwich.h"
 #include "registration/posegraph/refinement/pair_information.h"
 #include "relief/registration/solver_summary.h"
 #include "relief/scan/rigid_motion.h"
@@ -17,6 +18,10 @@ struct PoseGraphStep {
 
   bool usable() const { return summary.termination != SolverTermination::kFailed; }
 };
+
+/// The matrix of PoseGraphProblem, held views and all. Not finite if the sums of a pair are not.
+SymmetricBlocks information_blocks(const std::vector<PairInformation>& pairs,
+                                   const std::vector<RigidTangent>& prior, double step_gain);
 
 /// The quadratic sum (R11) over the small motions of all views, as Ceres takes it: a block of six
 /// tangent components per view, seven residuals per pair of views (R6), and a prior per view that

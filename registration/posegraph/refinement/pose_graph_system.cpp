@@ -12,6 +12,10 @@ namespace relief::registration {
 
 namespace {
 
+// Up to so many views all blocks of the inverse come from a QR factorisation, which withstands
+// motions that the prior alone holds, in less than a second. Their number grows as the square.
+constexpr std::size_t kFewViews = 32;
+
 // What a pose without any constraint is known to: one radian, one radius of the view.
 RigidTangent prior_precision(const ViewSurface& surface) {
   RigidTangent deviation = RigidTangent::Ones();
@@ -148,12 +152,17 @@ double PoseGraphSystem::step_gain(const std::vector<PairInformation>& moved,
 std::optional<PoseCovariance> PoseGraphSystem::covariance(
     const std::vector<RigidMotion>& world_from_view, const ClusterScores& scores,
     double step_gain) const {
-  PoseGraphProblem information(pairs_, prior_, held_, step_gain);
-  if (!information.invert()) return std::nullopt;
   std::vector<Eigen::Vector3d> centres;
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
     centres.push_back(world_from_view[i] * surfaces_[i]->centre() - centre_);
-  return PoseCovariance(std::move(information), scatter(scores), std::move(centres));
+  SymmetricBlocks middle = scatter(scores);
+  if (surfaces_.size() > kFewViews) {
+    auto of_views = sandwich_diagonal(information_blocks(pairs_, prior_, step_gain), middle, held_);
+    if (of_views) return PoseCovariance(std::move(*of_views), std::move(centres));
+  }
+  PoseGraphProblem information(pairs_, prior_, held_, step_gain);
+  if (!information.invert()) return std::nullopt;
+  return PoseCovariance(std::move(information), std::move(middle), std::move(centres));
 }
 
 }  // namespace relief::registration

@@ -203,6 +203,29 @@ TEST(PoseGraphSystem, SolvesLikeDenseMatrices) {
   expect_like_reference(graph);
 }
 
+// So many that blocks of single views alone are known.
+TEST(PoseGraphSystem, HasCovariancesOfManyViewsLikeDenseMatrices) {
+  Links links;
+  for (std::size_t i = 0; i < 40; ++i) {
+    links.emplace_back(i, (i + 1) % 40);
+    links.emplace_back(i, (i + 7) % 40);
+  }
+  std::vector<bool> held(40, false);
+  held[5] = true;
+  Graph graph(40, links, held);
+  const auto covariance = graph.system().covariance(graph.poses, graph.scores, kGain);
+  ASSERT_TRUE(covariance.has_value());
+  const Eigen::MatrixXd dense = DenseReference(graph).covariance();
+  for (std::size_t i = 0; i < 40; ++i) {
+    const Matrix6d expected = dense.block<6, 6>(row_of(i), row_of(i));
+    const Matrix6d difference = covariance->of(i) - expected;
+    const Vector6d deviation = expected.diagonal().cwiseSqrt();
+    for (Eigen::Index k = 0; k < 6; ++k)
+      for (Eigen::Index l = 0; l < 6; ++l)
+        EXPECT_LE(std::abs(difference(k, l)), 1e-8 * deviation[k] * deviation[l]) << i;
+  }
+}
+
 TEST(PoseGraphSystem, SolvesTwoGroups) {
   Graph graph(5, {{0, 1}, {2, 3}, {3, 4}}, {true, false, false, true, false});
   expect_like_reference(graph);
