@@ -22,14 +22,17 @@ constexpr std::size_t kMostCorrespondences = 250'000;
 // Of one direction of a pair, where many pairs are solved for together, and where one is judged:
 // 40 and 120 residuals a pair, for six unknowns.
 constexpr int kFewestTogether = 20, kFewestAlone = 60;
-// All pairs of hundreds of views would get so few each, and still need gigabytes. The last steps,
-// which keep nothing for a residual, use all.
+// All pairs of hundreds of views would get so few samples each that most of a view goes unused, and
+// they need gigabytes. What a view's pairs share is its own noise: with n of them its pose errs by
+// the root of 1 + 1/n times what all could give, 2 % more for 24.
 constexpr int kMostPairsOfAView = 24;
 // The last steps are precise enough to stop at less than the levels before them [tolerances]. Poses
 // err by one, and a last step follows anyway. Smaller costs steps, of which there are 6 at most.
 constexpr double kFinalTolerance = 0.5;
-// Residuals of all pairs together in the last step: some ten seconds of processor time.
+// Residuals of all pairs together in the last step: some ten seconds of processor time. The steps
+// before it take a quarter: they err by twice as much, and the last step leaves a tenth of that.
 constexpr std::size_t kMostLastResiduals = 50'000'000;
+constexpr std::size_t kMostStepResiduals = kMostLastResiduals / 4;
 
 std::vector<SearchLevel> levels_for(const std::vector<ViewSurface>& surfaces,
                                     const JointRefinementOptions& options, int signal_levels) {
@@ -159,8 +162,13 @@ void describe_fit(const PairMatcher& match, const std::vector<ViewSurface>& surf
   if (count > 0) result.rms = std::sqrt(squares / static_cast<double>(count));
 }
 
+// Of one direction of a pair.
+std::size_t share_of(std::size_t residuals, std::size_t pairs) {
+  return std::max<std::size_t>(1000, residuals / (2 * pairs));
+}
+
 std::size_t last_samples(const JointRefinementOptions& options, std::size_t pairs) {
-  const std::size_t share = std::max<std::size_t>(1000, kMostLastResiduals / (2 * pairs));
+  const std::size_t share = share_of(kMostLastResiduals, pairs);
   const auto wanted = static_cast<std::size_t>(options.final_samples);
   return wanted == 0 ? share : std::min(wanted, share);
 }
@@ -185,14 +193,15 @@ bool set_covariances(const PoseCovariance& covariance, JointRefinement& result) 
   return true;
 }
 
-// The last steps, with all samples; gives the covariance too.
+// The last steps, with all samples of the strongest pairs; gives the covariance too.
 void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair>& pairs,
             const SearchLevel& level, const std::vector<bool>& nearly_degenerate,
             const JointRefinementOptions& options, JointRefinement& result) {
   PoseGraphRefinementOptions last;
   last.search = search_at(level, pairs.size(), kFewestAlone, options);
   last.last_samples = last_samples(options, pairs.size());
-  last.step_samples = std::min(last.step_samples, last.last_samples);
+  last.step_samples =
+      std::min({last.step_samples, last.last_samples, share_of(kMostStepResiduals, pairs.size())});
   last.tolerance = kFinalTolerance * level.tolerance;
   if (std::find(nearly_degenerate.begin(), nearly_degenerate.end(), true) !=
       nearly_degenerate.end()) {
@@ -276,7 +285,8 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   release_freed_memory();  // What solving took; the last steps grow as large.
   if (!report_progress(progress, 0.0, "computing covariances"))
     return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-  finish(surfaces, pairs, levels.back(), nearly_degenerate, options, result);
+  finish(surfaces, largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView), levels.back(),
+         nearly_degenerate, options, result);
   if (result.termination == RefinementTermination::kSolverFailed) return result;
   const SearchLevel& last = levels.back();
   describe_fit(PairMatcher(surfaces, result.world_from_view, pairs,
