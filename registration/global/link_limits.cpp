@@ -120,6 +120,14 @@ bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<P
   return true;
 }
 
+LinkLimits with_looped(LinkLimits limits, const VerificationThresholds& general) {
+  limits.looped = limits.confirmed;
+  limits.looped.max_free_space_violation =
+      std::max(limits.confirmed.max_free_space_violation,
+               std::min(1.0, kWidestContradiction * general.max_free_space_violation));
+  return limits;
+}
+
 }  // namespace
 
 std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
@@ -171,21 +179,23 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
   open.max_rms *= kWidestRms;
   open.max_coherent_rms = std::numeric_limits<double>::infinity();  // See may_be_right().
   LinkLimits wide{follow(surfaces, all, options.largest_excess, open),
-                  follow(surfaces, all, kConfirmedExcess, open)};
+                  follow(surfaces, all, kConfirmedExcess, open),
+                  {}};
   wide.confirmed.max_coherent_rms =
       std::max(wide.confirmed.max_coherent_rms, options.confirmed_coherent_rms);
   if (follow_losses(surfaces, links, loops, wide.confirmed)) {
     wide.lone.max_missing_coverage = wide.confirmed.max_missing_coverage;
     wide.lone.max_free_space_violation = wide.confirmed.max_free_space_violation;
-    return wide;
+    return with_looped(wide, options.limits);
   }
   VerificationThresholds believed = options.limits;
   believed.max_coherent_rms = std::max(believed.max_coherent_rms, options.confirmed_coherent_rms);
   const auto links_believed = those_within(surfaces, links, believed);
-  LinkLimits limits{follow(surfaces, links_believed, options.largest_excess, options.limits), {}};
+  LinkLimits limits{
+      follow(surfaces, links_believed, options.largest_excess, options.limits), {}, {}};
   limits.confirmed = limits.lone;
   limits.confirmed.max_coherent_rms = believed.max_coherent_rms;
-  return limits;
+  return with_looped(limits, options.limits);
 }
 
 }  // namespace relief::registration

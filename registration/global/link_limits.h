@@ -8,6 +8,9 @@
 
 namespace relief::registration {
 
+/// One loop may close by chance (docs/results.md, Global registration).
+inline constexpr int kTellingLoops = 2;
+
 /// For each link how many views c confirm it by two others: a - c - b leads to the same pose.
 std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
                              const std::vector<PoseLink>& links);
@@ -16,6 +19,9 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
 struct LinkLimits {
   VerificationThresholds lone;       ///< Links that no loop confirms.
   VerificationThresholds confirmed;  ///< Links that loops confirm, and pairs at poses of chains.
+  /// Links that kTellingLoops loops or more confirm, and the pairs of these. Strays depend on the
+  /// pair, and samples are few: such poses may show as many as those that `confirmed` follows from.
+  VerificationThresholds looped;
 };
 
 /// Whether a pose may be right although it deviates by more than `general` allows: smooth errors of

@@ -30,12 +30,18 @@ bool same_place(const ViewSurface& view, const RigidMotion& x, const RigidMotion
 bool undetermined(const PoseLink& link) { return link.evidence.degenerate || link.ambiguous; }
 
 // Best supported first, without those that are not believed: these confirm no others either.
+// `loops_of_all`: of all links.
 void sort_by_support(const std::vector<ViewSurface>& surfaces, const LinkLimits& limits,
-                     const ViewGroupOptions& options, std::vector<PoseLink>& links) {
+                     const ViewGroupOptions& options, const std::vector<int>& loops_of_all,
+                     std::vector<PoseLink>& links) {
   const auto fits = [&](const PoseLink& link, const VerificationThresholds& to) {
     return plausible(link.evidence, surfaces[link.a], surfaces[link.b], to);
   };
-  std::erase_if(links, [&](const PoseLink& link) { return !fits(link, limits.confirmed); });
+  std::vector<PoseLink> believed;
+  for (std::size_t k = 0; k < links.size(); ++k)
+    if (fits(links[k], loops_of_all[k] >= kTellingLoops ? limits.looped : limits.confirmed))
+      believed.push_back(links[k]);
+  links = std::move(believed);
   const auto loops = count_loops(surfaces, links);
   const auto firm = [&](const PoseLink& link) {
     return fits(link, limits.lone) && !misses_coverage(link.evidence, limits.lone);
@@ -74,6 +80,7 @@ class Joining {
       : surfaces_(surfaces),
         links_(links),
         limits_(limits.confirmed),
+        looped_(limits.looped),
         options_(options),
         known_(known),
         start_sizes_(surfaces.size(), 0) {
@@ -203,11 +210,11 @@ class Joining {
   // 0 where they hardly meet, or minus infinity when they deny it. Poses that follow from chains of
   // links are a little off: the pair may settle before it is judged, but not go elsewhere.
   double support_of_pair(std::size_t i, std::size_t j, const MergeHypothesis& hypothesis) const {
-    VerificationThresholds limits = limits_;
-    limits.min_overlap = kCountingOverlap;
     const ViewSurface &target = surfaces_[i], &source = surfaces_[j];
     const RigidMotion i_from_j = groups_.group_from_view[i].inverse() *
                                  hypothesis.first_from_second * groups_.group_from_view[j];
+    VerificationThresholds limits = has_link_at(i, j, i_from_j) ? looped_ : limits_;
+    limits.min_overlap = kCountingOverlap;
     PoseEvidence evidence = judge_pose(source, target, i_from_j, options_.judge);
     if (plausible(evidence, source, target, limits)) return support_of(evidence);
     const bool denies =
@@ -220,6 +227,15 @@ class Joining {
         plausible(checked.evidence, source, target, limits))
       return support_of(checked.evidence);
     return -std::numeric_limits<double>::infinity();
+  }
+
+  // Whether a link that is believed says the same.
+  bool has_link_at(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const {
+    return std::any_of(links_.begin(), links_.end(), [&](const PoseLink& link) {
+      return (link.a == j && link.b == i && same_place(surfaces_[j], link.b_from_a, i_from_j)) ||
+             (link.a == i && link.b == j &&
+              same_place(surfaces_[j], link.b_from_a.inverse(), i_from_j));
+    });
   }
 
   void report_ambiguous() {
@@ -240,7 +256,7 @@ class Joining {
 
   const std::vector<ViewSurface>& surfaces_;
   const std::vector<PoseLink>& links_;
-  const VerificationThresholds limits_;
+  const VerificationThresholds limits_, looped_;
   const ViewGroupOptions& options_;
   const std::vector<bool>& known_;
   std::vector<std::size_t> start_sizes_;  // Of the groups of the start, at their first views.
@@ -266,8 +282,9 @@ ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<Pose
                       const ViewGroups& start, const std::vector<bool>& known,
                       const ViewGroupOptions& options) {
   assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
-  const LinkLimits limits = fit_link_limits(surfaces, links, count_loops(surfaces, links), options);
-  sort_by_support(surfaces, limits, options, links);
+  const std::vector<int> loops = count_loops(surfaces, links);
+  const LinkLimits limits = fit_link_limits(surfaces, links, loops, options);
+  sort_by_support(surfaces, limits, options, loops, links);
   return Joining(surfaces, links, start, known, limits, options).run();
 }
 

@@ -146,9 +146,12 @@ TEST(RealScans, TheDragonIsPlacedWithoutPoses) {
 TEST(RealScans, FiveViewsOfARoomByAKinectArePlacedWithoutPoses) {
   RELIEF_REQUIRE_TEST_DATA(folder, "kinect");
   const auto project = value_of(read_project(folder));
-  const auto aligned = value_of(align_views(project.views));
-  EXPECT_TRUE(aligned.complete());
-  EXPECT_LT(aligned.rms, 0.02);  // m; a step of the ranges is 0.023 at 2.85 m
+  // The poses of these files hold a half turn that is none. In both orders.
+  for (const std::size_t stride : {1, 2}) {
+    const auto aligned = value_of(align_views(without_poses(project.views, stride)));
+    EXPECT_TRUE(aligned.complete()) << stride;
+    EXPECT_LT(aligned.rms, 0.02);  // m; a step of the ranges is 0.023 at 2.85 m
+  }
 }
 
 }  // namespace
