@@ -4,9 +4,11 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <unordered_map>
 #include <utility>
 
 #include "fusion/holes/filled_regions.h"
+#include "fusion/holes/rest_curvature.h"
 #include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
 
@@ -22,6 +24,10 @@ constexpr double kSmooth = 0.866, kSharp = 0.5;
 // (the cap of a sphere of half angle 30 degrees) it may be a lid, so far in front (3) a crevice.
 constexpr double kBehind = 0.5, kAheadOfSurface = 0.05;
 
+// And here it curves: one step of a plate is off by about the cube of the angle over 8, for 15
+// degrees 0.2 % of the region's half width.
+constexpr double kCurved = 0.25;
+
 // Twice the area of a crevice over the length of its border [vertices]: 16 across a strip, 32 a
 // disc. With plates there the falcon is 0.143 off, not 0.115 (docs/results.md, Hole filling).
 constexpr double kNarrow = 16.0;
@@ -36,6 +42,16 @@ constexpr int kApproach = 6;
 // A surface that, as it curves, turns by less than this part of what the filled one has to has an
 // edge at its border. By (F8) a block turns by 0, a sphere by 69 of 89 degrees: 0.1 to 0.7 will do.
 constexpr double kCarried = 0.5;
+
+// One that turns by more than this part of it, along the way that it has across a sphere, goes on
+// as it arrives: between a block's 0 and a sphere's 1, nearer to the latter.
+constexpr double kRound = 0.75;
+
+// Of that angle: a sphere of which less than a thirtieth was seen is none that anybody knows.
+constexpr double kLeastSine = 0.25;
+
+// Edges from what was measured from which on the closed field has the curvature of the surface.
+constexpr int kDeep = 8;
 
 // Of each vertex the number of edges to the nearest one with `set`, at most `most` + 1.
 std::vector<std::uint8_t> rings_around(const TriangleMesh& mesh,
@@ -67,6 +83,14 @@ double stiffness_of(double cosine) {
 double attraction_of(int ring, double voxel) { return std::pow(std::ldexp(voxel, 1 - ring), -4); }
 
 }  // namespace
+
+std::vector<std::uint32_t> FairRegion::with_approach() const {
+  std::vector<std::uint32_t> all;
+  for (const PlateVertex& vertex : vertices) all.push_back(vertex.vertex);
+  for (const PlateVertex& vertex : border) all.push_back(vertex.vertex);
+  all.insert(all.end(), approach.begin(), approach.end());
+  return all;
+}
 
 FairRegions::FairRegions(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
                          const FairFillOptions& options)
@@ -166,34 +190,55 @@ bool FairRegions::is_crevice(const FairRegion& region) const {
          2.0 * filled < kNarrow * static_cast<double>(region.border.size());
 }
 
-// The direction that most of what is filled faces if it ends straight walls, else zero.
-Eigen::Vector3d FairRegions::facing_of_lid(const FairRegion& region, double voxel) const {
-  if (behind_border(region) <= kBehind) return Eigen::Vector3d::Zero();
-  Eigen::Vector3d facing = Eigen::Vector3d::Zero();
+// Mean distance of a border from its centre [unit].
+double FairRegions::half_width(const FairRegion& region) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const PlateVertex& held : region.border) centre += held.place;
+  centre /= static_cast<double>(region.border.size());
+  double sum = 0.0;
+  for (const PlateVertex& held : region.border) sum += (held.place - centre).norm();
+  return sum / static_cast<double>(region.border.size());
+}
+
+// How the surface arrives at a region's border, and has to turn across it.
+FairRegions::Arrival FairRegions::arrival_at(const FairRegion& region, double voxel) const {
+  Arrival arrival;
   double area = 0.0;  // Of the filled faces, six times.
   for (const PlateVertex& free : region.vertices) {
     if (!mesh_.filled[free.vertex]) continue;
     around_.visit(free.vertex, [&](std::uint32_t f) {
-      facing += face_cross(mesh_, f);
+      arrival.facing += face_cross(mesh_, f);
       area += face_cross(mesh_, f).norm();
     });
   }
-  facing.normalize();
+  arrival.facing.normalize();
   const auto mean_turn = [&](const std::vector<std::uint32_t>& ring) {
     double sum = 0.0;
     for (const std::uint32_t v : ring)
-      sum += std::acos(std::clamp(mesh_.normals[v].cast<double>().dot(facing), -1.0, 1.0));
+      sum += std::acos(std::clamp(mesh_.normals[v].cast<double>().dot(arrival.facing), -1.0, 1.0));
     return sum / static_cast<double>(ring.size());
   };
   std::vector<std::uint32_t> ring;
   for (const PlateVertex& held : region.border) ring.push_back(held.vertex);
-  const double turn = mean_turn(ring);
+  arrival.turn = mean_turn(ring);
   for (int k = 0; k < kApproach && !ring.empty(); ++k) ring = ring_beyond(ring);
-  if (ring.empty()) return Eigen::Vector3d::Zero();
-  const double half_width = std::sqrt(area / (6.0 * std::numbers::pi));
-  // Equation (F8).
-  const double carried = (mean_turn(ring) - turn) * half_width / (kApproach * voxel);
-  return turn > std::acos(kSharp) && carried < kCarried * turn ? facing : Eigen::Vector3d::Zero();
+  if (ring.empty()) return arrival;
+  const double rate = (mean_turn(ring) - arrival.turn) / (kApproach * voxel);
+  const double half_way = std::sqrt(area / (6.0 * std::numbers::pi));
+  arrival.carried = rate * half_way;  // Equation (F8).
+  arrival.on_sphere = rate * std::min(half_way, half_width(region)) * arrival.turn /
+                      std::max(std::sin(arrival.turn), kLeastSine);
+  arrival.known = true;
+  return arrival;
+}
+
+void FairRegions::add_approach(FairRegion& region) const {
+  std::vector<std::uint32_t> ring;
+  for (const PlateVertex& held : region.border) ring.push_back(held.vertex);
+  for (int k = 1; k < kApproach; ++k) {
+    ring = ring_beyond(ring);
+    region.approach.insert(region.approach.end(), ring.begin(), ring.end());
+  }
 }
 
 // The vertices beside those of a ring that are one edge farther from what was filled.
@@ -220,7 +265,14 @@ bool FairRegions::is_beside_measured(std::uint32_t vertex) const {
 void FairRegions::prepare(FairRegion& region, const std::vector<ViewSampler>& views,
                           const FairFillOptions& options) const {
   TsdfIntegrator collector(views, options.truncation, options.voxel_size);
-  const Eigen::Vector3d lid = facing_of_lid(region, options.voxel_size);
+  const double behind = behind_border(region);
+  const Arrival arrival = behind > kCurved ? arrival_at(region, options.voxel_size) : Arrival();
+  region.curved = arrival.known && arrival.on_sphere >= kRound * arrival.turn;
+  const bool ends_walls = arrival.known && !region.curved && behind > kBehind &&
+                          arrival.turn > std::acos(kSharp) &&
+                          arrival.carried < kCarried * arrival.turn;
+  const Eigen::Vector3d lid = ends_walls ? arrival.facing : Eigen::Vector3d::Zero();
+  if (region.curved) add_approach(region);
   for (PlateVertex& free : region.vertices) {
     const int ring = rings_[free.vertex];
     if (ring == 0) {
@@ -239,6 +291,47 @@ void FairRegions::prepare(FairRegion& region, const std::vector<ViewSampler>& vi
     if (!lid.isZero()) cosine = std::min(cosine, lid.dot(normals_.at(free.vertex)));
     free.stiffness = stiffness_of(cosine);
   }
+  if (region.curved) set_rest(region, options.voxel_size);
+}
+
+// Where the filled surface is far from what was measured it rests as it is; near by it rests as
+// its surroundings do.
+void FairRegions::set_rest(FairRegion& region, double voxel) const {
+  const std::vector<std::uint32_t> vertices = region.with_approach();
+  const std::unordered_map<std::uint32_t, int> depths = depths_in(region);
+  std::vector<std::uint8_t> known;
+  for (const std::uint32_t v : vertices) {
+    const auto depth = depths.find(v);
+    known.push_back(rings_[v] > kMargin || (depth != depths.end() && depth->second > kDeep));
+  }
+  bend_to(mesh_, around_, continued_curvature(mesh_, around_, vertices, known, voxel), region);
+}
+
+// Edges from what was measured of the filled vertices of a region that are farther than kDeep are
+// kDeep + 1.
+std::unordered_map<std::uint32_t, int> FairRegions::depths_in(const FairRegion& region) const {
+  std::unordered_map<std::uint32_t, int> depths;
+  std::vector<std::uint32_t> ring;
+  for (const PlateVertex& free : region.vertices) {
+    if (rings_[free.vertex] == 0)
+      depths.emplace(free.vertex, kDeep + 1);
+    else if (rings_[free.vertex] == 1)
+      ring.push_back(free.vertex);
+  }
+  for (int depth = 1; depth <= kDeep; ++depth) {
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t v : ring)
+      around_.visit(v, [&](std::uint32_t f) {
+        for (const std::uint32_t w : mesh_.faces[f]) {
+          const auto found = depths.find(w);
+          if (found == depths.end() || found->second <= kDeep) continue;
+          found->second = depth;
+          next.push_back(w);
+        }
+      });
+    ring = std::move(next);
+  }
+  return depths;
 }
 
 }  // namespace relief::fusion

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <unordered_map>
 #include <vector>
 
 #include "fusion/holes/side_normals.h"
@@ -32,6 +33,13 @@ struct FairRegion {
   /// the surface, to which it is drawn the more the farther it is from what was filled.
   std::vector<PlateVertex> vertices;
   std::vector<PlateVertex> border;  ///< Measured vertices beside these. They stay.
+  /// Measured vertices beyond the border, that tell how the surface curves as it arrives.
+  std::vector<std::uint32_t> approach;
+  /// Whether the surface turns on its way across it so far that one step of a plate falls short.
+  bool curved = false;
+
+  /// All of these: vertices, border, approach.
+  std::vector<std::uint32_t> with_approach() const;
 };
 
 /// The regions of a merged mesh (`filled` and `normals` set) whose shape can be improved: those
@@ -56,10 +64,21 @@ class FairRegions {
   bool is_crevice(const FairRegion& region) const;
   bool is_deep(const FairRegion& region) const;
   void add_border(FairRegion& region) const;
+  void add_approach(FairRegion& region) const;
   double behind_border(const FairRegion& region) const;
-  Eigen::Vector3d facing_of_lid(const FairRegion& region, double voxel) const;
+  static double half_width(const FairRegion& region);
+  struct Arrival {
+    bool known = false;
+    Eigen::Vector3d facing = Eigen::Vector3d::Zero();  // The direction that the region faces.
+    double turn = 0.0;                                 // From the border to there [rad].
+    double carried = 0.0;    // By how much the surface would turn as it curves, straight (F8).
+    double on_sphere = 0.0;  // The same along the way across a sphere through the border.
+  };
+  Arrival arrival_at(const FairRegion& region, double voxel) const;
   bool is_beside_measured(std::uint32_t vertex) const;
   std::vector<std::uint32_t> ring_beyond(const std::vector<std::uint32_t>& ring) const;
+  void set_rest(FairRegion& region, double voxel) const;
+  std::unordered_map<std::uint32_t, int> depths_in(const FairRegion& region) const;
   void prepare(FairRegion& region, const std::vector<ViewSampler>& views,
                const FairFillOptions& options) const;
 

@@ -1,11 +1,7 @@
 #include "fusion/holes/thin_plate.h"
 
-#include <algorithm>
-#include <array>
-#include <limits>
 #include <unordered_map>
 
-#include <Eigen/Geometry>
 #include <Eigen/SparseCore>
 
 #include "fusion/holes/large_plate.h"
@@ -14,10 +10,6 @@
 namespace relief::fusion {
 
 namespace {
-
-// Contours have slivers. A face counts as no thinner than this against its longest side, which
-// bounds its cotangents by 20 (40 with half of it), and so the condition of the system.
-constexpr double kLeastThickness = 0.05;
 
 // What a system takes without its factor, for each free vertex [bytes].
 constexpr std::size_t kSystem = 1000;
@@ -28,28 +20,6 @@ constexpr Eigen::Index kLarge = 10000;
 
 using Sparse = Eigen::SparseMatrix<double>;
 using Entry = Eigen::Triplet<double>;
-
-// Cotangents of a face's three angles, and its area.
-struct FaceShape {
-  std::array<double, 3> cotangents;
-  double area = 0.0;
-};
-
-FaceShape shape_of(const TriangleMesh& mesh, std::uint32_t face) {
-  FaceShape shape;
-  std::array<Eigen::Vector3d, 3> sides;  // opposite to each corner
-  double longest = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    sides[static_cast<std::size_t>(k)] =
-        mesh.corner(face, (k + 2) % 3) - mesh.corner(face, (k + 1) % 3);
-    longest = std::max(longest, sides[static_cast<std::size_t>(k)].squaredNorm());
-  }
-  const double twice_area = std::max(sides[0].cross(sides[1]).norm(), kLeastThickness * longest);
-  for (std::size_t k = 0; k < 3; ++k)
-    shape.cotangents[k] = -sides[(k + 1) % 3].dot(sides[(k + 2) % 3]) / twice_area;
-  shape.area = 0.5 * twice_area;
-  return shape;
-}
 
 // Rows of the Laplacian of a patch, split into what multiplies free vertices and what is known.
 class PlateSystem {
@@ -68,11 +38,11 @@ class PlateSystem {
     attraction_.setZero(static_cast<Eigen::Index>(patch.free.size()));
     drawn_.setZero(static_cast<Eigen::Index>(patch.free.size()), 3);
     for (const PlateVertex& free : patch.free) {
-      attraction_(row_) = free.attraction * area_at(free.vertex);
+      attraction_(row_) = free.attraction * area_at(mesh, around, free.vertex);
       drawn_.row(row_) = attraction_(row_) * (free.place - origin_).transpose();
-      add_row(free.vertex, free.stiffness);
+      add_row(free);
     }
-    for (const PlateVertex& support : patch.held) add_row(support.vertex, support.stiffness);
+    for (const PlateVertex& support : patch.held) add_row(support);
     laplacian_.resize(static_cast<Eigen::Index>(rows),
                       static_cast<Eigen::Index>(patch.free.size()));
     laplacian_.setFromTriplets(entries_.begin(), entries_.end());
@@ -155,31 +125,18 @@ class PlateSystem {
     known_.row(row_) += weight * (place - origin_).transpose();
   }
 
-  double area_at(std::uint32_t v) const {
-    double area = 0.0;
-    around_.visit(v, [&](std::uint32_t face) { area += shape_of(mesh_, face).area / 3.0; });
-    return area;
-  }
-
-  void add_row(std::uint32_t v, double stiffness) {
+  void add_row(const PlateVertex& vertex) {
+    const std::uint32_t v = vertex.vertex;
     double sum = 0.0;
-    around_.visit(v, [&](std::uint32_t face) {
-      const FaceShape shape = shape_of(mesh_, face);
-      const auto& corners = mesh_.faces[face];
-      for (std::size_t k = 0; k < 3; ++k) {
-        if (corners[k] == v) continue;
-        const std::size_t opposite =
-            3 - k -
-            static_cast<std::size_t>(std::find(corners.begin(), corners.end(), v) -
-                                     corners.begin());
-        const double weight = 0.5 * shape.cotangents[opposite];
-        add(weight, corners[k]);
-        sum += weight;
-      }
+    visit_cotangents(mesh_, around_, v, [&](std::uint32_t other, double weight) {
+      add(weight, other);
+      sum += weight;
     });
-    add(-sum, v);
-    area_(row_) = area_at(v);
-    weights_(row_) = stiffness / area_(row_);
+    area_(row_) = area_at(mesh_, around_, v);
+    add(vertex.growth * area_(row_) - sum, v);
+    weights_(row_) = vertex.stiffness / area_(row_);
+    const Eigen::Vector3d here = mesh_.vertices[v] - origin_;
+    known_.row(row_) -= area_(row_) * (vertex.rest + vertex.growth * here).transpose();
     ++row_;
   }
 
@@ -197,20 +154,6 @@ class PlateSystem {
 };
 
 }  // namespace
-
-FacesAround::FacesAround(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted)
-    : first_(mesh.vertices.size() + 1, 0) {
-  const auto for_wanted = [&](const auto& visit) {
-    for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
-      for (const std::uint32_t v : mesh.faces[f])
-        if (wanted[v]) visit(v, f);
-  };
-  for_wanted([&](std::uint32_t v, std::uint32_t) { ++first_[v + 1]; });
-  for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
-  faces_.resize(first_.back());
-  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for_wanted([&](std::uint32_t v, std::uint32_t f) { faces_[next[v]++] = f; });
-}
 
 std::vector<Eigen::Vector3d> solve_thin_plate(const TriangleMesh& mesh, const FacesAround& around,
                                               const PlatePatch& patch,

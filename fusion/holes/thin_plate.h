@@ -7,26 +7,11 @@
 
 #include <Eigen/Core>
 
+#include "fusion/holes/cotangent_laplacian.h"
 #include "fusion/memory/memory_limit.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief::fusion {
-
-/// The faces at each vertex of a part of a mesh.
-class FacesAround {
- public:
-  /// Of the vertices with `wanted` set.
-  FacesAround(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted);
-
-  /// Calls `visit(face)` for the faces at a vertex, in ascending order; none for unwanted vertices.
-  template <typename Visit>
-  void visit(std::uint32_t vertex, const Visit& visit) const {
-    for (std::size_t k = first_[vertex]; k < first_[vertex + 1]; ++k) visit(faces_[k]);
-  }
-
- private:
-  std::vector<std::uint32_t> first_, faces_;
-};
 
 /// A vertex of a plate.
 struct PlateVertex {
@@ -37,6 +22,11 @@ struct PlateVertex {
   /// How strongly a free vertex is drawn to its place [1/length^4]: a plate follows waves longer
   /// than about 2 pi / attraction^(1/4) and smooths shorter ones away. 0: not at all.
   double attraction = 0.0;
+  /// The curvature normal 2 H n at rest, n inwards of a sphere [1/length]; zero: it rests plane.
+  Eigen::Vector3d rest = Eigen::Vector3d::Zero();
+  /// How much that changes as the vertex moves, in the direction it moves [1/length^2]: a sphere
+  /// that grows bends less.
+  double growth = 0.0;
 };
 
 /// A part of a mesh whose vertices take the places where a thin elastic plate would come to rest.
@@ -59,10 +49,10 @@ struct PlateOptions {
   std::function<bool()> keep_going;  ///< Asked between steps where it goes step by step; or empty.
 };
 
-/// Places of the free vertices that minimise the sum of squared mean curvature normals, each over
-/// its area, and of squared moves
+/// Places of the free vertices that minimise the sum of squared differences of the mean curvature
+/// normals from those at rest, each over its area, and of squared moves
 ///
-///   sum_v stiffness_v |(L x)_v|^2 / A_v + sum_v attraction_v A_v |x_v - x_v^0|^2 (F7)
+///   sum_v stiffness_v |(L x)_v - A_v k_v|^2 / A_v + sum_v attraction_v A_v |x_v - x_v^0|^2 (F7)
 ///
 /// with the cotangent Laplacian L and the areas A of the mesh as given (Botsch and Kobbelt 2004).
 /// It keeps planes plane and does not move vertices along them. Empty when the system is singular:

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "fusion/tsdf/curved_closing.h"
 #include "fusion/tsdf/field_domain.h"
 #include "fusion/tsdf/obstacle_solver.h"
 #include "fusion/tsdf/tsdf_integration.h"
@@ -86,6 +87,31 @@ void fix_outside(SparseField& field, const Node& cells, float outside,
   }
 }
 
+// Holds the nodes of blocks at which, as at those beside them, nothing was measured and no floor is
+// reached: waves short enough to be new on this level have died away there.
+void hold_far_blocks(const SparseField& field, PagedArray<NodeConstraint>& constraints) {
+  const auto of_block = [&](std::size_t b) {
+    return constraints.span().subspan(b * kBlockNodes, kBlockNodes);
+  };
+  std::vector<std::uint8_t> known(field.block_count(), 0);
+  for (std::size_t b = 0; b < field.block_count(); ++b) {
+    if (!field.active(b)) continue;
+    const float* values = field.values(b);
+    for (std::size_t i = 0; i < kBlockNodes && !known[b]; ++i) {
+      const NodeConstraint& constraint = of_block(b)[i];
+      known[b] = constraint.fixed() || constraint.floor >= values[i];
+    }
+  }
+  for (std::size_t b = 0; b < field.block_count(); ++b) {
+    bool near = !field.active(b);
+    for (int k = 0; k < 27 && !near; ++k) {
+      const std::int32_t beside = field.neighbour(b, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+      near = beside >= 0 && known[static_cast<std::size_t>(beside)];
+    }
+    if (!near) std::ranges::fill(of_block(b), kFixedNode);
+  }
+}
+
 // On the coarsest lattice the relaxation factor is the optimum for its size; the finer ones start
 // close to their solution and differ from it in short waves only.
 ObstacleSolverOptions solver_options(bool coarsest, const ClosedFieldOptions& options) {
@@ -104,17 +130,21 @@ float limit_of(const Lattice& lattice, double truncation) {
   return static_cast<float>(std::max(truncation, 3.0 * lattice.spacing));
 }
 
+// Of up to eight steps each. The back of a sphere comes to rest in three.
+constexpr int kRoundsOfBending = 4;
+
 struct FieldLevel {
   std::unique_ptr<SparseField> field;
   std::size_t moving_blocks = 0;
+  bool bent = false;  // On this level or a coarser one.
 };
 
 // Solves for the field on one lattice, on the blocks near the samples and near the zero set of the
 // next coarser field. Without such a field the lattice is the coarsest one, with all its blocks.
 Result<FieldLevel> solve_level(const std::vector<ViewSampler>& views, const FieldDomain& domain,
                                int level, std::vector<NodeKey> near_samples,
-                               const SparseField* coarser, const ClosedFieldOptions& options,
-                               const Progress& progress) {
+                               const SparseField* coarser, bool bent,
+                               const ClosedFieldOptions& options, const Progress& progress) {
   const Error interrupted{ErrorKind::kInterrupted, "merging was interrupted"};
   const Lattice lattice = domain.lattice(level);
   const double truncation = std::max(options.truncation, 2.0 * lattice.spacing);
@@ -137,12 +167,23 @@ Result<FieldLevel> solve_level(const std::vector<ViewSampler>& views, const Fiel
   PagedArray<NodeConstraint> constraints(field.block_count() * kBlockNodes, options.memory);
   if (!integrate_views(field, views, truncation, limit, constraints, options, part))
     return interrupted;
+  if (coarser && bent) hold_far_blocks(field, constraints);
   if (!coarser) fix_outside(field, domain.coarse_cells, limit, constraints);
   bool stopped = false;
   ObstacleSolverOptions solver = solver_options(coarser == nullptr, options);
   solver.go_on = [&] { return !(stopped = !part(1.0)); };
-  solved.moving_blocks = solve_obstacle_problem(field, constraints.span(), solver).moving_blocks;
+  const auto solve = [&] {
+    solved.moving_blocks = solve_obstacle_problem(field, constraints.span(), solver).moving_blocks;
+  };
+  solve();
+  if (!stopped && (level > 0 || !coarser)) {
+    const CurvedClosingOptions curved{.truncation = truncation,
+                                      .rounds = coarser ? 1 : kRoundsOfBending,
+                                      .memory = options.memory};
+    solved.bent = close_curved(field, views, constraints.span(), curved, solve);
+  }
   if (stopped) return interrupted;
+  solved.bent = solved.bent || bent;
   field.close_zero_set(limit);
   return solved;
 }
@@ -158,19 +199,20 @@ bool room_for_unit(std::size_t blocks_near_samples, const MemoryLimit* memory) {
 // solve_level() as a unit of work.
 Result<FieldLevel> level_or_find(const std::vector<ViewSampler>& views, const FieldDomain& domain,
                                  int level, std::vector<NodeKey> near_samples,
-                                 const SparseField* coarser, const ClosedFieldOptions& options,
-                                 const Progress& progress) {
+                                 const SparseField* coarser, bool bent,
+                                 const ClosedFieldOptions& options, const Progress& progress) {
   const bool is_unit = level != 0 && room_for_unit(near_samples.size(), options.memory);
   if (auto kept = is_unit ? options.units.find(level) : std::nullopt) {
     const Lattice lattice = domain.lattice(level);
     return FieldLevel{
         std::make_unique<SparseField>(lattice, std::move(kept->blocks), coarser,
                                       limit_of(lattice, options.truncation), options.memory),
-        kept->moving_blocks};
+        kept->moving_blocks, kept->bent};
   }
   auto solved =
-      solve_level(views, domain, level, std::move(near_samples), coarser, options, progress);
-  if (solved && is_unit) options.units.keep(level, *solved->field, solved->moving_blocks);
+      solve_level(views, domain, level, std::move(near_samples), coarser, bent, options, progress);
+  if (solved && is_unit)
+    options.units.keep(level, *solved->field, solved->moving_blocks, solved->bent);
   return solved;
 }
 
@@ -192,11 +234,13 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
   ClosedField result;
   result.levels.resize(static_cast<std::size_t>(domain.levels));
   const SparseField* coarser = nullptr;
+  bool bent = false;
   for (int level = domain.levels - 1; level >= 0; --level) {
     const auto l = static_cast<std::size_t>(level);
-    auto solved =
-        level_or_find(views, domain, level, std::move(near_samples[l]), coarser, options, progress);
+    auto solved = level_or_find(views, domain, level, std::move(near_samples[l]), coarser, bent,
+                                options, progress);
     if (!solved) return solved.error();
+    bent = solved->bent;
     result.moving_blocks += solved->moving_blocks;
     result.levels[l] = std::move(solved->field);
     coarser = result.levels[l].get();

@@ -11,6 +11,13 @@ namespace relief::fusion {
 
 namespace {
 
+// The back of a sphere of which a third of the width was seen bulges by 1.1 of it, all told.
+constexpr double kUnseen = 1.1;  // [widths]
+
+// Length of the mean of the directions of views: 1 where all look the same way, and 0.5 where they
+// are spread over a half space, from where the sides of an object are seen down to its base.
+constexpr double kOneSide = 0.7;
+
 // Cells round the zero set of a level that the next finer one covers. Where the finer zero set
 // leaves them all the same, close_zero_set() adds blocks, with values of the coarser level.
 constexpr int kBandCells = 2;
@@ -22,6 +29,12 @@ Eigen::AlignedBox3d bounds_of(const std::vector<ViewSampler>& views, MemoryLimit
     view.for_surface_points([&](const Eigen::Vector3d& p) { box.extend(p); });
   }
   return box;
+}
+
+bool seen_from_one_side(const std::vector<ViewSampler>& views) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const ViewSampler& view : views) sum += view.direction();
+  return sum.norm() > kOneSide * static_cast<double>(views.size());
 }
 
 bool crossed_cell(const SparseField::Padded& padded, const Node& n) {
@@ -38,10 +51,17 @@ bool crossed_cell(const SparseField::Padded& padded, const Node& n) {
 
 FieldDomain domain_of(const std::vector<ViewSampler>& views, double voxel_size, double truncation,
                       int coarse_cells, MemoryLimit* memory) {
-  const Eigen::AlignedBox3d box = bounds_of(views, memory);
+  Eigen::AlignedBox3d box = bounds_of(views, memory);
+  const double widest = box.sizes().maxCoeff();
+  if (seen_from_one_side(views)) {
+    // Behind, the object goes on as far as it is wide.
+    const Eigen::Vector3d unseen = (kUnseen * widest - box.sizes().array()).matrix();
+    box.min() -= unseen;
+    box.max() += unseen;
+  }
   FieldDomain domain;
   domain.finest.spacing = voxel_size;
-  const double longest = box.sizes().maxCoeff() + 2.0 * truncation;
+  const double longest = widest + 2.0 * truncation;
   while (std::ldexp(voxel_size, domain.levels - 1) * coarse_cells < longest) ++domain.levels;
   const double coarse = std::ldexp(voxel_size, domain.levels - 1);
   const double padding = std::max(kPaddingCells * coarse, truncation + 2.0 * coarse);

@@ -27,8 +27,8 @@ static void serialize(Archive& archive, SparseFieldBlocks& blocks) {
 
 template <class Archive>
 static void serialize(Archive& archive, KeptLevel& level) {
-  auto& [blocks, moving_blocks] = level;
-  archive(blocks, moving_blocks);
+  auto& [blocks, moving_blocks, bent] = level;
+  archive(blocks, moving_blocks, bent);
 }
 
 std::optional<KeptLevel> FieldUnits::find(int level) const {
@@ -40,9 +40,11 @@ std::optional<KeptLevel> FieldUnits::find(int level) const {
   return kept;
 }
 
-void FieldUnits::keep(int level, const SparseField& field, std::size_t moving_blocks) const {
+void FieldUnits::keep(int level, const SparseField& field, std::size_t moving_blocks,
+                      bool bent) const {
   if (store_ == nullptr) return;
-  store_->keep(key_of_level(inputs_, level), encode_unit(KeptLevel{field.blocks(), moving_blocks}));
+  store_->keep(key_of_level(inputs_, level),
+               encode_unit(KeptLevel{field.blocks(), moving_blocks, bent}));
 }
 
 }  // namespace relief::fusion

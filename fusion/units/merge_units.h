@@ -18,6 +18,7 @@ void hash_into(ContentHash& hash, const MergeOptions& options);
 struct KeptLevel {
   SparseFieldBlocks blocks;
   std::size_t moving_blocks = 0;  ///< See ClosedField.
+  bool bent = false;              ///< Whether its filled surface was bent (close_curved()).
 };
 
 /// The levels of one closed field, kept as units of work (docs/cache.md).
@@ -30,7 +31,7 @@ class FieldUnits {
 
   /// What was kept of `level`, if anything.
   std::optional<KeptLevel> find(int level) const;
-  void keep(int level, const SparseField& field, std::size_t moving_blocks) const;
+  void keep(int level, const SparseField& field, std::size_t moving_blocks, bool bent) const;
 
  private:
   UnitStore* store_ = nullptr;

@@ -72,6 +72,9 @@ class ViewSampler {
   /// all are farther behind the surface than `reach` [unit].
   bool concerns(const Eigen::AlignedBox3d& box_in_world, double reach) const;
 
+  /// Where the view looks, in the world, of length 1.
+  Eigen::Vector3d direction() const { return world_from_view_.linear() * depth_axis_; }
+
   /// Calls `visit` with the corners of all quads, world frame, row by row.
   template <typename Visit>
   void for_surface_points(const Visit& visit) const {

@@ -148,6 +148,24 @@ void lose(std::vector<RangeView>& views, const std::function<bool(const Eigen::V
           view.range(u, v) = kNoSample;
 }
 
+// One view sees less than half of a sphere. The membrane behind it would be off by a radius.
+TEST(Closing, ASphereSeenByOneViewGoesOnAsASphere) {
+  auto views = from_above(testing::sphere_distance(kRadius), 14, 100, 0.6);
+  views.resize(1);
+  const MergeResult merged = closed(views);
+  EXPECT_TRUE(merged.check.watertight());
+  EXPECT_EQ(merged.check.genus, 0);
+  double squares = 0.0, farthest = 0.0;
+  for (const Eigen::Vector3d& p : merged.mesh.vertices) {
+    const double off = std::abs(p.norm() - kRadius);
+    squares += off * off;
+    farthest = std::max(farthest, off);
+  }
+  const double rms = std::sqrt(squares / static_cast<double>(merged.mesh.vertices.size()));
+  EXPECT_LT(rms, 0.1 * kRadius);
+  EXPECT_LT(farthest, 0.2 * kRadius);
+}
+
 // A tenth of a sphere masked in all views.
 std::vector<RangeView> views_with_hole(int size) {
   auto views =
