@@ -267,7 +267,8 @@ void FairRegions::prepare(FairRegion& region, const std::vector<ViewSampler>& vi
   TsdfIntegrator collector(views, options.truncation, options.voxel_size);
   const double behind = behind_border(region);
   const Arrival arrival = behind > kCurved ? arrival_at(region, options.voxel_size) : Arrival();
-  region.curved = arrival.known && arrival.on_sphere >= kRound * arrival.turn;
+  region.curved =
+      seen_from_one_side(views) && arrival.known && arrival.on_sphere >= kRound * arrival.turn;
   const bool ends_walls = arrival.known && !region.curved && behind > kBehind &&
                           arrival.turn > std::acos(kSharp) &&
                           arrival.carried < kCarried * arrival.turn;

@@ -14,10 +14,6 @@ namespace {
 // The back of a sphere of which a third of the width was seen bulges by 1.1 of it, all told.
 constexpr double kUnseen = 1.1;  // [widths]
 
-// Length of the mean of the directions of views: 1 where all look the same way, and 0.5 where they
-// are spread over a half space, from where the sides of an object are seen down to its base.
-constexpr double kOneSide = 0.7;
-
 // Cells round the zero set of a level that the next finer one covers. Where the finer zero set
 // leaves them all the same, close_zero_set() adds blocks, with values of the coarser level.
 constexpr int kBandCells = 2;
@@ -29,12 +25,6 @@ Eigen::AlignedBox3d bounds_of(const std::vector<ViewSampler>& views, MemoryLimit
     view.for_surface_points([&](const Eigen::Vector3d& p) { box.extend(p); });
   }
   return box;
-}
-
-bool seen_from_one_side(const std::vector<ViewSampler>& views) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const ViewSampler& view : views) sum += view.direction();
-  return sum.norm() > kOneSide * static_cast<double>(views.size());
 }
 
 bool crossed_cell(const SparseField::Padded& padded, const Node& n) {

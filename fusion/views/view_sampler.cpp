@@ -11,6 +11,10 @@ namespace relief::fusion {
 
 namespace {
 
+// Length of the mean of the directions of views: 1 where all look the same way, and 0.5 where they
+// are spread over a half space, from where the sides of an object are seen down to its base.
+constexpr double kOneSide = 0.7;
+
 // Views that meet the surface at more than 60 degrees are asked a second time, at the foot: there
 // the surface curves away between where the ray meets it and the foot. Flatter ones are not: it
 // would cost time and, next to relief of few samples, a little accuracy.
@@ -188,6 +192,12 @@ bool ViewSampler::concerns(const Eigen::AlignedBox3d& box_in_world, double reach
   pixels.max().array() += 1 + kBoxMargin;
   // A point and the surface on its ray are farther apart than their depths.
   return nearest - depths_.greatest(pixels) < reach;
+}
+
+bool seen_from_one_side(const std::vector<ViewSampler>& views) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const ViewSampler& view : views) sum += view.direction();
+  return sum.norm() > kOneSide * static_cast<double>(views.size());
 }
 
 }  // namespace relief::fusion

@@ -109,4 +109,7 @@ class ViewSampler {
   DepthPyramid depths_;  // Of the surface along the axis, from its centre.
 };
 
+/// Whether the views look the same way, more or less: nobody saw the back of the object.
+bool seen_from_one_side(const std::vector<ViewSampler>& views);
+
 }  // namespace relief::fusion
