@@ -42,9 +42,7 @@ Eigen::VectorXd continued_curvature(const TriangleMesh& mesh, const FacesAround&
   Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
   for (int row = 0; row < size; ++row) {
     const std::uint32_t v = vertices[static_cast<std::size_t>(row)];
-    Eigen::Vector3d bend = Eigen::Vector3d::Zero();
     visit_cotangents(mesh, around, v, [&](std::uint32_t other, double weight) {
-      bend += weight * (mesh.vertices[other] - mesh.vertices[v]);
       const auto column = row_of.find(other);
       if (column == row_of.end()) return;
       entries.emplace_back(row, column->second, -weight);
@@ -53,7 +51,7 @@ Eigen::VectorXd continued_curvature(const TriangleMesh& mesh, const FacesAround&
     if (!known[static_cast<std::size_t>(row)]) continue;
     const double share = 1.0 / (kAveraged * edge * kAveraged * edge);
     entries.emplace_back(row, row, share * area_at(mesh, around, v));
-    right(row) = -share * bend.dot(normal_at(mesh, around, v));
+    right(row) = -share * bend_at(mesh, around, v).dot(normal_at(mesh, around, v));
   }
   if (right.isZero()) return right;
   Sparse system(size, size);

@@ -91,6 +91,7 @@ std::vector<HeldNode> beside_moved(const SparseField& field, BentRegions bent,
 bool close_curved(SparseField& field, const std::vector<ViewSampler>& views,
                   std::span<NodeConstraint> constraints, const CurvedClosingOptions& options,
                   const std::function<void()>& solve) {
+  if (!seen_from_one_side(views)) return false;
   const double spacing = field.lattice().spacing;
   std::vector<std::pair<std::size_t, NodeConstraint>> before;
   for (int round = 0; round < options.rounds; ++round) {

@@ -24,7 +24,7 @@ struct CurvedClosingOptions {
 /// (bend_filled_regions()). Nodes beside it that nobody measured are held at their distance from
 /// it, or at their floors, and `solve` is called, which is to solve the field again.
 /// `constraints` has an entry per node, in the order of the field's blocks.
-/// Returns whether anything was bent.
+/// Returns whether anything was bent: nothing is unless the views saw the object from one side.
 bool close_curved(SparseField& field, const std::vector<ViewSampler>& views,
                   std::span<NodeConstraint> constraints, const CurvedClosingOptions& options,
                   const std::function<void()>& solve);
