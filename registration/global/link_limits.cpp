@@ -120,9 +120,9 @@ bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<P
   return true;
 }
 
-LinkLimits with_looped(LinkLimits limits, const VerificationThresholds& general) {
-  limits.looped = limits.confirmed;
-  limits.looped.max_free_space_violation =
+LinkLimits with_loop_confirmed(LinkLimits limits, const VerificationThresholds& general) {
+  limits.loop_confirmed = limits.confirmed;
+  limits.loop_confirmed.max_free_space_violation =
       std::max(limits.confirmed.max_free_space_violation,
                std::min(1.0, kWidestContradiction * general.max_free_space_violation));
   return limits;
@@ -186,7 +186,7 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
   if (follow_losses(surfaces, links, loops, wide.confirmed)) {
     wide.lone.max_missing_coverage = wide.confirmed.max_missing_coverage;
     wide.lone.max_free_space_violation = wide.confirmed.max_free_space_violation;
-    return with_looped(wide, options.limits);
+    return with_loop_confirmed(wide, options.limits);
   }
   VerificationThresholds believed = options.limits;
   believed.max_coherent_rms = std::max(believed.max_coherent_rms, options.confirmed_coherent_rms);
@@ -195,7 +195,7 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
       follow(surfaces, links_believed, options.largest_excess, options.limits), {}, {}};
   limits.confirmed = limits.lone;
   limits.confirmed.max_coherent_rms = believed.max_coherent_rms;
-  return with_looped(limits, options.limits);
+  return with_loop_confirmed(limits, options.limits);
 }
 
 }  // namespace relief::registration

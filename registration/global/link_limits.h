@@ -21,7 +21,7 @@ struct LinkLimits {
   VerificationThresholds confirmed;  ///< Links that loops confirm, and pairs at poses of chains.
   /// Links that kTellingLoops loops or more confirm, and the pairs of these. Strays depend on the
   /// pair, and samples are few: such poses may show as many as those that `confirmed` follows from.
-  VerificationThresholds looped;
+  VerificationThresholds loop_confirmed;
 };
 
 /// Whether a pose may be right although it deviates by more than `general` allows: smooth errors of

@@ -39,7 +39,7 @@ void sort_by_support(const std::vector<ViewSurface>& surfaces, const LinkLimits&
   };
   std::vector<PoseLink> believed;
   for (std::size_t k = 0; k < links.size(); ++k)
-    if (fits(links[k], loops_of_all[k] >= kTellingLoops ? limits.looped : limits.confirmed))
+    if (fits(links[k], loops_of_all[k] >= kTellingLoops ? limits.loop_confirmed : limits.confirmed))
       believed.push_back(links[k]);
   links = std::move(believed);
   const auto loops = count_loops(surfaces, links);
@@ -80,7 +80,7 @@ class Joining {
       : surfaces_(surfaces),
         links_(links),
         limits_(limits.confirmed),
-        looped_(limits.looped),
+        loop_confirmed_(limits.loop_confirmed),
         options_(options),
         known_(known),
         start_sizes_(surfaces.size(), 0) {
@@ -213,7 +213,7 @@ class Joining {
     const ViewSurface &target = surfaces_[i], &source = surfaces_[j];
     const RigidMotion i_from_j = groups_.group_from_view[i].inverse() *
                                  hypothesis.first_from_second * groups_.group_from_view[j];
-    VerificationThresholds limits = has_link_at(i, j, i_from_j) ? looped_ : limits_;
+    VerificationThresholds limits = has_link_at(i, j, i_from_j) ? loop_confirmed_ : limits_;
     limits.min_overlap = kCountingOverlap;
     PoseEvidence evidence = judge_pose(source, target, i_from_j, options_.judge);
     if (plausible(evidence, source, target, limits)) return support_of(evidence);
@@ -256,7 +256,7 @@ class Joining {
 
   const std::vector<ViewSurface>& surfaces_;
   const std::vector<PoseLink>& links_;
-  const VerificationThresholds limits_, looped_;
+  const VerificationThresholds limits_, loop_confirmed_;
   const ViewGroupOptions& options_;
   const std::vector<bool>& known_;
   std::vector<std::size_t> start_sizes_;  // Of the groups of the start, at their first views.
