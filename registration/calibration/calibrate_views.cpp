@@ -9,6 +9,7 @@
 #include "registration/calibration/calibration_notes.h"
 #include "registration/calibration/estimation/calibration_problem.h"
 #include "registration/calibration/estimation/calibration_sums.h"
+#include "registration/calibration/estimation/fold_system.h"
 #include "registration/calibration/estimation/pose_inflation.h"
 #include "registration/calibration/model/error_model.h"
 #include "registration/calibration/pairwise_fit.h"
@@ -90,7 +91,7 @@ class Calibrating {
       ++result_.iterations;
       if (moving && result_.iterations < kMostIterations) continue;
       inflation_ = pose_inflation(sums, sensors_, model_, held_);
-      describe(held_out_test(sums).fit(model_));
+      describe(HeldOutTest(fold_system(sums), sums, sensors_).fit(model_));
     }
     note_errors_per_view(result_);
     if (model_.choices.empty()) return std::move(result_);
@@ -110,8 +111,8 @@ class Calibrating {
     return options_.scope != CalibrationScope::kShared && linked_views() <= kMostViewsApart;
   }
 
-  HeldOutTest held_out_test(const std::vector<PairSums>& sums) const {
-    return HeldOutTest(sums, sensors_, held_, may_err_apart());
+  FoldSystem fold_system(const std::vector<PairSums>& sums) const {
+    return FoldSystem(sums, sensors_, held_, may_err_apart());
   }
 
   // Other places of the same views confirm what other views do not: a view's local errors.
@@ -200,8 +201,9 @@ class Calibrating {
   }
 
   void select(const std::vector<PairSums>& sums) {
+    const FoldSystem system = fold_system(sums);
     const SelectedErrors selected =
-        select_errors(held_out_test(sums), LeftOutViewsTest(sums, sensors_, held_, may_err_apart()),
+        select_errors(HeldOutTest(system, sums, sensors_), LeftOutViewsTest(system, sums, sensors_),
                       sensors_, options_.scope, model_);
     for (std::size_t c = 0; c < model_.choices.size(); ++c) {
       CalibratedError error;
@@ -214,7 +216,7 @@ class Calibrating {
       error.left_out_views_gain_std = views.deviation;
       result_.errors.push_back(error);
     }
-    if (options_.scope == CalibrationScope::kAuto) unconfirmed_gain_ = selected.unconfirmed_gain;
+    unconfirmed_gain_ = selected.unconfirmed_gain;
   }
 
   // Whether poses or errors still moved.

@@ -74,22 +74,17 @@ QuadraticSum sum_of_fold(const std::vector<PairSums>& pairs, std::size_t fold,
   return all;
 }
 
-ReducedSum common_motion_of(const std::vector<PairSums>& pairs, const Sensors& sensors,
-                            const SystemLayout& layout) {
-  ReducedSum sum(layout.coefficients);
-  Eigen::MatrixXd& all = sum.matrix;
-  for (const PairSums& pair : pairs) {
-    const auto source =
-        static_cast<Eigen::Index>(sensors.models[sensors.of_view[pair.source]].terms());
-    const Eigen::MatrixXd motion = common_motion(pair, source);
-    const Eigen::Index target = motion.rows() - source;
-    const Eigen::Index s = layout.terms[pair.source], t = layout.terms[pair.target];
-    all.block(s, s, source, source) += motion.topLeftCorner(source, source);
-    all.block(t, t, target, target) += motion.bottomRightCorner(target, target);
-    all.block(s, t, source, target) += motion.topRightCorner(source, target);
-    all.block(t, s, target, source) += motion.bottomLeftCorner(target, source);
-  }
-  return sum;
+void add_common_motion(const PairSums& pair, const Sensors& sensors, const SystemLayout& layout,
+                       ReducedSum& all) {
+  const auto source =
+      static_cast<Eigen::Index>(sensors.models[sensors.of_view[pair.source]].terms());
+  const Eigen::MatrixXd motion = common_motion(pair, source);
+  const Eigen::Index target = motion.rows() - source;
+  const Eigen::Index s = layout.terms[pair.source], t = layout.terms[pair.target];
+  all.matrix.block(s, s, source, source) += motion.topLeftCorner(source, source);
+  all.matrix.block(t, t, target, target) += motion.bottomRightCorner(target, target);
+  all.matrix.block(s, t, source, target) += motion.topRightCorner(source, target);
+  all.matrix.block(t, s, target, source) += motion.bottomLeftCorner(target, source);
 }
 
 }  // namespace relief::registration

@@ -35,8 +35,8 @@ QuadraticSum sum_of_fold(const std::vector<PairSums>& pairs, std::size_t fold,
 void add_fold(const PairSums& pair, std::size_t fold, const Sensors& sensors,
               const SystemLayout& layout, QuadraticSum& all);
 
-/// The sum over all pairs of common_motion(), by the coefficients; its gradient is 0.
-ReducedSum common_motion_of(const std::vector<PairSums>& pairs, const Sensors& sensors,
-                            const SystemLayout& layout);
+/// Adds the common_motion() of a pair, by the coefficients. It has no gradient.
+void add_common_motion(const PairSums& pair, const Sensors& sensors, const SystemLayout& layout,
+                       ReducedSum& all);
 
 }  // namespace relief::registration

@@ -26,22 +26,17 @@ Eigen::MatrixXd prior_of(const ErrorModel& model,
   return prior + common_motion.by_parameters(coefficients).matrix;
 }
 
-HeldOutTest::HeldOutTest(const std::vector<PairSums>& pairs, const Sensors& sensors,
-                         const std::vector<bool>& held, bool per_view)
-    : sensors_(sensors), layout_(sensors, held, per_view) {
-  auto sums = parallel_map<QuadraticSum>(
-      kFolds, [&](std::size_t f) { return sum_of_fold(pairs, f, sensors, layout_); });
-  QuadraticSum all(layout_.poses + layout_.coefficients);
-  for (const QuadraticSum& sum : sums) all += sum;
-  squares_ = all.squares;
-  if (per_view) common_motion_ = common_motion_of(pairs, sensors, layout_);
+HeldOutTest::HeldOutTest(const FoldSystem& system, const std::vector<PairSums>& pairs,
+                         const Sensors& sensors)
+    : sensors_(sensors), layout_(system.layout), squares_(system.squares) {
+  if (per_view()) {
+    common_motion_ = ReducedSum(layout_.coefficients);
+    for (const PairSums& pair : pairs) add_common_motion(pair, sensors, layout_, common_motion_);
+  }
   parallel_for(kFolds, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      QuadraticSum train = all;
-      train.matrix -= sums[f].matrix;
-      train.gradient -= sums[f].gradient;
-      const EliminatedPoses poses(train, layout_.poses);
-      folds_[f] = {poses.reduce(train), poses.reduce(sums[f])};
+      const Fold& fold = system.folds[f];
+      folds_[f] = {fold.poses_of_others.reduce(fold.others), fold.poses_of_others.reduce(fold.own)};
     }
   });
 }

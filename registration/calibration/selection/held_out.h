@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "registration/calibration/estimation/calibration_sums.h"
+#include "registration/calibration/estimation/fold_system.h"
 #include "registration/calibration/estimation/reduced_sum.h"
 #include "registration/calibration/estimation/system_layout.h"
 #include "registration/calibration/model/error_model.h"
@@ -38,9 +39,8 @@ Eigen::MatrixXd prior_of(const ErrorModel& model,
 /// once for each fold. So a model costs the solution of one small system for each fold.
 class HeldOutTest {
  public:
-  /// `per_view`: whether models may have errors per view. `held` views do not move.
-  HeldOutTest(const std::vector<PairSums>& pairs, const Sensors& sensors,
-              const std::vector<bool>& held, bool per_view);
+  /// `system`: of the same pairs.
+  HeldOutTest(const FoldSystem& system, const std::vector<PairSums>& pairs, const Sensors& sensors);
 
   HeldOutFit fit(const ErrorModel& model) const;
 
@@ -49,12 +49,12 @@ class HeldOutTest {
   double squares() const { return squares_; }
 
  private:
-  struct Fold {
+  struct ReducedFold {
     ReducedSum train, test;
   };
   const Sensors& sensors_;
   SystemLayout layout_;
-  std::array<Fold, kFolds> folds_;
+  std::array<ReducedFold, kFolds> folds_;
   ReducedSum common_motion_;  // Of errors per view; empty where there may be none.
   double squares_ = 0.0;
 };

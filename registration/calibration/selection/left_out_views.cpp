@@ -1,7 +1,6 @@
 #include "registration/calibration/selection/left_out_views.h"
 
 #include <algorithm>
-#include <iterator>
 
 #include <Eigen/Cholesky>
 
@@ -40,45 +39,34 @@ std::vector<std::size_t> groups_of(const std::vector<PairSums>& pairs, std::size
 
 }  // namespace
 
-LeftOutViewsTest::LeftOutViewsTest(const std::vector<PairSums>& pairs, const Sensors& sensors,
-                                   const std::vector<bool>& held, bool per_view)
-    : sensors_(sensors), layout_(sensors, held, per_view) {
+LeftOutViewsTest::LeftOutViewsTest(const FoldSystem& system, const std::vector<PairSums>& pairs,
+                                   const Sensors& sensors)
+    : sensors_(sensors), layout_(system.layout) {
+  const std::size_t views = layout_.pose.size();
   std::size_t groups = 0;
   const std::vector<std::size_t> group =
-      groups_of(pairs, held.size(), most_groups(held.size(), per_view), groups);
-  const auto touches = [&](const PairSums& pair, std::size_t g) {
-    return group[pair.source] == g || group[pair.target] == g;
-  };
-  const auto folds = parallel_map<QuadraticSum>(
-      kFolds, [&](std::size_t f) { return sum_of_fold(pairs, f, sensors, layout_); });
+      groups_of(pairs, views, most_groups(views, layout_.per_view), groups);
   const Eigen::Index size = layout_.poses + layout_.coefficients;
-  QuadraticSum all(size);
-  for (const QuadraticSum& fold : folds) all += fold;
-  const auto of_others = parallel_map<EliminatedPoses>(kFolds, [&](std::size_t f) {
-    QuadraticSum others = all;
-    others.matrix -= folds[f].matrix;
-    others.gradient -= folds[f].gradient;
-    return EliminatedPoses(others, layout_.poses);
-  });
   groups_ = parallel_map<Group>(groups, [&](std::size_t g) {
+    const auto touches = [&](const PairSums& pair) {
+      return group[pair.source] == g || group[pair.target] == g;
+    };
     Group result;
     QuadraticSum train(size);
     result.test = ReducedSum(layout_.coefficients);
     for (std::size_t f = 0; f < kFolds; ++f) {
       QuadraticSum touched(size);
       for (const PairSums& pair : pairs)
-        add_fold(pair, f, sensors, layout_, touches(pair, g) ? touched : train);
-      const ReducedSum test = of_others[f].reduce(touched);
+        add_fold(pair, f, sensors, layout_, touches(pair) ? touched : train);
+      const ReducedSum test = system.folds[f].poses_of_others.reduce(touched);
       result.test.matrix += test.matrix;
       result.test.gradient += test.gradient;
     }
     result.train = EliminatedPoses(train, layout_.poses).reduce(train);
-    if (per_view) {
-      std::vector<PairSums> others;
-      std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(others),
-                   [&](const PairSums& pair) { return !touches(pair, g); });
-      result.common_motion = common_motion_of(others, sensors, layout_);
-    }
+    if (!layout_.per_view) return result;
+    result.common_motion = ReducedSum(layout_.coefficients);
+    for (const PairSums& pair : pairs)
+      if (!touches(pair)) add_common_motion(pair, sensors, layout_, result.common_motion);
     return result;
   });
 }

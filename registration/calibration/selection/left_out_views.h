@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "registration/calibration/estimation/calibration_sums.h"
+#include "registration/calibration/estimation/fold_system.h"
 #include "registration/calibration/estimation/reduced_sum.h"
 #include "registration/calibration/estimation/system_layout.h"
 #include "registration/calibration/model/error_model.h"
@@ -17,9 +18,9 @@ namespace relief::registration {
 /// others better too. So must the errors that the others have apart.
 class LeftOutViewsTest {
  public:
-  /// `per_view`: whether models may have errors per view. `held` views do not move.
-  LeftOutViewsTest(const std::vector<PairSums>& pairs, const Sensors& sensors,
-                   const std::vector<bool>& held, bool per_view);
+  /// `system`: of the same pairs.
+  LeftOutViewsTest(const FoldSystem& system, const std::vector<PairSums>& pairs,
+                   const Sensors& sensors);
 
   /// By how much a model lowers the sum of squares of the views left out, for each group of views.
   /// Their poses come from correspondences of other folds. Their own errors per view are 0.

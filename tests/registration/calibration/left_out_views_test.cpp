@@ -74,6 +74,10 @@ struct RandomProblem {
     pairs.push_back(std::move(pair));
   }
 
+  LeftOutViewsTest left_out_views(const std::vector<bool>& held, bool per_view) const {
+    return {FoldSystem(pairs, sensors, held, per_view), pairs, sensors};
+  }
+
   // The first view is held.
   Eigen::VectorXd by_all(std::size_t source, std::size_t target, const Eigen::VectorXd& j) const {
     Eigen::VectorXd all = Eigen::VectorXd::Zero(6 * kViews + terms);
@@ -137,7 +141,7 @@ TEST(LeftOutViews, GainAsWhenEachIsLeftOut) {
   const std::size_t offset = 6 * kViews + model.parameters[0].term;
   all[offset] = true;
 
-  const auto gains = LeftOutViewsTest(problem.pairs, problem.sensors, held, false).gains(model);
+  const auto gains = problem.left_out_views(held, false).gains(model);
   ASSERT_EQ(gains.size(), kViews);
   for (std::size_t view = 0; view < kViews; ++view) {
     const auto touches = [&](const Row& row) { return row.source == view || row.target == view; };
@@ -163,9 +167,7 @@ TEST(LeftOutViews, GainByTheErrorsOfTheOthers) {
   const std::vector<bool> held(kViews, false);
   ErrorModel model;
   model.add({SensorError::kRangeOffset, true}, problem.sensors);
-  for (const double gain :
-       LeftOutViewsTest(problem.pairs, problem.sensors, held, true).gains(model))
-    EXPECT_GT(gain, 0.0);
+  for (const double gain : problem.left_out_views(held, true).gains(model)) EXPECT_GT(gain, 0.0);
 }
 
 }  // namespace
