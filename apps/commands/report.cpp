@@ -40,7 +40,9 @@ int write_report_page(const ReportCommand& command) {
   if (!mesh) return fail(mesh.error());
   if (const auto ready = prepare_folder_of(files.page); !ready) return fail(ready.error());
   HtmlReportOptions options = command.html;
-  const auto written = write_html_report(files, *mesh ? &**mesh : nullptr, options);
+  const auto written = run_in(context_of(command.common, "report"), [&] {
+    return write_html_report(files, *mesh ? &**mesh : nullptr, options);
+  });
   if (!written) return fail(written.error());
   if (command.common.json) std::cout << read_file(files.report).value() << std::flush;
   return kDone;

@@ -13,6 +13,8 @@
 
 #include <Eigen/Core>
 
+#include "scan/base/parallel.h"
+
 namespace relief::fusion {
 
 namespace {
@@ -95,12 +97,15 @@ class Collapser {
     centre_ /= static_cast<double>(std::max<std::size_t>(1, mesh.vertices.size()));
     for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) add_face(f);
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) fixed_[v] = on_border(v);
-    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+      if (v % kBetweenStops == 0) end_if_stopped();
       for (const std::uint32_t w : neighbours(v)) propose(v, w);
+    }
   }
 
   void run() {
-    while (left_ > options_.faces && !queue_.empty()) {
+    for (std::size_t step = 0; left_ > options_.faces && !queue_.empty(); ++step) {
+      if (step % kBetweenStops == 0) end_if_stopped();
       const Candidate next = queue_.pop();
       if (next.from_stamp == stamp_[next.from] && next.to_stamp == stamp_[next.to] &&
           allowed(next.from, next.to))
@@ -113,6 +118,7 @@ class Collapser {
   }
 
  private:
+  static constexpr std::size_t kBetweenStops = 4096;  // Steps, milliseconds. Changes no result.
   static constexpr std::uint32_t kRemoved = 0xffffffffu;  // A stamp that no candidate has.
 
   static bool has(const TriangleMesh::Face& face, std::uint32_t v) {

@@ -217,10 +217,13 @@ class Run {
   Result<void> write_page(const TriangleMesh& mesh) {
     if (command_.no_html_report) return {};
     HtmlReportOptions options = command_.html;
-    return write_html_report({.page = command_.output / "report.html",
-                              .report = report_path(command_.common, command_.output / "scan.json"),
-                              .folder = command_.output},
-                             &mesh, options);
+    return run_in(context("report"), [&] {
+      return write_html_report(
+          {.page = command_.output / "report.html",
+           .report = report_path(command_.common, command_.output / "scan.json"),
+           .folder = command_.output},
+          &mesh, options);
+    });
   }
 
   // Into the report file; standard output gets the whole report once, at the end.

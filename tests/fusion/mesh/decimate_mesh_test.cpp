@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <stop_token>
 
 #include <gtest/gtest.h>
 
 #include "relief/fusion/merge_views.h"
+#include "relief/scan/context.h"
 #include "tests/fusion/scenes.h"
 #include "tests/support/result_matchers.h"
 
@@ -30,6 +32,15 @@ double largest_error(const TriangleMesh& mesh) {
         largest,
         std::abs(torus((mesh.corner(f, 0) + mesh.corner(f, 1) + mesh.corner(f, 2)) / 3.0)));
   return largest;
+}
+
+TEST(DecimateMesh, EndsWhenTheComputationAroundItIsToStop) {
+  const TriangleMesh& mesh = torus_mesh();
+  std::stop_source source;
+  source.request_stop();
+  const auto result = run_in({.stop = source.get_token()},
+                             [&] { return decimate_mesh(mesh, {.faces = 4000}); });
+  EXPECT_THAT(result, HasError(ErrorKind::kInterrupted));
 }
 
 TEST(DecimateMesh, ReachesANumberOfFacesAndStaysAClosedTorus) {

@@ -85,6 +85,21 @@ TEST(RunIn, StopsLoopsFromAnyThread) {
   }
 }
 
+TEST(RunIn, EndsWorkThatAsks) {
+  std::stop_source source;
+  int steps = 0;
+  const auto result = run_in({.threads = 1, .stop = source.get_token()}, [&]() -> Result<int> {
+    for (; steps < 1000; ++steps) {
+      end_if_stopped();
+      if (steps == 10) source.request_stop();
+    }
+    return steps;
+  });
+  EXPECT_THAT(result, HasError(ErrorKind::kInterrupted));
+  EXPECT_EQ(steps, 11);
+  end_if_stopped();  // Nobody asked outside.
+}
+
 TEST(RunIn, StopsWhatIsCalledWithAContextOfItsOwn) {
   std::stop_source source;
   source.request_stop();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "scan/base/disjoint_sets.h"
+#include "scan/base/parallel.h"
 
 namespace relief {
 
@@ -52,6 +53,7 @@ class Clusters {
 
  private:
   static constexpr double kMostCells = 1 << 20;
+  static constexpr std::size_t kBetweenStops = 65536;  // Vertices; changes no result.
   static constexpr int kRounds = 20;
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -84,6 +86,7 @@ class Clusters {
     std::unordered_map<std::uint64_t, Cube> cubes;
     of_.reserve(mesh_.vertices.size());
     for (std::size_t v = 0; v < mesh_.vertices.size(); ++v) {
+      if (v % kBetweenStops == 0) end_if_stopped();
       Cube& cube = cubes.try_emplace(cube_of(mesh_.vertices[v]), Cube{v}).first->second;
       auto& number = cube.clusters[normals[v].dot(normals[cube.first]) < 0.0f ? 1 : 0];
       if (number == kNone) {
@@ -99,6 +102,7 @@ class Clusters {
 
   void choose() {
     for (std::size_t v = 0; v < mesh_.vertices.size(); ++v) {
+      if (v % kBetweenStops == 0) end_if_stopped();
       Cluster& cluster = clusters_[of_[v]];
       const double distance = (mesh_.vertices[v] - cluster.sum / cluster.count).squaredNorm();
       if (!(distance < cluster.distance)) continue;
