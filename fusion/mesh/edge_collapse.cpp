@@ -118,7 +118,7 @@ class Collapser {
   }
 
  private:
-  static constexpr std::size_t kBetweenStops = 4096;  // Steps, milliseconds. Changes no result.
+  static constexpr std::size_t kBetweenStops = 4096;      // Steps, milliseconds. Changes no result.
   static constexpr std::uint32_t kRemoved = 0xffffffffu;  // A stamp that no candidate has.
 
   static bool has(const TriangleMesh::Face& face, std::uint32_t v) {

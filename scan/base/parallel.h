@@ -16,8 +16,8 @@ namespace relief {
 void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
 
-/// Ends the computation of the enclosing run_in() when somebody asked it to stop, as each piece of a
-/// loop above does. For long work on one thread, at least once in about a tenth of a second.
+/// Ends the computation of the enclosing run_in() when somebody asked it to stop, as each piece of
+/// a loop above does. For long work on one thread, at least once in about a tenth of a second.
 void end_if_stopped();
 
 /// Gives memory that loops' threads have freed, which the C library keeps for each of them, back to

@@ -38,8 +38,8 @@ TEST(DecimateMesh, EndsWhenTheComputationAroundItIsToStop) {
   const TriangleMesh& mesh = torus_mesh();
   std::stop_source source;
   source.request_stop();
-  const auto result = run_in({.stop = source.get_token()},
-                             [&] { return decimate_mesh(mesh, {.faces = 4000}); });
+  const auto result =
+      run_in({.stop = source.get_token()}, [&] { return decimate_mesh(mesh, {.faces = 4000}); });
   EXPECT_THAT(result, HasError(ErrorKind::kInterrupted));
 }
 
