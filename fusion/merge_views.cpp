@@ -77,6 +77,9 @@ class Preparation {
     options_.memory = memory;
   }
 
+  /// Of the samplers' views among those given.
+  const std::vector<std::uint16_t>& indices() const { return indices_; }
+
   Result<std::vector<ViewSampler>> operator()(const ViewSource& views,
                                               std::vector<std::string>& notes) {
     if (views.count == 0) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
@@ -99,11 +102,13 @@ class Preparation {
   Result<void> add(const ViewSource& views, std::size_t begin, std::size_t end,
                    std::vector<std::string>& notes) {
     std::vector<std::shared_ptr<const RangeView>> used;
+    std::vector<std::size_t> index;
     for (std::size_t i = begin; i < end; ++i) {
       auto view = views.load(i);
       if (!view) return view.error();
       if (has_usable_pose(**view, views.count)) {
         used.push_back(std::move(view).value());
+        index.push_back(i);
         continue;
       }
       ++without_pose_;
@@ -116,10 +121,13 @@ class Preparation {
     });
     for (std::size_t k = 0; k < used.size(); ++k) {
       if (!*samplers[k]) return samplers[k]->error();
-      if ((*samplers[k])->empty())
+      if ((*samplers[k])->empty()) {
         notes.push_back("view `" + used[k]->name + "` has no connected samples and is left out");
-      else
-        samplers_.push_back(std::move(**samplers[k]));
+        continue;
+      }
+      samplers_.push_back(std::move(**samplers[k]));
+      indices_.push_back(
+          static_cast<std::uint16_t>(std::min<std::size_t>(index[k], kNoSourceView)));
     }
     return check(options_.memory);
   }
@@ -127,6 +135,7 @@ class Preparation {
   const Progress& progress_;
   PagedSurfaceOptions options_;
   std::vector<ViewSampler> samplers_;
+  std::vector<std::uint16_t> indices_;
   std::size_t without_pose_ = 0;
 };
 
@@ -252,8 +261,8 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   if (!inputs) return inputs.error();
   const SampleQuality& quality = inputs->quality;
   const Progress preparing = part_of(context.progress, 0.0, kPrepared);
-  const auto samplers =
-      Preparation(options, quality.deviation, memory.get(), preparing)(views, result.notes);
+  Preparation prepare(options, quality.deviation, memory.get(), preparing);
+  const auto samplers = prepare(views, result.notes);
   if (!samplers) return samplers.error();
   release_freed_memory();
   count_samples(*samplers, result);
@@ -284,7 +293,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
       !room)
     return room.error();
   const VertexAttributeOptions measure{result.truncation, result.voxel_size, result.view_noise,
-                                       memory.get()};
+                                       memory.get(), prepare.indices()};
   set_vertex_attributes(result.mesh, *samplers, measure);
   const FairFillOptions fair{result.truncation, result.voxel_size, memory.get()};
   if (const auto faired = fair_fill(fair, *samplers, result, context.progress); !faired)

@@ -10,6 +10,7 @@
 #include "hybrid/model/prepared_view.h"
 #include "hybrid/model/smooth_change.h"
 #include "hybrid/model/view_problem.h"
+#include "hybrid/noise/deviation_spectrum.h"
 #include "hybrid/noise/noise_model.h"
 #include "hybrid/normals/normal_correction.h"
 #include "hybrid/normals/normal_outliers.h"
@@ -255,6 +256,7 @@ class Refinement {
   void finish(const RobustSolve& solved) {
     const Eigen::VectorXd& y = solved.y;
     const auto count = static_cast<Eigen::Index>(problem_.size());
+    result_.spectrum = deviation_spectrum(range_steps(result_.view, edges_), moved_by(y));
     move_samples(problem_, y, result_.view);
     if (y.size() > count) {
       const Eigen::VectorXd bias = y.tail(2 * count);
@@ -275,6 +277,14 @@ class Refinement {
     result_.sigma_position = noise_.sigma_position;
     result_.sigma_normal = noise_.sigma_normal;
     result_.lambda = equivalent_lambda(noise_);
+  }
+
+  Grid<float> moved_by(const Eigen::VectorXd& y) const {
+    Grid<float> moved(result_.view.width(), result_.view.height(), 0.0f);
+    for_each_sample(problem_, [&](Eigen::Index k, std::uint32_t pixel) {
+      moved[pixel] = static_cast<float>(y[k]);
+    });
+    return moved;
   }
 
   const RangeView& measured_;

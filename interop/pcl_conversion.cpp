@@ -115,6 +115,7 @@ void add_fields(pcl::PCLPointCloud2& cloud, const TriangleMesh& mesh) {
       add_field(cloud, name, Field::FLOAT32);
   if (!mesh.quality.empty()) add_field(cloud, "quality", Field::FLOAT32);
   if (!mesh.views.empty()) add_field(cloud, "views", Field::UINT16);
+  if (!mesh.source_views.empty()) add_field(cloud, "source_view", Field::UINT16);
   if (!mesh.filled.empty()) add_field(cloud, "filled", Field::UINT8);
   if (!mesh.colours.empty()) add_field(cloud, "rgb", Field::FLOAT32);
 }
@@ -144,6 +145,7 @@ void pack_vertex(const TriangleMesh& mesh, std::size_t i, Packer packer) {
     for (const float value : mesh.normals[i]) packer.put(value);
   if (!mesh.quality.empty()) packer.put(mesh.quality[i]);
   if (!mesh.views.empty()) packer.put(mesh.views[i]);
+  if (!mesh.source_views.empty()) packer.put(mesh.source_views[i]);
   if (!mesh.filled.empty()) packer.put(mesh.filled[i]);
   if (!mesh.colours.empty()) packer.put(packed(mesh.colours[i]));
 }
@@ -211,6 +213,7 @@ void read_attributes(const pcl::PCLPointCloud2& cloud, std::size_t count, Triang
   const auto normal = find_vector(cloud, {"normal_x", "normal_y", "normal_z"});
   const Field* quality = find_field(cloud, "quality", {Field::FLOAT32});
   const Field* views = find_field(cloud, "views", {Field::UINT16});
+  const Field* sources = find_field(cloud, "source_view", {Field::UINT16});
   const Field* filled = find_field(cloud, "filled", {Field::UINT8});
   const Field* rgb = find_field(cloud, "rgb", {Field::FLOAT32, Field::UINT32});
   if (!rgb) rgb = find_field(cloud, "rgba", {Field::UINT32});
@@ -218,6 +221,7 @@ void read_attributes(const pcl::PCLPointCloud2& cloud, std::size_t count, Triang
     if (normal) mesh.normals.push_back(vector_at(cloud, i, *normal).cast<float>());
     if (quality) mesh.quality.push_back(value_at<float>(cloud, i, *quality));
     if (views) mesh.views.push_back(value_at<std::uint16_t>(cloud, i, *views));
+    if (sources) mesh.source_views.push_back(value_at<std::uint16_t>(cloud, i, *sources));
     if (filled) mesh.filled.push_back(value_at<std::uint8_t>(cloud, i, *filled));
     if (rgb) mesh.colours.push_back(unpacked(value_at<std::uint32_t>(cloud, i, *rgb)));
   }

@@ -197,6 +197,7 @@ class Aligning {
     result.iterations = refined_.iterations;
     result.rms = refined_.rms;
     result.solves = std::move(refined_.solves);
+    result.loops = std::move(refined_.loops);
     return result;
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numbers>
 #include <vector>
 
 #include <fmt/format.h>
@@ -75,6 +76,19 @@ Json pair_report(const registration::PairFit& pair, const registration::Alignmen
           {"degenerate_directions", std::move(directions)}};
 }
 
+Json loop_report(const registration::LoopClosure& loop, const registration::Alignment& alignment) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  Json views = Json::array();
+  for (const std::size_t view : loop.views) views.push_back(alignment.views[view].name);
+  return {{"views", std::move(views)},
+          {"radius", loop.radius},
+          {"length", loop.length},
+          {"length_std", loop.length_std},
+          {"angle_deg", loop.angle * kDegrees},
+          {"angle_std_deg", loop.angle_std * kDegrees},
+          {"ratio", loop.ratio()}};
+}
+
 Json solve_report(const registration::SolverSummary& solve) {
   return {{"stage", to_string(solve.stage)}, {"termination", to_string(solve.termination)},
           {"iterations", solve.iterations},  {"initial_cost", solve.initial_cost},
@@ -115,11 +129,14 @@ Json to_json(const registration::Alignment& alignment) {
                  {"rms", alignment.rms},
                  {"views", Json::array()},
                  {"pairs", Json::array()},
+                 {"loops", Json::array()},
                  {"solves", Json::array()}};
   for (const registration::ViewReport& view : alignment.views)
     report["views"].push_back(view_report(view));
   for (const registration::PairFit& pair : alignment.pairs)
     report["pairs"].push_back(pair_report(pair, alignment));
+  for (const registration::LoopClosure& loop : alignment.loops)
+    report["loops"].push_back(loop_report(loop, alignment));
   for (const registration::SolverSummary& solve : alignment.solves)
     report["solves"].push_back(solve_report(solve));
   return report;

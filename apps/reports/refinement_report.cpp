@@ -15,6 +15,14 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
+Json spectrum_report(const std::vector<hybrid::DeviationBand>& spectrum) {
+  Json bands = Json::array();
+  for (const hybrid::DeviationBand& band : spectrum)
+    bands.push_back(
+        {{"wavelength", band.wavelength}, {"measured", band.measured}, {"refined", band.refined}});
+  return bands;
+}
+
 Json view_report(const hybrid::RefineSummary& refined, const RangeView& view) {
   return {{"name", view.name},
           {"status", to_string(refined.status)},
@@ -30,7 +38,8 @@ Json view_report(const hybrid::RefineSummary& refined, const RangeView& view) {
           {"samples_refined", refined.refined},
           {"samples_kept", refined.kept},
           {"flying_samples", refined.flying},
-          {"filled_samples", refined.filled}};
+          {"filled_samples", refined.filled},
+          {"spectrum", spectrum_report(refined.spectrum)}};
 }
 
 void log_view(const hybrid::RefineSummary& refined, const std::string& name,

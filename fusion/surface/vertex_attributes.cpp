@@ -31,6 +31,7 @@ void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& v
   const std::size_t count = mesh.vertices.size();
   mesh.normals = vertex_normals(mesh);
   mesh.views.assign(count, 0);
+  mesh.source_views.assign(options.view_indices.empty() ? 0 : count, kNoSourceView);
   mesh.filled.assign(count, 0);
   mesh.quality.assign(count, 0.0f);
   parallel_for(count, 1024, [&](std::size_t begin, std::size_t end) {
@@ -42,6 +43,8 @@ void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& v
       mesh.filled[v] = !evidence.measured || std::abs(evidence.distance) > 0.5 * options.voxel_size;
       if (mesh.filled[v]) continue;
       mesh.views[v] = static_cast<std::uint16_t>(std::min(evidence.views, 65535));
+      if (const auto view = collector.strongest_view(); view && !mesh.source_views.empty())
+        mesh.source_views[v] = options.view_indices[*view];
       mesh.quality[v] = standard_error(evidence, options.view_noise);
     }
   });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "fusion/views/view_sampler.h"
@@ -13,12 +14,14 @@ struct VertexAttributeOptions {
   /// Noise of one view's positions along the normal [unit]: what a vertex seen by one view has.
   double view_noise = 0.0;
   MemoryLimit* memory = nullptr;  ///< May be null.
+  /// Of each of the views, as `source_views` of the mesh has them; none: the mesh has none.
+  std::vector<std::uint16_t> view_indices{};
 };
 
-/// Sets `views`, `filled`, `quality` and `normals` of a merged mesh by asking the views again at
-/// each vertex. A vertex is filled when no view that faces it measured it, or the mean of those
-/// that did is more than half a voxel away. Its quality is then the distance along the mesh to the
-/// nearest measured vertex; otherwise the standard error of the mean of the views.
+/// Sets `views`, `source_views`, `filled`, `quality` and `normals` of a merged mesh by asking the
+/// views again at each vertex. A vertex is filled when no view that faces it measured it, or the
+/// mean of those that did is more than half a voxel away. Its quality is then the distance along
+/// the mesh to the nearest measured vertex; otherwise the standard error of the mean of the views.
 void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& views,
                            const VertexAttributeOptions& options);
 

@@ -136,6 +136,16 @@ std::optional<Eigen::Vector3d> TsdfIntegrator::colour(const Eigen::Vector3d& poi
   return sum / weights;
 }
 
+std::optional<std::size_t> TsdfIntegrator::strongest_view() const {
+  const TsdfObservation* strongest = nullptr;
+  for (const TsdfObservation& observation : near_)
+    if (!strongest || observation.weight > strongest->weight ||
+        (observation.weight == strongest->weight && observation.view < strongest->view))
+      strongest = &observation;
+  if (!strongest || !(strongest->weight > 0.0)) return std::nullopt;
+  return static_cast<std::size_t>(strongest->view - views_.data());
+}
+
 TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
   near_.clear();
   empty_.clear();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -48,6 +49,10 @@ class TsdfIntegrator {
   /// The mean colour, 0 to 255, of the views that measured the point collected last, by the weights
   /// of their distances; nothing when none of them has colours.
   std::optional<Eigen::Vector3d> colour(const Eigen::Vector3d& point) const;
+
+  /// The view whose distance has the largest weight at the point collected last, by its index; of
+  /// equal ones the first. Nothing when no view measured the point.
+  std::optional<std::size_t> strongest_view() const;
 
  private:
   void find_quads(const Eigen::Vector3d& point);

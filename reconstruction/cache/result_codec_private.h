@@ -16,8 +16,8 @@ namespace relief {
 
 template <class Archive>
 void serialize(Archive& archive, TriangleMesh& mesh) {
-  auto& [vertices, faces, normals, quality, views, filled, colours] = mesh;
-  archive(vertices, faces, normals, quality, views, filled, colours);
+  auto& [vertices, faces, normals, quality, views, source_views, filled, colours] = mesh;
+  archive(vertices, faces, normals, quality, views, source_views, filled, colours);
 }
 
 template <class Archive>
@@ -41,11 +41,18 @@ void serialize(Archive& archive, MeshCheck& check) {
 namespace relief::hybrid {
 
 template <class Archive>
+void serialize(Archive& archive, DeviationBand& band) {
+  auto& [wavelength, measured, refined] = band;
+  archive(wavelength, measured, refined);
+}
+
+template <class Archive>
 void serialize(Archive& archive, RefineSummary& summary) {
   auto& [status, sigma_position, sigma_normal, lambda, bias_rms, rms_change, refined, kept, flying,
-         filled, replaced_normals, outlier_normals, rounds, iterations, seconds] = summary;
+         filled, replaced_normals, outlier_normals, rounds, iterations, seconds, spectrum] =
+      summary;
   archive(status, sigma_position, sigma_normal, lambda, bias_rms, rms_change, refined, kept, flying,
-          filled, replaced_normals, outlier_normals, rounds, iterations, seconds);
+          filled, replaced_normals, outlier_normals, rounds, iterations, seconds, spectrum);
 }
 
 template <class Archive>

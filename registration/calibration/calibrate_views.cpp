@@ -273,6 +273,7 @@ class Calibrating {
     alignment.termination = refined->termination;
     alignment.iterations += result_.iterations + refined->iterations;
     alignment.rms = refined->rms;
+    alignment.loops = std::move(refined->loops);
     for (const auto* solves : {&solves_, &refined->solves})
       alignment.solves.insert(alignment.solves.end(), solves->begin(), solves->end());
     return {};

@@ -8,6 +8,7 @@
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/joint_solver.h"
+#include "registration/posegraph/loops/loop_closure.h"
 #include "registration/posegraph/pair_matcher.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "registration/posegraph/view_graph.h"
@@ -193,10 +194,12 @@ bool set_covariances(const PoseCovariance& covariance, JointRefinement& result) 
   return true;
 }
 
-// The last steps, with all samples of the strongest pairs; gives the covariance too.
-void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair>& pairs,
-            const SearchLevel& level, const std::vector<bool>& nearly_degenerate,
-            const JointRefinementOptions& options, JointRefinement& result) {
+// The last steps, with all samples of the strongest pairs; gives the covariance too. Returns what
+// the very last one was made of.
+PoseGraphLastStep finish(const std::vector<ViewSurface>& surfaces,
+                         const std::vector<ViewPair>& pairs, const SearchLevel& level,
+                         const std::vector<bool>& nearly_degenerate,
+                         const JointRefinementOptions& options, JointRefinement& result) {
   PoseGraphRefinementOptions last;
   last.search = search_at(level, pairs.size(), kFewestAlone, options);
   last.last_samples = last_samples(options, pairs.size());
@@ -212,17 +215,18 @@ void finish(const std::vector<ViewSurface>& surfaces, const std::vector<ViewPair
     });
   }
   auto poses = result.world_from_view;
-  const auto refined = refine_pose_graph(pointers_to(surfaces), pairs, result.held, last, poses);
+  auto refined = refine_pose_graph(pointers_to(surfaces), pairs, result.held, last, poses);
   result.solves.insert(result.solves.end(), refined.solves.begin(), refined.solves.end());
   if (!refined.solved || !all_finite(poses) || !set_covariances(refined.covariance, result)) {
     result.termination = RefinementTermination::kSolverFailed;
-    return;
+    return {};
   }
   result.world_from_view = std::move(poses);
   result.iterations += refined.iterations;
   result.last_motion = refined.last_motion;
   if (refined.last_motion > level.tolerance)
     result.termination = RefinementTermination::kIterationLimit;
+  return std::move(refined.last);
 }
 
 }  // namespace
@@ -285,14 +289,16 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   release_freed_memory();  // What solving took; the last steps grow as large.
   if (!report_progress(progress, 0.0, "computing covariances"))
     return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-  finish(surfaces, largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView), levels.back(),
-         nearly_degenerate, options, result);
+  const PoseGraphLastStep last_step =
+      finish(surfaces, largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView), levels.back(),
+             nearly_degenerate, options, result);
   if (result.termination == RefinementTermination::kSolverFailed) return result;
   const SearchLevel& last = levels.back();
   describe_fit(PairMatcher(surfaces, result.world_from_view, pairs,
                            search_at(last, pairs.size(), kFewestAlone, options), last.signal_level,
                            nearly_degenerate),
                surfaces, result);
+  result.loops = loop_closures(surfaces, result.world_from_view, last_step, result.pairs);
   return result;
 }
 

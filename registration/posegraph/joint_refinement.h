@@ -10,6 +10,7 @@
 #include "registration/surface/view_surface.h"
 #include "relief/registration/align_options.h"
 #include "relief/registration/align_views.h"
+#include "relief/registration/loop_closure.h"
 #include "relief/registration/pair_fit.h"
 #include "relief/registration/solver_summary.h"
 #include "relief/scan/progress.h"
@@ -37,6 +38,7 @@ struct JointRefinement {
   /// Of all poses together, between views of up to 32 alone; not kept in a UnitStore.
   PoseCovariance joint_covariance;
   std::vector<SolverSummary> solves;  ///< In their order.
+  std::vector<LoopClosure> loops;     ///< Of the pairs, the least explained first.
 };
 
 /// What the refinement may do with a view.

@@ -24,6 +24,12 @@ void serialize(Archive& archive, PairFit& pair) {
 }
 
 template <class Archive>
+void serialize(Archive& archive, LoopClosure& loop) {
+  auto& [views, radius, length, angle, length_std, angle_std] = loop;
+  archive(views, radius, length, angle, length_std, angle_std);
+}
+
+template <class Archive>
 void serialize(Archive& archive, ViewReport& view) {
   auto& [name, world_from_view, aligned, status, pose_covariance, pose_std, reason] = view;
   archive(name, world_from_view, aligned, status, pose_covariance, pose_std, reason);
@@ -37,8 +43,8 @@ void serialize(Archive& archive, SolverSummary& solve) {
 
 template <class Archive>
 void serialize(Archive& archive, Alignment& alignment) {
-  auto& [views, pairs, termination, iterations, rms, solves, notes] = alignment;
-  archive(views, pairs, termination, iterations, rms, solves, notes);
+  auto& [views, pairs, termination, iterations, rms, solves, loops, notes] = alignment;
+  archive(views, pairs, termination, iterations, rms, solves, loops, notes);
 }
 
 template <class Archive>
@@ -63,10 +69,10 @@ void serialize(Archive& archive, SensorCalibration& calibration) {
 template <class Archive>
 void serialize(Archive& archive, JointRefinement& refined) {
   auto& [world_from_view, termination, iterations, last_motion, rms, pairs, group, held,
-         pose_covariance, pose_std, joint_covariance, solves] = refined;
+         pose_covariance, pose_std, joint_covariance, solves, loops] = refined;
   static_cast<void>(joint_covariance);
   archive(world_from_view, termination, iterations, last_motion, rms, pairs, group, held,
-          pose_covariance, pose_std, solves);
+          pose_covariance, pose_std, solves, loops);
 }
 
 template <class Archive>

@@ -52,6 +52,7 @@ void drop_unused_vertices(TriangleMesh& mesh) {
   compact(mesh.normals, new_index);
   compact(mesh.quality, new_index);
   compact(mesh.views, new_index);
+  compact(mesh.source_views, new_index);
   compact(mesh.filled, new_index);
   compact(mesh.colours, new_index);
 }

@@ -59,8 +59,8 @@ void hash_into(ContentHash& hash, const Camera& camera) {
 }
 
 void hash_into(ContentHash& hash, const TriangleMesh& mesh) {
-  const auto& [vertices, faces, normals, quality, views, filled, colours] = mesh;
-  hash.add(vertices, faces, normals, quality, views, filled, colours);
+  const auto& [vertices, faces, normals, quality, views, source_views, filled, colours] = mesh;
+  hash.add(vertices, faces, normals, quality, views, source_views, filled, colours);
 }
 
 void hash_into(ContentHash& hash, const DiscontinuityOptions& options) {

@@ -94,6 +94,7 @@ TriangleMesh ellipsoid(int rings) {
     mesh.vertices.push_back(p + Eigen::Vector3d(500.0, -3.0, 40.0));
     mesh.filled.push_back(p.z() > 7.0);
     mesh.views.push_back(p.z() > 7.0 ? 0 : 1 + (p.x() > 0.0));
+    mesh.source_views.push_back(p.z() > 7.0 ? kNoSourceView : p.y() > 0.0 ? 3 : 0);
     mesh.quality.push_back(static_cast<float>(0.01 + 0.0005 * (p.x() + 30.0)));
   };
   add(0.0, 0.0);
@@ -149,12 +150,31 @@ TEST(HtmlReport, HasTheNumbersOfTheReport) {
        {std::string("/merge/vertices"), std::string("/merge/genus"),
         std::string("/merge/filled_area_fraction"), std::string("/refine/views/0/sigma_position"),
         std::string("/refine/views/5/flying_samples"), align + "/pairs/0/rms",
-        align + "/views/5/pose_std/5", std::string("/merge/peak_memory_mb")})
+        align + "/views/5/pose_std/5", align + "/loops/0/length", align + "/loops/0/ratio",
+        std::string("/refine/views/2/spectrum/0/refined"), std::string("/merge/peak_memory_mb")})
     EXPECT_TRUE(places.contains(place)) << place;
   EXPECT_GT(places.size(), 100u);
   for (const char* title : {"Lit from the front", "Grazing light", "Measured and filled"})
     EXPECT_THAT(page, HasSubstr("<figcaption>" + std::string(title)));
+  EXPECT_EQ(count(page, "<figcaption>As measured"), 6u);
+  EXPECT_EQ(count(page, "<figcaption>Refined"), 6u);
   EXPECT_EQ(page.find("http://"), page.find("http://www.w3.org"));  // Names of formats only.
+}
+
+// Places in a report are not believed: a report may come from anywhere.
+TEST(HtmlReport, TakesPicturesOfItsFolderAlone) {
+  const TemporaryFolder folder, other;
+  const std::string png = "\x89PNG\r\n\x1a\nno more";
+  other.write("secret.png", png);
+  folder.write("fine.png", png);
+  folder.write("text.png", "secret");
+  json views = json::array();
+  for (const std::string& place :
+       {std::string("fine.png"), std::string("text.png"), (other / "secret.png"),
+        "../" + other.path().filename().string() + "/secret.png", std::string("absent.png")})
+    views.push_back({{"name", place}, {"status", "refined"}, {"pictures", {{"measured", place}}}});
+  folder.write("report.json", json{{"relief", "0"}, {"refine", {{"views", views}}}}.dump());
+  EXPECT_EQ(count(page_of(folder), "<figcaption>As measured"), 1u);
 }
 
 // A million faces by default would come to 200 000: 15 MB have room for twice that.
@@ -185,6 +205,7 @@ TEST(HtmlReport, HoldsTheDecimatedModel) {
   const auto views = array_of<std::uint8_t>(page, "views");
   EXPECT_EQ(std::vector<std::uint16_t>(views.begin(), views.end()), model.views);
   EXPECT_EQ(array_of<std::uint8_t>(page, "filled"), model.filled);
+  EXPECT_EQ(array_of<std::uint16_t>(page, "sources"), model.source_views);
   const auto errors = array_of<std::uint8_t>(page, "errors");
   const double low = data["error"][0], high = data["error"][1];
   for (std::size_t v = 0; v < errors.size(); ++v)

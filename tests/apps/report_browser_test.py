@@ -166,12 +166,14 @@ def box():
 def write_model(path):
     vertices, faces = box()
     lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}", "property float x", "property float y",
-             "property float z", "property float quality", "property ushort views", "property uchar filled",
+             "property float z", "property float quality", "property ushort views", "property ushort source_view",
+             "property uchar filled",
              f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
     for x, y, z in vertices:
         filled = z > 9 and x > 0
         place = [p + c for p, c in zip((x, y, z), CENTRE)]
-        lines.append(f"{place[0]} {place[1]} {place[2]} {0.01 + 0.001 * (x + 20)} {0 if filled else 1 + int(y > 0)} {int(filled)}")
+        lines.append(f"{place[0]} {place[1]} {place[2]} {0.01 + 0.001 * (x + 20)} {0 if filled else 1 + int(y > 0)} "
+                     f"{65535 if filled else int(x > 0)} {int(filled)}")
     lines += ["3 " + " ".join(map(str, face)) for face in faces]
     path.write_text("\n".join(lines) + "\n")
     return len(vertices), len(faces)
@@ -199,9 +201,12 @@ def write_run(folder):
     views = [{"name": "front", "world_from_view": looking_from((0, -1, 0.2), 200), "aligned": True, "status": "verified", "pose_std": [0] * 6},
              {"name": hostile, "world_from_view": looking_from((1, 0.4, 0.5), 200), "aligned": True, "status": "verified", "pose_std": [1e-4] * 6}]
     pair = {"a": "front", "b": hostile, "overlap": 0.4, "rms": 0.012, "correspondences": 900, "grade": "firm", "degenerate_directions": []}
-    align = {"termination": "converged", "iterations": 4, "rms": 0.012, "views": views, "pairs": [pair], "seconds": 1.0}
+    loop = {"views": ["front", hostile, "front"], "length": 0.021, "length_std": 0.02, "angle_deg": 0.01, "angle_std_deg": 0.012, "ratio": 1.05}
+    bands = [{"wavelength": 2.0 ** k, "measured": 0.1, "refined": 0.1 - 0.09 / k} for k in range(1, 8)]
+    refine = {"views": [{"name": view["name"], "status": "refined", "sigma_position": 0.1, "spectrum": bands} for view in views]}
+    align = {"termination": "converged", "iterations": 4, "rms": 0.012, "views": views, "pairs": [pair], "loops": [loop], "seconds": 1.0}
     merge = {"vertices": count, "faces": faces, "watertight": True, "volume": SIZE[0] * SIZE[1] * SIZE[2], "filled_area_fraction": 0.1}
-    (folder / "report.json").write_text(json.dumps({"relief": "0", "align": align, "merge": merge}))
+    (folder / "report.json").write_text(json.dumps({"relief": "0", "align": align, "refine": refine, "merge": merge}))
     camera = {"model": "pinhole", "width": 100, "height": 80, "fx": 200, "fy": 200, "cx": 49.5, "cy": 39.5}
     scans = [{"name": view["name"], "camera": camera, "world_from_view": view["world_from_view"]} for view in views]
     (folder / "scan.json").write_text(json.dumps({"format": "relief-scan", "version": 1, "unit": "mm", "views": scans}))
@@ -237,14 +242,16 @@ def check_start(browser, faces):
     pixels = browser.evaluate(PIXELS)
     solid = sum(p[3] > 200 for p in pixels)
     check(pixels[40 + 30 * 80][3] > 200 and pixels[0][3] == 0 and 300 < solid < 4000, f"the model covers {solid} of {len(pixels)} pixels, not the corner")
-    check(browser.evaluate("document.querySelector('.badge') !== null && document.querySelector('img:not(#pictures img)') === null"), "names of views are text")
+    check(browser.evaluate("document.querySelector('.badge') !== null && document.querySelector('img:not(#pictures img, #views img)') === null"), "names of views are text")
     check(browser.evaluate("[...document.querySelectorAll('#pictures img')].length > 1"), "the model has pictures")
+    check(browser.evaluate("document.querySelectorAll('#views .spectrum polyline').length") == 4, "each view has its spectra")
+    check(browser.evaluate("document.querySelector('#alignment').textContent.includes('All loops close')"), "the loops are told of")
 
 
 def check_colourings(browser):
     choose(browser, "look-from", 1)  # From where filled vertices are seen.
     shaded = browser.evaluate(PIXELS)
-    for colouring in ("error", "filled", "views"):
+    for colouring in ("error", "filled", "views", "source"):
         choose(browser, "colouring", colouring)
         changed = differing(shaded, browser.evaluate(PIXELS))
         check(changed > 100, f"colouring by {colouring} changes {changed} pixels")
@@ -253,6 +260,41 @@ def check_colourings(browser):
     check("mm" in legend and "Expected error" in legend, f"the legend has its unit: {legend}")
     choose(browser, "colouring", "shaded")
     check(differing(shaded, browser.evaluate(PIXELS)) == 0, "shading comes back")
+
+
+def colour_at(browser, point):
+    """The colour of the model's picture where a point [mm] of its own frame appears."""
+    return browser.evaluate(f"""(() => {{
+      const [x, y] = reliefViewer.project({[p + c for p, c in zip(point, CENTRE)]}), canvas = document.getElementById('canvas');
+      reliefViewer.draw();
+      const copy = document.createElement('canvas');
+      [copy.width, copy.height] = [1, 1];
+      const context = copy.getContext('2d');
+      context.drawImage(canvas, Math.round((x + 1) / 2 * canvas.width), Math.round((1 - y) / 2 * canvas.height), 1, 1, 0, 0, 1, 1);
+      return [...context.getImageData(0, 0, 1, 1).data].slice(0, 3);
+    }})()""")
+
+
+def same_hue(a, b):
+    """Whether one colour is the other one in another light."""
+    norm = math.sqrt(sum(p * p for p in a) * sum(q * q for q in b))
+    return norm > 0 and sum(p * q for p, q in zip(a, b)) / norm > 0.985
+
+
+def check_source_views(browser):
+    choose(browser, "look-from", 0)
+    choose(browser, "colouring", "source")
+    key = browser.evaluate("""[...document.querySelectorAll('#view-key li')].map(li =>
+      [li.textContent, getComputedStyle(li.querySelector('.swatch')).backgroundColor.match(/\\d+/g).map(Number)])""")
+    check(len(key) == 2 and key[0][0].startswith("front (") and "escaped" in key[1][0], f"the key names both views: {key}")
+    left, right = (colour_at(browser, (x, -SIZE[1] / 2, 0.0)) for x in (-10.0, 10.0))
+    check(same_hue(left, key[0][1]) and same_hue(right, key[1][1]), f"each side has the colour of its view: {left} and {right}")
+    check(not same_hue(left, right), "the colours of both views differ")
+    choose(browser, "look-from", 1)
+    filled = colour_at(browser, (12.0, 0.0, SIZE[2] / 2))
+    check(max(filled) - min(filled) < 20, f"what is filled is grey: {filled}")
+    choose(browser, "colouring", "shaded")
+    check(browser.evaluate("document.getElementById('view-key').hidden"), "the key is gone with the colouring")
 
 
 def check_section(browser):
@@ -349,6 +391,12 @@ def check_keyboard(browser, page):
         browser.key("ArrowRight", 39)
     browser.key("Enter", 13, "\r")
     check(float(browser.evaluate("document.getElementById('measured').dataset.distance") or 0) > 1.0, "two points are picked at the cross")
+    browser.evaluate("document.getElementById('colouring').focus()")
+    browser.evaluate("document.getElementById('colouring').value")
+    for letter in "source":
+        browser.key(letter, ord(letter.upper()), letter)
+    check(browser.evaluate("document.getElementById('colouring').value") == "source", "typing its name chooses a colouring")
+    browser.key("Tab", 9)
 
 
 def check_phone(browser, page):
@@ -393,6 +441,7 @@ def main():
             print(f"        the page is there after {time.monotonic() - start:.2f} s")
             check_start(browser, faces)
             check_colourings(browser)
+            check_source_views(browser)
             check_section(browser)
             check_cameras(browser)
             check_distance(browser)

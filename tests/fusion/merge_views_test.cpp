@@ -37,7 +37,8 @@ double measured_rms(const MergeResult& result, const SignedDistance& distance) {
 
 bool same(const TriangleMesh& a, const TriangleMesh& b) {
   return a.vertices == b.vertices && a.faces == b.faces && a.normals == b.normals &&
-         a.quality == b.quality && a.views == b.views && a.filled == b.filled;
+         a.quality == b.quality && a.views == b.views && a.source_views == b.source_views &&
+         a.filled == b.filled;
 }
 
 TEST(MergeViews, ASphereConvergesWithTheSquareOfTheResolution) {
@@ -56,6 +57,35 @@ TEST(MergeViews, ASphereConvergesWithTheSquareOfTheResolution) {
   }
   EXPECT_GT(rms[0] / rms[1], 3.8);
   EXPECT_GT(rms[1] / rms[2], 3.8);
+}
+
+// Of the views that see a place, the one that faces it counts most. Views without a pose count
+// among those given.
+TEST(MergeViews, VerticesKnowTheViewThatCountsMost) {
+  auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 8, 60, 50.0);
+  RangeView absent = views.front();
+  absent.pose = PoseKind::kAbsent;
+  views.insert(views.begin(), absent);
+  const MergeResult result = merged(views);
+  ASSERT_EQ(result.mesh.source_views.size(), result.mesh.vertices.size());
+  std::size_t measured = 0, facing = 0;
+  for (std::size_t v = 0; v < result.mesh.vertices.size(); ++v) {
+    const std::uint16_t source = result.mesh.source_views[v];
+    EXPECT_EQ(source == kNoSourceView, result.mesh.filled[v] != 0);
+    if (source == kNoSourceView) continue;
+    ASSERT_GT(source, 0u);
+    ASSERT_LT(source, views.size());
+    const auto cosine = [&](const RangeView& view) {
+      const Eigen::Vector3d away = view.world_from_view.translation() - result.mesh.vertices[v];
+      return away.normalized().dot(result.mesh.vertices[v].normalized());
+    };
+    double best = -1.0;
+    for (std::size_t i = 1; i < views.size(); ++i) best = std::max(best, cosine(views[i]));
+    ++measured;
+    facing += cosine(views[source]) > best - 0.15;
+  }
+  EXPECT_GT(measured, result.mesh.vertices.size() / 2);
+  EXPECT_GT(static_cast<double>(facing), 0.95 * static_cast<double>(measured));
 }
 
 TEST(MergeViews, ATorusKeepsItsHole) {

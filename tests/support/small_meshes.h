@@ -23,6 +23,7 @@ inline TriangleMesh with_attributes(TriangleMesh mesh) {
   mesh.normals = vertex_normals(mesh);
   mesh.quality = {0.5f, 1.5f, 2.5f, 3.5f};
   mesh.views = {1, 2, 300, 0};
+  mesh.source_views = {0, 7, 300, kNoSourceView};
   mesh.filled = {0, 1, 0, 1};
   mesh.colours = {{1, 2, 3}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}};
   return mesh;

@@ -20,6 +20,7 @@
 #include "apps/reports/calibration_report.h"
 #include "apps/reports/consistency_report.h"
 #include "apps/reports/html/html_report.h"
+#include "apps/reports/html/views/view_pictures.h"
 #include "apps/reports/model_report.h"
 #include "apps/reports/refinement_report.h"
 #include "apps/reports/run_record.h"
@@ -74,6 +75,7 @@ class Run {
     const bool with_normals = std::any_of(project_.views.begin(), project_.views.end(),
                                           [](const RangeView& view) { return view.has_normals(); });
     plan_progress(stages_of_run(with_normals));
+    if (!command_.no_html_report) pictures_.draw_measured(project_.views);
     watch_ = Stopwatch();
     auto result = reconstruction::reconstruct(std::move(project_.views), options(),
                                               reconstruction_context(), callbacks());
@@ -179,6 +181,8 @@ class Run {
     Json report = refinement_report(refinements, views);
     report["seconds"] = watch_.seconds();
     log_refinement(refinements, views, project_.unit, report["seconds"]);
+    if (const auto drawn = pictures_.write(views, refinements, command_.output, report); !drawn)
+      return drawn;
     return keep("refine", report);
   }
 
@@ -239,6 +243,7 @@ class Run {
   Json record_;          // The section `run` of the report.
   ScanProject project_;  // Its views are given away.
   RunCache cache_;
+  ViewPictures pictures_;
   Stopwatch watch_;  // Of the stage.
   double align_seconds_ = 0.0;
 };

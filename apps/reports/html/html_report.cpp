@@ -7,6 +7,7 @@
 #include "apps/reports/html/model_pictures.h"
 #include "apps/reports/html/page_assets.h"
 #include "apps/reports/html/page_frame.h"
+#include "apps/reports/html/views/view_pictures.h"
 #include "scan/io/files/atomic_file.h"
 
 namespace relief {
@@ -92,6 +93,7 @@ std::string viewer_data(const ReportContent& content) {
   const ViewerModel& model = *content.viewer;
   Json json = to_json(model);
   json["unit"] = content.unit;
+  if (!model.sources.empty()) json["sources"] = content.source_names;
   Json& cameras = json["cameras"] = Json::array();
   for (const ViewCamera& camera : content.cameras)
     cameras.push_back({{"name", camera.name},
@@ -107,6 +109,7 @@ std::string viewer_data(const ReportContent& content) {
          script_data("viewer-faces", base64_of(model.faces)) +
          script_data("viewer-errors", base64_of(model.errors)) +
          script_data("viewer-views", base64_of(model.views)) +
+         script_data("viewer-sources", base64_of(model.sources)) +
          script_data("viewer-filled", base64_of(model.filled)) +
          script_data("viewer-colours", base64_of(model.colours));
 }
@@ -153,6 +156,27 @@ std::string credit(const ReportContent& content) {
          std::to_string((bytes + 500) / 1000) + " kB of this page; its source has the licence).";
 }
 
+void put_view_pictures(const std::filesystem::path& folder, ReportContent& content) {
+  const ReportFigures& report = content.report;
+  for (const std::string& view : report.entries("/refine/views")) {
+    for (const auto& [key, title] :
+         {std::pair("measured", "As measured"), std::pair("refined", "Refined")}) {
+      std::string png = named_picture(folder, report.text(view + "/pictures/" + key));
+      if (!png.empty())
+        content.view_pictures[report.text(view + "/name")].push_back({title, std::move(png)});
+    }
+  }
+}
+
+void put_source_names(const Json& views, ReportContent& content) {
+  if (!views.is_array()) return;
+  for (const Json& view : views)
+    content.source_names.push_back(view.is_object() && view.contains("name") &&
+                                           view["name"].is_string()
+                                       ? view["name"].get<std::string>()
+                                       : "");
+}
+
 void put_pictures(const TriangleMesh& mesh, ReportContent& content) {
   auto pictures = pictures_of_model(mesh, content.unit);
   if (pictures)
@@ -170,8 +194,10 @@ ReportContent report_content(Json report, const Json& project, const TriangleMes
   if (has_project && project.contains("unit") && project["unit"].is_string())
     content.unit = project["unit"];
   content.views = grade_views(content.report);
-  if (has_project && project.contains("views"))
+  if (has_project && project.contains("views")) {
     content.cameras = cameras_of(&project["views"], content.report);
+    put_source_names(project["views"], content);
+  }
   if (content.cameras.empty())
     content.cameras =
         cameras_of(content.report.find(content.report.alignment() + "/views"), content.report);
@@ -206,6 +232,7 @@ Result<void> write_html_report(const HtmlReportFiles& files, const TriangleMesh*
   ReportContent content = report_content(std::move(report), project, mesh, options);
   content.name = name_of(files.folder);
   if (mesh) put_pictures(*mesh, content);
+  put_view_pictures(files.folder, content);
   if (mesh && options.viewer_faces > 0 && !content.viewer)
     Console::warning("report.html has no model to look at: " + content.no_viewer);
   if (auto written = write_file(files.page, html_page(content)); !written) return written;

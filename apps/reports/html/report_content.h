@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,8 @@ struct ReportContent {
   std::optional<ViewerModel> viewer;
   std::string no_viewer;  ///< Why there is no model to look at.
   std::vector<ReportPicture> pictures;
+  std::map<std::string, std::vector<ReportPicture>> view_pictures;  ///< By the names of the views.
+  std::vector<std::string> source_names;  ///< Of the views by their indices in the model.
 };
 
 /// A <figure> with the picture and its title.

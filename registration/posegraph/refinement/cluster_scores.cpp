@@ -1,6 +1,7 @@
 #include "registration/posegraph/refinement/cluster_scores.h"
 
 #include <algorithm>
+#include <map>
 #include <tuple>
 
 namespace relief::registration {
@@ -16,6 +17,15 @@ std::uint64_t around(std::uint64_t patch) {
 }
 
 }  // namespace
+
+std::vector<PatchScore> ClusterScores::larger(const std::vector<PatchScore>& patches) {
+  std::map<std::uint64_t, RigidTangent> sums;
+  for (const PatchScore& patch : patches)
+    sums.try_emplace(around(patch.patch), RigidTangent::Zero()).first->second += patch.score;
+  std::vector<PatchScore> joined;
+  for (const auto& [patch, score] : sums) joined.push_back({patch, score});
+  return joined;
+}
 
 void ClusterScores::add(const PairInformation& pair) {
   for (const PatchScore& patch : pair.patches) {

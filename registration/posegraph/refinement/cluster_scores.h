@@ -22,6 +22,9 @@ class ClusterScores {
 
   explicit ClusterScores(std::size_t views) : of_view_(views) {}
 
+  /// Patches as on_larger_clusters() joins them, in ascending order of `patch`.
+  static std::vector<PatchScore> larger(const std::vector<PatchScore>& patches);
+
   /// Adds the scores of a pair: to its source as they are, to its target with the opposite sign.
   void add(const PairInformation& pair);
 

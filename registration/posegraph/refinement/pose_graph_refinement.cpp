@@ -14,8 +14,12 @@ namespace relief::registration {
 
 namespace {
 
-// Directed pairs whose patches are held in memory at a time.
+// Directed pairs whose patches are summed at a time. Bounds the memory.
 constexpr std::size_t kPairsAtOnce = 64;
+
+// Pairs of views, of which all patches are kept for loop closures. Beyond, patches are four times
+// as wide, and a sixteenth of the memory: 16 kB a pair, with 5000 patches a view.
+constexpr std::size_t kPairsWithFinePatches = 500;
 
 double median_spacing(const std::vector<const ViewSurface*>& surfaces) {
   std::vector<double> spacings;
@@ -57,14 +61,16 @@ class MovingPairs {
     return compress_all(samples, 0.0, [](PairInformation&) {});
   }
 
-  /// The same; what patches of edge `patch` [unit] pull is added up and not kept pair by pair.
+  /// The same, with the scores of patches of edge `patch` [unit], which are added up too. Of many
+  /// pairs larger patches are kept.
   std::vector<PairInformation> compress(std::size_t samples, double patch,
                                         ClusterScores& scores) const {
     return compress_all(samples, patch, [&](PairInformation& pair) {
       scores.add(pair);
-      pair.patches = {};
+      if (!keeps_fine_patches()) pair.patches = ClusterScores::larger(pair.patches);
     });
   }
+  bool keeps_fine_patches() const { return pairs_.size() <= kPairsWithFinePatches; }
 
   /// Moves views by tangents about the centre; those with a zero one stay to the bit. The largest
   /// motion of a sample [unit].
@@ -190,12 +196,14 @@ PoseGraphRefinement refine_pose_graph(const std::vector<const ViewSurface*>& sur
   views.measure_deviations();
   const double step_gain = step_gain_at(views, surfaces, held, options.step_samples);
   ClusterScores scores(surfaces.size());
-  const auto all =
-      views.compress(options.last_samples, options.patch * median_spacing(surfaces), scores);
+  auto all = views.compress(options.last_samples, options.patch * median_spacing(surfaces), scores);
   const PoseGraphSystem system(surfaces, all, held, views.centre());
   auto covariance = system.covariance(views.poses(), scores, step_gain);
-  if (!covariance || !take(newton_step(system, step_gain), views, result)) return result;
+  const PoseGraphStep step = newton_step(system, step_gain);
+  if (!covariance || !take(step, views, result)) return result;
   result.covariance = std::move(*covariance);
+  const double inflation = views.keeps_fine_patches() ? system.variance_inflation(scores) : 1.0;
+  result.last = {std::move(all), step.tangents, views.centre(), step_gain, inflation};
   world_from_view = views.poses();
   result.solved = true;
   return result;

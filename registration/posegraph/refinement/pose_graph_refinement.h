@@ -7,6 +7,7 @@
 
 #include "registration/pairwise/correspondences.h"
 #include "registration/pairwise/normal_matches.h"
+#include "registration/posegraph/refinement/pair_information.h"
 #include "registration/posegraph/refinement/pose_covariance.h"
 #include "registration/posegraph/view_graph.h"
 #include "registration/surface/view_surface.h"
@@ -33,12 +34,23 @@ struct PoseGraphRefinementOptions {
   std::vector<DegenerateDirection> degenerate_directions;
 };
 
+/// The step that gave the poses, and what it was made of.
+struct PoseGraphLastStep {
+  std::vector<PairInformation> pairs;  ///< In both directions, at the poses before the step.
+  std::vector<RigidTangent> tangents;  ///< What it moved each view by, about `centre`.
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< Of all tangents, world frame [unit].
+  double step_gain = 1.0;                            ///< See PoseGraphSystem::step_gain().
+  /// See PoseGraphSystem::variance_inflation(); 1 for patches that are larger already.
+  double variance_inflation = 1.0;
+};
+
 struct PoseGraphRefinement {
   bool solved = false;  ///< Otherwise the equations are not finite: the poses are as given.
   int iterations = 0;
   double last_motion = 0.0;           ///< Largest motion of a sample before the last step [unit].
   PoseCovariance covariance;          ///< Of all poses: see PoseGraphSystem::covariance().
   std::vector<SolverSummary> solves;  ///< Of all steps.
+  PoseGraphLastStep last;
 };
 
 /// The last steps of the joint refinement, from nearly right poses: Gauss-Newton on the residuals

@@ -46,6 +46,9 @@ void read_attributes(const PlyElement& element, TriangleMesh& mesh) {
   if (const auto* views = scalars(element, "views"))
     for (const double value : *views)
       mesh.views.push_back(static_cast<std::uint16_t>(whole(value, 65535)));
+  if (const auto* sources = scalars(element, "source_view"))
+    for (const double value : *sources)
+      mesh.source_views.push_back(static_cast<std::uint16_t>(whole(value, kNoSourceView)));
   if (const auto* filled = scalars(element, "filled"))
     for (const double value : *filled)
       mesh.filled.push_back(static_cast<std::uint8_t>(whole(value, 1)));
@@ -99,6 +102,7 @@ std::string ply_header(const TriangleMesh& mesh, const std::vector<Colour>& colo
   if (!mesh.normals.empty()) text += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!mesh.quality.empty()) text += "property float quality\n";
   if (!mesh.views.empty()) text += "property ushort views\n";
+  if (!mesh.source_views.empty()) text += "property ushort source_view\n";
   if (!mesh.filled.empty()) text += "property uchar filled\n";
   if (!colours.empty()) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   return text + "element face " + std::to_string(mesh.faces.size()) +
@@ -109,7 +113,7 @@ std::string encode(const TriangleMesh& mesh, const std::vector<Colour>& colours,
                    const std::string& comment) {
   const bool doubles = needs_doubles(mesh);
   std::string bytes = ply_header(mesh, colours, comment, doubles);
-  bytes.reserve(bytes.size() + mesh.vertices.size() * 43 + mesh.faces.size() * 13);
+  bytes.reserve(bytes.size() + mesh.vertices.size() * 45 + mesh.faces.size() * 13);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     for (const double value : mesh.vertices[i]) {
       if (doubles)
@@ -121,6 +125,7 @@ std::string encode(const TriangleMesh& mesh, const std::vector<Colour>& colours,
       for (const float value : mesh.normals[i]) append_little_endian(bytes, value);
     if (!mesh.quality.empty()) append_little_endian(bytes, mesh.quality[i]);
     if (!mesh.views.empty()) append_little_endian(bytes, mesh.views[i]);
+    if (!mesh.source_views.empty()) append_little_endian(bytes, mesh.source_views[i]);
     if (!mesh.filled.empty()) append_little_endian(bytes, mesh.filled[i]);
     if (!colours.empty())
       for (const std::uint8_t value : colours[i]) append_little_endian(bytes, value);

@@ -105,6 +105,7 @@ void read_attributes(vtkPointData& data, TriangleMesh& mesh) {
   vtkDataArray* normals = data.GetNormals() ? data.GetNormals() : data.GetArray("normals");
   vtkDataArray* quality = data.GetArray("quality");
   vtkDataArray* views = data.GetArray("views");
+  vtkDataArray* sources = data.GetArray("source_view");
   vtkDataArray* filled = data.GetArray("filled");
   vtkDataArray* colours = data.GetArray("RGB");
   read_attribute(normals, 3, mesh, mesh.normals, [&](auto i) { return vector_at(normals, i); });
@@ -112,6 +113,8 @@ void read_attributes(vtkPointData& data, TriangleMesh& mesh) {
                  [&](auto i) { return static_cast<float>(quality->GetComponent(i, 0)); });
   read_attribute(views, 1, mesh, mesh.views,
                  [&](auto i) { return rounded<std::uint16_t>(views->GetComponent(i, 0)); });
+  read_attribute(sources, 1, mesh, mesh.source_views,
+                 [&](auto i) { return rounded<std::uint16_t>(sources->GetComponent(i, 0)); });
   read_attribute(filled, 1, mesh, mesh.filled, [&](auto i) {
     return static_cast<std::uint8_t>(filled->GetComponent(i, 0) != 0.0);
   });
@@ -143,6 +146,8 @@ vtkSmartPointer<vtkPolyData> poly_data_of(const TriangleMesh& mesh, bool doubles
                                [&](std::size_t i, int) { return mesh.quality[i]; });
   add_attribute<vtkUnsignedShortArray>(data, "views", 1, mesh.views.size(),
                                        [&](std::size_t i, int) { return mesh.views[i]; });
+  add_attribute<vtkUnsignedShortArray>(data, "source_view", 1, mesh.source_views.size(),
+                                       [&](std::size_t i, int) { return mesh.source_views[i]; });
   add_attribute<vtkUnsignedCharArray>(data, "filled", 1, mesh.filled.size(),
                                       [&](std::size_t i, int) { return mesh.filled[i]; });
   add_attribute<vtkUnsignedCharArray>(

@@ -139,7 +139,7 @@ Result<void> read_point_data(const VtpFile& file, vtkXMLDataElement& piece, std:
   vtkXMLDataElement* arrays = piece.FindNestedElementWithName("PointData");
   const char* normals = arrays ? arrays->GetAttribute("Normals") : nullptr;
   for (const std::string name :
-       {normals ? normals : "normals", "quality", "views", "filled", "RGB"}) {
+       {normals ? normals : "normals", "quality", "views", "source_view", "filled", "RGB"}) {
     vtkXMLDataElement* array = find_data(piece, "PointData", name);
     if (!array) continue;
     const std::size_t components = count_of(*array, "NumberOfComponents", 1);
@@ -194,6 +194,7 @@ void append_piece(const TriangleMesh& piece, TriangleMesh& mesh) {
   add(piece.normals, mesh.normals);
   add(piece.quality, mesh.quality);
   add(piece.views, mesh.views);
+  add(piece.source_views, mesh.source_views);
   add(piece.filled, mesh.filled);
   add(piece.colours, mesh.colours);
 }

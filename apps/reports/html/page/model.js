@@ -8,6 +8,7 @@ const reliefModel = (() => {
   const PLAIN = [196, 196, 192];
   const FILLED = [229, 124, 60];
   const UNKNOWN = [150, 152, 156];
+  const NO_VIEW = 65535;
 
   function bytesOf(id) {
     const text = atob(document.getElementById(id).textContent);
@@ -33,6 +34,17 @@ const reliefModel = (() => {
     return RAMP[low].map((c, k) => Math.round(c + (place - low) * (RAMP[low + 1][k] - c)));
   }
 
+  // Colours that differ for neighbouring views: hues go round by the golden angle, in three shades.
+  function viewColours(count) {
+    return Array.from({length: count}, (_, i) => {
+      const hue = i * 137.508 % 360, light = [0.55, 0.72, 0.4][i % 3], strong = 0.65 * Math.min(light, 1 - light);
+      return [0, 8, 4].map(n => {
+        const k = (n + hue / 30) % 12;
+        return Math.round(255 * (light - strong * Math.max(-1, Math.min(k - 3, 9 - k, 1))));
+      });
+    });
+  }
+
   function load() {
     const model = JSON.parse(document.getElementById('viewer-data').textContent);
     const extent = model.high.map((high, k) => high - model.low[k]);
@@ -42,6 +54,7 @@ const reliefModel = (() => {
     model.indices = new Uint32Array(bytesOf('viewer-faces').buffer);
     model.errors = bytesOf('viewer-errors');
     model.views = bytesOf('viewer-views');
+    model.sourceViews = new Uint16Array(bytesOf('viewer-sources').buffer);
     model.filledVertices = bytesOf('viewer-filled');
     model.colourBytes = bytesOf('viewer-colours');
     return model;
@@ -79,6 +92,17 @@ const reliefModel = (() => {
       const table = rampTable(Math.max(model.views_most, 1));
       list.push({key: 'views', name: 'number of views', colours: () => coloursBy(model, v => table[model.views[v]]),
         legend: {title: 'Views that measured a vertex', unit: 'views', low: 0, high: model.views_most, open: model.views_most === 255, swatches: []}});
+    }
+    if (model.sources) {
+      const most = model.sourceViews.reduce((most, view) => view === NO_VIEW ? most : Math.max(most, view), 0);
+      const table = viewColours(most + 1);
+      const counts = new Uint32Array(most + 1);
+      for (const view of model.sourceViews) if (view !== NO_VIEW) ++counts[view];
+      list.push({key: 'source', name: 'source view',
+        colours: () => coloursBy(model, v => model.sourceViews[v] === NO_VIEW ? UNKNOWN : table[model.sourceViews[v]]),
+        legend: {title: 'View that counts most', swatches: [[UNKNOWN, 'filled, not measured']],
+          views: [...counts.keys()].filter(view => counts[view] > 0).map(view =>
+            [table[view], model.sources[view] || `view ${view}`, counts[view] / model.vertices])}});
     }
     if (model.colours)
       list.push({key: 'colour', name: 'colours of the scans', colours: () => model.colourBytes, legend: null});

@@ -38,9 +38,21 @@
     return `linear-gradient(90deg, ${stops.join(', ')})`;
   }
 
+  // Below the model: names of views need room.
+  function showViews(views) {
+    const list = byId('view-key');
+    list.hidden = !views;
+    list.replaceChildren(...(views || []).map(([colour, name, share]) => {
+      const swatch = element('span', {className: 'swatch'});
+      swatch.style.background = css(colour);
+      return element('li', {}, swatch, `${name} (${short(100 * share)}\u202f%)`);
+    }));
+  }
+
   function showLegend(legend) {
     const box = byId('legend');
     box.replaceChildren();
+    showViews(legend && legend.views);
     if (!legend) return;
     const unit = legend.unit && legend.unit !== 'views' ? ` [${legend.unit}]` : '';
     box.append(element('div', {textContent: legend.title + unit}));
@@ -199,6 +211,7 @@
   setColouring();
   setMeasuring();
   view.draw();
-  // For consoles and tests.
-  window.reliefViewer = {model, draw: view.draw, project: view.project};
+  // For consoles and tests. When the second frame begins, the first one is on the screen.
+  window.reliefViewer = {model, draw: view.draw, project: view.project, firstPicture: null};
+  requestAnimationFrame(() => requestAnimationFrame(() => { window.reliefViewer.firstPicture = performance.now(); }));
 })();

@@ -6,6 +6,7 @@
 
 #include "apps/reports/html/html_text.h"
 #include "apps/reports/html/report_content.h"
+#include "apps/reports/html/sections/loop_section.h"
 #include "apps/reports/html/sections/pair_graph.h"
 #include "scan/base/median.h"
 
@@ -196,7 +197,7 @@ std::string alignment_section(const ReportContent& content) {
   if (content.report.size(section + "/views") == 0) return "";
   std::string html = "<section id=\"alignment\"><h2>Alignment</h2>\n" + introduction(content);
   if (content.report.size(section + "/pairs") > 0)
-    html += pair_graph(content) + matrix(content) + pair_table(content) +
+    html += pair_graph(content) + matrix(content) + pair_table(content) + loop_closures(content) +
             "<h3>Degenerate directions</h3>\n" + degenerate_directions(content);
   return html + deviations(content) + "</section>\n";
 }

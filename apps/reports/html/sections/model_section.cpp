@@ -99,12 +99,20 @@ std::string size_entries(const ReportContent& content) {
                     report.shown("/merge/truncation", Rounding::kThreeDigits, content.unit));
 }
 
+// Only where they were looked for.
+std::string self_intersections(const ReportFigures& report) {
+  if (!report.number("/merge/self_intersections")) return "";
+  return list_entry("Faces that intersect, pairs",
+                    report.shown("/merge/self_intersections", Rounding::kCount));
+}
+
 std::string topology_entries(const ReportFigures& report) {
   return list_entry("Watertight", yes_or_no(report, "/merge/watertight")) +
          list_entry("Manifold edges", yes_or_no(report, "/merge/manifold_edges")) +
          list_entry("Manifold vertices", yes_or_no(report, "/merge/manifold_vertices")) +
          list_entry("Oriented", yes_or_no(report, "/merge/oriented")) +
          list_entry("Boundary edges", report.shown("/merge/boundary_edges", Rounding::kCount)) +
+         self_intersections(report) +
          list_entry("Components", report.shown("/merge/components", Rounding::kCount)) +
          list_entry("Genus (handles)", report.shown("/merge/genus", Rounding::kCount)) +
          list_entry("Components removed",
@@ -138,11 +146,32 @@ std::string charts(const ReportContent& content) {
   return html.empty() ? "" : "<div class=\"columns\">\n" + html + "</div>\n";
 }
 
+// What the check of the mesh certifies, and how much of it is evidence.
+std::string model_in_words(const ReportContent& content) {
+  const ReportFigures& report = content.report;
+  const auto holds = [&](const char* key) {
+    return report.truth(std::string("/merge/") + key).value_or(false);
+  };
+  const bool manifold = holds("manifold_edges") && holds("manifold_vertices");
+  const std::string topology =
+      holds("watertight") ? manifold ? "The surface is closed, and every edge has two faces"
+                                     : "The surface is closed"
+                          : "The surface has holes";
+  std::string html = fmt::format("<p>{}: its genus is {}, in {} {}.", topology,
+                                 report.shown("/merge/genus", Rounding::kCount),
+                                 report.shown("/merge/components", Rounding::kCount),
+                                 report.number("/merge/components") == 1.0 ? "piece" : "pieces");
+  if (report.number("/merge/filled_area_fraction"))
+    html += fmt::format(" No view measured {} of its area, which is filled.",
+                        report.shown("/merge/filled_area_fraction", Rounding::kPercent));
+  return html + "</p>\n";
+}
+
 }  // namespace
 
 std::string model_section(const ReportContent& content) {
   if (!content.report.find("/merge")) return "";
-  return "<section id=\"model\"><h2>Model</h2>\n" + charts(content) +
+  return "<section id=\"model\"><h2>Model</h2>\n" + model_in_words(content) + charts(content) +
          "<div class=\"columns\"><div><h3>Size</h3>\n<dl>" + size_entries(content) +
          "</dl></div>\n<div><h3>Topology</h3>\n<dl>" + topology_entries(content.report) +
          "</dl></div>\n<div>" + polish_entries(content) + "</div></div></section>\n";

@@ -14,7 +14,9 @@ std::string picture_figure(const ReportPicture& picture) {
 
 std::string pictures_section(const ReportContent& content) {
   if (content.pictures.empty()) return "";
-  std::string html = "<section id=\"pictures\"><h2>Pictures</h2>\n<div class=\"pictures\">\n";
+  std::string html =
+      "<section id=\"pictures\"><h2>Pictures</h2>\n"
+      "<p>The model from one side, drawn without WebGL.</p>\n<div class=\"pictures\">\n";
   for (const ReportPicture& picture : content.pictures) html += picture_figure(picture);
   return html + "</div></section>\n";
 }

@@ -51,7 +51,8 @@ std::string memory(const ReportFigures& report) {
 
 std::string provenance_section(const ReportContent& content) {
   const ReportFigures& report = content.report;
-  return "<section id=\"provenance\"><h2>Provenance</h2>\n<dl>" +
+  return "<section id=\"provenance\"><h2>Provenance</h2>\n"
+         "<p>What the model was made from, and how.</p>\n<dl>" +
          text_entry(report, "Version of relief", "/relief") +
          text_entry(report, "Input", "/run/input") + options(report) + times(report) +
          memory(report) + "</dl></section>\n";

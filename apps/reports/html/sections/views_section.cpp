@@ -1,7 +1,10 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "apps/reports/html/html_text.h"
 #include "apps/reports/html/report_content.h"
+#include "apps/reports/html/sections/spectrum_plot.h"
 
 namespace relief {
 
@@ -103,24 +106,49 @@ std::string left_out_in_words(const ReportContent& content, const ViewEntries& a
   return html;
 }
 
+std::string pictures_of_view(const ReportContent& content, const std::string& name) {
+  const auto pictures = content.view_pictures.find(name);
+  if (pictures == content.view_pictures.end()) return "";
+  std::string html = "<div class=\"pictures pairs\">\n";
+  for (const ReportPicture& picture : pictures->second) html += picture_figure(picture);
+  return html + "</div>\n";
+}
+
 std::string details(const ReportContent& content, const GradedView& view) {
   const ViewEntries at = entries_of(content.report, view.name);
-  std::string html = fmt::format("<details{}><summary>{} {}</summary>\n",
-                                 view.grade == ViewGrade::kRescan ? " open" : "",
+  // The first view shows what there is to see.
+  const bool opened = view.grade == ViewGrade::kRescan || &view == &content.views.front();
+  std::string html = fmt::format("<details{}><summary>{} {}</summary>\n", opened ? " open" : "",
                                  escape_html(view.name), badge(view.grade));
   for (const std::string& reason : view.reasons) html += "<p>" + escape_html(reason) + "</p>\n";
   if (!at.refinement.empty())
     html += noise_in_words(content, at.refinement) + refinement_in_words(content, at.refinement);
   html += left_out_in_words(content, at);
+  html += pictures_of_view(content, view.name);
+  if (!at.refinement.empty()) html += spectrum_of_view(content, at.refinement);
   return html + "</details>\n";
+}
+
+std::string grades_in_words(const ReportContent& content) {
+  const auto of = [&](ViewGrade grade) {
+    return std::count_if(content.views.begin(), content.views.end(),
+                         [&](const GradedView& view) { return view.grade == grade; });
+  };
+  const auto check = of(ViewGrade::kCheck), rescan = of(ViewGrade::kRescan);
+  if (check + rescan == 0)
+    return fmt::format("<p>Nothing speaks against any of the {} views.</p>\n",
+                       content.views.size());
+  return fmt::format(
+      "<p>Of {} views {} {} to be checked and {} to be scanned again; below each says why.</p>\n",
+      content.views.size(), check, check == 1 ? "is" : "are", rescan);
 }
 
 }  // namespace
 
 std::string views_section(const ReportContent& content) {
   if (content.views.empty()) return "";
-  std::string html = "<section id=\"views\"><h2>Views</h2>\n" + table(content) +
-                     "<h3>Each view in words</h3>\n<div class=\"views\">\n";
+  std::string html = "<section id=\"views\"><h2>Views</h2>\n" + grades_in_words(content) +
+                     table(content) + "<h3>Each view in words</h3>\n<div class=\"views\">\n";
   for (const GradedView& view : content.views) html += details(content, view);
   return html + "</div></section>\n";
 }

@@ -41,6 +41,7 @@ class Clusters {
       coarse.vertices.push_back(mesh_.vertices[v]);
       if (!mesh_.quality.empty()) coarse.quality.push_back(mesh_.quality[v]);
       if (!mesh_.views.empty()) coarse.views.push_back(mesh_.views[v]);
+      if (!mesh_.source_views.empty()) coarse.source_views.push_back(mesh_.source_views[v]);
       if (!mesh_.filled.empty()) coarse.filled.push_back(mesh_.filled[v]);
       if (!mesh_.colours.empty()) coarse.colours.push_back(mesh_.colours[v]);
     }

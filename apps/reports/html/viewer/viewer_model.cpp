@@ -52,6 +52,7 @@ ViewerModel quantised(const TriangleMesh& mesh) {
   model.faces = mesh.faces;
   put_errors(mesh, model);
   for (const std::uint16_t views : mesh.views) model.views.push_back(to_byte(views));
+  model.sources = mesh.source_views;
   model.filled = mesh.filled;
   for (const Colour& colour : mesh.colours) model.colours.push_back(colour);
   return model;

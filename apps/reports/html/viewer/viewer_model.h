@@ -24,6 +24,8 @@ struct ViewerModel {
   double error_low = 0.0, error_high = 0.0;  ///< Expected errors of the bytes 0 and 255 [unit].
   std::vector<std::uint8_t> errors;
   std::vector<std::uint8_t> views;  ///< How many views measured the vertex; 255: that many or more.
+  /// The view with the largest weight, by its index; kNoSourceView: none.
+  std::vector<std::uint16_t> sources;
   std::vector<std::uint8_t> filled;  ///< 1: no view measured here.
   std::vector<std::array<std::uint8_t, 3>> colours;
   std::size_t faces_before = 0;  ///< Of the model before it was decimated.

@@ -57,7 +57,8 @@ struct MergeSummary {
 
 struct MergeResult : MergeSummary {
   /// With quality (expected error; for filled vertices the distance to the nearest measured one),
-  /// number of views, filled flag and normal of each vertex, and its colour if views have colours.
+  /// number of views, view with the largest weight, filled flag and normal of each vertex, and its
+  /// colour if views have colours.
   TriangleMesh mesh;
   MeshCheck check;  ///< Of `mesh`.
 };

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "relief/hybrid/refine_options.h"
 #include "relief/scan/context.h"
@@ -24,6 +25,14 @@ enum class RefineStatus {
 };
 std::string_view to_string(RefineStatus status);
 
+/// How far ranges deviate from the surface that the measured normals imply, along rows and columns,
+/// in one octave of wavelengths (H17): of one sample [unit], if errors were independent.
+struct DeviationBand {
+  double wavelength = 0.0;  ///< In the middle of the band [samples].
+  double measured = 0.0;
+  double refined = 0.0;
+};
+
 /// What refining did to one view.
 struct RefineSummary {
   RefineStatus status = RefineStatus::kRefined;
@@ -41,6 +50,8 @@ struct RefineSummary {
   int rounds = 0;                    ///< Linear systems solved.
   int iterations = 0;                ///< Steps of the linear solver, all rounds together.
   double seconds = 0.0;
+  /// By growing wavelength; empty for views that stay as measured.
+  std::vector<DeviationBand> spectrum;
 
   /// Whether the solver gave up or failed.
   bool failed() const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "relief/registration/align_options.h"
+#include "relief/registration/loop_closure.h"
 #include "relief/registration/pair_fit.h"
 #include "relief/registration/solver_summary.h"
 #include "relief/scan/context.h"
@@ -51,6 +52,7 @@ struct Alignment {
   int iterations = 0;                 ///< Renewals of the correspondences.
   double rms = 0.0;                   ///< Of all point-to-plane distances [unit].
   std::vector<SolverSummary> solves;  ///< Of the refinement that gave the poses, in their order.
+  std::vector<LoopClosure> loops;     ///< Of cycles of pairs, the least explained first.
   std::vector<std::string> notes;     ///< What the user should know, one line each.
 
   /// Whether all views are in one frame.

@@ -12,6 +12,9 @@
 
 namespace relief {
 
+/// In TriangleMesh::source_views: no view measured the vertex.
+inline constexpr std::uint16_t kNoSourceView = 65535;
+
 /// An indexed triangle mesh. Faces wind counter-clockwise seen from outside. The attribute vectors
 /// are empty or have one entry per vertex.
 struct TriangleMesh {
@@ -22,6 +25,9 @@ struct TriangleMesh {
   std::vector<Eigen::Vector3f> normals;  ///< Unit vertex normals.
   std::vector<float> quality;            ///< Expected error of the position [unit].
   std::vector<std::uint16_t> views;      ///< How many views measured the vertex.
+  /// The view with the largest weight at the vertex, by its index among those merged; or
+  /// kNoSourceView.
+  std::vector<std::uint16_t> source_views;
   std::vector<std::uint8_t> filled;      ///< 1: no view measured here, the surface was closed.
   std::vector<Colour> colours;
 

@@ -44,6 +44,7 @@ TEST_P(MeshFormatWithAttributes, KeepsEverything) {
   EXPECT_EQ(read.normals, mesh.normals);
   EXPECT_EQ(read.quality, mesh.quality);
   EXPECT_EQ(read.views, mesh.views);
+  EXPECT_EQ(read.source_views, mesh.source_views);
   EXPECT_EQ(read.filled, mesh.filled);
   EXPECT_EQ(read.colours, mesh.colours);
 }
@@ -152,7 +153,8 @@ TEST(MeshIo, VtpHoldsTheAttributes) {
   const TemporaryFolder folder;
   ASSERT_THAT(write_mesh(with_attributes(tetrahedron()), folder / "a.vtp"), IsOk());
   const std::string text = *read_file(folder / "a.vtp");
-  for (const char* name : {"normals", "quality", "views", "filled", "RGB", "NumberOfPolys=\"4\""})
+  for (const char* name :
+       {"normals", "quality", "views", "source_view", "filled", "RGB", "NumberOfPolys=\"4\""})
     EXPECT_THAT(text, HasSubstr(name));
 }
 
