@@ -42,9 +42,10 @@ int main(int argc, char** argv) {
   app.option_defaults()->always_capture_default();
 
   Action action;
-  constexpr AddCommand kCommands[] = {
-      add_info,     add_align,   add_calibrate, add_refine, add_merge,  add_run,    add_simulate,
-      add_evaluate, add_compare, add_convert,   add_init,   add_render, add_report, add_clean};
+  constexpr AddCommand kCommands[] = {add_info,     add_align,    add_calibrate, add_refine,
+                                      add_merge,    add_run,      add_step,      add_plan,
+                                      add_simulate, add_evaluate, add_compare,   add_convert,
+                                      add_init,     add_render,   add_report,    add_clean};
   for (const AddCommand add : kCommands) add(app, action);
 
   const auto is_chosen = [&](const CLI::App* command) { return command->check_name(argv[1]); };

@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "reconstruction/cache/stage_units.h"
 #include "reconstruction/memory_check.h"
 #include "reconstruction/stage_context.h"
 #include "scan/base/parallel.h"
@@ -35,7 +34,8 @@ Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& opt
                     const StageContext& context, const ViewHashes& hashes, Model& model) {
   hybrid::PolishOptions polish = *options.polish;
   if (!(polish.normals.max_distance > 0.0)) polish.normals.max_distance = model.merged.truncation;
-  auto polished = polish_or_find(hashes, model.mesh, views, polish, context.of(Stage::kPolish));
+  auto polished = polish_or_find(hashes, model.mesh, views, polish, context.of(Stage::kPolish),
+                                 context.in_place_of_computing(Stage::kPolish));
   if (!polished) return polished.error();
   model.polished = *polished;
   if (polished->rounds == 0) return {};
@@ -108,17 +108,22 @@ std::string_view to_string(Stage stage) {
   return "";
 }
 
-Result<Model> build_model(const std::vector<RangeView>& views, const ModelOptions& options,
-                          const Context& context, const StageProgress& progress) {
+Result<Model> build_model_in(const StageContext& stages, const std::vector<RangeView>& views,
+                             const ModelOptions& options) {
   const LoadAllViews all = [&](const fusion::MergeResult&) {
     return Result<const std::vector<RangeView>*>(&views);
   };
-  return run_in(context, [&] {
-    const StageContext stages{context, progress};
-    const ViewHashes hashes = context.store ? hashes_of_views(views) : ViewHashes();
-    return finish(merge_or_find(hashes, views, options.merge, stages.of(Stage::kMerge)), all,
-                  options, stages, hashes);
+  return run_in(stages.context, [&] {
+    const ViewHashes hashes = stages.context.store ? hashes_of_views(views) : ViewHashes();
+    return finish(merge_or_find(hashes, views, options.merge, stages.of(Stage::kMerge),
+                                stages.in_place_of_computing(Stage::kMerge)),
+                  all, options, stages, hashes);
   });
+}
+
+Result<Model> build_model(const std::vector<RangeView>& views, const ModelOptions& options,
+                          const Context& context, const StageProgress& progress) {
+  return build_model_in({context, progress}, views, options);
 }
 
 Result<Model> build_model_from_source(const fusion::ViewSource& views, const LoadAllViews& all,

@@ -1,9 +1,9 @@
 #include "relief/reconstruction/reconstruct.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
-#include "reconstruction/cache/stage_units.h"
 #include "reconstruction/memory_check.h"
 #include "reconstruction/stage_context.h"
 
@@ -13,9 +13,10 @@ namespace {
 
 class Reconstructor {
  public:
-  Reconstructor(std::vector<RangeView> views, const ReconstructionOptions& options,
-                const Context& context, const ReconstructionCallbacks& callbacks)
-      : options_(options), context_(context), callbacks_(callbacks) {
+  Reconstructor(std::vector<RangeView> views, const ReconstructionPart& part,
+                const ReconstructionOptions& options, const Context& context,
+                const ReconstructionCallbacks& callbacks)
+      : part_(part), options_(options), context_(context), callbacks_(callbacks) {
     result_.views = std::move(views);
   }
 
@@ -26,19 +27,25 @@ class Reconstructor {
     }
     if (auto room = check_memory_to_refine(result_.views, options_.refine, context_.memory); !room)
       return room.error();
-    for (const auto stage :
-         {&Reconstructor::align, &Reconstructor::calibrate, &Reconstructor::compare,
-          &Reconstructor::refine, &Reconstructor::align_again, &Reconstructor::merge}) {
-      const Result<void> done = (this->*stage)();
+    for (const auto& [stage, work] : kWork) {
+      if (stage > part_.last) break;
+      const Result<void> done = (this->*work)();
       if (!done) return done.error();
     }
     return std::move(result_);
   }
 
  private:
+  struct StageWork {
+    Stage stage;
+    Result<void> (Reconstructor::*work)();
+  };
+  static const std::array<StageWork, 6> kWork;  // In the order of the stages.
+
   Result<void> align() {
     auto alignment =
-        align_or_find("align", result_.views, options_.align, stages_.of(Stage::kAlign));
+        align_or_find("align", result_.views, options_.align, stages_.of(Stage::kAlign),
+                      stages_.in_place_of_computing(Stage::kAlign));
     if (!alignment) return alignment.error();
     registration::apply_alignment(*alignment, result_.views);
     if (auto told = tell(callbacks_.aligned, *alignment); !told) return told;
@@ -49,7 +56,8 @@ class Reconstructor {
   Result<void> calibrate() {
     if (options_.calibration.scope != registration::CalibrationScope::kOff) {
       auto calibration = calibrate_or_find(result_.views, result_.first_alignment, options_.align,
-                                           options_.calibration, stages_.of(Stage::kCalibrate));
+                                           options_.calibration, stages_.of(Stage::kCalibrate),
+                                           stages_.in_place_of_computing(Stage::kCalibrate));
       if (!calibration) return calibration.error();
       registration::apply_calibration(*calibration, result_.views);
       result_.calibration = std::move(*calibration);
@@ -84,7 +92,8 @@ class Reconstructor {
     CrossViewOptions compare;
     compare.correct = options_.contradicted == ContradictedRanges::kCorrect;
     auto found =
-        weigh_or_find(remaining_pairs(), compare, result_.views, stages_.of(Stage::kCompare));
+        weigh_or_find(remaining_pairs(), compare, result_.views, stages_.of(Stage::kCompare),
+                      stages_.in_place_of_computing(Stage::kCompare));
     if (!found) return found.error();
     result_.consistency = std::move(*found);
     return tell(callbacks_.compared, result_.consistency, result_.views);
@@ -99,7 +108,9 @@ class Reconstructor {
   }
 
   Result<void> refine() {
-    auto refined = refine_or_find(result_.views, options_.refine, stages_.of(Stage::kRefine));
+    if (part_.last == Stage::kRefine && part_.refined_views) take_chosen(*part_.refined_views);
+    auto refined = refine_or_find(result_.views, options_.refine, stages_.of(Stage::kRefine),
+                                  stages_.in_place_of_computing(Stage::kRefine));
     if (!refined) return refined.error();
     for (std::size_t i = 0; i < refined->size(); ++i) {
       hybrid::RefinedView& view = (*refined)[i];
@@ -107,6 +118,18 @@ class Reconstructor {
       result_.views[i] = std::move(view.view);
     }
     return tell(callbacks_.refined, result_.refinements, result_.views);
+  }
+
+  // Of the views that are left, those with an index in `chosen` among the views given.
+  void take_chosen(const std::vector<std::size_t>& chosen) {
+    std::vector<RangeView> taken;
+    for (std::size_t i = 0, next = 0; i < result_.first_alignment.views.size(); ++i) {
+      if (!result_.first_alignment.views[i].aligned) continue;
+      if (std::find(chosen.begin(), chosen.end(), i) != chosen.end())
+        taken.push_back(std::move(result_.views[next]));
+      ++next;
+    }
+    result_.views = std::move(taken);
   }
 
   bool any_refined() const {
@@ -120,7 +143,8 @@ class Reconstructor {
       registration::AlignOptions options = options_.align;
       options.surface.normals = registration::NormalSource::kMeasured;
       auto alignment =
-          align_or_find("align_again", result_.views, options, stages_.of(Stage::kAlignAgain));
+          align_or_find("align_again", result_.views, options, stages_.of(Stage::kAlignAgain),
+                        stages_.in_place_of_computing(Stage::kAlignAgain));
       if (!alignment) return alignment.error();
       const AlignmentGain gain =
           compare_alignments(result_.first_alignment, *alignment, result_.views);
@@ -132,7 +156,12 @@ class Reconstructor {
   }
 
   Result<void> merge() {
-    auto model = build_model(result_.views, options_.model, context_, callbacks_.progress);
+    ModelOptions options = options_.model;
+    if (part_.last == Stage::kMerge) {
+      options.polish.reset();
+      options.decimation = {};
+    }
+    auto model = build_model_in(stages_, result_.views, options);
     if (!model) return model.error();
     result_.model = std::move(*model);
     return {};
@@ -143,12 +172,21 @@ class Reconstructor {
     return callback ? callback(arguments...) : Result<void>{};
   }
 
+  const ReconstructionPart& part_;
   const ReconstructionOptions& options_;
   const Context& context_;
   const ReconstructionCallbacks& callbacks_;
-  const StageContext stages_{context_, callbacks_.progress};
+  const StageContext stages_{context_, callbacks_.progress, part_};
   Reconstruction result_;
 };
+
+const std::array<Reconstructor::StageWork, 6> Reconstructor::kWork{
+    {{Stage::kAlign, &Reconstructor::align},
+     {Stage::kCalibrate, &Reconstructor::calibrate},
+     {Stage::kCompare, &Reconstructor::compare},
+     {Stage::kRefine, &Reconstructor::refine},
+     {Stage::kAlignAgain, &Reconstructor::align_again},
+     {Stage::kMerge, &Reconstructor::merge}}};
 
 }  // namespace
 
@@ -161,8 +199,23 @@ bool Reconstruction::complete() const {
 Result<Reconstruction> reconstruct(std::vector<RangeView> views,
                                    const ReconstructionOptions& options, const Context& context,
                                    const ReconstructionCallbacks& callbacks) {
-  return run_in(context,
-                [&] { return Reconstructor(std::move(views), options, context, callbacks).run(); });
+  return reconstruct_part(std::move(views), {}, options, context, callbacks);
+}
+
+std::string step_name(Stage stage) {
+  std::string name(to_string(stage));
+  std::replace(name.begin(), name.end(), ' ', '-');
+  return name;
+}
+
+Result<Reconstruction> reconstruct_part(std::vector<RangeView> views,
+                                        const ReconstructionPart& part,
+                                        const ReconstructionOptions& options,
+                                        const Context& context,
+                                        const ReconstructionCallbacks& callbacks) {
+  return run_in(context, [&] {
+    return Reconstructor(std::move(views), part, options, context, callbacks).run();
+  });
 }
 
 }  // namespace relief::reconstruction

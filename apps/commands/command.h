@@ -37,6 +37,8 @@ void add_calibrate(CLI::App& app, Action& action);
 void add_refine(CLI::App& app, Action& action);
 void add_merge(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
+void add_step(CLI::App& app, Action& action);
+void add_plan(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_evaluate(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action);

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -12,6 +13,8 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "scan/base/host_name.h"
 
 namespace relief::reconstruction {
 
@@ -24,19 +27,18 @@ Error cannot_lock(const fs::path& file, int code) {
           file.string() + ": cannot create the lock of this folder: " + std::strerror(code)};
 }
 
-std::string host_name() {
-  std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
-}
+constexpr std::string_view kOfStep = "step ";
 
-// One line: process, host, start in UTC.
-std::string own_record() {
+// One line: process, host, start in UTC. That of a step begins with the word. Of several steps it
+// is the one that came last, and it stays when they have ended.
+std::string own_record(FolderUse use) {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
   ::gmtime_r(&now, &utc);
   std::array<char, 32> start{};
   std::strftime(start.data(), start.size(), "%Y-%m-%d %H:%M:%S UTC", &utc);
-  return std::to_string(::getpid()) + " " + host_name() + " " + start.data() + "\n";
+  return std::string(use == FolderUse::kShared ? kOfStep : "") + std::to_string(::getpid()) + " " +
+         host_name() + " " + start.data() + "\n";
 }
 
 std::string read_record(int descriptor) {
@@ -46,14 +48,21 @@ std::string read_record(int descriptor) {
   return record.substr(0, record.find('\n'));
 }
 
-Error held_by(const fs::path& output, const std::string& record) {
+bool is_of_step(const std::string& record) { return record.rfind(kOfStep, 0) == 0; }
+
+Error held_by(const fs::path& output, std::string record) {
+  const bool steps = is_of_step(record);
+  if (steps) record.erase(0, kOfStep.size());
   const std::size_t host = record.find(' '), start = record.find(' ', host + 1);
   std::string who = "another process";
   if (start != std::string::npos)
     who = "process " + record.substr(0, host) + " on " + record.substr(host + 1, start - host - 1) +
           ", since " + record.substr(start + 1);
-  return {ErrorKind::kCannotWrite, output.string() + ": a run works in this folder already (" +
-                                       who + "); wait for it, or give another folder"};
+  return {ErrorKind::kCannotWrite,
+          output.string() + (steps ? ": steps work in this folder, the latest is (" + who +
+                                         "); a run waits for them, or takes another folder"
+                                   : ": a run works in this folder already (" + who +
+                                         "); wait for it, or give another folder")};
 }
 
 // `relief clean` removes the file: a lock on one that has gone keeps nobody out.
@@ -64,28 +73,33 @@ bool still_there(int descriptor, const fs::path& file) {
          opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }
 
-void remove_partials(const fs::path& folder, const std::string& process) {
+// `of`: the process whose they are, with a dash after it; empty: all.
+void remove_partials(const fs::path& folder, const std::string& of) {
   std::error_code ignored;
   for (auto entry = fs::directory_iterator(folder, ignored); entry != fs::directory_iterator();
        entry.increment(ignored)) {
     const std::string name = entry->path().filename().string();
-    if (name.front() == '.' && name.find(".partial-" + process + "-") != std::string::npos)
+    if (name.front() == '.' && name.find(".partial-" + of) != std::string::npos)
       fs::remove(entry->path(), ignored);
     if (ignored) return;
   }
 }
 
 // The process of a record that it did not take away itself was killed: it holds no lock any more.
-void clear_up_after(const std::string& record, const fs::path& output) {
+// Units that are half written, by steps on any host, are in the way of nobody; a run, which is
+// alone, removes all of them.
+void clear_up_after(const std::string& record, const fs::path& output, FolderUse use) {
+  const fs::path cache = private_folder(output) / "cache";
+  if (use == FolderUse::kAlone && is_of_step(record)) return remove_partials(cache, "");
   const std::string process = record.substr(0, record.find(' '));
   if (process.empty() || process.find_first_not_of("0123456789") != std::string::npos) return;
-  remove_partials(output, process);
-  remove_partials(private_folder(output) / "cache", process);
+  remove_partials(output, process + "-");
+  if (use == FolderUse::kAlone) remove_partials(cache, process + "-");
 }
 
 // Whoever cannot write its record, on a full disk, holds the folder as well.
-void write_record(int descriptor) {
-  const std::string record = own_record();
+void write_record(int descriptor, FolderUse use) {
+  const std::string record = own_record(use);
   if (::ftruncate(descriptor, 0) == 0) (void)!::pwrite(descriptor, record.data(), record.size(), 0);
 }
 
@@ -95,7 +109,7 @@ std::filesystem::path private_folder(const std::filesystem::path& output) {
   return output / ".relief";
 }
 
-Result<FolderLock> FolderLock::acquire(const std::filesystem::path& output) {
+Result<FolderLock> FolderLock::acquire(const std::filesystem::path& output, FolderUse use) {
   std::error_code failure;
   fs::create_directories(private_folder(output), failure);
   const fs::path file = private_folder(output) / "lock";
@@ -103,28 +117,28 @@ Result<FolderLock> FolderLock::acquire(const std::filesystem::path& output) {
   for (;;) {
     const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor < 0) return cannot_lock(file, errno);
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    if (::flock(descriptor, (use == FolderUse::kAlone ? LOCK_EX : LOCK_SH) | LOCK_NB) != 0) {
       const int code = errno;
-      if (code != EWOULDBLOCK) return FolderLock(descriptor, false);
+      if (code != EWOULDBLOCK) return FolderLock(descriptor, false, use);
       const std::string record = read_record(descriptor);
       ::close(descriptor);
       return held_by(output, record);
     }
     if (still_there(descriptor, file)) {
-      clear_up_after(read_record(descriptor), output);
-      write_record(descriptor);
-      return FolderLock(descriptor, true);
+      clear_up_after(read_record(descriptor), output, use);
+      write_record(descriptor, use);
+      return FolderLock(descriptor, true, use);
     }
     ::close(descriptor);
   }
 }
 
 FolderLock::FolderLock(FolderLock&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), held_(other.held_) {}
+    : descriptor_(std::exchange(other.descriptor_, -1)), held_(other.held_), use_(other.use_) {}
 
 FolderLock::~FolderLock() {
   if (descriptor_ < 0) return;
-  if (held_) (void)!::ftruncate(descriptor_, 0);
+  if (held_ && use_ == FolderUse::kAlone) (void)!::ftruncate(descriptor_, 0);
   ::close(descriptor_);
 }
 

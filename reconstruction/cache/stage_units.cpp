@@ -86,42 +86,56 @@ Result<KeptComparison> compare(const std::vector<registration::PairFit>& pairs,
   return kept;
 }
 
+// Computes, or gives the error in place of it.
+template <typename Compute>
+auto unless(const InPlaceOfComputing& error, Compute compute) {
+  return [&error, compute]() -> decltype(compute()) {
+    if (error) return *error;
+    return compute();
+  };
+}
+
 }  // namespace
 
 Result<registration::Alignment> align_or_find(std::string_view kind,
                                               const std::vector<RangeView>& views,
                                               const registration::AlignOptions& options,
-                                              const Context& context) {
+                                              const Context& context,
+                                              const InPlaceOfComputing& otherwise) {
   return find_or_compute<registration::Alignment>(
       context.store, [&] { return unit_key(kind, hashes_of_views(views), options); },
-      [&] { return registration::align_views(views, options, context); });
+      unless(otherwise, [&] { return registration::align_views(views, options, context); }));
 }
 
 Result<registration::SensorCalibration> calibrate_or_find(
     const std::vector<RangeView>& views, const registration::Alignment& aligned,
     const registration::AlignOptions& align, const registration::CalibrationOptions& options,
-    const Context& context) {
+    const Context& context, const InPlaceOfComputing& otherwise) {
   return find_or_compute<registration::SensorCalibration>(
       context.store,
       [&] {
         return unit_key("calibrate", hashes_of_views(views), aligned.world_from_view(),
                         aligned.pairs, align, options);
       },
-      [&] { return registration::calibrate_views(views, aligned, align, options, context); });
+      unless(otherwise, [&] {
+        return registration::calibrate_views(views, aligned, align, options, context);
+      }));
 }
 
 Result<std::vector<ViewConsistency>> weigh_or_find(const std::vector<registration::PairFit>& pairs,
                                                    const CrossViewOptions& options,
                                                    std::vector<RangeView>& views,
-                                                   const Context& context) {
-  if (context.store == nullptr) return weigh_by_consistency(pairs, options, views, context);
+                                                   const Context& context,
+                                                   const InPlaceOfComputing& otherwise) {
+  if (context.store == nullptr && !otherwise)
+    return weigh_by_consistency(pairs, options, views, context);
   bool computed = false;
   auto kept = find_or_compute<KeptComparison>(
       context.store, [&] { return unit_key("compare", hashes_of_views(views), pairs, options); },
-      [&] {
+      unless(otherwise, [&] {
         computed = true;
         return compare(pairs, options, views, context);
-      });
+      }));
   if (!kept) return kept.error();
   auto changed = kept->changed.begin();
   for (std::size_t i = 0; i < views.size() && !computed; ++i) {
@@ -136,14 +150,17 @@ Result<std::vector<ViewConsistency>> weigh_or_find(const std::vector<registratio
 
 Result<std::vector<hybrid::RefinedView>> refine_or_find(const std::vector<RangeView>& views,
                                                         const hybrid::RefineOptions& options,
-                                                        const Context& context) {
-  if (context.store == nullptr) return hybrid::refine_views(views, options, context);
+                                                        const Context& context,
+                                                        const InPlaceOfComputing& otherwise) {
+  if (context.store == nullptr && !otherwise) return hybrid::refine_views(views, options, context);
   const auto refine = [&](const RangeView& view, const hybrid::RefineOptions& view_options,
                           const Context& view_context) -> Result<hybrid::RefinedView> {
     auto kept = find_or_compute<KeptRefinement>(
         context.store,
         [&] { return unit_key("refine", hash_of_samples(view), view_options, view_context.seed); },
         [&]() -> Result<KeptRefinement> {
+          if (otherwise)
+            return Error{otherwise->kind, "view " + view.name + ": " + otherwise->message};
           auto refined = hybrid::refine_view(view, view_options, view_context);
           if (!refined) return refined.error();
           return KeptRefinement{*refined, grids_of(refined->view)};
@@ -163,20 +180,22 @@ Result<std::vector<hybrid::RefinedView>> refine_or_find(const std::vector<RangeV
 Result<fusion::MergeResult> merge_or_find(const std::vector<std::string>& hashes,
                                           const std::vector<RangeView>& views,
                                           const fusion::MergeOptions& options,
-                                          const Context& context) {
+                                          const Context& context,
+                                          const InPlaceOfComputing& otherwise) {
   return find_or_compute<fusion::MergeResult>(
       context.store, [&] { return unit_key("merge", hashes, options); },
-      [&] { return fusion::merge_views(views, options, context); });
+      unless(otherwise, [&] { return fusion::merge_views(views, options, context); }));
 }
 
 Result<hybrid::PolishedMesh> polish_or_find(const std::vector<std::string>& hashes,
                                             const TriangleMesh& mesh,
                                             const std::vector<RangeView>& views,
                                             const hybrid::PolishOptions& options,
-                                            const Context& context) {
+                                            const Context& context,
+                                            const InPlaceOfComputing& otherwise) {
   return find_or_compute<hybrid::PolishedMesh>(
       context.store, [&] { return unit_key("polish", mesh, hashes, options); },
-      [&] { return hybrid::polish_mesh(mesh, views, options, context); });
+      unless(otherwise, [&] { return hybrid::polish_mesh(mesh, views, options, context); }));
 }
 
 }  // namespace relief::reconstruction

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +14,10 @@
 
 namespace relief::reconstruction {
 
+/// The error that a function below gives where it would have to compute a unit; nothing: it
+/// computes.
+using InPlaceOfComputing = std::optional<Error>;
+
 // The stages as units of work: what the store of the context holds is not computed again. Each
 // gives what the function of the stage gives, to the bit, and its errors.
 
@@ -20,37 +25,42 @@ namespace relief::reconstruction {
 Result<registration::Alignment> align_or_find(std::string_view kind,
                                               const std::vector<RangeView>& views,
                                               const registration::AlignOptions& options,
-                                              const Context& context);
+                                              const Context& context,
+                                              const InPlaceOfComputing& otherwise = {});
 
 /// registration::calibrate_views.
 Result<registration::SensorCalibration> calibrate_or_find(
     const std::vector<RangeView>& views, const registration::Alignment& aligned,
     const registration::AlignOptions& align, const registration::CalibrationOptions& options,
-    const Context& context);
+    const Context& context, const InPlaceOfComputing& otherwise = {});
 
 /// weigh_by_consistency.
 Result<std::vector<ViewConsistency>> weigh_or_find(const std::vector<registration::PairFit>& pairs,
                                                    const CrossViewOptions& options,
                                                    std::vector<RangeView>& views,
-                                                   const Context& context);
+                                                   const Context& context,
+                                                   const InPlaceOfComputing& otherwise = {});
 
 /// hybrid::refine_views: a unit for each view, which does not depend on its pose and name. Each is
 /// kept as soon as it is finished.
 Result<std::vector<hybrid::RefinedView>> refine_or_find(const std::vector<RangeView>& views,
                                                         const hybrid::RefineOptions& options,
-                                                        const Context& context);
+                                                        const Context& context,
+                                                        const InPlaceOfComputing& otherwise = {});
 
 /// fusion::merge_views. `hashes`: hashes_of_views, where there is a store.
 Result<fusion::MergeResult> merge_or_find(const std::vector<std::string>& hashes,
                                           const std::vector<RangeView>& views,
                                           const fusion::MergeOptions& options,
-                                          const Context& context);
+                                          const Context& context,
+                                          const InPlaceOfComputing& otherwise = {});
 
 /// hybrid::polish_mesh. `hashes` as above.
 Result<hybrid::PolishedMesh> polish_or_find(const std::vector<std::string>& hashes,
                                             const TriangleMesh& mesh,
                                             const std::vector<RangeView>& views,
                                             const hybrid::PolishOptions& options,
-                                            const Context& context);
+                                            const Context& context,
+                                            const InPlaceOfComputing& otherwise = {});
 
 }  // namespace relief::reconstruction

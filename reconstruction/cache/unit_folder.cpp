@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "scan/base/file_descriptor.h"
+#include "scan/base/host_name.h"
 #include "scan/units/content_hash.h"
 
 namespace relief::reconstruction {
@@ -126,6 +127,10 @@ std::optional<std::string> UnitFolder::read(const UnitKey& key) {
 void UnitFolder::forget(const std::string& hash) {
   std::error_code ignored;
   fs::remove(path_of(hash), ignored);
+  give_back_room(hash);
+}
+
+void UnitFolder::give_back_room(const std::string& hash) {
   const auto file = files_.find(hash);
   if (file == files_.end()) return;
   bytes_ -= file->second.bytes;
@@ -139,6 +144,7 @@ void UnitFolder::keep(const UnitKey& key, std::string_view content) {
     const std::scoped_lock lock(mutex_);
     ++counts_[key.kind].computed;
     if (!make_room(key.hash, bytes)) {
+      ++not_kept_;
       warn_once("limit", folder_.string() +
                              ": the results of this run take more than the limit of the cache; "
                              "those that find no room in it are not kept");
@@ -152,13 +158,15 @@ void UnitFolder::keep(const UnitKey& key, std::string_view content) {
     return;
   }
   forget(key.hash);
+  ++not_kept_;
   warn_once("write", folder_.string() + ": finished results cannot be kept (" +
                          written.error().message + "); the run goes on without");
 }
 
-// Takes the room for a file, too, so that all threads together stay within the limit.
+// Takes the room for a file, too, so that all threads together stay within the limit. A file of
+// this key stays until the new one takes its place: another process may be about to read it.
 bool UnitFolder::make_room(const std::string& hash, std::uint64_t bytes) {
-  forget(hash);
+  give_back_room(hash);
   std::vector<std::pair<fs::file_time_type, std::string>> idle;
   for (const auto& [name, file] : files_)
     if (!file.of_this_run) idle.emplace_back(file.used, name);
@@ -166,7 +174,10 @@ bool UnitFolder::make_room(const std::string& hash, std::uint64_t bytes) {
   for (auto oldest = idle.begin(); oldest != idle.end() && bytes_ + bytes > options_.limit;
        ++oldest)
     forget(oldest->second);
-  if (bytes_ + bytes > options_.limit) return false;
+  if (bytes_ + bytes > options_.limit) {
+    forget(hash);
+    return false;
+  }
   files_[hash] = {bytes, fs::file_time_type::clock::now(), true};
   bytes_ += bytes;
   return true;
@@ -175,7 +186,8 @@ bool UnitFolder::make_room(const std::string& hash, std::uint64_t bytes) {
 // Not flushed to the disk: a file that a power failure spoils is noticed by its checksum.
 Result<void> UnitFolder::write(const std::string& hash, const std::string& head,
                                std::string_view content) {
-  std::string name = ".unit.partial-" + std::to_string(::getpid()) + "-";
+  // Processes of several hosts write into one folder.
+  std::string name = ".unit.partial-" + std::to_string(::getpid()) + "-" + host_name() + "-";
   {
     const std::scoped_lock lock(mutex_);
     name += std::to_string(written_++);
@@ -206,6 +218,11 @@ std::map<std::string, UnitCounts> UnitFolder::counts() const {
 std::vector<std::string> UnitFolder::take_warnings() {
   const std::scoped_lock lock(mutex_);
   return std::exchange(warnings_, {});
+}
+
+std::size_t UnitFolder::not_kept() const {
+  const std::scoped_lock lock(mutex_);
+  return not_kept_;
 }
 
 std::size_t UnitFolder::files() const {

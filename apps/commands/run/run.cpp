@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -9,13 +8,12 @@
 #include "apps/commands/command.h"
 #include "apps/commands/export_views.h"
 #include "apps/commands/run/run_cache.h"
+#include "apps/commands/run/run_options.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/interruption.h"
 #include "apps/console/output.h"
 #include "apps/console/progress_display.h"
-#include "apps/options/number_checks.h"
-#include "apps/options/stage_options.h"
 #include "apps/reports/alignment_report.h"
 #include "apps/reports/calibration_report.h"
 #include "apps/reports/consistency_report.h"
@@ -25,40 +23,17 @@
 #include "apps/reports/refinement_report.h"
 #include "apps/reports/run_record.h"
 #include "relief/io/mesh_io.h"
-#include "relief/reconstruction/reconstruct.h"
+#include "relief/reconstruction/reconstruct_part.h"
 #include "scan/base/stopwatch.h"
 
 namespace relief {
 
 namespace {
 
-reconstruction::ContradictedRanges contradicted_ranges(const std::string& word) {
-  using reconstruction::ContradictedRanges;
-  if (word == "keep") return ContradictedRanges::kKeep;
-  return word == "weigh" ? ContradictedRanges::kWeigh : ContradictedRanges::kCorrect;
-}
-
-struct RunCommand {
-  CommonOptions common;
-  ProjectInput input;
-  registration::AlignOptions align;
-  registration::CalibrationOptions calibration;
-  reconstruction::ContradictedRanges contradicted = reconstruction::ContradictedRanges::kCorrect;
-  RefineFlags refine;
-  MemoryFlag memory;
-  MergeFlags merge;
-  std::filesystem::path output;
-  std::vector<std::filesystem::path> exports;
-  double time_limit = 0.0;  // [s]; 0: none.
-  bool no_html_report = false;
-  HtmlReportOptions html;
-  CacheFlags cache;
-  Json record;  // Of the section `run` of the report: what is known before the views are read.
-};
-
 class Run {
  public:
-  explicit Run(const RunCommand& command) : command_(command), record_(command.record) {}
+  Run(const RunOptions& command, const reconstruction::ReconstructionPart& part)
+      : command_(command), part_(part), record_(command.record) {}
 
   // What a stage achieved is written before the next one starts.
   int operator()() {
@@ -77,8 +52,9 @@ class Run {
     plan_progress(stages_of_run(with_normals));
     if (!command_.no_html_report) pictures_.draw_measured(project_.views);
     watch_ = Stopwatch();
-    auto result = reconstruction::reconstruct(std::move(project_.views), options(),
-                                              reconstruction_context(), callbacks());
+    auto result = reconstruction::reconstruct_part(std::move(project_.views), part_,
+                                                   command_.reconstruction(),
+                                                   command_.context(cache_.store()), callbacks());
     if (!result) return stop(result.error());
     cache_.log("merge", "merged mesh");
     cache_.log("polish", "polished mesh");
@@ -95,27 +71,7 @@ class Run {
     return status;
   }
 
-  reconstruction::ReconstructionOptions options() const {
-    reconstruction::ReconstructionOptions options;
-    options.remove_background = false;  // read_with_notes() did.
-    options.align = command_.align;
-    options.calibration = command_.calibration;
-    options.contradicted = command_.contradicted;
-    options.refine = command_.refine.resolved();
-    options.model = command_.merge.resolved();
-    return options;
-  }
-
   Context context(const std::string& stage) const { return context_of(command_.common, stage); }
-
-  // Its stages are told apart by the callbacks.
-  Context reconstruction_context() {
-    Context context = context_of(command_.common, "").with_progress({});
-    context.memory = command_.memory.bytes();
-    context.temporary_folder = command_.output;
-    context.store = cache_.store();
-    return context;
-  }
 
   reconstruction::ReconstructionCallbacks callbacks() {
     reconstruction::ReconstructionCallbacks callbacks;
@@ -239,7 +195,8 @@ class Run {
                         silent);
   }
 
-  const RunCommand& command_;
+  const RunOptions& command_;
+  const reconstruction::ReconstructionPart& part_;
   Json record_;          // The section `run` of the report.
   ScanProject project_;  // Its views are given away.
   RunCache cache_;
@@ -250,41 +207,17 @@ class Run {
 
 }  // namespace
 
+int run(const RunOptions& options, const reconstruction::ReconstructionPart& part) {
+  return Run(options, part)();
+}
+
 void add_run(CLI::App& app, Action& action) {
-  auto command = std::make_shared<RunCommand>();
+  auto command = std::make_shared<RunOptions>();
   auto* sub = app.add_subcommand("run", "Align, refine, align again and merge: the whole way");
-  add_project_input(*sub, command->input);
-  add_background_option(*sub, command->input);
-  sub->add_option(
-         "-o,--output", command->output,
-         "Folder for model.ply, the refined project (scan.json), report.json and report.html")
-      ->required();
-  add_export_option(*sub, command->exports);
-  add_align_options(*sub, command->align);
-  add_calibration_options(*sub, command->calibration);
-  sub->add_option_function<std::string>(
-         "--contradicted",
-         [command](const std::string& what) { command->contradicted = contradicted_ranges(what); },
-         "Ranges that several other views contradict: correct (they count less, and those far off "
-         "move onto the surface of the other views), weigh (they count less) or keep")
-      ->check(CLI::IsMember({"correct", "weigh", "keep"}))
-      ->default_str("correct");
-  add_refine_options(*sub, command->refine);
-  add_merge_options(*sub, command->merge);
-  add_memory_option(*sub, command->memory,
-                    "fewer views are refined at once, large fields lie in temporary files in DIR");
-  add_cache_options(*sub, command->cache);
-  sub->add_option("--time-limit", command->time_limit,
-                  "Stop after this time, as 90s, 30min or 2h; the same command goes on from there")
-      ->transform(CLI::AsNumberWithUnit(
-          std::map<std::string, double>{{"s", 1.0}, {"min", 60.0}, {"h", 3600.0}}))
-      ->check(positive_number());
-  sub->add_flag("--no-html-report", command->no_html_report, "Do not write report.html");
-  add_html_report_options(*sub, command->html);
-  add_common_options(*sub, command->common);
+  add_run_options(*sub, *command);
   sub->callback([command, sub, &action] {
     command->record = run_record(command->input.path, *sub);
-    action = [command] { return Run(*command)(); };
+    action = [command] { return run(*command); };
   });
 }
 

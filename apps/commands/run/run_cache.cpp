@@ -1,5 +1,6 @@
 #include "apps/commands/run/run_cache.h"
 
+#include <limits>
 #include <utility>
 
 #include "apps/console/console.h"
@@ -24,13 +25,19 @@ void add_cache_options(CLI::App& command, CacheFlags& flags) {
                   "Compute everything, whatever earlier runs of this folder have left");
 }
 
-Result<void> RunCache::open(const std::filesystem::path& output, const CacheFlags& flags) {
-  auto lock = reconstruction::FolderLock::acquire(output);
+Result<void> RunCache::lock(const std::filesystem::path& output, reconstruction::FolderUse use) {
+  auto lock = reconstruction::FolderLock::acquire(output, use);
   if (!lock) return lock.error();
   if (!lock->held())
     Console::warning(output.string() +
-                     ": this file system has no locks: start no second run in this folder");
+                     ": this file system has no locks: start no run in this folder while another "
+                     "run or a step works there");
   lock_.emplace(std::move(*lock));
+  return {};
+}
+
+Result<void> RunCache::open(const std::filesystem::path& output, const CacheFlags& flags) {
+  if (auto locked = lock(output, reconstruction::FolderUse::kAlone); !locked) return locked;
   if (flags.options.limit == 0) return {};
   const auto folder = reconstruction::private_folder(output) / "cache";
   auto units = reconstruction::UnitFolder::open(folder, flags.options);
@@ -38,6 +45,20 @@ Result<void> RunCache::open(const std::filesystem::path& output, const CacheFlag
     units_ = std::move(*units);
   else
     Console::warning(units.error().message + "; the run goes on and keeps no results");
+  return {};
+}
+
+Result<void> RunCache::open_for_step(const std::filesystem::path& output, const CacheFlags& flags) {
+  if (flags.options.limit == 0)
+    return Error{ErrorKind::kBadInput,
+                 "a step hands its results on in DIR/.relief: leave out --cache-limit 0"};
+  if (auto locked = lock(output, reconstruction::FolderUse::kShared); !locked) return locked;
+  reconstruction::UnitFolderOptions options = flags.options;
+  options.limit = std::numeric_limits<std::uint64_t>::max();
+  auto units =
+      reconstruction::UnitFolder::open(reconstruction::private_folder(output) / "cache", options);
+  if (!units) return units.error();
+  units_ = std::move(*units);
   return {};
 }
 
@@ -73,6 +94,25 @@ Json RunCache::report() const {
     for (const auto& [kind, counts] : units_->counts())
       kinds[kind] = {{"found", counts.found}, {"computed", counts.computed}};
   return kinds;
+}
+
+reconstruction::UnitCounts RunCache::sum() const {
+  reconstruction::UnitCounts sum;
+  if (!units_) return sum;
+  for (const auto& [kind, counts] : units_->counts()) {
+    sum.found += counts.found;
+    sum.computed += counts.computed;
+  }
+  return sum;
+}
+
+Result<void> RunCache::all_kept() {
+  log_warnings();
+  if (units_->not_kept() == 0) return {};
+  return Error{ErrorKind::kCannotWrite,
+               std::to_string(units_->not_kept()) +
+                   " finished results could not be kept for the steps that need them: make room, "
+                   "and give the same command again"};
 }
 
 }  // namespace relief

@@ -22,11 +22,16 @@ struct CacheFlags {
 /// Adds --cache-limit and --fresh.
 void add_cache_options(CLI::App& command, CacheFlags& flags);
 
-/// The output folder of a run: held for it alone, with the results of earlier runs in it.
+/// The output folder of a run: held for it alone, with the results of earlier runs in it. Or that
+/// of steps, several at a time.
 class RunCache {
  public:
   /// The error of the lock; a cache that cannot be opened is a warning, and the run goes without.
   Result<void> open(const std::filesystem::path& output, const CacheFlags& flags);
+
+  /// The same for a step, which hands on its results here alone: a cache that cannot be opened is
+  /// an error. Steps remove nothing, since others may need it: the limit is that of runs.
+  Result<void> open_for_step(const std::filesystem::path& output, const CacheFlags& flags);
 
   /// Null where nothing is to be kept.
   UnitStore* store() const { return units_.get(); }
@@ -39,8 +44,13 @@ class RunCache {
 
   /// By kind: units found and computed.
   Json report() const;
+  reconstruction::UnitCounts sum() const;  ///< Of all kinds.
+
+  /// Error: kCannotWrite, where a result could not be kept that a later step needs.
+  Result<void> all_kept();
 
  private:
+  Result<void> lock(const std::filesystem::path& output, reconstruction::FolderUse use);
   void log_warnings();
 
   std::optional<reconstruction::FolderLock> lock_;

@@ -15,9 +15,9 @@ namespace {
 // Options that say where files are and how the work is done, not what is computed.
 bool changes_result(const std::string& option) {
   static const std::set<std::string> kOthers{
-      "--cache-limit", "--export",  "--fresh",      "--json",        "--memory",
-      "--output",      "--quiet",   "--report",     "--threads",     "--no-html-report",
-      "--progress",    "--verbose", "--time-limit", "--viewer-faces"};
+      "--cache-limit",    "--export",   "--fresh",   "--json",           "--memory",
+      "--output",         "--quiet",    "--report",  "--require-inputs", "--threads",
+      "--no-html-report", "--progress", "--verbose", "--time-limit",     "--viewer-faces"};
   return !kOthers.contains(option);
 }
 

@@ -71,6 +71,39 @@ TEST(FolderLock, DoesNotOutliveAKilledProcessWhoseUnfinishedFilesGo) {
   EXPECT_TRUE(fs::exists(folder / "model.ply"));
 }
 
+TEST(FolderLock, IsSharedBySteps) {
+  const TemporaryFolder folder;
+  const auto first = value_of(FolderLock::acquire(folder.path(), FolderUse::kShared));
+  const auto second = value_of(FolderLock::acquire(folder.path(), FolderUse::kShared));
+  EXPECT_TRUE(first.held() && second.held());
+  EXPECT_THAT(FolderLock::acquire(folder.path()),
+              HasError(ErrorKind::kCannotWrite, "steps work in this folder",
+                       "process " + std::to_string(getpid()) + " on "));
+}
+
+TEST(FolderLock, OfARunKeepsStepsOut) {
+  const TemporaryFolder folder;
+  {
+    const auto run = value_of(FolderLock::acquire(folder.path()));
+    EXPECT_THAT(FolderLock::acquire(folder.path(), FolderUse::kShared),
+                HasError(ErrorKind::kCannotWrite, "a run works in this folder already"));
+  }
+  { const auto step = value_of(FolderLock::acquire(folder.path(), FolderUse::kShared)); }
+  EXPECT_THAT(FolderLock::acquire(folder.path()), IsOk());
+}
+
+// Of any process on any host: only a run, which is alone, can tell that nobody writes them.
+TEST(FolderLock, RemovesTheUnfinishedUnitsOfStepsForARun) {
+  const TemporaryFolder folder;
+  { const auto step = value_of(FolderLock::acquire(folder.path(), FolderUse::kShared)); }
+  fs::create_directories(private_folder(folder.path()) / "cache");
+  const auto unfinished = folder.write(".relief/cache/.unit.partial-12-elsewhere-0", "half");
+  { const auto step = value_of(FolderLock::acquire(folder.path(), FolderUse::kShared)); }
+  EXPECT_TRUE(fs::exists(unfinished));
+  EXPECT_THAT(FolderLock::acquire(folder.path()), IsOk());
+  EXPECT_FALSE(fs::exists(unfinished));
+}
+
 TEST(FolderLock, NeedsAFolder) {
   const TemporaryFolder folder;
   EXPECT_THAT(FolderLock::acquire(folder.write("file", "")), HasError(ErrorKind::kCannotWrite));

@@ -1,6 +1,8 @@
 #include "relief/reconstruction/unit_folder.h"
 
+#include <atomic>
 #include <csignal>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -86,6 +88,22 @@ TEST(UnitFolder, DoesNotBelieveAFileUnderAnotherKey) {
   fs::create_directories(file_of(folder, other).parent_path());
   fs::rename(file_of(folder, key()), file_of(folder, other));
   EXPECT_EQ(opened(folder)->find(other), std::nullopt);
+}
+
+// Two steps that compute the same unit: a third one finds it at any time.
+TEST(UnitFolder, ReplacesAUnitInOneMove) {
+  const TemporaryFolder folder;
+  const auto first = opened(folder), second = opened(folder);
+  first->keep(key(), "content");
+  EXPECT_EQ(second->find(key()), "content");
+  std::atomic<bool> done = false;
+  std::thread writer([&] {
+    for (int i = 0; i < 200; ++i) first->keep(key(), "content");
+    done = true;
+  });
+  while (!done) EXPECT_TRUE(second->find(key()));
+  writer.join();
+  EXPECT_THAT(second->take_warnings(), IsEmpty());
 }
 
 TEST(UnitFolder, FindsNothingWhenFreshAndReplacesWhatIsThere) {

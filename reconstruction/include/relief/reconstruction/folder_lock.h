@@ -10,14 +10,23 @@ namespace relief::reconstruction {
 /// The folder in an output folder that runs keep for themselves: `.relief`.
 std::filesystem::path private_folder(const std::filesystem::path& output);
 
-/// Holds an output folder for one process, until the object or the process ends, however that ends:
-/// a lock of the operating system on `.relief/lock`, which tells others who holds it.
+/// Who may work in an output folder at the same time.
+enum class FolderUse {
+  kAlone,   ///< A run: nobody else.
+  kShared,  ///< A step, which only reads and writes units: other steps, but no run.
+};
+
+/// Holds an output folder for one process, or for several steps, until the object or the process
+/// ends, however that ends: a lock of the operating system on `.relief/lock`, which tells others
+/// who holds it.
 class FolderLock {
  public:
-  /// Locks `output`, an existing folder, and creates `.relief` in it. Unfinished files of a run
-  /// that was killed here are removed. Errors: kCannotWrite when another process holds the folder
-  /// (the message names it) or when the lock cannot be created.
-  static Result<FolderLock> acquire(const std::filesystem::path& output);
+  /// Locks `output`, an existing folder, and creates `.relief` in it. Unfinished files of a process
+  /// that was killed here are removed, those of steps only by a run. Errors: kCannotWrite when
+  /// others hold the folder (the message names a run, or the step that came last) or when the lock
+  /// cannot be created.
+  static Result<FolderLock> acquire(const std::filesystem::path& output,
+                                    FolderUse use = FolderUse::kAlone);
 
   FolderLock(FolderLock&& other) noexcept;
   FolderLock& operator=(FolderLock&&) = delete;
@@ -27,10 +36,12 @@ class FolderLock {
   bool held() const { return held_; }
 
  private:
-  FolderLock(int descriptor, bool held) : descriptor_(descriptor), held_(held) {}
+  FolderLock(int descriptor, bool held, FolderUse use)
+      : descriptor_(descriptor), held_(held), use_(use) {}
 
   int descriptor_;
   bool held_;
+  FolderUse use_;
 };
 
 }  // namespace relief::reconstruction

@@ -44,6 +44,8 @@ class UnitFolder : public UnitStore {
   std::map<std::string, UnitCounts> counts() const;
   /// What the user should know since the last call, one line each: damaged files, no room.
   std::vector<std::string> take_warnings();
+  /// How many results could not be kept.
+  std::size_t not_kept() const;
   std::size_t files() const;
   std::uint64_t bytes() const;
 
@@ -61,6 +63,7 @@ class UnitFolder : public UnitStore {
   std::filesystem::path path_of(const std::string& hash) const;
   bool make_room(const std::string& hash, std::uint64_t bytes);
   void forget(const std::string& hash);
+  void give_back_room(const std::string& hash);
   void warn_once(const std::string& topic, const std::string& warning);
   std::optional<std::string> read(const UnitKey& key);
   Result<void> write(const std::string& hash, const std::string& head, std::string_view content);
@@ -73,7 +76,7 @@ class UnitFolder : public UnitStore {
   std::map<std::string, UnitCounts> counts_;
   std::map<std::string, bool> warned_;
   std::vector<std::string> warnings_;
-  std::size_t written_ = 0;
+  std::size_t written_ = 0, not_kept_ = 0;
 };
 
 }  // namespace relief::reconstruction

@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/commands/command.h"
+#include "apps/commands/plan/step_costs.h"
+#include "apps/commands/plan/step_states.h"
+#include "apps/commands/run/run_options.h"
+#include "apps/commands/step/view_choice.h"
+#include "apps/console/exit_status.h"
+#include "apps/reports/report.h"
+#include "apps/version.h"
+#include "scan/units/content_hash.h"
+
+namespace relief {
+
+namespace {
+
+using reconstruction::Stage;
+
+constexpr double kMebibyte = 1 << 20;
+
+struct PlanCommand {
+  RunOptions run;
+  std::size_t blocks = 0;  // Of views to refine; 0: as many as are worth it.
+};
+
+// A step, or one of several blocks of it.
+struct PlannedStep {
+  std::string name;  // `refine-2`, or that of the step.
+  std::string step;
+  std::vector<std::string> arguments, after;
+  std::optional<Stage> stage;      // Nothing: `finish`.
+  std::vector<std::size_t> views;  // Of a block: their indices.
+  StepCost cost;
+  std::string state, depends_on;  // The latter where the state is `unknown`.
+};
+
+class Plan {
+ public:
+  explicit Plan(const PlanCommand& command) : command_(command), options_(command.run) {}
+
+  int operator()() {
+    auto project = read_with_notes(options_.input, options_.common);
+    if (!project) return fail(project.error());
+    project_ = std::move(*project);
+    size_ = size_of(project_.views,
+                    options_.align.starting_poses.given == registration::GivenPoses::kIgnore);
+    add_steps();
+    if (const auto found = find_states(); !found) return fail(found.error());
+    if (options_.common.json || !options_.common.report.empty()) return tell_as_json();
+    print();
+    return kDone;
+  }
+
+ private:
+  bool has(Stage stage) const {
+    if (stage == Stage::kCalibrate)
+      return options_.calibration.scope != registration::CalibrationScope::kOff;
+    if (stage == Stage::kCompare)
+      return options_.contradicted != reconstruction::ContradictedRanges::kKeep;
+    return stage != Stage::kPolish || options_.reconstruction().model.polish.has_value();
+  }
+
+  void add_steps() {
+    std::vector<std::string> after;
+    for (int i = 0; i < reconstruction::kStages; ++i) {
+      const auto stage = static_cast<Stage>(i);
+      if (!has(stage)) continue;
+      std::vector<PlannedStep> added =
+          stage == Stage::kRefine ? blocks_of_views() : std::vector{PlannedStep()};
+      std::vector<std::string> names;
+      for (PlannedStep& step : added) {
+        step.step = reconstruction::step_name(stage);
+        if (step.name.empty()) step.name = step.step;
+        step.stage = stage;
+        step.after = after;
+        if (stage != Stage::kRefine) step.cost = cost_of(stage, size_);
+        names.push_back(step.name);
+        steps_.push_back(std::move(step));
+      }
+      after = names;
+    }
+    steps_.push_back({"finish", "finish", {}, after, {}, {}, cost_of_finish(size_), {}, {}});
+  }
+
+  std::vector<PlannedStep> blocks_of_views() const {
+    const std::size_t views = project_.views.size();
+    const std::size_t blocks =
+        std::clamp(command_.blocks > 0 ? command_.blocks : blocks_to_refine(size_), std::size_t{1},
+                   std::max(views, std::size_t{1}));
+    std::vector<PlannedStep> steps;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      PlannedStep step;
+      step.name = "refine-" + std::to_string(b + 1);
+      step.arguments = {"--block", std::to_string(b + 1) + "/" + std::to_string(blocks)};
+      step.views = block_of(views, b, blocks);
+      double samples = 0.0;
+      for (const std::size_t i : step.views)
+        samples += static_cast<double>(project_.views[i].sample_count());
+      step.cost = cost_of(Stage::kRefine, size_, samples / std::max(size_.samples, 1.0));
+      steps.push_back(std::move(step));
+    }
+    return steps;
+  }
+
+  // Keys depend on the results of the steps before, so they are known up to the first one missing.
+  Result<void> find_states() {
+    std::vector<std::vector<std::size_t>> blocks;
+    for (const PlannedStep& step : steps_)
+      if (step.stage == Stage::kRefine) blocks.push_back(step.views);
+    const auto states =
+        find_steps(project_.views, blocks, options_.reconstruction(), options_.output,
+                   context_of(options_.common, "look for results"));
+    if (!states) return states.error();
+    std::size_t block = 0;
+    for (PlannedStep& step : steps_) {
+      const std::size_t at = step.stage == Stage::kRefine ? block++ : 0;
+      if (!step.stage && !states->first_missing) {
+        step.state = "missing";  // Its files have no keys: it is done whenever it is asked for.
+      } else if (!states->first_missing || (step.stage && *step.stage < *states->first_missing)) {
+        step.state = "done";
+      } else if (step.stage == states->first_missing) {
+        const bool there = at < states->refined.size() && states->refined[at];
+        step.state = there ? "done" : "missing";
+      } else {
+        step.state = "unknown";
+        step.depends_on = reconstruction::step_name(*states->first_missing);
+      }
+    }
+    return {};
+  }
+
+  Json to_json(const PlannedStep& step) const {
+    Json json{{"name", step.name},
+              {"step", step.step},
+              {"arguments", step.arguments},
+              {"after", step.after},
+              {"state", step.state}};
+    if (!step.depends_on.empty()) json["depends_on"] = step.depends_on;
+    if (step.stage == Stage::kRefine) {
+      json["views"] = Json::array();
+      for (const std::size_t i : step.views) json["views"].push_back(project_.views[i].name);
+    }
+    json["cpu_seconds"] = step.cost.cpu_seconds;
+    json["memory_mb"] = step.cost.memory_bytes / kMebibyte;
+    json["disk_mb"] = step.cost.disk_bytes / kMebibyte;
+    return json;
+  }
+
+  int tell_as_json() const {
+    Json plan{{"relief", kVersion},
+              {"program", program_identity()},
+              {"project", options_.input.path.string()},
+              {"output", options_.output.string()},
+              {"views", size_.views},
+              {"pixels", size_.pixels},
+              {"samples", size_.samples}};
+    plan["steps"] = Json::array();
+    for (const PlannedStep& step : steps_) plan["steps"].push_back(to_json(step));
+    if (options_.common.json) std::cout << plan.dump(2) << std::endl;
+    if (options_.common.report.empty()) return kDone;
+    CommonOptions silent = options_.common;
+    silent.json = false;
+    const auto written = write_report(options_.common.report, "plan", plan, silent);
+    return written ? static_cast<int>(kDone) : fail(written.error());
+  }
+
+  void print() const {
+    std::cout << "program " << program_identity() << "\n";
+    std::cout << fmt::format("{:<12} {:>12} {:>12} {:>12}  {}\n", "step", "processor", "memory",
+                             "disk", "state");
+    StepCost sum;
+    for (const PlannedStep& step : steps_) {
+      std::cout << line(step.name, step.cost,
+                        step.state == "unknown" ? "depends on " + step.depends_on : step.state);
+      sum.cpu_seconds += step.cost.cpu_seconds;
+      sum.memory_bytes = std::max(sum.memory_bytes, step.cost.memory_bytes);
+      sum.disk_bytes += step.cost.disk_bytes;
+    }
+    std::cout << line("together", sum, "") << std::flush;
+  }
+
+  static std::string line(const std::string& name, const StepCost& cost, const std::string& state) {
+    return fmt::format("{:<12} {:>10.1f} s {:>8.0f} MiB {:>8.1f} MiB  {}\n", name, cost.cpu_seconds,
+                       cost.memory_bytes / kMebibyte, cost.disk_bytes / kMebibyte, state);
+  }
+
+  const PlanCommand& command_;
+  const RunOptions& options_;
+  ScanProject project_;
+  ProjectSize size_;
+  std::vector<PlannedStep> steps_;
+};
+
+}  // namespace
+
+void add_plan(CLI::App& app, Action& action) {
+  auto command = std::make_shared<PlanCommand>();
+  auto* sub = app.add_subcommand(
+      "plan",
+      "The steps of `run` with the same options: what comes after what, what is there already, and "
+      "estimates of processor time, memory and disk");
+  add_run_options(*sub, command->run);
+  sub->add_option("--blocks", command->blocks,
+                  "Blocks in which the views are refined; 0: as many as are worth it")
+      ->capture_default_str();
+  sub->callback([command, &action] { action = [command] { return Plan(*command)(); }; });
+}
+
+}  // namespace relief

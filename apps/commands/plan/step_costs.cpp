@@ -1,0 +1,94 @@
+#include "apps/commands/plan/step_costs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace relief {
+
+namespace {
+
+using reconstruction::Stage;
+
+// Costs are sums of these parts. Each number is fitted to what bench/step_costs measures on
+// simulated sets of 6 to 24 views (docs/results.md, Steps).
+struct CostModel {
+  double cpu_per_pixel, cpu_per_sample, cpu_per_pair;  // [s], the first two per million
+  double memory_per_pixel, memory_per_sample;          // [bytes]
+  double disk_per_pixel, disk_per_sample;              // [bytes]
+};
+
+constexpr double kMillion = 1e6;
+constexpr double kProgram = 60e6;          // Memory of the program alone [bytes].
+constexpr std::size_t kPairsPerView = 12;  // As bench/step_costs counts.
+// [s] Of a pair whose pose is looked for by shape, align of 12 views of 256 x 256 with and without
+// --poses ignore.
+constexpr double kSearchedPair = 0.1;
+
+const CostModel& model_of(Stage stage) {
+  static constexpr CostModel kAlign{1.0, 4.0, 0.02, 40.0, 200.0, 0.0, 1.0};
+  static constexpr CostModel kCalibrate{1.0, 4.0, 0.02, 40.0, 200.0, 0.0, 1.0};
+  static constexpr CostModel kCompare{1.0, 4.0, 0.0, 40.0, 100.0, 0.0, 1.0};
+  static constexpr CostModel kRefine{1.0, 10.0, 0.0, 40.0, 400.0, 40.0, 0.0};
+  static constexpr CostModel kMerge{1.0, 15.0, 0.0, 40.0, 400.0, 0.0, 100.0};
+  static constexpr CostModel kPolish{1.0, 5.0, 0.0, 40.0, 600.0, 0.0, 100.0};
+  switch (stage) {
+    case Stage::kAlign:
+    case Stage::kAlignAgain:
+      return kAlign;
+    case Stage::kCalibrate:
+      return kCalibrate;
+    case Stage::kCompare:
+      return kCompare;
+    case Stage::kRefine:
+      return kRefine;
+    case Stage::kMerge:
+      return kMerge;
+    case Stage::kPolish:
+      break;
+  }
+  return kPolish;
+}
+
+// `share` of the samples: what depends on all pixels is reading the project and the results.
+StepCost cost_by(const CostModel& model, const ProjectSize& size, double share) {
+  const double samples = share * size.samples;
+  return {model.cpu_per_pixel * size.pixels / kMillion + model.cpu_per_sample * samples / kMillion +
+              model.cpu_per_pair * static_cast<double>(size.pairs),
+          kProgram + model.memory_per_pixel * size.pixels + model.memory_per_sample * samples,
+          model.disk_per_pixel * share * size.pixels + model.disk_per_sample * samples};
+}
+
+}  // namespace
+
+ProjectSize size_of(const std::vector<RangeView>& views, bool ignore_poses) {
+  ProjectSize size;
+  size.views = views.size();
+  for (const RangeView& view : views) {
+    size.pixels += static_cast<double>(view.range.size());
+    size.samples += static_cast<double>(view.sample_count());
+    size.search |= ignore_poses || view.pose == PoseKind::kAbsent;
+  }
+  size.pairs = std::min(size.views * (size.views - std::min(size.views, std::size_t{1})) / 2,
+                        kPairsPerView * size.views);
+  return size;
+}
+
+StepCost cost_of(reconstruction::Stage stage, const ProjectSize& size, double share) {
+  StepCost cost = cost_by(model_of(stage), size, share);
+  if (stage == Stage::kAlign && size.search)
+    cost.cpu_seconds += kSearchedPair * static_cast<double>(size.pairs);
+  return cost;
+}
+
+StepCost cost_of_finish(const ProjectSize& size) { return cost_by(kFinish, size, 1.0); }
+
+std::size_t blocks_to_refine(const ProjectSize& size) {
+  const StepCost all = cost_of(Stage::kRefine, size), none = cost_of(Stage::kRefine, size, 0.0);
+  const double own = all.cpu_seconds - none.cpu_seconds;
+  const double worthwhile = std::floor(own / std::max(none.cpu_seconds, 1e-3));
+  return std::max(std::size_t{1},
+                  std::min(size.views, static_cast<std::size_t>(std::max(worthwhile, 1.0))));
+}
+
+}  // namespace relief

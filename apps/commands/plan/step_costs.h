@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "relief/reconstruction/build_model.h"
+#include "relief/scan/range_view.h"
+
+namespace relief {
+
+/// What the costs of the steps depend on.
+struct ProjectSize {
+  std::size_t views = 0;
+  std::size_t pairs = 0;  ///< Of views that may overlap.
+  double pixels = 0.0;    ///< Of all views.
+  double samples = 0.0;   ///< Of all views.
+  bool search = false;    ///< Whether poses are looked for by shape.
+};
+
+/// `ignore_poses`: whether given poses are not used.
+ProjectSize size_of(const std::vector<RangeView>& views, bool ignore_poses);
+
+struct StepCost {
+  double cpu_seconds = 0.0;   ///< Of all threads together.
+  double memory_bytes = 0.0;  ///< Peak of the process.
+  double disk_bytes = 0.0;    ///< Of the results that the step keeps.
+};
+
+/// What one step costs, reading the project and the results of the steps before it included.
+/// `share`: of the samples, that the step works on; less than 1 for blocks of refining.
+StepCost cost_of(reconstruction::Stage stage, const ProjectSize& size, double share = 1.0);
+
+/// The same of what `run` does after all stages.
+StepCost cost_of_finish(const ProjectSize& size);
+
+/// In how many blocks the views are refined: as many as there are views, unless blocks would take
+/// longer to read the project than to refine.
+std::size_t blocks_to_refine(const ProjectSize& size);
+
+}  // namespace relief
