@@ -62,7 +62,8 @@ set(RELIEF_UNSANITIZED_TESTS
   Robustness.RealisticSensors*
   ScanDefects.SensorsErrOnThePlateToo
   SimulatedErrors.*
-  SensorErrors.*)
+  SensorErrors.*
+  Steps.*)
 
 # The suites of tests in source files.
 function(relief_suites_of files result)

@@ -282,7 +282,7 @@ class Refinement {
   Grid<float> moved_by(const Eigen::VectorXd& y) const {
     Grid<float> moved(result_.view.width(), result_.view.height(), 0.0f);
     for_each_sample(problem_, [&](Eigen::Index k, std::uint32_t pixel) {
-      moved[pixel] = static_cast<float>(y[k]);
+      moved(problem_.grid.u(pixel), problem_.grid.v(pixel)) = static_cast<float>(y[k]);
     });
     return moved;
   }

@@ -1,13 +1,13 @@
-#include "relief/hybrid/refine_views.h"
-
 #include <algorithm>
 #include <atomic>
 #include <functional>
 #include <optional>
 #include <thread>
 
+#include "hybrid/refine_memory.h"
+#include "relief/hybrid/refine_view.h"
 #include "scan/base/parallel.h"
-#include "scan/base/system_memory.h"
+#include "scan/base/system/system_memory.h"
 
 namespace relief::hybrid {
 

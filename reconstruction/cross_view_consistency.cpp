@@ -8,10 +8,11 @@
 
 #include "reconstruction/range_correction.h"
 #include "relief/scan/discontinuities.h"
-#include "relief/scan/range_noise.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
+#include "scan/grid/connected_grid.h"
 #include "scan/grid/grid_normals.h"
+#include "scan/grid/range_noise.h"
 #include "scan/views/view_projection.h"
 
 namespace relief::reconstruction {

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <string>
 
-#include "relief/hybrid/refine_views.h"
-#include "scan/base/system_memory.h"
+#include "hybrid/refine_memory.h"
+#include "relief/hybrid/refine_view.h"
+#include "scan/base/system/system_memory.h"
 
 namespace relief::reconstruction {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "relief/hybrid/refine_options.h"
+#include "relief/hybrid/refine_view.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 

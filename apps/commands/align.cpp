@@ -8,7 +8,7 @@
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
 #include "apps/options/stage_options.h"
-#include "apps/reports/alignment_report.h"
+#include "apps/reports/stages/alignment_report.h"
 #include "relief/registration/align_views.h"
 #include "scan/base/stopwatch.h"
 

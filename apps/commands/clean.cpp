@@ -6,7 +6,7 @@
 #include "apps/commands/command.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
-#include "relief/reconstruction/folder_lock.h"
+#include "reconstruction/cache/folder_lock.h"
 #include "relief/reconstruction/unit_folder.h"
 
 namespace relief {

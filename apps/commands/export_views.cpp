@@ -11,7 +11,7 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/grids/pcd_grid_writer.h"
-#include "scan/io/project/pose_files.h"
+#include "scan/io/project/poses/pose_files.h"
 
 namespace relief {
 

@@ -13,7 +13,8 @@
 #include "apps/reports/report.h"
 #include "hybrid/noise/noise.h"
 #include "relief/scan/discontinuities.h"
-#include "relief/scan/range_noise.h"
+#include "scan/grid/connected_grid.h"
+#include "scan/grid/range_noise.h"
 
 namespace relief {
 

@@ -9,8 +9,8 @@
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
 #include "apps/options/stage_options.h"
-#include "apps/reports/refinement_report.h"
-#include "relief/hybrid/refine_views.h"
+#include "apps/reports/stages/refinement_report.h"
+#include "relief/hybrid/refine_view.h"
 #include "scan/base/stopwatch.h"
 
 namespace relief {

@@ -15,9 +15,9 @@
 #include "apps/options/simulation_record.h"
 #include "apps/reports/report.h"
 #include "relief/io/mesh_io.h"
-#include "relief/io/poses_io.h"
+#include "relief/io/project_io.h"
 #include "relief/scan/mesh_check.h"
-#include "relief/simulation/mesh_object.h"
+#include "relief/simulation/simulation_object.h"
 #include "scan/io/files/atomic_file.h"
 
 namespace relief {

@@ -6,7 +6,7 @@
 #include "apps/console/progress_format.h"
 #include "apps/console/progress_plan.h"
 #include "relief/reconstruction/build_model.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 
 namespace relief {
 

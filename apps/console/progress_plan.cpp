@@ -18,11 +18,11 @@ std::vector<PlannedStage> stages_of_run(bool with_normals) {
   add_alignment("align", with_normals ? 0.11 : 0.2);
   add("calibrate", with_normals ? 0.045 : 0.1);
   add("compare", with_normals ? 0.02 : 0.05);
-  add("refine", with_normals ? 0.29 : 0.08);
+  add("refine", with_normals ? 0.28 : 0.08);
   if (with_normals) add_alignment("align again", 0.08);
   add("write", with_normals ? 0.015 : 0.01);
   add("merge", with_normals ? 0.21 : 0.42);
-  add("polish", with_normals ? 0.21 : 0.12);
+  add("polish", with_normals ? 0.22 : 0.12);
   return stages;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "apps/options/number_checks.h"
-#include "scan/base/control_groups.h"
+#include "scan/base/system/control_groups.h"
 
 namespace relief {
 
@@ -116,14 +116,16 @@ std::size_t MemoryFlag::bytes(const std::filesystem::path& root) const {
 void add_align_options(CLI::App& command, registration::AlignOptions& options) {
   auto* group = command.add_option_group("Alignment");
   registration::JointRefinementOptions& refinement = options.refinement;
-  group
-      ->add_option("--poses", options.starting_poses.given,
-                   "Given poses: check (refined, kept unless other views refute them), trust "
-                   "(refined, kept always), ignore (all poses are found by shape)")
-      ->transform(CLI::CheckedTransformer(kGivenPoses))
-      ->default_str("check");
+  auto* poses =
+      group
+          ->add_option("--poses", options.starting_poses.given,
+                       "Given poses: check (refined, kept unless other views refute them), trust "
+                       "(refined, kept always), ignore (all poses are found by shape)")
+          ->transform(CLI::CheckedTransformer(kGivenPoses))
+          ->default_str("check");
   group->add_option("--coarse", options.starting_poses.given, "The former name of --poses")
       ->transform(CLI::CheckedTransformer(kCoarseSearches))
+      ->excludes(poses)
       ->group("");
   group
       ->add_option_function<registration::Association>(

@@ -10,8 +10,9 @@
 
 namespace relief {
 
-/// The section `run` of the report: `input`, `program`, which names the build, and `options`, those
-/// that `command` was given with their values, by their long names.
+/// The section `run` of the report: `input`, `program`, which names the build, and `options` by
+/// their long names: those that `command` was given with their values, and of all that take one of
+/// some words the word, given or by default.
 Json run_record(const std::filesystem::path& input, const CLI::App& command);
 
 /// For each view its `name`, `samples_sha256`, the hash of what it measured, and `pose_sha256`,

@@ -27,7 +27,7 @@ CAPTIONS = {
     "hard": "{machine}; {programs}. 16 views with one defect of real scans each (8 in the quick case) through `relief run` with its defaults. *depth*: RMS of "
             "the refined views, *before*: of the scans; *model*: RMS of what was measured, and *back* from all of the truth; *x clean*: "
             "against the same views without the defect; *bound*: what the defect leaves to be known, likewise: the same program on "
-            "as much white noise, with fewer samples, or what rigid motions and averages leave of a systematic error, and in the depth those motions themselves (`bench/suite/hard.py`).",
+            "as much white noise, with fewer samples, or what rigid motions and averages leave of a systematic error, and in the depth those motions themselves (`bench/suite/stages/hard.py`).",
     "sixteen": "Sixteen views, range noise of 0.3 spacings, normals of 1.5 deg noise and 4 deg smooth bias: aligned, refined, aligned again, "
                "merged and polished with the defaults, at the poses found and at the true ones. *measured*: from the measured vertices' "
                "part of the model to the truth, RMS and mean angle of normals; *completeness* and *normals back*: from all of the truth.",

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "fusion/holes/plates/thin_plate.h"
 #include "fusion/holes/rest_curvature.h"
-#include "fusion/holes/thin_plate.h"
 
 namespace relief::fusion {
 

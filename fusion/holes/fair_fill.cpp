@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "fusion/holes/thin_plate.h"
+#include "fusion/holes/plates/thin_plate.h"
 #include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
 #include "scan/mesh/moved_faces.h"

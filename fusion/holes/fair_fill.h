@@ -7,7 +7,7 @@
 
 #include "fusion/holes/fair_regions.h"
 #include "fusion/views/view_sampler.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
 

@@ -3,11 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <unordered_map>
 #include <vector>
 
+#include "fusion/holes/plates/thin_plate.h"
 #include "fusion/holes/side_normals.h"
-#include "fusion/holes/thin_plate.h"
 #include "fusion/views/view_sampler.h"
 #include "relief/scan/triangle_mesh.h"
 
@@ -42,6 +41,17 @@ struct FairRegion {
   std::vector<std::uint32_t> with_approach() const;
 };
 
+/// A mesh, and for each vertex how many edges it is from the nearest filled one, up to a few.
+struct MeshRings {
+  /// Rings of measured vertices round the filled ones that move with them. Those of the third
+  /// follow what was measured from waves of 2 pi / 4 voxels on: almost to the voxel.
+  static constexpr int kMargin = 3;
+
+  const TriangleMesh& mesh;
+  const FacesAround& around;  ///< The faces at the vertices near filled ones.
+  const std::vector<std::uint8_t>& rings;
+};
+
 /// The regions of a merged mesh (`filled` and `normals` set) whose shape can be improved: those
 /// with filled vertices that have only filled neighbours, and with a border, but not crevices.
 class FairRegions {
@@ -59,26 +69,13 @@ class FairRegions {
   const SideNormals& normals() const { return normals_; }
 
  private:
+  MeshRings rings() const { return {mesh_, around_, rings_}; }
   std::vector<FairRegion> find(std::size_t most_solved);
   std::vector<std::uint8_t> near_regions() const;
   bool is_crevice(const FairRegion& region) const;
   bool is_deep(const FairRegion& region) const;
   void add_border(FairRegion& region) const;
-  void add_approach(FairRegion& region) const;
-  double behind_border(const FairRegion& region) const;
-  static double half_width(const FairRegion& region);
-  struct Arrival {
-    bool known = false;
-    Eigen::Vector3d facing = Eigen::Vector3d::Zero();  // The direction that the region faces.
-    double turn = 0.0;                                 // From the border to there [rad].
-    double carried = 0.0;    // By how much the surface would turn as it curves, straight (F8).
-    double on_sphere = 0.0;  // The same along the way across a sphere through the border.
-  };
-  Arrival arrival_at(const FairRegion& region, double voxel) const;
   bool is_beside_measured(std::uint32_t vertex) const;
-  std::vector<std::uint32_t> ring_beyond(const std::vector<std::uint32_t>& ring) const;
-  void set_rest(FairRegion& region, double voxel) const;
-  std::unordered_map<std::uint32_t, int> depths_in(const FairRegion& region) const;
   void prepare(FairRegion& region, const std::vector<ViewSampler>& views,
                const FairFillOptions& options) const;
 

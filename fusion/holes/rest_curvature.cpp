@@ -1,6 +1,9 @@
 #include "fusion/holes/rest_curvature.h"
 
+#include <cstdint>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
@@ -13,6 +16,9 @@ namespace {
 // Edges over which measured curvatures are averaged. Noise in them falls with the square of it;
 // they are known over six rings.
 constexpr double kAveraged = 4.0;
+
+// Edges from what was measured from which on the closed field has the curvature of the surface.
+constexpr int kDeep = 8;
 
 Eigen::Vector3d normal_at(const TriangleMesh& mesh, const FacesAround& around,
                           std::uint32_t vertex) {
@@ -27,6 +33,33 @@ Eigen::Vector3d bend_at(const TriangleMesh& mesh, const FacesAround& around, std
     bend += weight * (mesh.vertices[other] - mesh.vertices[vertex]);
   });
   return bend;
+}
+
+// Edges from what was measured of the filled vertices of a region that are farther than kDeep are
+// kDeep + 1.
+std::unordered_map<std::uint32_t, int> depths_in(const MeshRings& of, const FairRegion& region) {
+  std::unordered_map<std::uint32_t, int> depths;
+  std::vector<std::uint32_t> ring;
+  for (const PlateVertex& free : region.vertices) {
+    if (of.rings[free.vertex] == 0)
+      depths.emplace(free.vertex, kDeep + 1);
+    else if (of.rings[free.vertex] == 1)
+      ring.push_back(free.vertex);
+  }
+  for (int depth = 1; depth <= kDeep; ++depth) {
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t v : ring)
+      of.around.visit(v, [&](std::uint32_t f) {
+        for (const std::uint32_t w : of.mesh.faces[f]) {
+          const auto found = depths.find(w);
+          if (found == depths.end() || found->second <= kDeep) continue;
+          found->second = depth;
+          next.push_back(w);
+        }
+      });
+    ring = std::move(next);
+  }
+  return depths;
 }
 
 }  // namespace
@@ -77,6 +110,19 @@ void bend_to(const TriangleMesh& mesh, const FacesAround& around, const Eigen::V
   };
   for (PlateVertex& vertex : region.vertices) set(vertex);
   for (PlateVertex& vertex : region.border) set(vertex);
+}
+
+void let_rest(const MeshRings& of, double voxel, FairRegion& region) {
+  const std::vector<std::uint32_t> vertices = region.with_approach();
+  const std::unordered_map<std::uint32_t, int> depths = depths_in(of, region);
+  std::vector<std::uint8_t> known;
+  for (const std::uint32_t v : vertices) {
+    const auto depth = depths.find(v);
+    known.push_back(of.rings[v] > MeshRings::kMargin ||
+                    (depth != depths.end() && depth->second > kDeep));
+  }
+  bend_to(of.mesh, of.around, continued_curvature(of.mesh, of.around, vertices, known, voxel),
+          region);
 }
 
 }  // namespace relief::fusion

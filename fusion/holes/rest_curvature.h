@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "fusion/holes/cotangent_laplacian.h"
 #include "fusion/holes/fair_regions.h"
+#include "fusion/holes/plates/cotangent_laplacian.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief::fusion {
@@ -22,5 +22,9 @@ Eigen::VectorXd continued_curvature(const TriangleMesh& mesh, const FacesAround&
 /// the mesh has, in this order.
 void bend_to(const TriangleMesh& mesh, const FacesAround& around, const Eigen::VectorXd& curvature,
              FairRegion& region);
+
+/// Lets a curved region rest, far from what was measured, as the mesh has it, and near by as its
+/// surroundings do. `voxel`: length of the edges of the mesh [unit].
+void let_rest(const MeshRings& of, double voxel, FairRegion& region);
 
 }  // namespace relief::fusion

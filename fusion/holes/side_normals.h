@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "fusion/holes/thin_plate.h"
+#include "fusion/holes/plates/thin_plate.h"
 #include "fusion/memory/memory_limit.h"
 #include "relief/scan/triangle_mesh.h"
 

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "scan/base/parallel.h"
-#include "scan/base/system_memory.h"
+#include "scan/base/system/system_memory.h"
 
 namespace relief::fusion {
 

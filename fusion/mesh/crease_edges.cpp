@@ -11,7 +11,7 @@
 
 #include <Eigen/Geometry>
 
-#include "fusion/holes/thin_plate.h"
+#include "fusion/holes/plates/thin_plate.h"
 #include "scan/base/parallel.h"
 #include "scan/mesh/moved_faces.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "fusion/holes/thin_plate.h"
+#include "fusion/holes/plates/thin_plate.h"
 #include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
 

@@ -6,7 +6,7 @@
 #include "fusion/tsdf/sparse_field.h"
 #include "fusion/units/merge_units.h"
 #include "fusion/views/view_sampler.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 
 namespace relief::fusion {

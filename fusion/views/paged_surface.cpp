@@ -9,6 +9,7 @@
 
 #include "relief/scan/discontinuities.h"
 #include "scan/base/median.h"
+#include "scan/grid/connected_grid.h"
 #include "scan/grid/filled_view.h"
 #include "scan/grid/grid_normals.h"
 #include "scan/surface/range_surface.h"

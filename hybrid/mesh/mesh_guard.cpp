@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "relief/scan/self_intersections.h"
+#include "relief/scan/mesh_check.h"
 #include "scan/base/parallel.h"
 #include "scan/mesh/moved_faces.h"
 

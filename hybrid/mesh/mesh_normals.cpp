@@ -1,5 +1,3 @@
-#include "relief/hybrid/mesh_normals.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,11 +9,13 @@
 #include <Eigen/Geometry>
 
 #include "hybrid/mesh/mesh_graph.h"
+#include "relief/hybrid/polish_mesh.h"
 #include "relief/scan/discontinuities.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
 #include "scan/base/robust_scales.h"
 #include "scan/base/usable_pose.h"
+#include "scan/grid/connected_grid.h"
 #include "scan/surface/observation_weights.h"
 #include "scan/surface/range_surface.h"
 #include "scan/views/view_projection.h"

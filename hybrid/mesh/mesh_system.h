@@ -6,7 +6,7 @@
 
 #include "hybrid/mesh/mesh_graph.h"
 #include "hybrid/mesh/mesh_solver.h"
-#include "relief/hybrid/mesh_normals.h"
+#include "relief/hybrid/polish_mesh.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief::hybrid {

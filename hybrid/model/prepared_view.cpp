@@ -9,6 +9,7 @@
 
 #include "hybrid/normals/explained_steps.h"
 #include "scan/base/median.h"
+#include "scan/grid/connected_grid.h"
 #include "scan/grid/filled_view.h"
 
 namespace relief::hybrid {

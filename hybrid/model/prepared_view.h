@@ -6,8 +6,8 @@
 #include "hybrid/model/range_steps.h"
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/grid.h"
-#include "relief/scan/range_noise.h"
 #include "relief/scan/range_view.h"
+#include "scan/grid/range_noise.h"
 
 namespace relief::hybrid {
 

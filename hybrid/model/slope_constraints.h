@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "hybrid/multigrid/padded_grid.h"
-#include "relief/hybrid/refine_options.h"
+#include "relief/hybrid/refine_view.h"
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/range_view.h"
 #include "scan/base/parallel.h"

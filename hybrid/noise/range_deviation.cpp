@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hybrid/noise/surface_average.h"
-#include "relief/scan/counter_random.h"
+#include "scan/base/counter_random.h"
 
 namespace relief::hybrid {
 

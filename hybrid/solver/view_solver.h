@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "hybrid/model/view_problem.h"
-#include "relief/hybrid/refine_options.h"
+#include "relief/hybrid/refine_view.h"
 
 namespace relief::hybrid {
 

@@ -1,4 +1,4 @@
-#include "relief/reconstruction/folder_lock.h"
+#include "reconstruction/cache/folder_lock.h"
 
 #include <array>
 #include <cerrno>
@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "scan/base/host_name.h"
+#include "scan/base/system/host_name.h"
 
 namespace relief::reconstruction {
 

@@ -1,9 +1,8 @@
 #pragma once
 
 #include "registration/units/align_units.h"
-#include "relief/hybrid/mesh_normals.h"
 #include "relief/hybrid/polish_mesh.h"
-#include "relief/hybrid/refine_options.h"
+#include "relief/hybrid/refine_view.h"
 #include "relief/reconstruction/cross_view_consistency.h"
 #include "relief/registration/pair_fit.h"
 #include "scan/units/content_hash.h"

@@ -7,7 +7,7 @@
 
 #include "relief/fusion/merge_views.h"
 #include "relief/hybrid/polish_mesh.h"
-#include "relief/hybrid/refine_views.h"
+#include "relief/hybrid/refine_view.h"
 #include "relief/reconstruction/cross_view_consistency.h"
 #include "relief/registration/align_views.h"
 #include "relief/registration/calibrate_views.h"

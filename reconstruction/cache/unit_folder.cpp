@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "scan/base/file_descriptor.h"
-#include "scan/base/host_name.h"
+#include "scan/base/system/file_descriptor.h"
+#include "scan/base/system/host_name.h"
 #include "scan/units/content_hash.h"
 
 namespace relief::reconstruction {

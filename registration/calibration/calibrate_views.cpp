@@ -7,18 +7,17 @@
 
 #include "registration/calibration/calibration_input.h"
 #include "registration/calibration/calibration_notes.h"
+#include "registration/calibration/corrected_alignment.h"
+#include "registration/calibration/corrected_views.h"
 #include "registration/calibration/estimation/calibration_problem.h"
 #include "registration/calibration/estimation/calibration_sums.h"
 #include "registration/calibration/estimation/fold_system.h"
 #include "registration/calibration/estimation/pose_inflation.h"
 #include "registration/calibration/model/error_model.h"
-#include "registration/calibration/pairwise_fit.h"
 #include "registration/calibration/selection/held_out.h"
 #include "registration/calibration/selection/left_out_views.h"
 #include "registration/calibration/selection/term_selection.h"
 #include "registration/pairwise/robust.h"
-#include "registration/pairwise/search_schedule.h"
-#include "registration/posegraph/joint_refinement.h"
 #include "registration/posegraph/pose_step.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "registration/posegraph/view_graph.h"
@@ -42,11 +41,6 @@ constexpr std::size_t kMostViewsApart = 40;
 // More views are left as they are: all poses together make a dense system, of 13 MB and half a
 // second for 200.
 constexpr std::size_t kMostViews = 200;
-// Edge of the cubes that are in one fold as a whole [sample spacings], as of the clusters of (R12).
-constexpr double kPatch = 8.0;
-
-// Part of the overlap that must stay: chance and the borders of views take less than a twentieth.
-constexpr double kLeastOverlap = 0.95;
 
 std::vector<double> spacings_of(const std::vector<RangeView>& views) {
   return parallel_map<double>(views.size(),
@@ -59,6 +53,11 @@ std::vector<const RangeView*> pointers_to(const std::vector<RangeView>& views) {
   return pointers;
 }
 
+AlignOptions with_index(AlignOptions align) {
+  align.surface.neighbour_index |= align.refinement.association == Association::kNearest;
+  return align;
+}
+
 class Calibrating {
  public:
   Calibrating(const std::vector<RangeView>& views, const Alignment& aligned,
@@ -66,23 +65,21 @@ class Calibrating {
               const Progress& progress)
       : given_(views),
         aligned_(aligned),
-        align_(align),
         options_(options),
         progress_(progress),
         pairs_(fitting_pairs(aligned)),
         held_(held_views(views, pairs_)),
         sensors_(find_sensors(pointers_to(views), spacings_of(views))),
-        poses_(aligned.world_from_view()) {
-    align_.surface.neighbour_index |= align.refinement.association == Association::kNearest;
-  }
+        poses_(aligned.world_from_view()),
+        corrected_(views, sensors_, with_index(align)) {}
 
   Result<SensorCalibration> run() {
     if (options_.scope == CalibrationScope::kOff || linked_views() < kFewestViews ||
         linked_views() > kMostViews || !shape_holds_all(aligned_))
       return std::move(result_);
     for (bool moving = true; moving && result_.iterations < kMostIterations;) {
-      if (const auto prepared = prepare(false); !prepared) return prepared.error();
-      const auto sums = sum();
+      if (const auto corrected = correct(false); !corrected) return corrected.error();
+      const auto sums = corrected_.sum(poses_, pairs_, static_cast<std::size_t>(options_.samples));
       result_.deviation_after = median_deviation(sums);
       if (result_.iterations == 0) start();
       if (result_.iterations == 0) select(sums);
@@ -95,8 +92,11 @@ class Calibrating {
     }
     note_errors_per_view(result_);
     if (model_.choices.empty()) return std::move(result_);
-    if (const auto aligned = align_corrected(); !aligned) return aligned.error();
-    if (!result_.alignment.solved() || !fits_better()) return nothing_found();
+    if (const auto corrected = correct(true); !corrected) return corrected.error();
+    if (const auto aligned = align(); !aligned) return aligned.error();
+    if (!result_.alignment.solved() ||
+        !fits_better(corrected_, result_.alignment, aligned_, pairs_))
+      return nothing_found();
     return std::move(result_);
   }
 
@@ -141,56 +141,11 @@ class Calibrating {
     model_.prior_deviation = result_.deviation_before / sensors_.models.front().spacing();
   }
 
-  // The views as corrected so far, and their surfaces.
-  Result<void> prepare(bool with_normals) {
-    surfaces_.clear();
-    corrected_ = parallel_map<RangeView>(given_.size(), [&](std::size_t i) {
-      const RangeView ranges = with_normals ? given_[i] : ranges_of(given_[i]);
-      return model_.choices.empty() ? ranges
-                                    : sensors_.models[sensors_.of_view[i]].corrected(
-                                          ranges, model_.coefficients(i, sensors_));
+  Result<void> correct(bool with_normals) {
+    return corrected_.correct(model_, with_normals, [&](double part) {
+      const double fraction = (result_.iterations + part) / (kMostIterations + 1);
+      return report_progress(progress_, fraction, "calibrating sensors");
     });
-    ViewSurfaceOptions options = align_.surface;
-    options.normal_signal &= with_normals;
-    for (std::size_t i = 0; i < given_.size(); ++i) {
-      const double fraction =
-          (result_.iterations + static_cast<double>(i) / static_cast<double>(given_.size())) /
-          (kMostIterations + 1);
-      if (!report_progress(progress_, fraction, "calibrating sensors"))
-        return Error{ErrorKind::kInterrupted, "calibration was interrupted"};
-      surfaces_.emplace_back(corrected_[i], options);
-    }
-    return {};
-  }
-
-  std::vector<PairSums> sum() {
-    calibrated_.given = &given_;
-    calibrated_.surfaces = &surfaces_;
-    calibrated_.sensors = &sensors_;
-    calibrated_.nearby_ranges = parallel_map<Grid<double>>(
-        given_.size(), [&](std::size_t i) { return nearby_ranges(corrected_[i]); });
-    calibrated_.world_from_view = poses_;
-    calibrated_.centre = common_centre(registration::pointers_to(surfaces_), poses_);
-    double spacing = 0.0;
-    for (const ViewSurface& surface : surfaces_) spacing = std::max(spacing, surface.spacing());
-    CalibrationSumOptions options;
-    options.search = search_options();
-    options.samples = static_cast<std::size_t>(options_.samples);
-    options.patch = kPatch * spacing;
-    return sum_pairs(calibrated_, pairs_, options);
-  }
-
-  CorrespondenceOptions search_options() const {
-    double spacing = 0.0, noise = 0.0;
-    for (const ViewSurface& surface : surfaces_) {
-      spacing = std::max(spacing, surface.spacing());
-      noise = std::max(noise, surface.noise());
-    }
-    CorrespondenceOptions search;
-    search.max_distance = finest_search_distance(spacing, std::sqrt(2.0) * noise);
-    search.max_normal_angle_deg = align_.refinement.max_normal_angle_deg;
-    search.association = align_.refinement.association;
-    return search;
   }
 
   static double median_deviation(const std::vector<PairSums>& sums) {
@@ -232,8 +187,9 @@ class Calibrating {
     const auto before = poses_;
     for (std::size_t i = 0; i < held_.size(); ++i)
       if (!found.tangents[i].isZero(0.0))
-        poses_[i] = moved(before[i], found.tangents[i], calibrated_.centre);
-    const double motion = largest_motion(registration::pointers_to(surfaces_), before, poses_);
+        poses_[i] = moved(before[i], found.tangents[i], corrected_.centre());
+    const double motion =
+        largest_motion(registration::pointers_to(corrected_.surfaces()), before, poses_);
     return largest > kTolerance || motion > kTolerance * sensors_.models.front().spacing();
   }
 
@@ -248,63 +204,26 @@ class Calibrating {
     describe_errors(sensors_, model_, deviation, result_);
   }
 
-  // The last steps of aligning, with all samples of the corrected views.
-  Result<void> align_corrected() {
-    if (const auto prepared = prepare(true); !prepared) return prepared;
-    std::vector<ViewRole> roles;
-    for (std::size_t i = 0; i < given_.size(); ++i)
-      roles.push_back(!aligned_.views[i].aligned           ? ViewRole::kExcluded
-                      : given_[i].pose == PoseKind::kKnown ? ViewRole::kFixed
-                                                           : ViewRole::kFree);
-    JointRefinementOptions options = align_.refinement;
-    options.levels = 1;
-    auto refined = refine_jointly(surfaces_, poses_, roles, options, {});
-    if (!refined) return refined.error();
-    result_.alignment = aligned_;
-    Alignment& alignment = result_.alignment;
-    for (std::size_t i = 0; i < given_.size(); ++i) {
-      ViewReport& view = alignment.views[i];
-      view.world_from_view = refined->world_from_view[i];
-      view.pose_covariance =
-          inflation_[i].asDiagonal() * refined->pose_covariance[i] * inflation_[i].asDiagonal();
-      view.pose_std = inflation_[i].cwiseProduct(refined->pose_std[i]);
-    }
-    alignment.pairs = std::move(refined->pairs);
-    alignment.termination = refined->termination;
-    alignment.iterations += result_.iterations + refined->iterations;
-    alignment.rms = refined->rms;
-    alignment.loops = std::move(refined->loops);
-    for (const auto* solves : {&solves_, &refined->solves})
-      alignment.solves.insert(alignment.solves.end(), solves->begin(), solves->end());
+  Result<void> align() {
+    Alignment so_far = aligned_;
+    so_far.iterations += result_.iterations;
+    so_far.solves.insert(so_far.solves.end(), solves_.begin(), solves_.end());
+    auto aligned = align_corrected(corrected_, so_far, poses_, inflation_);
+    if (!aligned) return aligned.error();
+    result_.alignment = *std::move(aligned);
     return {};
-  }
-
-  // The views as given and as corrected, by the same measure: distances along the lines of sight,
-  // which no motion of the surfaces makes shorter by turning them away, and overlap that stays.
-  bool fits_better() {
-    const PairwiseFit corrected =
-        measure_fit(surfaces_, result_.alignment.world_from_view(), pairs_, search_options());
-    surfaces_.clear();
-    for (const RangeView& view : given_) surfaces_.emplace_back(view, align_.surface);
-    const PairwiseFit given =
-        measure_fit(surfaces_, aligned_.world_from_view(), pairs_, search_options());
-    return corrected.overlap >= kLeastOverlap * given.overlap &&
-           corrected.distance < given.distance;
   }
 
   const std::vector<RangeView>& given_;
   const Alignment& aligned_;
-  AlignOptions align_;
   CalibrationOptions options_;
   const Progress& progress_;
   std::vector<ViewPair> pairs_;
   std::vector<bool> held_;
   Sensors sensors_;
   std::vector<RigidMotion> poses_;
+  CorrectedViews corrected_;
   ErrorModel model_;
-  std::vector<RangeView> corrected_;
-  std::vector<ViewSurface> surfaces_;
-  CalibratedViews calibrated_;
   std::vector<RigidTangent> inflation_;
   std::vector<SolverSummary> solves_;
   double unconfirmed_gain_ = 0.0;

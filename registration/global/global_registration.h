@@ -6,7 +6,7 @@
 #include "registration/surface/view_surface.h"
 #include "registration/units/align_units.h"
 #include "registration/verification/pose_evidence.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "registration/global/link_index.h"
 #include "registration/global/link_limits.h"
 #include "registration/global/pair_search.h"
 #include "scan/base/parallel.h"
@@ -79,6 +80,7 @@ class Joining {
           const ViewGroupOptions& options)
       : surfaces_(surfaces),
         links_(links),
+        index_(links),
         limits_(limits.confirmed),
         loop_confirmed_(limits.loop_confirmed),
         options_(options),
@@ -231,11 +233,15 @@ class Joining {
 
   // Whether a link that is believed says the same.
   bool has_link_at(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const {
-    return std::any_of(links_.begin(), links_.end(), [&](const PoseLink& link) {
-      return (link.a == j && link.b == i && same_place(surfaces_[j], link.b_from_a, i_from_j)) ||
-             (link.a == i && link.b == j &&
-              same_place(surfaces_[j], link.b_from_a.inverse(), i_from_j));
-    });
+    const auto& to_i = index_.between(j, i);
+    const auto& to_j = index_.between(i, j);
+    const auto agrees = [&](const RigidMotion& motion) {
+      return same_place(surfaces_[j], motion, i_from_j);
+    };
+    return std::any_of(to_i.begin(), to_i.end(),
+                       [&](const PoseLink* link) { return agrees(link->b_from_a); }) ||
+           std::any_of(to_j.begin(), to_j.end(),
+                       [&](const PoseLink* link) { return agrees(link->b_from_a.inverse()); });
   }
 
   void report_ambiguous() {
@@ -256,6 +262,7 @@ class Joining {
 
   const std::vector<ViewSurface>& surfaces_;
   const std::vector<PoseLink>& links_;
+  const LinkIndex index_;
   const VerificationThresholds limits_, loop_confirmed_;
   const ViewGroupOptions& options_;
   const std::vector<bool>& known_;

@@ -10,7 +10,7 @@
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 #include "scan/base/robust_scales.h"
 
 namespace relief::registration {

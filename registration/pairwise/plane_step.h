@@ -6,7 +6,7 @@
 
 #include "registration/pairwise/degenerate_directions.h"
 #include "registration/pairwise/icp.h"
-#include "registration/pairwise/normal_matches.h"
+#include "registration/pairwise/normal_maps/normal_matches.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {

@@ -9,7 +9,7 @@
 #include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/joint_solver.h"
 #include "registration/posegraph/loops/loop_closure.h"
-#include "registration/posegraph/pair_matcher.h"
+#include "registration/posegraph/pairs/pair_matcher.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "registration/posegraph/view_graph.h"
 #include "scan/base/parallel.h"

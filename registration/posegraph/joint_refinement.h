@@ -5,15 +5,14 @@
 #include <vector>
 
 #include "registration/pairwise/correspondences.h"
-#include "registration/posegraph/pair_fit.h"
+#include "registration/posegraph/pairs/pair_fit.h"
 #include "registration/posegraph/refinement/pose_covariance.h"
 #include "registration/surface/view_surface.h"
 #include "relief/registration/align_options.h"
 #include "relief/registration/align_views.h"
 #include "relief/registration/loop_closure.h"
 #include "relief/registration/pair_fit.h"
-#include "relief/registration/solver_summary.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
 

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <ceres/ceres.h>
 
-#include "registration/posegraph/pair_terms.h"
+#include "registration/posegraph/pairs/pair_terms.h"
 #include "registration/posegraph/pose_parameters.h"
 #include "registration/posegraph/sparse_solver.h"
 #include "scan/base/parallel.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "relief/registration/solver_summary.h"
+#include "relief/registration/align_views.h"
 
 namespace ceres {
 class Problem;

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "relief/scan/grid.h"
-#include "relief/scan/range_noise.h"
 #include "relief/scan/range_view.h"
+#include "scan/grid/range_noise.h"
 
 namespace relief::registration {
 

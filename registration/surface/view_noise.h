@@ -3,8 +3,9 @@
 #include <Eigen/Core>
 
 #include "relief/scan/discontinuities.h"
-#include "relief/scan/range_noise.h"
 #include "relief/scan/range_view.h"
+#include "scan/grid/connected_grid.h"
+#include "scan/grid/range_noise.h"
 
 namespace relief::registration {
 

@@ -12,10 +12,11 @@
 #include "registration/surface/sample_weights.h"
 #include "registration/surface/unbiased_normals.h"
 #include "registration/surface/view_noise.h"
-#include "relief/scan/counter_random.h"
 #include "relief/scan/discontinuities.h"
-#include "relief/scan/range_noise.h"
+#include "scan/base/counter_random.h"
+#include "scan/grid/connected_grid.h"
 #include "scan/grid/grid_normals.h"
+#include "scan/grid/range_noise.h"
 #include "scan/grid/small_gaps.h"
 
 namespace relief::registration {

@@ -13,6 +13,7 @@
 #include "relief/registration/align_options.h"
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/range_view.h"
+#include "scan/grid/connected_grid.h"
 #include "scan/surface/range_surface.h"
 
 namespace relief::registration {

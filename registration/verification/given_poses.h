@@ -7,7 +7,7 @@
 #include "registration/units/align_units.h"
 #include "registration/verification/pose_verification.h"
 #include "registration/verification/starting_poses.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 

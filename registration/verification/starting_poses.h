@@ -9,7 +9,7 @@
 #include "registration/surface/view_surface.h"
 #include "registration/units/align_units.h"
 #include "relief/registration/align_options.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"

@@ -5,8 +5,8 @@
 
 #include "relief/scan/camera.h"
 #include "relief/scan/grid.h"
-#include "relief/scan/range_noise.h"
 #include "relief/scan/range_view.h"
+#include "scan/grid/range_noise.h"
 
 namespace relief {
 

@@ -10,6 +10,7 @@
 #include "scan/background/fixed_surface.h"
 #include "scan/background/fixed_surface_evidence.h"
 #include "scan/base/parallel.h"
+#include "scan/grid/connected_grid.h"
 
 namespace relief {
 

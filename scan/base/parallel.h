@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 
 namespace relief {
 

@@ -7,6 +7,7 @@
 
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
+#include "scan/grid/connected_grid.h"
 
 namespace relief {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "relief/scan/range_noise.h"
+#include "scan/grid/range_noise.h"
 #include "scan/grid/small_gaps.h"
 
 namespace relief {

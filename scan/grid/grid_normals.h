@@ -5,6 +5,7 @@
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/grid.h"
 #include "relief/scan/range_view.h"
+#include "scan/grid/connected_grid.h"
 
 namespace relief {
 

@@ -1,4 +1,4 @@
-#include "relief/scan/range_noise.h"
+#include "scan/grid/range_noise.h"
 
 #include <algorithm>
 #include <array>

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "relief/scan/range_noise.h"
 #include "scan/base/median.h"
+#include "scan/grid/range_noise.h"
 
 namespace relief {
 

@@ -1,4 +1,4 @@
-#include "relief/scan/range_quantisation.h"
+#include "scan/grid/range_quantisation.h"
 
 #include <array>
 #include <cmath>

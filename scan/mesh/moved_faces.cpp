@@ -9,7 +9,7 @@
 
 #include <Eigen/Geometry>
 
-#include "relief/scan/self_intersections.h"
+#include "relief/scan/mesh_check.h"
 #include "scan/base/cell_key.h"
 
 namespace relief {

@@ -1,8 +1,7 @@
-#include "relief/scan/self_intersections.h"
-
 #include <algorithm>
 #include <utility>
 
+#include "relief/scan/mesh_check.h"
 #include "scan/base/parallel.h"
 #include "scan/mesh/triangle_overlap.h"
 #include "scan/mesh/triangle_tree.h"

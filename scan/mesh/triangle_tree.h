@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "relief/scan/ray.h"
+#include "relief/scan/projections.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief {

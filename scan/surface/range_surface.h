@@ -8,6 +8,7 @@
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/grid.h"
 #include "relief/scan/range_view.h"
+#include "scan/grid/connected_grid.h"
 #include "scan/surface/packed_normals.h"
 #include "scan/surface/surface_patch.h"
 

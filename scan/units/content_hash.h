@@ -13,7 +13,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "relief/scan/colour.h"
 #include "relief/scan/grid.h"
 #include "relief/scan/unit_store.h"
 

@@ -1,8 +1,9 @@
-#include "relief/scan/rational_projection.h"
-
 #include <cmath>
 
 #include <Eigen/Dense>
+
+#include "relief/scan/projections.h"
+#include "scan/views/projection_fits.h"
 
 namespace relief {
 

@@ -1,11 +1,11 @@
-#include "relief/scan/spherical_projection.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "relief/scan/projections.h"
 #include "scan/base/median.h"
+#include "scan/views/projection_fits.h"
 
 namespace relief {
 

@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "scan/views/projection_fits.h"
+
 namespace relief {
 
 namespace {

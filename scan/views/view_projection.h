@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 
 #include "relief/scan/camera.h"
+#include "relief/scan/projections.h"
 #include "relief/scan/range_view.h"
-#include "relief/scan/rational_projection.h"
 #include "relief/scan/result.h"
 
 namespace relief {

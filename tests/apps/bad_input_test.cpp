@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "tests/support/program.h"
-#include "tests/support/simulated_scans.h"
+#include "tests/support/scenes/simulated_scans.h"
 
 namespace relief {
 namespace {

@@ -170,7 +170,7 @@ TEST(HtmlReport, TakesPicturesOfItsFolderAlone) {
   folder.write("text.png", "secret");
   json views = json::array();
   for (const std::string& place :
-       {std::string("fine.png"), std::string("text.png"), (other / "secret.png"),
+       {std::string("fine.png"), std::string("text.png"), (other / "secret.png").string(),
         "../" + other.path().filename().string() + "/secret.png", std::string("absent.png")})
     views.push_back({{"name", place}, {"status", "refined"}, {"pictures", {{"measured", place}}}});
   folder.write("report.json", json{{"relief", "0"}, {"refine", {{"views", views}}}}.dump());

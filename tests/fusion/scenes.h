@@ -6,7 +6,7 @@
 
 #include "fusion/tsdf/sparse_field.h"
 #include "relief/scan/range_view.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::testing {
 

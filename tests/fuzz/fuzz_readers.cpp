@@ -13,7 +13,6 @@
 #include <unistd.h>
 
 #include "relief/io/mesh_io.h"
-#include "relief/io/poses_io.h"
 #include "relief/io/project_io.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/project/scan_file.h"

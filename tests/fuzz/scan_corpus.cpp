@@ -9,7 +9,7 @@
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/grids/ply_grid_writer.h"
 #include "tests/fuzz/corpus_folder.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::testing {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "relief/scan/counter_random.h"
+#include "scan/base/counter_random.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 
 namespace relief::testing {

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "relief/hybrid/mesh_normals.h"
+#include "relief/hybrid/polish_mesh.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief::testing {

@@ -7,13 +7,13 @@
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/degree.h"
 #include "tests/support/geometry_matchers.h"
 #include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::hybrid {
 namespace {

@@ -1,13 +1,13 @@
-#include "relief/hybrid/refine_views.h"
-
 #include <cstring>
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
+#include "hybrid/refine_memory.h"
+#include "relief/hybrid/refine_view.h"
+#include "relief/scan/context.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::hybrid {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/small_meshes.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/small_meshes.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::testing {
 

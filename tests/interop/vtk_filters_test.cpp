@@ -16,7 +16,7 @@
 #include "relief/interop/vtk_refine_view.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/small_meshes.h"
+#include "tests/support/scenes/small_meshes.h"
 
 namespace relief::interop {
 namespace {

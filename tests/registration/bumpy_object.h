@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "relief/scan/range_view.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::testing {
 

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "registration/pairwise/icp.h"
-#include "relief/io/poses_io.h"
 #include "relief/io/project_io.h"
 #include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"

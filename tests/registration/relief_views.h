@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "relief/scan/range_view.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::testing {
 

@@ -9,7 +9,7 @@
 #include "apps/console/output.h"
 #include "apps/console/progress_display.h"
 #include "apps/options/stage_options.h"
-#include "apps/reports/model_report.h"
+#include "apps/reports/stages/model_report.h"
 #include "relief/io/mesh_io.h"
 #include "relief/reconstruction/build_model.h"
 #include "scan/base/stopwatch.h"

@@ -10,19 +10,21 @@ namespace {
 
 using reconstruction::Stage;
 
-// Costs are sums of these parts. Each number is fitted to what bench/step_costs measures on
-// simulated sets of 6 to 24 views (docs/results.md, Steps).
+// Costs are sums of these parts. The numbers are first guesses: bench/step_costs fits them to what
+// it measures on simulated sets.
 struct CostModel {
   double cpu_per_pixel, cpu_per_sample, cpu_per_pair;  // [s], the first two per million
   double memory_per_pixel, memory_per_sample;          // [bytes]
   double disk_per_pixel, disk_per_sample;              // [bytes]
 };
 
+// Of what `run` does after all stages.
+constexpr CostModel kFinish{1.0, 4.0, 0.0, 40.0, 300.0, 0.0, 0.0};
+
 constexpr double kMillion = 1e6;
 constexpr double kProgram = 60e6;          // Memory of the program alone [bytes].
 constexpr std::size_t kPairsPerView = 12;  // As bench/step_costs counts.
-// [s] Of a pair whose pose is looked for by shape, align of 12 views of 256 x 256 with and without
-// --poses ignore.
+// [s] Of a pair whose pose is looked for by shape; a first guess as well.
 constexpr double kSearchedPair = 0.1;
 
 const CostModel& model_of(Stage stage) {

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "relief/reconstruction/folder_lock.h"
+#include "reconstruction/cache/folder_lock.h"
 #include "relief/reconstruction/unit_folder.h"
 
 namespace relief {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "apps/console/console.h"
-#include "relief/evaluation/mesh_distance.h"
+#include "relief/evaluation/mesh_errors.h"
 #include "relief/io/mesh_io.h"
 
 namespace relief {

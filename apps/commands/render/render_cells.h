@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "apps/options/render_flags.h"
-#include "relief/rendering/legend.h"
+#include "relief/rendering/picture.h"
 #include "relief/rendering/render_mesh.h"
-#include "relief/scan/progress.h"
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/scan_project.h"
 

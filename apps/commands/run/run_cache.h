@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/reports/report.h"
-#include "relief/reconstruction/folder_lock.h"
+#include "reconstruction/cache/folder_lock.h"
 #include "relief/reconstruction/unit_folder.h"
 #include "relief/scan/result.h"
 

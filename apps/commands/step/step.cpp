@@ -15,12 +15,12 @@
 #include "apps/console/interruption.h"
 #include "apps/console/output.h"
 #include "apps/console/progress_display.h"
-#include "apps/reports/alignment_report.h"
-#include "apps/reports/calibration_report.h"
-#include "apps/reports/consistency_report.h"
-#include "apps/reports/model_report.h"
-#include "apps/reports/refinement_report.h"
 #include "apps/reports/run_record.h"
+#include "apps/reports/stages/alignment_report.h"
+#include "apps/reports/stages/calibration_report.h"
+#include "apps/reports/stages/consistency_report.h"
+#include "apps/reports/stages/model_report.h"
+#include "apps/reports/stages/refinement_report.h"
 #include "scan/base/stopwatch.h"
 
 namespace relief {

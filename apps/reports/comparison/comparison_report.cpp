@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "apps/reports/evaluation_report.h"
+#include "apps/reports/evaluation/evaluation_report.h"
 
 namespace relief {
 

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "apps/reports/comparison/comparison_report.h"
-#include "apps/reports/evaluation_report.h"
+#include "apps/reports/evaluation/evaluation_report.h"
 
 namespace relief {
 

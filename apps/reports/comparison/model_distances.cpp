@@ -6,7 +6,7 @@
 #include "apps/console/console.h"
 #include "apps/console/picture_file.h"
 #include "apps/reports/comparison/comparison_page.h"
-#include "relief/rendering/legend.h"
+#include "relief/rendering/picture.h"
 #include "relief/rendering/picture_camera.h"
 #include "relief/rendering/render_mesh.h"
 #include "scan/evaluation/base/error_colours.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/reports/comparison/run_folder.h"
-#include "relief/evaluation/mesh_distance.h"
+#include "relief/evaluation/mesh_errors.h"
 #include "relief/evaluation/pose_errors.h"
 #include "relief/scan/context.h"
 

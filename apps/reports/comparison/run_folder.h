@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "apps/reports/html/report_figures.h"
-#include "relief/scan/named_pose.h"
 #include "relief/scan/result.h"
+#include "relief/scan/scan_project.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief {

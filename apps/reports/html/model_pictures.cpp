@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "apps/console/picture_file.h"
-#include "relief/rendering/legend.h"
+#include "relief/rendering/picture.h"
 #include "relief/rendering/picture_camera.h"
 #include "relief/rendering/render_mesh.h"
 

@@ -7,7 +7,7 @@
 #include <ceres/ceres.h>
 #include <ceres/normal_prior.h>
 
-#include "registration/posegraph/quadratic_residuals.h"
+#include "registration/posegraph/pairs/quadratic_residuals.h"
 #include "registration/posegraph/sparse_solver.h"
 
 namespace relief::registration {

@@ -4,7 +4,7 @@
 
 #include "registration/calibration/estimation/calibration_sums.h"
 #include "registration/calibration/model/error_model.h"
-#include "relief/registration/solver_summary.h"
+#include "relief/registration/align_views.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {

@@ -8,8 +8,8 @@
 
 #include "registration/pairwise/robust.h"
 #include "registration/posegraph/refinement/pair_information.h"
-#include "relief/scan/counter_random.h"
 #include "scan/base/cell_key.h"
+#include "scan/base/counter_random.h"
 #include "scan/base/parallel.h"
 #include "scan/base/robust_scales.h"
 

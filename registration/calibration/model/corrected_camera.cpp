@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "relief/scan/rational_projection.h"
+#include "relief/scan/projections.h"
+#include "scan/views/projection_fits.h"
 
 namespace relief::registration {
 

@@ -9,7 +9,7 @@
 
 #include "registration/pairwise/correspondences.h"
 #include "registration/pairwise/degenerate_directions.h"
-#include "registration/pairwise/normal_matches.h"
+#include "registration/pairwise/normal_maps/normal_matches.h"
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
 

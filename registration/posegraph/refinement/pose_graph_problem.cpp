@@ -10,7 +10,7 @@
 #include <ceres/normal_prior.h>
 
 #include "registration/pairwise/normal_equations.h"
-#include "registration/posegraph/pair_terms.h"
+#include "registration/posegraph/pairs/pair_terms.h"
 #include "registration/posegraph/sparse_solver.h"
 
 namespace relief::registration {

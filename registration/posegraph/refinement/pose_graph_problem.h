@@ -6,7 +6,7 @@
 
 #include "registration/posegraph/refinement/block_sandwich.h"
 #include "registration/posegraph/refinement/pair_information.h"
-#include "relief/registration/solver_summary.h"
+#include "relief/registration/align_views.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {

@@ -6,12 +6,12 @@
 #include <Eigen/Core>
 
 #include "registration/pairwise/correspondences.h"
-#include "registration/pairwise/normal_matches.h"
+#include "registration/pairwise/normal_maps/normal_matches.h"
 #include "registration/posegraph/refinement/pair_information.h"
 #include "registration/posegraph/refinement/pose_covariance.h"
 #include "registration/posegraph/view_graph.h"
 #include "registration/surface/view_surface.h"
-#include "relief/registration/solver_summary.h"
+#include "relief/registration/align_views.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {

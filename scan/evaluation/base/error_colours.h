@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "relief/scan/colour.h"
+#include "relief/scan/grid.h"
 
 namespace relief::evaluation {
 

@@ -1,5 +1,3 @@
-#include "relief/evaluation/mesh_alignment.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,7 +7,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
-#include "relief/scan/counter_random.h"
+#include "relief/evaluation/mesh_errors.h"
+#include "scan/base/counter_random.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
 #include "scan/base/robust_scales.h"

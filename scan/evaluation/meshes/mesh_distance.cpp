@@ -1,9 +1,8 @@
-#include "relief/evaluation/mesh_distance.h"
-
 #include <algorithm>
 #include <string>
 #include <utility>
 
+#include "relief/evaluation/mesh_errors.h"
 #include "scan/base/parallel.h"
 #include "scan/evaluation/base/angles.h"
 #include "scan/evaluation/meshes/pseudo_normals.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "relief/scan/counter_random.h"
+#include "scan/base/counter_random.h"
 
 namespace relief::evaluation {
 

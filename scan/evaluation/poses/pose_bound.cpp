@@ -1,4 +1,4 @@
-#include "relief/evaluation/pose_bound.h"
+#include "scan/evaluation/poses/pose_bound.h"
 
 #include <cassert>
 #include <cmath>

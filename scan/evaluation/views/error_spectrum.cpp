@@ -1,4 +1,4 @@
-#include "relief/evaluation/error_spectrum.h"
+#include "scan/evaluation/views/error_spectrum.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,6 +7,7 @@
 #include "scan/base/parallel.h"
 #include "scan/evaluation/base/angles.h"
 #include "scan/evaluation/views/view_pairs.h"
+#include "scan/grid/connected_grid.h"
 #include "scan/grid/grid_normals.h"
 
 namespace relief::evaluation {

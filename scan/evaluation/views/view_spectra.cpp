@@ -1,5 +1,3 @@
-#include "relief/evaluation/view_spectra.h"
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -8,10 +6,13 @@
 
 #include <Eigen/Geometry>
 
+#include "relief/evaluation/view_errors.h"
 #include "relief/scan/discontinuities.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
+#include "scan/evaluation/views/error_spectrum.h"
 #include "scan/evaluation/views/view_pairs.h"
+#include "scan/grid/connected_grid.h"
 #include "scan/grid/grid_normals.h"
 
 namespace relief::evaluation {

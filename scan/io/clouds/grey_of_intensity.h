@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "relief/scan/colour.h"
+#include "relief/scan/grid.h"
 
 namespace relief {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "relief/scan/colour.h"
+#include "relief/scan/grid.h"
 #include "scan/io/e57/e57_layout.h"
 
 namespace relief {

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "relief/scan/colour.h"
+#include "relief/scan/grid.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"

@@ -5,7 +5,7 @@
 
 #include <pugixml.hpp>
 
-#include "relief/scan/counter_random.h"
+#include "scan/base/counter_random.h"
 #include "scan/io/e57/e57_file.h"
 #include "scan/io/e57/e57_pages.h"
 #include "scan/io/e57/e57_section_writer.h"

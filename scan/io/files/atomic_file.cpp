@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "scan/base/file_descriptor.h"
+#include "scan/base/system/file_descriptor.h"
 #include "scan/io/files/io_error.h"
 
 namespace relief {

@@ -8,7 +8,6 @@
 #include <Eigen/Core>
 
 #include "relief/scan/camera.h"
-#include "relief/scan/colour.h"
 #include "relief/scan/grid.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "relief/scan/result.h"
-#include "scan/base/system_memory.h"
+#include "scan/base/system/system_memory.h"
 
 namespace relief {
 

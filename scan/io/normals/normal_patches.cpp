@@ -9,9 +9,10 @@
 #include <Eigen/Eigenvalues>
 
 #include "relief/scan/discontinuities.h"
-#include "relief/scan/range_noise.h"
-#include "relief/scan/range_quantisation.h"
 #include "scan/base/median.h"
+#include "scan/grid/connected_grid.h"
+#include "scan/grid/range_noise.h"
+#include "scan/grid/range_quantisation.h"
 
 namespace relief {
 

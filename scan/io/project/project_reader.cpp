@@ -4,7 +4,7 @@
 
 #include "relief/io/project_io.h"
 #include "scan/base/parallel.h"
-#include "scan/base/system_memory.h"
+#include "scan/base/system/system_memory.h"
 #include "scan/io/project/view_loader.h"
 #include "scan/io/project/view_spec.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "scan/base/system_memory.h"
+#include "scan/base/system/system_memory.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/grids/cameras/camera_fit.h"
 #include "scan/io/grids/cameras/grid_camera.h"

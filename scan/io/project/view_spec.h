@@ -10,11 +10,10 @@
 
 #include "relief/io/project_io.h"
 #include "relief/scan/camera.h"
+#include "relief/scan/projections.h"
 #include "relief/scan/range_view.h"
-#include "relief/scan/rational_projection.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
-#include "relief/scan/spherical_projection.h"
 #include "scan/io/images/image_size.h"
 
 namespace relief {

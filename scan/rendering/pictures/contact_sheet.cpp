@@ -2,7 +2,7 @@
 #include <cassert>
 #include <numeric>
 
-#include "relief/rendering/legend.h"
+#include "relief/rendering/picture.h"
 
 namespace relief::rendering {
 

@@ -1,8 +1,7 @@
-#include "relief/rendering/legend.h"
-
 #include <algorithm>
 #include <cstdio>
 
+#include "relief/rendering/picture.h"
 #include "scan/rendering/pictures/text.h"
 
 namespace relief::rendering {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "relief/scan/counter_random.h"
+#include "scan/base/counter_random.h"
 
 namespace relief::rendering {
 

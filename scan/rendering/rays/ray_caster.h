@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "relief/scan/ray.h"
+#include "relief/scan/projections.h"
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
 

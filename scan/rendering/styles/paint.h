@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
-#include "relief/rendering/legend.h"
+#include "relief/rendering/picture.h"
 #include "relief/rendering/render_mesh.h"
-#include "relief/scan/colour.h"
+#include "relief/scan/grid.h"
 #include "scan/rendering/rays/ray_caster.h"
 
 namespace relief::rendering {

@@ -1,4 +1,4 @@
-#include "relief/simulation/background_plate.h"
+#include "scan/simulation/defects/background_plate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,11 @@
 
 #include <Eigen/Geometry>
 
+#include "relief/simulation/scan_defects.h"
 #include "scan/base/parallel.h"
 #include "scan/simulation/base/degrees.h"
 #include "scan/simulation/base/option_check.h"
+#include "scan/simulation/defects/scan_defects.h"
 
 namespace relief::simulation {
 

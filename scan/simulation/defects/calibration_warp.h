@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "relief/simulation/random_stream.h"
+#include "scan/simulation/base/random_stream.h"
 
 namespace relief::simulation {
 

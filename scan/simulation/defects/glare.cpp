@@ -1,12 +1,14 @@
-#include "relief/simulation/glare.h"
+#include "scan/simulation/defects/glare.h"
 
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "relief/simulation/scan_defects.h"
 #include "scan/simulation/base/degrees.h"
 #include "scan/simulation/base/for_each_sample.h"
 #include "scan/simulation/base/option_check.h"
+#include "scan/simulation/defects/scan_defects.h"
 #include "scan/simulation/sensors/pixel_noise.h"
 #include "scan/simulation/sensors/sensor_errors.h"
 

@@ -5,10 +5,13 @@
 #include <optional>
 #include <utility>
 
-#include "relief/scan/counter_random.h"
+#include "scan/base/counter_random.h"
 #include "scan/simulation/base/for_each_sample.h"
 #include "scan/simulation/base/option_check.h"
+#include "scan/simulation/defects/background_plate.h"
 #include "scan/simulation/defects/calibration_warp.h"
+#include "scan/simulation/defects/glare.h"
+#include "scan/simulation/defects/scan_defects.h"
 
 namespace relief::simulation {
 

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "relief/scan/ray.h"
+#include "relief/scan/projections.h"
 
 namespace relief::simulation {
 

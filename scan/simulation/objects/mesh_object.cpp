@@ -1,9 +1,8 @@
-#include "relief/simulation/mesh_object.h"
-
 #include <algorithm>
 #include <memory>
 #include <utility>
 
+#include "relief/simulation/simulation_object.h"
 #include "scan/mesh/triangle_tree.h"
 
 namespace relief::simulation {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "relief/scan/counter_random.h"
 #include "relief/scan/discontinuities.h"
-#include "relief/simulation/sensor_scene.h"
+#include "scan/base/counter_random.h"
+#include "scan/simulation/sensors/sensor_scene.h"
 
 namespace relief::simulation {
 

@@ -1,4 +1,4 @@
-#include "relief/simulation/photometric_stereo.h"
+#include "scan/simulation/sensors/photometric_stereo.h"
 
 #include <cmath>
 #include <numbers>
@@ -6,10 +6,12 @@
 
 #include <Eigen/Dense>
 
-#include "relief/scan/counter_random.h"
+#include "relief/simulation/normal_sensors.h"
+#include "scan/base/counter_random.h"
 #include "scan/simulation/base/degrees.h"
 #include "scan/simulation/base/for_each_sample.h"
 #include "scan/simulation/base/option_check.h"
+#include "scan/simulation/objects/in_sight.h"
 #include "scan/simulation/sensors/sensor_errors.h"
 
 namespace relief::simulation {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "relief/scan/counter_random.h"
+#include "scan/base/counter_random.h"
 #include "scan/base/parallel.h"
 
 namespace relief::simulation {

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "relief/scan/counter_random.h"
-#include "relief/simulation/plane_waves.h"
+#include "scan/base/counter_random.h"
 #include "scan/simulation/base/for_each_sample.h"
+#include "scan/simulation/base/plane_waves.h"
 
 namespace relief::simulation {
 

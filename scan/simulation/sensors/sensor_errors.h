@@ -1,7 +1,7 @@
 #pragma once
 
 #include "relief/scan/range_view.h"
-#include "relief/simulation/random_stream.h"
+#include "scan/simulation/base/random_stream.h"
 
 namespace relief::simulation {
 

@@ -1,8 +1,11 @@
-#include "relief/simulation/sensors.h"
+#include "scan/simulation/sensors/sensors.h"
 
 #include "scan/simulation/base/degrees.h"
 #include "scan/simulation/base/option_check.h"
+#include "scan/simulation/sensors/photometric_stereo.h"
 #include "scan/simulation/sensors/sensor_errors.h"
+#include "scan/simulation/sensors/time_of_flight.h"
+#include "scan/simulation/sensors/triangulation_scanner.h"
 
 namespace relief::simulation {
 

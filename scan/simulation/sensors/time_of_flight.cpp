@@ -1,11 +1,12 @@
-#include "relief/simulation/time_of_flight.h"
+#include "scan/simulation/sensors/time_of_flight.h"
 
 #include <cmath>
 
-#include "relief/scan/counter_random.h"
-#include "relief/simulation/plane_waves.h"
+#include "relief/simulation/range_sensors.h"
+#include "scan/base/counter_random.h"
 #include "scan/simulation/base/for_each_sample.h"
 #include "scan/simulation/base/option_check.h"
+#include "scan/simulation/base/plane_waves.h"
 #include "scan/simulation/sensors/edge_mixer.h"
 
 namespace relief::simulation {

@@ -1,13 +1,15 @@
-#include "relief/simulation/triangulation_scanner.h"
+#include "scan/simulation/sensors/triangulation_scanner.h"
 
 #include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "relief/simulation/range_sensors.h"
 #include "scan/simulation/base/for_each_sample.h"
 #include "scan/simulation/base/option_check.h"
 #include "scan/simulation/defects/calibration_warp.h"
+#include "scan/simulation/objects/in_sight.h"
 #include "scan/simulation/sensors/edge_mixer.h"
 #include "scan/simulation/sensors/pixel_noise.h"
 

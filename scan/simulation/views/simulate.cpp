@@ -6,13 +6,17 @@
 #include <string>
 #include <utility>
 
-#include "relief/simulation/sensor_scene.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
 #include "scan/simulation/base/degrees.h"
 #include "scan/simulation/base/option_check.h"
+#include "scan/simulation/defects/background_plate.h"
 #include "scan/simulation/objects/built_in_object.h"
 #include "scan/simulation/sensors/sensor_errors.h"
+#include "scan/simulation/sensors/sensor_scene.h"
+#include "scan/simulation/sensors/sensors.h"
+#include "scan/simulation/views/sensor_rays.h"
+#include "scan/simulation/views/view_layout.h"
 
 namespace relief::simulation {
 

@@ -1,9 +1,10 @@
-#include "relief/simulation/view_layout.h"
+#include "scan/simulation/views/view_layout.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "relief/simulation/simulate.h"
 #include "scan/simulation/base/degrees.h"
 
 namespace relief::simulation {

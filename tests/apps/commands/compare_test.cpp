@@ -43,7 +43,7 @@ class Compare : public ::testing::Test {
                     "--mesh-divisions", "0", "-o", *folder_ / "scans"});
     ASSERT_EQ(simulated.exit_status, 0) << simulated.standard_error;
     run(a(), {});
-    run(b(), {"--no-polish"});
+    run(b(), {"--no-polish", "--calibration", "auto"});
     compare(a(), b(), {"-o", page(), "--report", *folder_ / "page/compare.json"});
   }
   static void TearDownTestSuite() {
@@ -101,6 +101,20 @@ TEST_F(Compare, NamesTheOptionThatDiffersAndTheSameInputs) {
   EXPECT_TRUE(comparison["complete"]);
   EXPECT_EQ(comparison["notes"], json::array());
   EXPECT_EQ(comparison["a"]["program"], comparison["b"]["program"]);
+}
+
+TEST_F(Compare, ShowsTheWordsOfOptions) {
+  EXPECT_EQ(read_json(b() / "report.json")["run"]["options"]["--calibration"], "auto");
+  const fs::path other = copy_of_a();
+  json report = read_json(other / "report.json");
+  EXPECT_EQ(report["run"]["options"]["--calibration"], "auto");
+  report["run"]["options"]["--calibration"] = "off";
+  write_json(other / "report.json", report);
+  const json options = compare(a(), other)["options"];
+  ASSERT_EQ(options.size(), 1u);
+  EXPECT_EQ(options[0]["name"], "--calibration");
+  EXPECT_EQ(options[0]["a"], "auto");
+  EXPECT_EQ(options[0]["b"], "off");
 }
 
 TEST_F(Compare, HasTheFiguresOfBothReports) {

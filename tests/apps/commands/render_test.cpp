@@ -9,7 +9,7 @@
 #include "scan/io/images/image_io.h"
 #include "tests/support/program.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/simulated_scans.h"
+#include "tests/support/scenes/simulated_scans.h"
 
 namespace relief {
 namespace {

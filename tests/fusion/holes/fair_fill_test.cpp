@@ -14,7 +14,7 @@
 #include "fusion/tsdf/closed_field.h"
 #include "fusion/tsdf/tsdf_integration.h"
 #include "relief/fusion/merge_views.h"
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 #include "scan/mesh/mesh_components.h"
 #include "tests/fusion/scenes.h"
 #include "tests/support/result_matchers.h"

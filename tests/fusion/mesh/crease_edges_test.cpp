@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "fusion/surface/isosurface.h"
+#include "relief/scan/context.h"
 #include "relief/scan/mesh_check.h"
-#include "relief/scan/threads.h"
 #include "tests/fusion/scenes.h"
 
 namespace relief::fusion {

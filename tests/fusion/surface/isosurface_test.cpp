@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/scan/context.h"
 #include "relief/scan/mesh_check.h"
-#include "relief/scan/threads.h"
 #include "tests/fusion/scenes.h"
 
 namespace relief::fusion {

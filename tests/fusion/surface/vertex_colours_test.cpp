@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "relief/fusion/merge_views.h"
-#include "scan/base/system_memory.h"
+#include "scan/base/system/system_memory.h"
 #include "tests/fusion/scenes.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"

@@ -9,6 +9,7 @@
 
 #include "relief/fusion/merge_views.h"
 #include "relief/scan/discontinuities.h"
+#include "scan/grid/connected_grid.h"
 #include "tests/fusion/scenes.h"
 #include "tests/support/result_matchers.h"
 

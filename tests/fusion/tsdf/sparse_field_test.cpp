@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "fusion/tsdf/obstacle_solver.h"
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 #include "tests/fusion/scenes.h"
 
 namespace relief::fusion {

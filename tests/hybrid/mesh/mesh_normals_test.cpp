@@ -1,5 +1,3 @@
-#include "relief/hybrid/mesh_normals.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -7,11 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/hybrid/polish_mesh.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/hybrid/mesh_shapes.h"
 #include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::hybrid {
 namespace {

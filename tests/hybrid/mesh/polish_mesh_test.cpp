@@ -10,10 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "hybrid/mesh/mesh_guard.h"
-#include "relief/scan/counter_random.h"
+#include "relief/scan/context.h"
 #include "relief/scan/mesh_check.h"
-#include "relief/scan/self_intersections.h"
-#include "relief/scan/threads.h"
+#include "scan/base/counter_random.h"
 #include "tests/hybrid/mesh_shapes.h"
 #include "tests/support/result_matchers.h"
 

@@ -14,7 +14,7 @@
 #include "hybrid/multigrid/galerkin.h"
 #include "hybrid/multigrid/multigrid.h"
 #include "tests/hybrid/bumpy_view.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::hybrid {
 namespace {

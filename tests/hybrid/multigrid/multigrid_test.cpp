@@ -7,9 +7,9 @@
 #include "hybrid/multigrid/view_multigrid.h"
 #include "hybrid/solver/view_solver.h"
 #include "relief/hybrid/refine_view.h"
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 #include "tests/hybrid/bumpy_view.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::hybrid {
 namespace {

@@ -12,12 +12,12 @@
 #include "hybrid/model/view_system.h"
 #include "hybrid/noise/surface_average.h"
 #include "relief/hybrid/refine_view.h"
+#include "relief/scan/context.h"
 #include "relief/scan/discontinuities.h"
-#include "relief/scan/threads.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::hybrid {
 namespace {

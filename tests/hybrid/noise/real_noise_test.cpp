@@ -9,7 +9,7 @@
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::hybrid {
 namespace {

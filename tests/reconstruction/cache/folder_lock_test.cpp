@@ -1,4 +1,4 @@
-#include "relief/reconstruction/folder_lock.h"
+#include "reconstruction/cache/folder_lock.h"
 
 #include <csignal>
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief::registration {

@@ -5,8 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "scan/grid/connected_grid.h"
 #include "tests/support/parameter_names.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief {
 namespace {

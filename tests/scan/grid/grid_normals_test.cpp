@@ -6,8 +6,8 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
-#include "tests/support/synthetic_views.h"
+#include "relief/scan/context.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief {
 namespace {

@@ -1,12 +1,12 @@
-#include "relief/scan/range_noise.h"
+#include "scan/grid/range_noise.h"
 
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
-#include "tests/support/synthetic_views.h"
+#include "relief/scan/context.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief {
 namespace {

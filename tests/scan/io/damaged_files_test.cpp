@@ -15,7 +15,7 @@
 #include "scan/io/project/view_spec.h"
 #include "tests/support/limited_memory.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/self_intersections.h"
+#include "relief/scan/mesh_check.h"
 
 namespace relief {
 namespace {

@@ -1,12 +1,11 @@
-#include "relief/scan/self_intersections.h"
-
 #include <algorithm>
 #include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
+#include "relief/scan/mesh_check.h"
 #include "scan/mesh/triangle_overlap.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 

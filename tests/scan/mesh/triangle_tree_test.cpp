@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 
 namespace relief {

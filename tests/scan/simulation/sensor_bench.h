@@ -1,9 +1,10 @@
 #pragma once
 
-#include "relief/simulation/reflectance.h"
-#include "relief/simulation/sensor_scene.h"
 #include "relief/simulation/simulate.h"
-#include "tests/support/synthetic_views.h"
+#include "relief/simulation/simulation_object.h"
+#include "scan/simulation/objects/reflectance.h"
+#include "scan/simulation/sensors/sensor_scene.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::testing {
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/surface/observation_weights.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief {
 namespace {

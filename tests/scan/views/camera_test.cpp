@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "scan/views/projection_fits.h"
+
 namespace relief {
 namespace {
 

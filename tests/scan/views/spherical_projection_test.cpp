@@ -1,5 +1,3 @@
-#include "relief/scan/spherical_projection.h"
-
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -7,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "relief/scan/camera.h"
+#include "relief/scan/projections.h"
+#include "scan/views/projection_fits.h"
 #include "tests/support/result_matchers.h"
 
 namespace relief {

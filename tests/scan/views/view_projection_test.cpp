@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief {
 namespace {

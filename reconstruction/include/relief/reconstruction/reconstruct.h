@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "relief/hybrid/refine_views.h"
+#include "relief/hybrid/refine_view.h"
 #include "relief/reconstruction/alignment_gain.h"
 #include "relief/reconstruction/build_model.h"
 #include "relief/reconstruction/cross_view_consistency.h"

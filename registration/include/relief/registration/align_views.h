@@ -7,7 +7,6 @@
 #include "relief/registration/align_options.h"
 #include "relief/registration/loop_closure.h"
 #include "relief/registration/pair_fit.h"
-#include "relief/registration/solver_summary.h"
 #include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
@@ -45,6 +44,30 @@ struct ViewReport {
   std::string reason;  ///< Why it is not verified; empty when it is.
 };
 
+enum class SolverTermination {
+  kConverged,
+  kIterationLimit,  ///< Usual where correspondences are renewed: few steps are enough then.
+  kFailed,          ///< The equations are not finite, or cannot be solved: no pose was moved.
+};
+
+/// What a minimisation is about.
+enum class SolverStage {
+  kJoint,        ///< Correspondences of all pairs, renewed after each solve (R3).
+  kPoseGraph,    ///< The quadratic sum over all samples of all pairs (R11).
+  kCalibration,  ///< Poses and errors of the sensors together (C2).
+};
+
+/// One minimisation over all poses, as the solver sums it up.
+struct SolverSummary {
+  SolverStage stage = SolverStage::kJoint;
+  SolverTermination termination = SolverTermination::kFailed;
+  int iterations = 0;  ///< Steps of Levenberg-Marquardt, also those that were rejected.
+  /// Half the sum of all losses (R3) before and after; after a pose graph step, as it expects.
+  double initial_cost = 0.0, final_cost = 0.0;
+  std::string message;  ///< Why it ended, in the solver's words.
+  double seconds = 0.0;
+};
+
 struct Alignment {
   std::vector<ViewReport> views;  ///< In the order given.
   std::vector<PairFit> pairs;     ///< Of all overlapping pairs.
@@ -76,6 +99,12 @@ std::string_view to_string(RefinementTermination termination);
 
 /// `verified`, `unverified` or `left out`.
 std::string_view to_string(PoseStatus status);
+
+/// `converged`, `iteration limit` or `failed`.
+std::string_view to_string(SolverTermination termination);
+
+/// `joint`, `pose graph` or `calibration`.
+std::string_view to_string(SolverStage stage);
 
 /// Gives `views`, those that were aligned and in the same order, the poses found. An aligned view
 /// that had no pose has a guess from then on, so that merging takes it; a known pose stays known.

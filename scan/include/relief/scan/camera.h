@@ -7,9 +7,7 @@
 #include <Eigen/Core>
 
 #include "relief/scan/grid.h"
-#include "relief/scan/rational_projection.h"
-#include "relief/scan/ray.h"
-#include "relief/scan/spherical_projection.h"
+#include "relief/scan/projections.h"
 
 namespace relief {
 

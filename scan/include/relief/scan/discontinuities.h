@@ -3,7 +3,6 @@
 #include <cstdint>
 
 #include "relief/scan/grid.h"
-#include "relief/scan/range_noise.h"
 #include "relief/scan/range_view.h"
 
 namespace relief {
@@ -42,24 +41,5 @@ struct DiscontinuityOptions {
 /// against the lateral spacing and that neither a neighbouring slope nor the noise and the rounding
 /// of the ranges explain (estimate_range_noise). The same for any number of threads.
 GridEdges connect_samples(const RangeView& view, const DiscontinuityOptions& options = {});
-
-/// The same, with the noise of the view that the caller has estimated already.
-GridEdges connect_samples(const RangeView& view, const RangeNoise& noise,
-                          const DiscontinuityOptions& options = {});
-
-/// Chessboard distance [pixels] of each sample to the nearest pixel that has no sample or is cut
-/// off by an occlusion edge, or to the border of the grid: 0 on such boundary samples themselves
-/// and where there is no sample, capped at 255.
-Grid<std::uint8_t> boundary_distance(const RangeView& view, const GridEdges& edges);
-
-/// A view's samples with how they hang together, found once for several uses.
-struct ConnectedGrid {
-  Grid<Eigen::Vector3d> points;  ///< See points_of.
-  GridEdges edges;               ///< See connect_samples.
-  Grid<std::uint8_t> boundary;   ///< See boundary_distance.
-};
-
-ConnectedGrid connect_grid(const RangeView& view);
-ConnectedGrid connect_grid(const RangeView& view, const RangeNoise& noise);
 
 }  // namespace relief

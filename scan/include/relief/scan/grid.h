@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cassert>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -53,5 +55,8 @@ class Grid {
   int height_ = 0;
   std::vector<T> data_;
 };
+
+/// Red, green, blue as they stand in files, commonly sRGB.
+using Colour = std::array<std::uint8_t, 3>;
 
 }  // namespace relief

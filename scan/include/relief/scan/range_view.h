@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 
 #include "relief/scan/camera.h"
-#include "relief/scan/colour.h"
 #include "relief/scan/grid.h"
 #include "relief/scan/rigid_motion.h"
 

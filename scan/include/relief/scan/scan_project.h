@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "relief/scan/range_view.h"
+#include "relief/scan/rigid_motion.h"
 
 namespace relief {
 
@@ -23,5 +24,11 @@ inline const RangeView* find_view(const ScanProject& project, std::string_view n
     if (view.name == name) return &view;
   return nullptr;
 }
+
+/// The pose of the view of this name.
+struct NamedPose {
+  std::string name;
+  RigidMotion world_from_view = RigidMotion::Identity();
+};
 
 }  // namespace relief

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "relief/scan/colour.h"
+#include "relief/scan/grid.h"
 #include "relief/scan/range_view.h"
 
 namespace relief {
@@ -28,7 +28,7 @@ struct TriangleMesh {
   /// The view with the largest weight at the vertex, by its index among those merged; or
   /// kNoSourceView.
   std::vector<std::uint16_t> source_views;
-  std::vector<std::uint8_t> filled;      ///< 1: no view measured here, the surface was closed.
+  std::vector<std::uint8_t> filled;  ///< 1: no view measured here, the surface was closed.
   std::vector<Colour> colours;
 
   Eigen::Vector3d corner(std::size_t face, int k) const { return vertices[faces[face][k]]; }

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "relief/scan/colour.h"
+#include "relief/scan/grid.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
 #include "scan/io/grids/grid_file.h"

@@ -10,6 +10,7 @@
 
 #include "scan/io/grids/cameras/grid_samples.h"
 #include "scan/io/grids/cameras/normal_side.h"
+#include "scan/views/projection_fits.h"
 
 namespace relief {
 

@@ -6,6 +6,7 @@
 #include "relief/scan/range_view.h"
 #include "scan/base/median.h"
 #include "scan/io/grids/cameras/grid_samples.h"
+#include "scan/views/projection_fits.h"
 
 namespace relief {
 

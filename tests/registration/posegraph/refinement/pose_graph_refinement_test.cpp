@@ -13,7 +13,7 @@
 #include "registration/posegraph/joint_refinement.h"
 #include "registration/posegraph/refinement/pair_information.h"
 #include "registration/posegraph/refinement/pose_graph_system.h"
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 #include "scan/base/robust_scales.h"
 #include "tests/registration/bumpy_object.h"
 

@@ -1,10 +1,8 @@
-#include "relief/evaluation/mesh_alignment.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "relief/evaluation/mesh_distance.h"
+#include "relief/evaluation/mesh_errors.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 #include "tests/support/result_matchers.h"
 

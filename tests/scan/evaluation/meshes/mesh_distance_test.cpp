@@ -1,10 +1,9 @@
-#include "relief/evaluation/mesh_distance.h"
-
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
+#include "relief/evaluation/mesh_errors.h"
 #include "relief/scan/rigid_motion.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 #include "tests/support/result_matchers.h"

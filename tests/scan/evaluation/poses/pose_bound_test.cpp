@@ -1,8 +1,8 @@
-#include "relief/evaluation/pose_bound.h"
+#include "scan/evaluation/poses/pose_bound.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::evaluation {
 namespace {

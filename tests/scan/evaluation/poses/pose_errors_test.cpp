@@ -7,7 +7,7 @@
 
 #include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::evaluation {
 namespace {

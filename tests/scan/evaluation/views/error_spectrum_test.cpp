@@ -1,4 +1,4 @@
-#include "relief/evaluation/error_spectrum.h"
+#include "scan/evaluation/views/error_spectrum.h"
 
 #include <cmath>
 #include <limits>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/counter_random.h"
+#include "scan/base/counter_random.h"
 
 namespace relief::evaluation {
 namespace {

@@ -6,8 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "relief/scan/discontinuities.h"
+#include "scan/grid/connected_grid.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::evaluation {
 namespace {

@@ -1,12 +1,11 @@
-#include "relief/evaluation/view_spectra.h"
-
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "relief/evaluation/view_errors.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::evaluation {
 namespace {

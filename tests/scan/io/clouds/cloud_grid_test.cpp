@@ -19,7 +19,7 @@
 #include "scan/io/clouds/nearest_points.h"
 #include "scan/io/grids/grid_view.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 

@@ -10,7 +10,7 @@
 #include "scan/io/grids/grid_view.h"
 #include "tests/support/limited_memory.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 

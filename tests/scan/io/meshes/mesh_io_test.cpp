@@ -13,7 +13,7 @@
 #include "scan/io/meshes/coloured_mesh.h"
 #include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/small_meshes.h"
+#include "tests/support/scenes/small_meshes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {

@@ -7,7 +7,7 @@
 #include "scan/io/images/image_io.h"
 #include "scan/io/project/json/spec_json_private.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {

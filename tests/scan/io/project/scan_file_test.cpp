@@ -11,7 +11,7 @@
 #include "scan/io/grids/ply_grid_writer.h"
 #include "tests/support/parameter_names.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {

@@ -11,7 +11,7 @@
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/rgbd/trajectories.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/synthetic_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "relief/scan/counter_random.h"
+#include "scan/base/counter_random.h"
 #include "tests/scan/rendering/shapes.h"
 
 namespace relief::rendering {

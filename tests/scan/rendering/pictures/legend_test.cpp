@@ -1,9 +1,8 @@
-#include "relief/rendering/legend.h"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
+#include "relief/rendering/picture.h"
 #include "scan/rendering/pictures/colour_maps.h"
 #include "scan/rendering/pictures/text.h"
 

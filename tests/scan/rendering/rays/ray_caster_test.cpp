@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "relief/scan/counter_random.h"
+#include "scan/base/counter_random.h"
 #include "scan/mesh/triangle_tree.h"
 #include "tests/scan/rendering/shapes.h"
 #include "tests/support/result_matchers.h"

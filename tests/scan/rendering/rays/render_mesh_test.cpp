@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 #include "tests/scan/rendering/shapes.h"
 #include "tests/support/result_matchers.h"
 

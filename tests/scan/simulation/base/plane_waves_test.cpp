@@ -1,4 +1,4 @@
-#include "relief/simulation/plane_waves.h"
+#include "scan/simulation/base/plane_waves.h"
 
 #include <cmath>
 #include <complex>

@@ -1,9 +1,11 @@
-#include "relief/simulation/glare.h"
+#include "scan/simulation/defects/glare.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "relief/simulation/scan_defects.h"
+#include "scan/simulation/defects/scan_defects.h"
 #include "tests/scan/simulation/sensor_bench.h"
 #include "tests/support/result_matchers.h"
 

@@ -6,8 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 #include "relief/simulation/simulate.h"
+#include "scan/simulation/defects/scan_defects.h"
 #include "tests/support/result_matchers.h"
 
 namespace relief::simulation {

@@ -1,11 +1,10 @@
-#include "relief/simulation/mesh_object.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "relief/simulation/simulate.h"
+#include "relief/simulation/simulation_object.h"
 #include "scan/simulation/objects/built_in_object.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 #include "tests/support/result_matchers.h"

@@ -1,4 +1,4 @@
-#include "relief/simulation/photometric_stereo.h"
+#include "scan/simulation/sensors/photometric_stereo.h"
 
 #include <cmath>
 #include <cstring>
@@ -8,7 +8,8 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
+#include "relief/simulation/normal_sensors.h"
 #include "tests/scan/simulation/sensor_bench.h"
 #include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"

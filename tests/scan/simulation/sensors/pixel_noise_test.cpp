@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
 #include "tests/support/parameter_names.h"
 
 namespace relief::simulation {

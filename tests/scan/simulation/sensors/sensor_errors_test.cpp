@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/counter_random.h"
-#include "tests/support/synthetic_views.h"
+#include "scan/base/counter_random.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::simulation {
 namespace {

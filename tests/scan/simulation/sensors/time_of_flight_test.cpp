@@ -1,4 +1,4 @@
-#include "relief/simulation/time_of_flight.h"
+#include "scan/simulation/sensors/time_of_flight.h"
 
 #include <cmath>
 #include <cstring>
@@ -6,7 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "relief/scan/threads.h"
+#include "relief/scan/context.h"
+#include "relief/simulation/range_sensors.h"
 #include "tests/scan/simulation/sensor_bench.h"
 #include "tests/support/result_matchers.h"
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/simulation/objects/built_in_object.h"
+#include "scan/simulation/views/view_layout.h"
 #include "tests/support/result_matchers.h"
 
 namespace relief::simulation {

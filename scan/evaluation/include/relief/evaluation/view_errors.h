@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,5 +53,53 @@ struct ViewErrorReport {
 Result<ViewErrorReport> evaluate_views(const ScanProject& result, const ScanProject& truth,
                                        const ViewErrorOptions& options = {},
                                        const Context& context = {});
+
+/// The mean power of errors with spatial frequencies in [low, high).
+struct SpectrumBand {
+  double low = 0.0, high = 0.0;  ///< [cycles per sample]
+  double frequency = 0.0;        ///< Mean of the frequencies in the band [cycles per sample].
+  /// Power density [error unit^2 / (cycle per sample)^2], sum of both components: white noise of
+  /// variance s^2 per component has s^2 (2 s^2 for two) in every band.
+  double density = 0.0;
+  /// What the band covers of the plane of frequencies [(cycle per sample)^2]; density times area is
+  /// the variance in the band.
+  double area = 0.0;
+  int tile = 0;           ///< Side of the tiles it was estimated from [samples].
+  std::size_t tiles = 0;  ///< How many there were.
+  // The relative standard deviation of the density is about 2 / (tile sqrt(tiles area)).
+};
+
+/// Bands in ascending order, four to the octave, from two cycles per largest tile to the highest
+/// frequency of the grid, sqrt(1/2).
+struct ErrorSpectrum {
+  std::vector<SpectrumBand> bands;  ///< Empty when no tile fits into the data.
+  /// The fraction of samples in any tile, for the smallest and for the largest tiles.
+  double finest_coverage = 0.0, coarsest_coverage = 0.0;
+
+  /// The variance in all bands together.
+  double variance() const;
+};
+
+/// The errors of all views by spatial frequency along their grids, away from discontinuities.
+struct ViewSpectra {
+  ErrorSpectrum depth;  ///< Signed length along the ray [unit^2 / (cycle per sample)^2].
+  /// The rotations that take true normals to those of the normal maps, as vectors of two components
+  /// in the tangent plane [rad^2 / (cycle per sample)^2]. Empty without normal maps.
+  ErrorSpectrum map_normals;
+  /// The same from the central differences of the true positions to those of the view's positions:
+  /// what differences get wrong by themselves cancels.
+  ErrorSpectrum position_normals;
+  double spacing = 0.0;  ///< Median sample spacing of the true views [unit].
+  /// The wavelength [samples] at which the two normal spectra cross: at shorter ones the normal
+  /// maps are better than the positions, at longer ones worse. Nothing when they do not cross so.
+  std::optional<double> crossing_wavelength;
+};
+
+/// Compares each view of `result` with the true view of its name; poses do not matter. True normals
+/// are those the truth carries, else the central differences of its positions.
+/// `options.edge_pixels` says what is away from discontinuities. Errors as those of evaluate_views.
+Result<ViewSpectra> evaluate_spectra(const ScanProject& result, const ScanProject& truth,
+                                     const ViewErrorOptions& options = {},
+                                     const Context& context = {});
 
 }  // namespace relief::evaluation

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "relief/scan/colour.h"
+#include "relief/scan/grid.h"
 #include "relief/scan/result.h"
 #include "scan/io/images/image_io.h"
 

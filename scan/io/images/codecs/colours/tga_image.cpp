@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <string>
 
-#include "relief/scan/colour.h"
+#include "relief/scan/grid.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/codecs/colours/image_palette.h"
 #include "scan/io/images/codecs/little_endian.h"

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 
 #include "relief/scan/camera.h"
+#include "relief/scan/projections.h"
 #include "relief/scan/range_view.h"
-#include "relief/scan/ray.h"
 #include "relief/scan/rigid_motion.h"
 #include "relief/scan/triangle_mesh.h"
 

@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "relief/rendering/legend.h"
 #include "relief/rendering/picture.h"
 #include "relief/rendering/picture_camera.h"
 #include "relief/scan/range_view.h"

@@ -2,12 +2,35 @@
 
 #include <optional>
 
-#include "relief/scan/result.h"
-#include "relief/simulation/background_plate.h"
-#include "relief/simulation/glare.h"
-#include "relief/simulation/sensor_scene.h"
-
 namespace relief::simulation {
+
+/// A flat plate behind the object that stands still before the sensor while the object turns, such
+/// as a wall or the bed of a turntable's stand. It fills the image, is white and diffuse.
+/// The defaults are choices; docs/results.md has figures with them.
+struct BackgroundPlate {
+  /// From the object's centre to the plate along the sensor's axis, at the working distance
+  /// [diameters]; the plate lies outside of the object's sphere: distance x cos(tilt) > 0.5.
+  double distance = 0.75;
+  double tilt_deg = 20.0;  ///< Between the plate's normal and the sensor's axis, in [0, 80].
+
+  bool operator==(const BackgroundPlate&) const = default;
+};
+
+/// Highlights of lamps that stand still before the sensor, on an object that is glossy all over.
+/// They wander over the object from view to view and spoil range and normals. The defaults
+/// are choices; docs/results.md has figures with them.
+struct Glare {
+  int lamps = 2;                 ///< Evenly on a cone round the viewing axis, in [1, 64].
+  double lamp_angle_deg = 30.0;  ///< Between the lamps and the viewing axis, in (0, 90).
+  /// Angle between the normal and the half vector of lamp and viewer at which a highlight has
+  /// fallen to 1/e [degrees], in (0, 90).
+  double width_deg = 6.0;
+  /// Standard deviation of the range error in the middle of a highlight [sample spacings], >= 0; it
+  /// is alike over three pixels.
+  double range_error = 3.0;
+
+  bool operator==(const Glare&) const = default;
+};
 
 /// What is wrong with the convention of the normal maps, in sensor axes x right, y down, z forward.
 enum class NormalMistake {
@@ -47,25 +70,5 @@ struct ScanDefects {
   double radial_distortion = 0.0;
   double range_offset = 0.0;  ///< Of all ranges, along the rays [sample spacings].
 };
-
-/// kBadInput names a field out of its range.
-Result<void> validate(const ScanDefects& defects);
-
-/// Spoils a view that the sensors measured: warp, glare, outliers, steps, then losses. Lost samples
-/// lose their normals too.
-void spoil_view(RangeView& view, const ScanDefects& defects, const SensorScene& scene);
-
-/// Turns the components of the view's normals into another convention than the view's frame: the
-/// normals are then what a wrong file holds, and may face away from the sensor.
-void mistake_normals(RangeView& view, NormalMistake mistake, const RigidMotion& world_from_view);
-
-/// The camera that takes the scans whose camera is said to be `stated`: with the distortion that
-/// nobody knows of.
-Camera true_camera(const Camera& stated, const ScanDefects& defects);
-
-/// Gives a view the camera `stated`, with a wrong focal length, and ranges with a wrong scale and
-/// offset. `spacing`: of the samples [unit].
-void miscalibrate(RangeView& view, const Camera& stated, const ScanDefects& defects,
-                  double spacing);
 
 }  // namespace relief::simulation

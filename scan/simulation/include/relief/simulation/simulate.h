@@ -3,19 +3,38 @@
 #include <cstdint>
 #include <vector>
 
+#include "relief/scan/camera.h"
 #include "relief/scan/context.h"
-#include "relief/scan/named_pose.h"
+#include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
 #include "relief/scan/scan_project.h"
 #include "relief/scan/triangle_mesh.h"
-#include "relief/simulation/reflectance.h"
+#include "relief/simulation/normal_sensors.h"
+#include "relief/simulation/range_sensors.h"
 #include "relief/simulation/scan_defects.h"
-#include "relief/simulation/sensor_rays.h"
-#include "relief/simulation/sensors.h"
 #include "relief/simulation/simulation_object.h"
-#include "relief/simulation/view_layout.h"
 
 namespace relief::simulation {
+
+/// How the rays of a simulated sensor run. View frame: x right, y down, z forward; the range of a
+/// sample is its depth z.
+enum class SensorRays {
+  kPinhole,       ///< Through one point.
+  kOrthographic,  ///< Parallel.
+  kLine,  ///< Of a line scanner that moves along x: parallel from column to column, and within a
+          ///< column through one point (the linear pushbroom camera of Gupta and Hartley 1997).
+  kSpherical,  ///< Of a scanner that turns round its axis: whole turns of azimuth, and elevations
+               ///< as far up and down as the rows allow at the same step. Here z of the view frame
+               ///< is the axis and points up, x is forward, and the range is the distance.
+};
+
+/// Where the sensor stands round the object.
+enum class ViewLayout {
+  kTurntable,  ///< A ring round z, its elevations alternately 20 and -10 degrees, and of every six
+               ///< views one at 60 degrees above and one at 60 degrees below. The first is at -y.
+  kSphere,     ///< Evenly over the sphere, along a Fibonacci spiral from top to bottom.
+};
 
 /// The defaults are choices that most figures of docs/results.md are measured with.
 struct SimulationOptions {
@@ -65,9 +84,6 @@ struct Simulation {
   double spacing = 0.0;   ///< The nominal sample spacing: one pixel at the object's centre [unit].
   double range_sigma = 0.0;  ///< Standard deviation of the range noise at the centre [unit].
 };
-
-/// The built-in object with its true mesh.
-SimulationObject built_in_simulation_object(int mesh_divisions);
 
 /// Scans of `object`. kBadInput names an option out of its range; kUnsolvable when a view sees
 /// nothing; kInterrupted when `progress` asks to stop.

@@ -6,7 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "relief/scan/ray.h"
+#include "relief/scan/projections.h"
+#include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief::simulation {
@@ -29,9 +30,31 @@ struct SimulationObject {
   TriangleMesh mesh;  ///< The true surface, to evaluate against; passed through.
 };
 
-/// Whether nothing of the object lies between `from`, outside it, and `point` on its surface (both
-/// in the world). Surface within 1e-6 of the distance before the point counts as the point itself.
-bool in_sight(const SimulationObject& object, const Eigen::Vector3d& from,
-              const Eigen::Vector3d& point);
+/// A triangle mesh as the object of a simulation. Ranges and normals are those of the flat faces,
+/// exactly: at facets larger than a sample spacing the scans show facets. The faces must be
+/// oriented outwards; a view of a back face gives no sample. The object's sphere holds all
+/// vertices, round the centre of their bounding box. kBadInput when the mesh has no area or a
+/// vertex that is not finite.
+Result<SimulationObject> mesh_object(TriangleMesh mesh, const std::string& unit = "mm");
+
+/// The built-in object with its true mesh.
+SimulationObject built_in_simulation_object(int mesh_divisions);
+
+/// How the object's surface reflects light. Dark and glossy patches are fixed to the object, so all
+/// views and sensors agree on where they are. The default is a white diffuse surface.
+struct Reflectance {
+  double dark_fraction = 0.0;    ///< Part of the surface that is dark, in [0, 1).
+  double dark_albedo = 0.1;      ///< Diffuse albedo inside dark patches, in (0, 1]; 1 outside.
+  double glossy_fraction = 0.0;  ///< Part of the surface that has a highlight, in [0, 1).
+  /// Size of the patches: shortest wavelength of the field that makes them [diameters], > 0.
+  double patch_size = 0.15;
+  /// Angle between the normal and the half vector at which a highlight has fallen to 1/e [degrees],
+  /// in (0, 90).
+  double highlight_width_deg = 5.0;
+  double highlight_strength = 2.0;  ///< Its light, that of a white diffuse surface being 1, >= 0.
+};
+
+/// A surface of which a tenth is dark and a tenth glossy.
+Reflectance patchy_surface();
 
 }  // namespace relief::simulation

@@ -1,0 +1,194 @@
+#include "apps/reports/stages/alignment_report.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/console/console.h"
+
+namespace relief {
+
+namespace {
+
+std::vector<std::string> pair_table(const registration::Alignment& alignment,
+                                    const std::string& unit) {
+  std::size_t width = 4;
+  for (const registration::PairFit& pair : alignment.pairs)
+    width = std::max(width,
+                     alignment.views[pair.a].name.size() + 3 + alignment.views[pair.b].name.size());
+  std::vector<std::string> lines;
+  lines.push_back(
+      fmt::format("{:<{}}  overlap  {:>10}  samples  grade", "pair", width, "rms [" + unit + "]"));
+  for (const registration::PairFit& pair : alignment.pairs) {
+    const std::string names = alignment.views[pair.a].name + " - " + alignment.views[pair.b].name;
+    lines.push_back(fmt::format("{:<{}}  {:>5.0f} %  {:>10.3g}  {:>7}  {}{}", names, width,
+                                100.0 * pair.overlap, pair.rms, pair.correspondences,
+                                to_string(pair.status), pair.normal_maps ? ", normal maps" : ""));
+    for (const registration::DegenerateDirection& direction : pair.degenerate_directions)
+      lines.push_back("    degenerate direction: " + direction.description);
+  }
+  return lines;
+}
+
+std::string count_grades(const registration::Alignment& alignment) {
+  std::string text = fmt::format("{} pairs", alignment.pairs.size());
+  const char* separator = ": ";
+  for (const registration::PairStatus grade :
+       {registration::PairStatus::kDetermined, registration::PairStatus::kDegenerate,
+        registration::PairStatus::kThin, registration::PairStatus::kMisfit}) {
+    const auto count =
+        std::count_if(alignment.pairs.begin(), alignment.pairs.end(),
+                      [&](const registration::PairFit& pair) { return pair.status == grade; });
+    if (count == 0) continue;
+    text += fmt::format("{}{} {}", separator, count, to_string(grade));
+    separator = ", ";
+  }
+  return text;
+}
+
+Json view_report(const registration::ViewReport& view) {
+  Json report = {{"name", view.name},
+                 {"world_from_view", to_json(view.world_from_view)},
+                 {"aligned", view.aligned},
+                 {"status", to_string(view.status)},
+                 {"pose_std", std::vector<double>(view.pose_std.begin(), view.pose_std.end())}};
+  Json& covariance = report["pose_covariance"] = Json::array();
+  for (const auto& row : view.pose_covariance.rowwise())
+    covariance.push_back(std::vector<double>(row.begin(), row.end()));
+  if (!view.reason.empty()) report["reason"] = view.reason;
+  return report;
+}
+
+Json pair_report(const registration::PairFit& pair, const registration::Alignment& alignment) {
+  Json directions = Json::array();
+  for (const registration::DegenerateDirection& direction : pair.degenerate_directions)
+    directions.push_back(direction.description);
+  return {{"a", alignment.views[pair.a].name},
+          {"b", alignment.views[pair.b].name},
+          {"overlap", pair.overlap},
+          {"rms", pair.rms},
+          {"correspondences", pair.correspondences},
+          {"grade", to_string(pair.status)},
+          {"normal_maps", pair.normal_maps},
+          {"degenerate_directions", std::move(directions)}};
+}
+
+Json loop_report(const registration::LoopClosure& loop, const registration::Alignment& alignment) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  Json views = Json::array();
+  for (const std::size_t view : loop.views) views.push_back(alignment.views[view].name);
+  return {{"views", std::move(views)},
+          {"radius", loop.radius},
+          {"length", loop.length},
+          {"length_std", loop.length_std},
+          {"angle_deg", loop.angle * kDegrees},
+          {"angle_std_deg", loop.angle_std * kDegrees},
+          {"ratio", loop.ratio()}};
+}
+
+Json solve_report(const registration::SolverSummary& solve) {
+  return {{"stage", to_string(solve.stage)}, {"termination", to_string(solve.termination)},
+          {"iterations", solve.iterations},  {"initial_cost", solve.initial_cost},
+          {"final_cost", solve.final_cost},  {"message", solve.message},
+          {"seconds", solve.seconds}};
+}
+
+std::string count_solves(const registration::Alignment& alignment) {
+  int iterations = 0;
+  double seconds = 0.0;
+  for (const registration::SolverSummary& solve : alignment.solves) {
+    iterations += solve.iterations;
+    seconds += solve.seconds;
+  }
+  return fmt::format("{} solves for all poses in {} iterations, {:.2f} s", alignment.solves.size(),
+                     iterations, seconds);
+}
+
+std::string verdict_on(const reconstruction::AlignmentGain& gain) {
+  switch (gain.verdict) {
+    case reconstruction::GainVerdict::kGain:
+      return "";
+    case reconstruction::GainVerdict::kViewsLost:
+      return fmt::format(": {} of the views no longer fit, the first poses are kept",
+                         gain.left_out);
+    case reconstruction::GainVerdict::kNoGain:
+    case reconstruction::GainVerdict::kSolverFailed:
+      return ": no gain expected, the first poses are kept";
+  }
+  return "";
+}
+
+}  // namespace
+
+Json to_json(const registration::Alignment& alignment) {
+  Json report = {{"termination", to_string(alignment.termination)},
+                 {"iterations", alignment.iterations},
+                 {"rms", alignment.rms},
+                 {"views", Json::array()},
+                 {"pairs", Json::array()},
+                 {"loops", Json::array()},
+                 {"solves", Json::array()}};
+  for (const registration::ViewReport& view : alignment.views)
+    report["views"].push_back(view_report(view));
+  for (const registration::PairFit& pair : alignment.pairs)
+    report["pairs"].push_back(pair_report(pair, alignment));
+  for (const registration::LoopClosure& loop : alignment.loops)
+    report["loops"].push_back(loop_report(loop, alignment));
+  for (const registration::SolverSummary& solve : alignment.solves)
+    report["solves"].push_back(solve_report(solve));
+  return report;
+}
+
+Json to_json(const reconstruction::AlignmentGain& gain) {
+  return {{"rms", {{"first", gain.first_rms}, {"again", gain.second_rms}}},
+          {"pose_std", {{"first", gain.first_pose_std}, {"again", gain.second_pose_std}}},
+          {"moved", gain.mean_motion},
+          {"left_out", gain.left_out},
+          {"kept", gain.kept()}};
+}
+
+void log_alignment(const registration::Alignment& alignment, const std::string& unit,
+                   double seconds) {
+  constexpr std::size_t kShortTable = 60;
+  for (const std::string& note : alignment.notes) Console::info(note);
+  const auto log = alignment.pairs.size() <= kShortTable ? Console::info : Console::detail;
+  if (!alignment.pairs.empty())
+    for (const std::string& line : pair_table(alignment, unit)) log(line);
+  Console::info(count_grades(alignment));
+  if (!alignment.solves.empty()) Console::detail(count_solves(alignment));
+  if (!alignment.solved())
+    Console::warning(
+        "the poses are not refined to the end, as their equations are not finite: look for "
+        "infinite or huge confidences and coordinates");
+  const auto aligned = std::count_if(alignment.views.begin(), alignment.views.end(),
+                                     [](const auto& view) { return view.aligned; });
+  Console::info(fmt::format("aligned {} of {} views by {} pairs: {:.3g} {} RMS, {}, {:.1f} s",
+                            aligned, alignment.views.size(), alignment.pairs.size(), alignment.rms,
+                            unit, to_string(alignment.termination), seconds));
+}
+
+void warn_of_unverified(const registration::Alignment& alignment) {
+  for (const registration::ViewReport& view : alignment.views) {
+    if (view.status == registration::PoseStatus::kVerified) continue;
+    Console::warning(
+        "view " + view.name +
+        (view.aligned ? " is kept at a pose that is not verified: " : " is not aligned: ") +
+        view.reason);
+  }
+}
+
+void log_gain(const reconstruction::AlignmentGain& gain, const std::string& unit) {
+  const auto row = [](const char* name, double rms, double pose_std) {
+    return fmt::format("  {:<22}{:>12.3g}{:>12.3g}", name, rms, pose_std);
+  };
+  Console::info(fmt::format("  {:<22}{:>12}{:>12}  [{}]", "alignment of", "rms", "pose std", unit));
+  Console::info(row("views as measured", gain.first_rms, gain.first_pose_std));
+  Console::info(row("refined views", gain.second_rms, gain.second_pose_std));
+  Console::info(
+      fmt::format("  moved by {:.3g} {} on average{}", gain.mean_motion, unit, verdict_on(gain)));
+}
+
+}  // namespace relief

@@ -1,0 +1,53 @@
+#include "fusion/holes/plates/cotangent_laplacian.h"
+
+#include <algorithm>
+
+#include <Eigen/Geometry>
+
+namespace relief::fusion {
+
+namespace {
+
+// Contours have slivers. A face counts as no thinner than this against its longest side, which
+// bounds its cotangents by 20 (40 with half of it), and so the condition of the system.
+constexpr double kLeastThickness = 0.05;
+
+}  // namespace
+
+FaceShape shape_of(const TriangleMesh& mesh, std::uint32_t face) {
+  FaceShape shape;
+  std::array<Eigen::Vector3d, 3> sides;  // opposite to each corner
+  double longest = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    sides[static_cast<std::size_t>(k)] =
+        mesh.corner(face, (k + 2) % 3) - mesh.corner(face, (k + 1) % 3);
+    longest = std::max(longest, sides[static_cast<std::size_t>(k)].squaredNorm());
+  }
+  const double twice_area = std::max(sides[0].cross(sides[1]).norm(), kLeastThickness * longest);
+  for (std::size_t k = 0; k < 3; ++k)
+    shape.cotangents[k] = -sides[(k + 1) % 3].dot(sides[(k + 2) % 3]) / twice_area;
+  shape.area = 0.5 * twice_area;
+  return shape;
+}
+
+FacesAround::FacesAround(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted)
+    : first_(mesh.vertices.size() + 1, 0) {
+  const auto for_wanted = [&](const auto& visit) {
+    for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+      for (const std::uint32_t v : mesh.faces[f])
+        if (wanted[v]) visit(v, f);
+  };
+  for_wanted([&](std::uint32_t v, std::uint32_t) { ++first_[v + 1]; });
+  for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
+  faces_.resize(first_.back());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for_wanted([&](std::uint32_t v, std::uint32_t f) { faces_[next[v]++] = f; });
+}
+
+double area_at(const TriangleMesh& mesh, const FacesAround& around, std::uint32_t vertex) {
+  double area = 0.0;
+  around.visit(vertex, [&](std::uint32_t face) { area += shape_of(mesh, face).area / 3.0; });
+  return area;
+}
+
+}  // namespace relief::fusion

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "registration/calibration/corrected_views.h"
+#include "registration/posegraph/view_graph.h"
+#include "relief/registration/align_views.h"
+#include "relief/scan/result.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief::registration {
+
+/// The last steps of aligning, with all samples of the corrected views, from the poses `start` on:
+/// the alignment of the views as given with the poses that follow. The deviations of poses are
+/// multiplied by `inflation`, which the errors of the sensors make of them.
+Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& given,
+                                  const std::vector<RigidMotion>& start,
+                                  const std::vector<RigidTangent>& inflation);
+
+/// Whether the views as corrected fit each other better than as given, by the same measure:
+/// distances along the lines of sight, which no motion of the surfaces makes shorter by turning
+/// them away, and overlap that stays. Drops the surfaces of `views`.
+bool fits_better(CorrectedViews& views, const Alignment& corrected, const Alignment& given,
+                 const std::vector<ViewPair>& pairs);
+
+}  // namespace relief::registration

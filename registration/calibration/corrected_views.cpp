@@ -1,0 +1,72 @@
+#include "registration/calibration/corrected_views.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "registration/calibration/calibration_input.h"
+#include "registration/pairwise/search_schedule.h"
+#include "registration/posegraph/joint_refinement.h"
+#include "scan/base/parallel.h"
+
+namespace relief::registration {
+
+namespace {
+
+// Edge of the cubes that are in one fold as a whole [sample spacings], as of the clusters of (R12).
+constexpr double kPatch = 8.0;
+
+double largest_spacing(const std::vector<ViewSurface>& surfaces) {
+  double spacing = 0.0;
+  for (const ViewSurface& surface : surfaces) spacing = std::max(spacing, surface.spacing());
+  return spacing;
+}
+
+}  // namespace
+
+CorrespondenceOptions finest_search(const std::vector<ViewSurface>& surfaces,
+                                    const JointRefinementOptions& refinement) {
+  double noise = 0.0;
+  for (const ViewSurface& surface : surfaces) noise = std::max(noise, surface.noise());
+  CorrespondenceOptions search;
+  search.max_distance = finest_search_distance(largest_spacing(surfaces), std::sqrt(2.0) * noise);
+  search.max_normal_angle_deg = refinement.max_normal_angle_deg;
+  search.association = refinement.association;
+  return search;
+}
+
+Result<void> CorrectedViews::correct(const ErrorModel& model, bool with_normals,
+                                     const Reporting& report) {
+  surfaces_.clear();
+  views_ = parallel_map<RangeView>(given_.size(), [&](std::size_t i) {
+    const RangeView ranges = with_normals ? given_[i] : ranges_of(given_[i]);
+    return model.choices.empty() ? ranges
+                                 : sensors_.models[sensors_.of_view[i]].corrected(
+                                       ranges, model.coefficients(i, sensors_));
+  });
+  ViewSurfaceOptions options = align_.surface;
+  options.normal_signal &= with_normals;
+  for (std::size_t i = 0; i < given_.size(); ++i) {
+    if (!report(static_cast<double>(i) / static_cast<double>(given_.size())))
+      return Error{ErrorKind::kInterrupted, "calibration was interrupted"};
+    surfaces_.emplace_back(views_[i], options);
+  }
+  return {};
+}
+
+std::vector<PairSums> CorrectedViews::sum(const std::vector<RigidMotion>& world_from_view,
+                                          const std::vector<ViewPair>& pairs, std::size_t samples) {
+  calibrated_.given = &given_;
+  calibrated_.surfaces = &surfaces_;
+  calibrated_.sensors = &sensors_;
+  calibrated_.nearby_ranges = parallel_map<Grid<double>>(
+      given_.size(), [&](std::size_t i) { return nearby_ranges(views_[i]); });
+  calibrated_.world_from_view = world_from_view;
+  calibrated_.centre = common_centre(pointers_to(surfaces_), world_from_view);
+  CalibrationSumOptions options;
+  options.search = finest_search(surfaces_, align_.refinement);
+  options.samples = samples;
+  options.patch = kPatch * largest_spacing(surfaces_);
+  return sum_pairs(calibrated_, pairs, options);
+}
+
+}  // namespace relief::registration
