@@ -54,7 +54,7 @@ class Reconstructor {
   }
 
   Result<void> calibrate() {
-    if (options_.calibration.scope != registration::CalibrationScope::kOff) {
+    if (has_stage(Stage::kCalibrate, options_)) {
       auto calibration = calibrate_or_find(result_.views, result_.first_alignment, options_.align,
                                            options_.calibration, stages_.of(Stage::kCalibrate),
                                            stages_.in_place_of_computing(Stage::kCalibrate));
@@ -88,7 +88,7 @@ class Reconstructor {
   }
 
   Result<void> compare() {
-    if (options_.contradicted == ContradictedRanges::kKeep) return {};
+    if (!has_stage(Stage::kCompare, options_)) return {};
     CrossViewOptions compare;
     compare.correct = options_.contradicted == ContradictedRanges::kCorrect;
     auto found =
@@ -200,6 +200,13 @@ Result<Reconstruction> reconstruct(std::vector<RangeView> views,
                                    const ReconstructionOptions& options, const Context& context,
                                    const ReconstructionCallbacks& callbacks) {
   return reconstruct_part(std::move(views), {}, options, context, callbacks);
+}
+
+bool has_stage(Stage stage, const ReconstructionOptions& options) {
+  if (stage == Stage::kCalibrate)
+    return options.calibration.scope != registration::CalibrationScope::kOff;
+  if (stage == Stage::kCompare) return options.contradicted != ContradictedRanges::kKeep;
+  return stage != Stage::kPolish || options.model.polish.has_value();
 }
 
 std::string step_name(Stage stage) {

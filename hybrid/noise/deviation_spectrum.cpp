@@ -34,9 +34,9 @@ struct DiscrepancyLine {
 struct BandDifferences {
   std::vector<float> measured, refined;
 
-  // `place(i)`: what the sample at the start of edge i moved by.
-  template <typename Place>
-  void add(const DiscrepancyLine& line, int k, int step, const Place& moved) {
+  // `moved(i)`: what the sample at the start of edge i moved by.
+  template <typename Moved>
+  void add(const DiscrepancyLine& line, int k, int step, const Moved& moved) {
     for (int i = 0; i + 2 * k <= line.length(); i += step) {
       const auto at = [&](int n) { return static_cast<std::size_t>(i + n * k); };
       if (line.edges[at(2)] - line.edges[at(0)] != 2 * k) continue;

@@ -79,6 +79,13 @@ std::vector<DegenerateDirection> degenerate_directions(const ConstraintSpectrum&
   return result;
 }
 
+RigidTangent tangent_about(const Eigen::Vector3d& centre, const DegenerateDirection& direction) {
+  const Eigen::Vector3d turn = direction.motion.head<3>();
+  RigidTangent about;
+  about << turn, direction.motion.tail<3>() + turn.cross(centre - direction.centre);
+  return about;
+}
+
 double eigenvalue_threshold(double normal_noise) {
   return std::max(1e-4, 4.0 * normal_noise * normal_noise);
 }

@@ -34,6 +34,9 @@ ConstraintSpectrum analyse_constraints(const std::vector<OrientedPoint>& points)
 std::vector<DegenerateDirection> degenerate_directions(const ConstraintSpectrum& spectrum,
                                                        double threshold);
 
+/// The motion of a degenerate direction, which is about its own centre, as a tangent about another.
+RigidTangent tangent_about(const Eigen::Vector3d& centre, const DegenerateDirection& direction);
+
 /// The eigenvalue that noise of the normals [rad] alone produces, with a factor of two in the
 /// angle: a direction below it is degenerate. At least (0.6 deg)^2.
 double eigenvalue_threshold(double normal_noise);

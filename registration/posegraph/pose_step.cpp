@@ -25,4 +25,11 @@ RigidMotion moved(const RigidMotion& world_from_view, const RigidTangent& tangen
   return result;
 }
 
+Matrix6d tangents_about(const Eigen::Vector3d& point_from_centre) {
+  Matrix6d change = Matrix6d::Identity();
+  const Eigen::Vector3d& d = point_from_centre;
+  change.bottomLeftCorner<3, 3>() << 0.0, d.z(), -d.y(), -d.z(), 0.0, d.x(), d.y(), -d.x(), 0.0;
+  return change;
+}
+
 }  // namespace relief::registration

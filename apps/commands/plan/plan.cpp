@@ -59,19 +59,12 @@ class Plan {
   }
 
  private:
-  bool has(Stage stage) const {
-    if (stage == Stage::kCalibrate)
-      return options_.calibration.scope != registration::CalibrationScope::kOff;
-    if (stage == Stage::kCompare)
-      return options_.contradicted != reconstruction::ContradictedRanges::kKeep;
-    return stage != Stage::kPolish || options_.reconstruction().model.polish.has_value();
-  }
-
   void add_steps() {
+    const reconstruction::ReconstructionOptions options = options_.reconstruction();
     std::vector<std::string> after;
     for (int i = 0; i < reconstruction::kStages; ++i) {
       const auto stage = static_cast<Stage>(i);
-      if (!has(stage)) continue;
+      if (!reconstruction::has_stage(stage, options)) continue;
       std::vector<PlannedStep> added =
           stage == Stage::kRefine ? blocks_of_views() : std::vector{PlannedStep()};
       std::vector<std::string> names;

@@ -37,12 +37,10 @@ struct Reached {
 Stage next_stage(std::optional<Stage> reached,
                  const reconstruction::ReconstructionOptions& options) {
   if (!reached) return Stage::kAlign;
-  auto next = static_cast<Stage>(static_cast<int>(*reached) + 1);
-  if (next == Stage::kCalibrate &&
-      options.calibration.scope == registration::CalibrationScope::kOff)
-    next = Stage::kCompare;
-  if (next == Stage::kCompare && options.contradicted == reconstruction::ContradictedRanges::kKeep)
-    next = Stage::kRefine;
+  auto next = *reached;
+  do {
+    next = static_cast<Stage>(static_cast<int>(next) + 1);
+  } while (!reconstruction::has_stage(next, options));
   return next;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "registration/posegraph/loops/view_cycles.h"
+#include "registration/posegraph/pose_step.h"
 
 namespace relief::registration {
 
@@ -19,14 +20,6 @@ using MotionOf = std::map<std::pair<std::size_t, std::size_t>, const PairMotion*
 double degrees_of_freedom(std::size_t patches) {
   const auto count = static_cast<double>(patches);
   return count > 12.0 ? count / (count - 6.0) : 2.0;
-}
-
-// Tangents about the point itself, of tangents about a centre it lies at `offset` from.
-Matrix6d tangents_about(const Eigen::Vector3d& offset) {
-  Matrix6d change = Matrix6d::Identity();
-  change.bottomLeftCorner<3, 3>() << 0.0, offset.z(), -offset.y(), -offset.z(), 0.0, offset.x(),
-      offset.y(), -offset.x(), 0.0;
-  return change;
 }
 
 // Mean square of w x p + t over the points p of a sphere about the centre of the tangent (w, t).

@@ -35,10 +35,8 @@ Eigen::MatrixXd determined_motions(const std::vector<DegenerateDirection>& degen
   if (count == 0) return Matrix6d::Identity();
   Eigen::MatrixXd fixed(6, count);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const DegenerateDirection& direction = degenerate[static_cast<std::size_t>(k)];
-    const Eigen::Vector3d turn = direction.motion.head<3>();
-    fixed.col(k) << lever * turn,
-        direction.motion.tail<3>() + turn.cross(centre - direction.centre);
+    fixed.col(k) = tangent_about(centre, degenerate[static_cast<std::size_t>(k)]);
+    fixed.col(k).head<3>() *= lever;
   }
   const Eigen::MatrixXd all = Eigen::HouseholderQR<Eigen::MatrixXd>(fixed).householderQ();
   return all.rightCols(6 - std::min<Eigen::Index>(count, 6));

@@ -151,12 +151,8 @@ void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen
                     PairInformation& sum) {
   if (motions.empty() || sum.count == 0) return;
   Eigen::MatrixXd ignored(6, motions.size());
-  for (std::size_t k = 0; k < motions.size(); ++k) {
-    const RigidTangent& motion = motions[k].motion;
-    const Eigen::Vector3d turn = motion.head<3>();
-    ignored.col(static_cast<Eigen::Index>(k)) << turn,
-        motion.tail<3>() + turn.cross(centre - motions[k].centre);
-  }
+  for (std::size_t k = 0; k < motions.size(); ++k)
+    ignored.col(static_cast<Eigen::Index>(k)) = tangent_about(centre, motions[k]);
   // What is left of a motion without its part along those that are ignored; rotations count by the
   // lever that they have.
   const Vector6d diagonal = sum.information.diagonal();

@@ -3,17 +3,11 @@
 #include <cassert>
 #include <utility>
 
+#include "registration/posegraph/pose_step.h"
+
 namespace relief::registration {
 
 namespace {
-
-// Turns tangents about the common centre into tangents about `point`, both in world axes.
-Matrix6d about_point(const Eigen::Vector3d& point_from_centre) {
-  Matrix6d change = Matrix6d::Identity();
-  const Eigen::Vector3d& d = point_from_centre;
-  change.bottomLeftCorner<3, 3>() << 0.0, d.z(), -d.y(), -d.z(), 0.0, d.x(), d.y(), -d.x(), 0.0;
-  return change;
-}
 
 // A view's rows of A^-1.
 std::vector<Matrix6d> rows_of(const PoseGraphProblem& information, std::size_t view,
@@ -51,8 +45,8 @@ Matrix6d PoseCovariance::of(std::size_t view) const {
 
 Matrix6d PoseCovariance::between(std::size_t a, std::size_t b) const {
   if (!parts_) return Matrix6d::Zero();
-  return about_point(parts_->centres[a]) * about_centre(a, b) *
-         about_point(parts_->centres[b]).transpose();
+  return tangents_about(parts_->centres[a]) * about_centre(a, b) *
+         tangents_about(parts_->centres[b]).transpose();
 }
 
 Matrix6d PoseCovariance::about_centre(std::size_t a, std::size_t b) const {

@@ -14,7 +14,7 @@ namespace relief::registration {
 
 namespace {
 
-// Directed pairs whose patches are summed at a time. Bounds the memory.
+// Directed pairs whose patches are summed, and made larger where there are many, at a time.
 constexpr std::size_t kPairsAtOnce = 64;
 
 // Pairs of views, of which all patches are kept for loop closures. Beyond, patches are four times
@@ -198,12 +198,13 @@ PoseGraphRefinement refine_pose_graph(const std::vector<const ViewSurface*>& sur
   ClusterScores scores(surfaces.size());
   auto all = views.compress(options.last_samples, options.patch * median_spacing(surfaces), scores);
   const PoseGraphSystem system(surfaces, all, held, views.centre());
-  auto covariance = system.covariance(views.poses(), scores, step_gain);
+  const double inflation = system.variance_inflation(scores);
+  auto covariance = system.covariance(views.poses(), scores, inflation, step_gain);
   const PoseGraphStep step = newton_step(system, step_gain);
   if (!covariance || !take(step, views, result)) return result;
   result.covariance = std::move(*covariance);
-  const double inflation = views.keeps_fine_patches() ? system.variance_inflation(scores) : 1.0;
-  result.last = {std::move(all), step.tangents, views.centre(), step_gain, inflation};
+  result.last = {std::move(all), step.tangents, views.centre(), step_gain,
+                 views.keeps_fine_patches() ? inflation : 1.0};
   world_from_view = views.poses();
   result.solved = true;
   return result;

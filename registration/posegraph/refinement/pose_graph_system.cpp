@@ -73,8 +73,7 @@ std::vector<Matrix6d> PoseGraphSystem::information_of_views() const {
 }
 
 // B of (R12). Few views see a patch, so few blocks are not zero.
-SymmetricBlocks PoseGraphSystem::scatter(const ClusterScores& scores) const {
-  const double inflation = variance_inflation(scores);  // Before the entries take their memory.
+SymmetricBlocks PoseGraphSystem::scatter(const ClusterScores& scores, double inflation) const {
   SymmetricBlocks sum;
   const auto entries = scores.sorted();
   std::size_t patches = 0;
@@ -150,12 +149,12 @@ double PoseGraphSystem::step_gain(const std::vector<PairInformation>& moved,
 }
 
 std::optional<PoseCovariance> PoseGraphSystem::covariance(
-    const std::vector<RigidMotion>& world_from_view, const ClusterScores& scores,
+    const std::vector<RigidMotion>& world_from_view, const ClusterScores& scores, double inflation,
     double step_gain) const {
   std::vector<Eigen::Vector3d> centres;
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
     centres.push_back(world_from_view[i] * surfaces_[i]->centre() - centre_);
-  SymmetricBlocks middle = scatter(scores);
+  SymmetricBlocks middle = scatter(scores, inflation);
   if (surfaces_.size() > kFewViews) {
     auto of_views = sandwich_diagonal(information_blocks(pairs_, prior_, step_gain), middle, held_);
     if (of_views) return PoseCovariance(std::move(*of_views), std::move(centres));

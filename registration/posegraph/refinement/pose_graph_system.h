@@ -40,10 +40,11 @@ class PoseGraphSystem {
 
   /// The covariance of all poses; zero for held views (R12). Residuals of one cluster may depend on
   /// each other in any way, so a sample that takes part in many pairs counts once. Those of
-  /// different clusters count as independent, up to variance_inflation(). `scores`: of the same
-  /// pairs. Nothing if the equations are not finite.
+  /// different clusters count as independent, up to `inflation`. `scores`: of the same pairs,
+  /// `inflation`: their variance_inflation(). Nothing if the equations are not finite.
   std::optional<PoseCovariance> covariance(const std::vector<RigidMotion>& world_from_view,
-                                           const ClusterScores& scores, double step_gain) const;
+                                           const ClusterScores& scores, double inflation,
+                                           double step_gain) const;
 
   /// The variance of the scores of clusters four times as wide over that of independent clusters;
   /// >= 1. About 1.1 for white noise. Errors of longer range, as those of refined views, give more.
@@ -52,7 +53,7 @@ class PoseGraphSystem {
  private:
   std::vector<Matrix6d> information_of_views() const;
   double spread(const ClusterScores& scores) const;
-  SymmetricBlocks scatter(const ClusterScores& scores) const;
+  SymmetricBlocks scatter(const ClusterScores& scores, double inflation) const;
 
   const std::vector<const ViewSurface*>& surfaces_;
   const std::vector<PairInformation>& pairs_;

@@ -22,6 +22,9 @@ struct ReconstructionPart {
   bool find_last = false;
 };
 
+/// Whether a reconstruction with these options has a stage. kAlignAgain needs refined views too.
+bool has_stage(Stage stage, const ReconstructionOptions& options);
+
 /// The name of a stage as one word: `align-again`.
 std::string step_name(Stage stage);
 

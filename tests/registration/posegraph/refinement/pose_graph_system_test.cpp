@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <random>
 #include <utility>
 #include <vector>
@@ -168,6 +169,12 @@ Eigen::VectorXd stacked(const std::vector<RigidTangent>& tangents) {
   return all;
 }
 
+std::optional<PoseCovariance> covariance_of(Graph& graph) {
+  const PoseGraphSystem system = graph.system();
+  return system.covariance(graph.poses, graph.scores, system.variance_inflation(graph.scores),
+                           kGain);
+}
+
 Eigen::MatrixXd assembled(const PoseCovariance& covariance, std::size_t views) {
   Eigen::MatrixXd all(6 * views, 6 * views);
   for (std::size_t a = 0; a < views; ++a)
@@ -183,7 +190,7 @@ void expect_like_reference(Graph& graph, double tolerance = 1e-8) {
   ASSERT_TRUE(step.usable()) << step.summary.message;
   const Eigen::VectorXd expected = reference.step();
   EXPECT_LT((stacked(step.tangents) - expected).norm(), tolerance * expected.norm() + 1e-300);
-  const auto covariance = graph.system().covariance(graph.poses, graph.scores, kGain);
+  const auto covariance = covariance_of(graph);
   ASSERT_TRUE(covariance.has_value());
   const Eigen::MatrixXd found = assembled(*covariance, graph.poses.size());
   const Eigen::MatrixXd dense = reference.covariance();
@@ -213,7 +220,7 @@ TEST(PoseGraphSystem, HasCovariancesOfManyViewsLikeDenseMatrices) {
   std::vector<bool> held(40, false);
   held[5] = true;
   Graph graph(40, links, held);
-  const auto covariance = graph.system().covariance(graph.poses, graph.scores, kGain);
+  const auto covariance = covariance_of(graph);
   ASSERT_TRUE(covariance.has_value());
   const Eigen::MatrixXd dense = DenseReference(graph).covariance();
   for (std::size_t i = 0; i < 40; ++i) {
@@ -242,7 +249,7 @@ TEST(PoseGraphSystem, LeavesHeldViewsAlone) {
   const PoseGraphStep step = graph.system().step();
   EXPECT_TRUE(step.usable()) << step.summary.message;
   EXPECT_TRUE(stacked(step.tangents).isZero(0.0));
-  const auto covariance = graph.system().covariance(graph.poses, graph.scores, kGain);
+  const auto covariance = covariance_of(graph);
   ASSERT_TRUE(covariance.has_value());
   EXPECT_TRUE(assembled(*covariance, 3).isZero(0.0));
 }
@@ -251,7 +258,7 @@ TEST(PoseGraphSystem, KnowsOfAViewThatNoPairHoldsWhatThePriorSays) {
   Graph graph(4, {{0, 1}, {1, 2}}, {true, false, false, false});
   expect_like_reference(graph);
   EXPECT_TRUE(graph.system().step().tangents[3].isZero(0.0));
-  const auto covariance = graph.system().covariance(graph.poses, graph.scores, kGain);
+  const auto covariance = covariance_of(graph);
   ASSERT_TRUE(covariance.has_value());
   const Eigen::Matrix3d of_turns = covariance->of(3).topLeftCorner<3, 3>();
   EXPECT_TRUE(of_turns.isApprox(Eigen::Matrix3d::Identity(), 1e-9));
@@ -282,7 +289,7 @@ TEST(PoseGraphSystem, DoesNotSolveWhatIsNotFinite) {
   const PoseGraphStep step = graph.system().step();
   EXPECT_FALSE(step.usable());
   EXPECT_FALSE(step.summary.message.empty());
-  EXPECT_FALSE(graph.system().covariance(graph.poses, graph.scores, kGain).has_value());
+  EXPECT_FALSE(covariance_of(graph).has_value());
 }
 
 // The cost after the step is what least squares over the same residuals leaves.
