@@ -44,22 +44,30 @@ function createReliefScene(canvas, model) {
   }
 
   function draw() {
+    cancelAnimationFrame(drawing);
+    drawing = 0;
     renderer.render(scene, camera);
   }
 
   let drawing = 0;
   function redraw() {
-    if (!drawing) drawing = requestAnimationFrame(() => { drawing = 0; draw(); });
+    if (!drawing) drawing = requestAnimationFrame(draw);
   }
   controls.addEventListener('change', redraw);
 
-  function resize() {
+  // Takes the size of the room for the canvas; whether that changed.
+  const size = [0, 0];
+  function fit() {
     const {clientWidth, clientHeight} = canvas.parentElement;
-    if (!clientWidth || !clientHeight) return;
+    if (!clientWidth || !clientHeight || (clientWidth === size[0] && clientHeight === size[1])) return false;
+    size.splice(0, 2, clientWidth, clientHeight);
     renderer.setSize(clientWidth, clientHeight, false);
     camera.aspect = clientWidth / clientHeight;
     camera.updateProjectionMatrix();
-    draw();
+    return true;
+  }
+  function resize() {
+    if (fit()) draw();
   }
 
   // As far away as all of the model fits into the picture.
@@ -181,7 +189,7 @@ function createReliefScene(canvas, model) {
     redraw();
   }
 
-  return {inScene, inWorld, draw, redraw, resize, lookFrom, radiusOfModel, measuredTowards, orbit, zoom, pan, colour, section, pick, mark, project,
+  return {inScene, inWorld, draw, redraw, fit, resize, lookFrom, radiusOfModel, measuredTowards, orbit, zoom, pan, colour, section, pick, mark, project,
     showCameras, controls};
 }
 

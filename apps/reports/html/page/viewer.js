@@ -205,12 +205,12 @@
   const count = value => value.toLocaleString('en');
   byId('hint').textContent = `Drag turns, wheel or pinch zooms, the right button or two fingers move. Keys: arrows turn, with Shift they move, + and − zoom, 0 shows all, M measures, Enter picks at the cross. ` +
     (model.faces < model.faces_before ? `Shown are ${count(model.faces)} of ${count(model.faces_before)} faces.` : `All ${count(model.faces)} faces are shown.`);
-  new ResizeObserver(view.resize).observe(canvas.parentElement);
-  view.resize();
+  view.fit();
   whole();
   setColouring();
   setMeasuring();
   view.draw();
+  new ResizeObserver(view.resize).observe(canvas.parentElement);
   // For consoles and tests. When the second frame begins, the first one is on the screen.
   window.reliefViewer = {model, draw: view.draw, project: view.project, firstPicture: null};
   requestAnimationFrame(() => requestAnimationFrame(() => { window.reliefViewer.firstPicture = performance.now(); }));
