@@ -1,13 +1,16 @@
 #include "scan/io/files/atomic_file.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "scan/base/parallel.h"
 #include "scan/base/system/file_descriptor.h"
 #include "scan/io/files/io_error.h"
 
@@ -80,19 +83,46 @@ bool is_special(const fs::path& path) {
   return fs::exists(path, code) && !fs::is_regular_file(path, code);
 }
 
+// Writes some bytes of the content's beginning, and takes them off it.
+bool write_some(const FileDescriptor& file, std::size_t count, std::string_view& content) {
+  const ssize_t written = ::write(file.get(), content.data(), count);
+  if (written < 0) return errno == EINTR;
+  if (written == 0) errno = ENOSPC;
+  content.remove_prefix(static_cast<std::size_t>(written));
+  return written > 0;
+}
+
+// Piece by piece onto the disk, so that a request to stop does not wait for all of a large file.
 Result<void> write_bytes(const fs::path& path, const fs::path& target, std::string_view content) {
+  constexpr std::size_t kPiece = std::size_t{32} << 20;  // [bytes] Tenths of a second on a disk.
   const int create = is_special(target) ? 0 : O_CREAT | O_EXCL;
   FileDescriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC | create, 0666));
   if (!file.is_open()) return write_error(path, "create the file", errno);
-  while (!content.empty()) {
-    const ssize_t count = ::write(file.get(), content.data(), content.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return write_error(path, "write", count == 0 ? ENOSPC : errno);
-    content.remove_prefix(static_cast<std::size_t>(count));
+  for (bool first = true; !content.empty(); first = false) {
+    end_if_stopped();
+    if (!first) (void)::fdatasync(file.get());  // Errors are known once all is flushed.
+    if (!write_some(file, std::min(kPiece, content.size()), content))
+      return write_error(path, "write", errno);
   }
   if (!file.close()) return write_error(path, "write", errno);
   return {};
 }
+
+// Removes what is left of a file that did not get its name, also when the work is stopped.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(fs::path path) : path_(std::move(path)) {}
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
 
 }  // namespace
 
@@ -103,10 +133,8 @@ Result<void> write_atomically(const fs::path& path,
   std::error_code ignored;
   // A link stays a link: what it points to is replaced.
   const fs::path target = fs::is_symlink(path, ignored) ? fs::weakly_canonical(path) : path;
-  const fs::path temporary = temporary_beside(target);
-  auto result = write_and_rename(target, temporary, write);
-  if (!result) fs::remove(temporary, ignored);
-  return result;
+  const TemporaryFile temporary(temporary_beside(target));
+  return write_and_rename(target, temporary.path(), write);
 }
 
 Result<void> write_file(const fs::path& path, std::string_view content) {

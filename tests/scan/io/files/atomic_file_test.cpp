@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <stop_token>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "relief/scan/context.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -38,6 +40,26 @@ TEST(AtomicFile, AFailedWriterLeavesTheOldFileAndNothingElse) {
   EXPECT_THAT(result, HasError(ErrorKind::kCannotWrite, path.string(), "the writer gave up"));
   EXPECT_EQ(*read_file(path), "old");
   EXPECT_EQ(folder.size(), 1u);
+}
+
+TEST(AtomicFile, AStoppedWriterLeavesTheOldFileAndNothingElse) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("model.ply", "old");
+  std::stop_source source;
+  source.request_stop();
+  const auto result = run_in({.threads = 1, .stop = source.get_token()},
+                             [&] { return write_file(path, std::string(100000, 'x')); });
+  EXPECT_THAT(result, HasError(ErrorKind::kInterrupted));
+  EXPECT_EQ(*read_file(path), "old");
+  EXPECT_EQ(folder.size(), 1u);
+}
+
+TEST(AtomicFile, WritesMoreThanOnePiece) {
+  const TemporaryFolder folder;
+  std::string content(70'000'001, '\0');  // Pieces have 32 MiB.
+  for (std::size_t k = 0; k < content.size(); k += 997) content[k] = static_cast<char>(k);
+  ASSERT_THAT(write_file(folder / "large", content), IsOk());
+  EXPECT_TRUE(*read_file(folder / "large") == content);
 }
 
 TEST(AtomicFile, NamesAFolderThatIsNotThere) {
