@@ -4,6 +4,7 @@
 
 #include "relief/scan/result.h"
 #include "relief/scan/unit_store.h"
+#include "scan/base/parallel.h"
 #include "scan/units/unit_codec_private.h"
 
 namespace relief {
@@ -15,8 +16,10 @@ template <typename Value, typename MakeKey, typename Compute>
 Result<Value> find_or_compute(UnitStore* store, const MakeKey& make_key, const Compute& compute) {
   if (store == nullptr) return compute();
   const UnitKey key = make_key();
-  if (auto content = store->find(key))
+  if (auto content = store->find(key)) {
+    end_if_stopped();
     if (auto value = decode_unit<Value>(std::move(*content))) return std::move(*value);
+  }
   Result<Value> computed = compute();
   if (computed) store->keep(key, encode_unit(*computed));
   return computed;

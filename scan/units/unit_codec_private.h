@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -37,6 +38,26 @@ void load(Archive& archive, Eigen::Matrix<S, Rows, Columns, Options, Rows, Colum
     matrix.resize(rows, columns);
   }
   archive(binary_data(matrix.data(), static_cast<std::size_t>(matrix.size()) * sizeof(S)));
+}
+
+// All at once, with the bytes of one after the other: meshes have millions.
+template <class Archive, typename S, int Rows, int Columns, int Options>
+requires(Rows != Eigen::Dynamic && Columns != Eigen::Dynamic) void save(
+    Archive& archive,
+    const std::vector<Eigen::Matrix<S, Rows, Columns, Options, Rows, Columns>>& matrices) {
+  static_assert(sizeof(matrices[0]) == sizeof(S) * Rows * Columns);
+  archive(make_size_tag(static_cast<size_type>(matrices.size())));
+  archive(binary_data(matrices.data(), matrices.size() * sizeof(matrices[0])));
+}
+
+template <class Archive, typename S, int Rows, int Columns, int Options>
+requires(Rows != Eigen::Dynamic && Columns != Eigen::Dynamic) void load(
+    Archive& archive,
+    std::vector<Eigen::Matrix<S, Rows, Columns, Options, Rows, Columns>>& matrices) {
+  size_type size = 0;
+  archive(make_size_tag(size));
+  matrices.resize(static_cast<std::size_t>(size));
+  archive(binary_data(matrices.data(), matrices.size() * sizeof(matrices[0])));
 }
 
 template <class Archive>
