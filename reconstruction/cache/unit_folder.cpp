@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "scan/base/parallel.h"
 #include "scan/base/system/file_descriptor.h"
 #include "scan/base/system/host_name.h"
 #include "scan/units/content_hash.h"
@@ -38,13 +39,19 @@ std::string head_of(const UnitKey& key, std::string_view content) {
 std::optional<std::string> content_of(const FileDescriptor& file) {
   struct stat status {};
   if (::fstat(file.get(), &status) != 0) return std::nullopt;
-  std::string content(static_cast<std::size_t>(status.st_size), '\0');
-  std::size_t at = 0;
-  while (at < content.size()) {
-    const ssize_t count = ::read(file.get(), content.data() + at, content.size() - at);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return std::nullopt;
-    at += static_cast<std::size_t>(count);
+  constexpr std::size_t kPiece = std::size_t{32} << 20;  // [bytes] Tenths of a second.
+  const auto size = static_cast<std::size_t>(status.st_size);
+  std::string content;
+  content.reserve(size);
+  for (std::size_t at = 0; at < size;) {
+    end_if_stopped();
+    content.resize(std::min(size, at + kPiece));
+    while (at < content.size()) {
+      const ssize_t count = ::read(file.get(), content.data() + at, content.size() - at);
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) return std::nullopt;
+      at += static_cast<std::size_t>(count);
+    }
   }
   return content;
 }

@@ -40,7 +40,7 @@ class LoopStateScope {
 // Ends the loops that have been asked to stop; never leaves run_until_stopped().
 struct Stopped {};
 
-void end_if_stopped(const LoopState& state) {
+void throw_if_stopped(const LoopState& state) {
   if (state.stop && state.stop->stop_requested()) throw Stopped();
 }
 
@@ -71,7 +71,7 @@ bool run_until_stopped(const Context& context, const std::function<void()>& work
   return true;
 }
 
-void end_if_stopped() { end_if_stopped(loop_state); }
+void end_if_stopped() { throw_if_stopped(loop_state); }
 
 void release_freed_memory() {
 #ifdef __GLIBC__
@@ -85,7 +85,7 @@ void parallel_for(std::size_t count, std::size_t grain,
   const std::size_t ranges = (count + grain - 1) / grain;
   const LoopState state = loop_state;
   const auto run = [&](std::size_t range) {
-    end_if_stopped(state);
+    throw_if_stopped(state);
     body(range * grain, std::min(count, (range + 1) * grain));
   };
   if (ranges <= 1 || thread_count() == 1) {
