@@ -45,13 +45,11 @@ std::optional<std::string> content_of(const FileDescriptor& file) {
   content.reserve(size);
   for (std::size_t at = 0; at < size;) {
     end_if_stopped();
-    content.resize(std::min(size, at + kPiece));
-    while (at < content.size()) {
-      const ssize_t count = ::read(file.get(), content.data() + at, content.size() - at);
-      if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) return std::nullopt;
-      at += static_cast<std::size_t>(count);
-    }
+    if (at == content.size()) content.resize(std::min(size, at + kPiece));
+    const ssize_t count = ::read(file.get(), content.data() + at, content.size() - at);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return std::nullopt;
+    at += static_cast<std::size_t>(count);
   }
   return content;
 }

@@ -98,11 +98,11 @@ Result<void> write_bytes(const fs::path& path, const fs::path& target, std::stri
   const int create = is_special(target) ? 0 : O_CREAT | O_EXCL;
   FileDescriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC | create, 0666));
   if (!file.is_open()) return write_error(path, "create the file", errno);
-  for (bool first = true; !content.empty(); first = false) {
+  while (!content.empty()) {
     end_if_stopped();
-    if (!first) (void)::fdatasync(file.get());  // Errors are known once all is flushed.
     if (!write_some(file, std::min(kPiece, content.size()), content))
       return write_error(path, "write", errno);
+    if (!content.empty()) (void)::fdatasync(file.get());  // Errors are known once all is flushed.
   }
   if (!file.close()) return write_error(path, "write", errno);
   return {};
