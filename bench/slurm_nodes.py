@@ -130,16 +130,21 @@ class SlurmNodes:
                 daemon.wait()
 
 
-def of_node(name):
-    """Process ids of what jobs run on a node."""
+def processes_where(entry, matches):
+    """Ids of the processes whose words in /proc/ID/`entry` (cmdline, environ) match."""
     found = []
-    for entry in Path("/proc").iterdir():
+    for folder in Path("/proc").glob("[0-9]*"):
         try:
-            if entry.name.isdigit() and f"SLURMD_NODENAME={name}".encode() in (entry / "environ").read_bytes().split(b"\0"):
-                found.append(int(entry.name))
+            if matches((folder / entry).read_bytes().split(b"\0")):
+                found.append(int(folder.name))
         except OSError:
             continue
     return found
+
+
+def of_node(name):
+    """Process ids of what jobs run on a node."""
+    return processes_where("environ", lambda words: f"SLURMD_NODENAME={name}".encode() in words)
 
 
 def parent_of(process):
