@@ -22,6 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kHashDigits = 64;
+constexpr std::size_t kPiece = std::size_t{32}
+                               << 20;  // [bytes] Read or written in tenths of a second.
 
 bool is_hash(const std::string& name) {
   return name.size() == kHashDigits &&
@@ -39,7 +41,6 @@ std::string head_of(const UnitKey& key, std::string_view content) {
 std::optional<std::string> content_of(const FileDescriptor& file) {
   struct stat status {};
   if (::fstat(file.get(), &status) != 0) return std::nullopt;
-  constexpr std::size_t kPiece = std::size_t{32} << 20;  // [bytes] Tenths of a second.
   const auto size = static_cast<std::size_t>(status.st_size);
   std::string content;
   content.reserve(size);
@@ -55,15 +56,37 @@ std::optional<std::string> content_of(const FileDescriptor& file) {
 }
 
 bool write_all(const FileDescriptor& file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(file.get(), bytes.data(), bytes.size());
+  for (std::size_t at = 0; at < bytes.size();) {
+    if (at >= kPiece) end_if_stopped();
+    const ssize_t count =
+        ::write(file.get(), bytes.data() + at, std::min(kPiece, bytes.size() - at));
     if (count < 0 && errno == EINTR) continue;
     if (count == 0) errno = ENOSPC;
     if (count <= 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(count));
+    at += static_cast<std::size_t>(count);
   }
   return true;
 }
+
+// Removes a file that has not got its name, also when the work is stopped.
+class PartialFile {
+ public:
+  explicit PartialFile(fs::path path) : path_(std::move(path)) {}
+  PartialFile(const PartialFile&) = delete;
+  PartialFile& operator=(const PartialFile&) = delete;
+  ~PartialFile() {
+    if (!path_.empty()) ::unlink(path_.c_str());
+  }
+  const char* path() const { return path_.c_str(); }
+  bool rename_to(const fs::path& path) {
+    if (::rename(path_.c_str(), path.c_str()) != 0) return false;
+    path_.clear();
+    return true;
+  }
+
+ private:
+  fs::path path_;
+};
 
 Error cannot_keep(int code) { return {ErrorKind::kCannotWrite, std::strerror(code)}; }
 
@@ -156,13 +179,12 @@ void UnitFolder::keep(const UnitKey& key, std::string_view content) {
       return;
     }
   }
-  const auto written = write(key.hash, head, content);
+  const auto written = write_or_forget(key.hash, head, content);
   const std::scoped_lock lock(mutex_);
   if (written) {
     files_[key.hash].of_this_run = true;
     return;
   }
-  forget(key.hash);
   ++not_kept_;
   warn_once("write", folder_.string() + ": finished results cannot be kept (" +
                          written.error().message + "); the run goes on without");
@@ -188,6 +210,24 @@ bool UnitFolder::make_room(const std::string& hash, std::uint64_t bytes) {
   return true;
 }
 
+// Takes no room for a file that it could not write, or that it was stopped at.
+Result<void> UnitFolder::write_or_forget(const std::string& hash, const std::string& head,
+                                         std::string_view content) {
+  Result<void> written = cannot_keep(EINTR);
+  try {
+    written = write(hash, head, content);
+  } catch (...) {
+    const std::scoped_lock lock(mutex_);
+    forget(hash);
+    throw;
+  }
+  if (!written) {
+    const std::scoped_lock lock(mutex_);
+    forget(hash);
+  }
+  return written;
+}
+
 // Not flushed to the disk: a file that a power failure spoils is noticed by its checksum.
 Result<void> UnitFolder::write(const std::string& hash, const std::string& head,
                                std::string_view content) {
@@ -197,18 +237,16 @@ Result<void> UnitFolder::write(const std::string& hash, const std::string& head,
     const std::scoped_lock lock(mutex_);
     name += std::to_string(written_++);
   }
-  const fs::path partial = folder_ / name, path = path_of(hash);
+  const fs::path path = path_of(hash);
   std::error_code failure;
   fs::create_directory(path.parent_path(), failure);
   if (failure) return cannot_keep(failure.value());
-  FileDescriptor file(::open(partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  PartialFile partial(folder_ / name);
+  FileDescriptor file(::open(partial.path(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (!file.is_open()) return cannot_keep(errno);
-  if (write_all(file, head) && write_all(file, content) && file.close() &&
-      ::rename(partial.c_str(), path.c_str()) == 0)
+  if (write_all(file, head) && write_all(file, content) && file.close() && partial.rename_to(path))
     return {};
-  const int code = errno;
-  ::unlink(partial.c_str());
-  return cannot_keep(code);
+  return cannot_keep(errno);
 }
 
 void UnitFolder::warn_once(const std::string& topic, const std::string& warning) {

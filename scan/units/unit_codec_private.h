@@ -1,9 +1,14 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <ostream>
 #include <sstream>
+#include <streambuf>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -60,6 +65,22 @@ requires(Rows != Eigen::Dynamic && Columns != Eigen::Dynamic) void load(
   archive(binary_data(matrices.data(), matrices.size() * sizeof(matrices[0])));
 }
 
+template <class Archive, typename T, std::size_t Count>
+requires std::is_arithmetic_v<T>
+void save(Archive& archive, const std::vector<std::array<T, Count>>& arrays) {
+  archive(make_size_tag(static_cast<size_type>(arrays.size())));
+  archive(binary_data(arrays.data(), arrays.size() * sizeof(arrays[0])));
+}
+
+template <class Archive, typename T, std::size_t Count>
+requires std::is_arithmetic_v<T>
+void load(Archive& archive, std::vector<std::array<T, Count>>& arrays) {
+  size_type size = 0;
+  archive(make_size_tag(size));
+  arrays.resize(static_cast<std::size_t>(size));
+  archive(binary_data(arrays.data(), arrays.size() * sizeof(arrays[0])));
+}
+
 template <class Archive>
 void save(Archive& archive, const Eigen::Isometry3d& motion) {
   archive(motion.matrix());
@@ -90,12 +111,49 @@ void load(Archive& archive, relief::Grid<T>& grid) {
 
 namespace relief {
 
+/// Counts what is written to it.
+class CountingBuffer : public std::streambuf {
+ public:
+  std::size_t count() const { return count_; }
+
+ private:
+  std::streamsize xsputn(const char*, std::streamsize size) override {
+    count_ += static_cast<std::size_t>(size);
+    return size;
+  }
+
+  std::size_t count_ = 0;
+};
+
+/// Appends what is written to it to `content`.
+class AppendingBuffer : public std::streambuf {
+ public:
+  explicit AppendingBuffer(std::string& content) : content_(content) {}
+
+ private:
+  std::streamsize xsputn(const char* bytes, std::streamsize size) override {
+    content_.append(bytes, static_cast<std::size_t>(size));
+    return size;
+  }
+
+  std::string& content_;
+};
+
+/// The size is counted first: to let the text grow copies hundreds of megabytes several times.
 template <typename Value>
 std::string encode_unit(const Value& value) {
-  std::ostringstream stream(std::ios::binary);
-  cereal::BinaryOutputArchive archive(stream);
-  archive(value);
-  return std::move(stream).str();
+  const auto write_to = [&](std::streambuf& buffer) {
+    std::ostream stream(&buffer);
+    cereal::BinaryOutputArchive archive(stream);
+    archive(value);
+  };
+  CountingBuffer counting;
+  write_to(counting);
+  std::string content;
+  content.reserve(counting.count());
+  AppendingBuffer appending(content);
+  write_to(appending);
+  return content;
 }
 
 /// Nothing unless `content` is what encode_unit() made of such a value.

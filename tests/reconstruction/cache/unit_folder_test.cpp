@@ -2,12 +2,14 @@
 
 #include <atomic>
 #include <csignal>
+#include <stop_token>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "relief/scan/context.h"
 #include "scan/units/content_hash.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
@@ -58,6 +60,28 @@ TEST(UnitFolder, FindsAnEmptyResult) {
   const TemporaryFolder folder;
   opened(folder)->keep(key(), "");
   EXPECT_EQ(opened(folder)->find(key()), "");
+}
+
+TEST(UnitFolder, GivesUpALargeResultWhenTheWorkIsStoppedAndKeepsASmallOne) {
+  const TemporaryFolder folder;
+  const auto units = opened(folder);
+  const std::string large(std::size_t{70} << 20, 'x');
+  for (const std::string& content : {large, std::string("small")}) {
+    std::stop_source source;
+    Context context;
+    context.stop = source.get_token();
+    (void)run_in(context, [&]() -> Result<void> {
+      source.request_stop();
+      units->keep(unit_key("merge", content.size()), content);
+      return {};
+    });
+  }
+  EXPECT_EQ(units->find(unit_key("merge", large.size())), std::nullopt);
+  EXPECT_EQ(units->find(unit_key("merge", std::size_t{5})), "small");
+  EXPECT_EQ(units->files(), 1u);
+  EXPECT_LT(units->bytes(), 1000u);  // The room of the large one was given back.
+  for (const auto& entry : fs::directory_iterator(folder.path()))
+    EXPECT_TRUE(entry.is_directory()) << entry.path() << " is left over";
 }
 
 TEST(UnitFolder, NoticesEveryFlippedBitAndEveryCut) {

@@ -67,6 +67,8 @@ class UnitFolder : public UnitStore {
   void warn_once(const std::string& topic, const std::string& warning);
   std::optional<std::string> read(const UnitKey& key);
   Result<void> write(const std::string& hash, const std::string& head, std::string_view content);
+  Result<void> write_or_forget(const std::string& hash, const std::string& head,
+                               std::string_view content);
 
   const std::filesystem::path folder_;
   const UnitFolderOptions options_;

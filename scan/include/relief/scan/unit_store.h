@@ -27,7 +27,7 @@ class UnitStore {
   virtual std::optional<std::string> find(const UnitKey& key) = 0;
 
   /// Keeps a result that was computed. A store that cannot do so says so in its own way: the
-  /// computation goes on.
+  /// computation goes on. One that takes long to write may be given up when the work is stopped.
   virtual void keep(const UnitKey& key, std::string_view content) = 0;
 };
 
