@@ -4,6 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "relief/scan/range_view.h"
+
 namespace relief {
 
 /// A stage of a command, or a step of it, and its share of the command's time.
@@ -13,9 +15,18 @@ struct PlannedStage {
   std::string step = {};  ///< Empty: the whole stage, whatever its steps.
 };
 
-/// The stages of `run`, with the shares that docs/results.md tabulates: normals move the work from
-/// merging to refining, aligning again and polishing.
-std::vector<PlannedStage> stages_of_run(bool with_normals);
+/// What the time of `run` depends on.
+struct RunSize {
+  double views = 0.0;
+  double pixels = 0.0, samples = 0.0;  ///< Of all views.
+  bool with_normals = false;           ///< Whether any view has normals.
+};
+
+RunSize size_of_run(const std::vector<RangeView>& views);
+
+/// The stages of `run`, with shares that sum to 1. With normals they follow the size of the views;
+/// without, they are those of the bunny: refining, aligning again and polishing are short there.
+std::vector<PlannedStage> stages_of_run(const RunSize& size);
 
 /// How far a command of several stages is. Never goes back: a stage that is left out counts as done
 /// as soon as a later one has begun.

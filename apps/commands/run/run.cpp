@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -47,9 +46,7 @@ class Run {
       return fail(ours.error());
     project_ = std::move(*project);
     if (const auto kept = keep("run", record_); !kept) return fail(kept.error());
-    const bool with_normals = std::any_of(project_.views.begin(), project_.views.end(),
-                                          [](const RangeView& view) { return view.has_normals(); });
-    plan_progress(stages_of_run(with_normals));
+    plan_progress(stages_of_run(size_of_run(project_.views)));
     if (!command_.no_html_report) pictures_.draw_measured(project_.views);
     watch_ = Stopwatch();
     auto result = reconstruction::reconstruct_part(std::move(project_.views), part_,

@@ -52,12 +52,28 @@ TEST(ProgressPlan, TellsTheTimeLeftAtTheRateSoFar) {
   EXPECT_DOUBLE_EQ(plan.seconds_left(40.0), 0.0);
 }
 
-TEST(ProgressPlan, SharesOfARunSumToOne) {
-  for (const bool with_normals : {false, true}) {
-    double sum = 0.0;
-    for (const PlannedStage& stage : stages_of_run(with_normals)) sum += stage.share;
-    EXPECT_NEAR(sum, 1.0, 1e-12);
+// The share of all stages before this one.
+double share_before(const std::vector<PlannedStage>& stages, const std::string& name) {
+  double sum = 0.0;
+  for (const PlannedStage& stage : stages) {
+    if (stage.name == name) break;
+    sum += stage.share;
   }
+  return sum;
+}
+
+TEST(ProgressPlan, SharesOfARunSumToOne) {
+  for (const bool with_normals : {false, true})
+    for (const double samples : {0.0, 3e4, 1e8})
+      EXPECT_NEAR(share_before(stages_of_run({12, 2e8, samples, with_normals}), ""), 1.0, 1e-12);
+}
+
+TEST(ProgressPlan, MaskedViewsSpendTheirTimeBeforeMerging) {
+  // As measured: the bear's masks leave an eighth of the pixels.
+  const auto masked = stages_of_run({20, 6.27e6, 0.75e6, true});
+  const auto full = stages_of_run({16, 16.8e6, 6.1e6, true});
+  EXPECT_NEAR(share_before(masked, "merge"), 0.71, 0.03);
+  EXPECT_NEAR(share_before(full, "merge"), 0.42, 0.03);
 }
 
 }  // namespace
