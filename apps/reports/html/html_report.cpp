@@ -14,44 +14,6 @@ namespace relief {
 
 namespace {
 
-bool is_pose(const Json& pose) {
-  if (!pose.is_array() || pose.size() != 4) return false;
-  for (const Json& row : pose) {
-    if (!row.is_array() || row.size() != 4) return false;
-    for (const Json& entry : row)
-      if (!entry.is_number()) return false;
-  }
-  return true;
-}
-
-double number_in(const Json& object, const char* key, double fallback) {
-  return object.contains(key) && object[key].is_number() ? object[key].get<double>() : fallback;
-}
-
-void put_pinhole(const Json& camera, ViewCamera& drawn) {
-  const double fx = number_in(camera, "fx", 0.0), fy = number_in(camera, "fy", 0.0);
-  const double width = number_in(camera, "width", 0.0), height = number_in(camera, "height", 0.0);
-  if (camera.value("model", Json()) == "pinhole_gl") drawn.forward = -1.0;
-  if (fx == 0.0 || fy == 0.0 || width <= 0.0 || height <= 0.0) return;
-  const double cx = number_in(camera, "cx", 0.5 * (width - 1.0));
-  const double cy = number_in(camera, "cy", 0.5 * (height - 1.0));
-  drawn.left = -cx / fx;
-  drawn.right = (width - 1.0 - cx) / fx;
-  drawn.top = -cy / fy;
-  drawn.bottom = (height - 1.0 - cy) / fy;
-}
-
-// Views whose camera is no pinhole are drawn with a nominal opening.
-std::optional<ViewCamera> camera_of(const Json& view) {
-  if (!view.is_object() || !view.contains("world_from_view") || !is_pose(view["world_from_view"]))
-    return std::nullopt;
-  ViewCamera drawn;
-  if (view.contains("name") && view["name"].is_string()) drawn.name = view["name"];
-  drawn.world_from_view = view["world_from_view"];
-  if (view.contains("camera") && view["camera"].is_object()) put_pinhole(view["camera"], drawn);
-  return drawn;
-}
-
 bool in_the_model(const ReportFigures& report, const std::string& name) {
   const std::string entry = report.entry_of(report.alignment() + "/views", name);
   return entry.empty() || report.truth(entry + "/aligned").value_or(true);
@@ -61,7 +23,7 @@ std::vector<ViewCamera> cameras_of(const Json* views, const ReportFigures& repor
   std::vector<ViewCamera> cameras;
   if (!views || !views->is_array()) return cameras;
   for (const Json& view : *views)
-    if (auto camera = camera_of(view); camera && in_the_model(report, camera->name))
+    if (auto camera = view_camera(view); camera && in_the_model(report, camera->name))
       cameras.push_back(std::move(*camera));
   return cameras;
 }
@@ -95,14 +57,10 @@ std::string viewer_data(const ReportContent& content) {
   json["unit"] = content.unit;
   if (!model.sources.empty()) json["sources"] = content.source_names;
   Json& cameras = json["cameras"] = Json::array();
-  for (const ViewCamera& camera : content.cameras)
-    cameras.push_back({{"name", camera.name},
-                       {"world_from_view", camera.world_from_view},
-                       {"left", camera.left},
-                       {"right", camera.right},
-                       {"top", camera.top},
-                       {"bottom", camera.bottom},
-                       {"forward", camera.forward}});
+  for (const ViewCamera& camera : content.cameras) cameras.push_back(to_json(camera));
+  for (const auto& [key, vector] :
+       {std::pair("towards_viewer", content.look.towards_viewer), std::pair("up", content.look.up)})
+    json[key] = {vector.x(), vector.y(), vector.z()};
   return R"(<script type="application/json" id="viewer-data">)" +
          escape_script_json(json.dump(-1, ' ', true, Json::error_handler_t::replace)) +
          "</script>\n" + script_data("viewer-positions", base64_of(model.positions)) +
@@ -178,7 +136,7 @@ void put_source_names(const Json& views, ReportContent& content) {
 }
 
 void put_pictures(const TriangleMesh& mesh, ReportContent& content) {
-  auto pictures = pictures_of_model(mesh, content.unit);
+  auto pictures = pictures_of_model(mesh, content.look, content.unit);
   if (pictures)
     content.pictures = std::move(*pictures);
   else
@@ -201,6 +159,7 @@ ReportContent report_content(Json report, const Json& project, const TriangleMes
   if (content.cameras.empty())
     content.cameras =
         cameras_of(content.report.find(content.report.alignment() + "/views"), content.report);
+  if (mesh) content.look = first_look(*mesh, content.cameras);
   put_model(mesh, options.viewer_faces, content);
   return content;
 }

@@ -8,17 +8,10 @@
 #include "apps/reports/html/report_figures.h"
 #include "apps/reports/html/view_grades.h"
 #include "apps/reports/html/viewer/model_statistics.h"
+#include "apps/reports/html/viewer/view_camera.h"
 #include "apps/reports/html/viewer/viewer_model.h"
 
 namespace relief {
-
-/// Where a view looked from, to draw it. Slopes are x/z and y/z of its outermost pixels.
-struct ViewCamera {
-  std::string name;
-  Json world_from_view;  ///< Row-major 4x4 nested arrays; camera frame x right, y down.
-  double left = -0.25, right = 0.25, top = -0.25, bottom = 0.25;
-  double forward = 1.0;  ///< Sign of z in front of the camera.
-};
 
 /// A picture for the page.
 struct ReportPicture {
@@ -33,6 +26,7 @@ struct ReportContent {
   std::string unit = "unit";  ///< Of the lengths.
   std::vector<GradedView> views;
   std::vector<ViewCamera> cameras;
+  FirstLook look;  ///< At the model, in the viewer and in the pictures.
   std::optional<ModelStatistics> model;
   std::optional<ViewerModel> viewer;
   std::string no_viewer;  ///< Why there is no model to look at.

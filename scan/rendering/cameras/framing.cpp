@@ -13,11 +13,13 @@ namespace {
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
+// From a frame in which `up` is z.
+Eigen::Matrix3d world_from_upright(const Eigen::Vector3d& up) {
+  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up).toRotationMatrix();
+}
+
 // Columns: right, down, forward of the camera, in the world.
 Eigen::Matrix3d camera_axes(const ViewingDirection& direction, const Eigen::Vector3d& up) {
-  // A frame in which `up` is z.
-  const Eigen::Matrix3d world_from_upright =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up).toRotationMatrix();
   const double azimuth = radians(direction.azimuth_deg),
                elevation = radians(direction.elevation_deg);
   const Eigen::Vector3d forward(-std::sin(azimuth) * std::cos(elevation),
@@ -25,7 +27,7 @@ Eigen::Matrix3d camera_axes(const ViewingDirection& direction, const Eigen::Vect
   const Eigen::Vector3d right(std::cos(azimuth), std::sin(azimuth), 0.0);
   Eigen::Matrix3d axes;
   axes << right, forward.cross(right), forward;
-  return world_from_upright * axes *
+  return world_from_upright(up) * axes *
          Eigen::AngleAxisd(radians(direction.roll_deg), Eigen::Vector3d::UnitZ());
 }
 
@@ -100,6 +102,14 @@ PictureCamera camera_at(const Eigen::Matrix3d& axes, const Eigen::Vector3d& midd
 }
 
 }  // namespace
+
+ViewingDirection viewing_direction(const Eigen::Vector3d& towards_viewer,
+                                   const Eigen::Vector3d& up) {
+  const Eigen::Vector3d towards = world_from_upright(up).transpose() * towards_viewer;
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  return {.azimuth_deg = kDegrees * std::atan2(towards.x(), -towards.y()),
+          .elevation_deg = kDegrees * std::asin(std::clamp(towards.z(), -1.0, 1.0))};
+}
 
 std::vector<ViewingDirection> six_sides() {
   return {{0, 0, 0}, {90, 0, 0}, {180, 0, 0}, {270, 0, 0}, {0, 90, 0}, {0, -90, 0}};

@@ -80,14 +80,7 @@
 
   const centre = new THREE.Vector3();
   const directionOf = camera => view.inScene(camera.world_from_view.slice(0, 3).map(row => row[3]));
-  // From the camera that faces most of what was measured.
-  function bestDirection() {
-    const directions = [new THREE.Vector3(1, -1, 0.5), ...model.cameras.map(directionOf)];
-    const measured = directions.map(view.measuredTowards);
-    if (directions.length > 1) measured[0] = -1;
-    return directions[measured.indexOf(Math.max(...measured))];
-  }
-  const first = bestDirection();
+  const first = new THREE.Vector3(...model.towards_viewer);
   function whole() {
     view.lookFrom(first, centre, view.radiusOfModel());
     byId('look-from').value = '';

@@ -14,9 +14,10 @@ std::string picture_figure(const ReportPicture& picture) {
 
 std::string pictures_section(const ReportContent& content) {
   if (content.pictures.empty()) return "";
-  std::string html =
-      "<section id=\"pictures\"><h2>Pictures</h2>\n"
-      "<p>The model from one side, drawn without WebGL.</p>\n<div class=\"pictures\">\n";
+  std::string html = fmt::format(
+      "<section id=\"pictures\"><h2>Pictures</h2>\n<p>The model from {}, drawn without WebGL.</p>\n"
+      "<div class=\"pictures\">\n",
+      content.cameras.empty() ? "one side" : "where a view saw most of it");
   for (const ReportPicture& picture : content.pictures) html += picture_figure(picture);
   return html + "</div></section>\n";
 }

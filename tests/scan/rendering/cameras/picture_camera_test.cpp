@@ -76,6 +76,20 @@ TEST(FrameMesh, AnglesAreAsTheirNamesSay) {
   check({0, 90, 0}, y, x, y);
 }
 
+TEST(FrameMesh, LooksFromWhereItIsTold) {
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  for (const Eigen::Vector3d& up : {z, Eigen::Vector3d(-z), Eigen::Vector3d(0.0, -1.0, 0.0)})
+    for (const Eigen::Vector3d& place :
+         {Eigen::Vector3d(1, -1, 0.5), Eigen::Vector3d(-3, 0.2, -1)}) {
+      const PictureCamera camera =
+          frame_mesh(sphere(1.0), viewing_direction(place.normalized(), up),
+                     {.width = 51, .height = 51, .up = up});
+      EXPECT_LT((camera.picture_axes().row(2).transpose() - place.normalized()).norm(), 1e-6);
+      EXPECT_NEAR(camera.picture_axes().row(0).dot(up), 0.0, 1e-9);  // Not tilted,
+      EXPECT_GT(camera.picture_axes().row(1).dot(up), 0.0);          // nor upside down.
+    }
+}
+
 TEST(FrameMesh, AnOrthographicPictureHasParallelRays) {
   const PictureCamera camera = frame_mesh(sphere(1.0), {}, {.field_of_view_deg = 0.0});
   EXPECT_LT((camera.ray(0, 0).direction - camera.ray(900, 700).direction).norm(), 1e-12);

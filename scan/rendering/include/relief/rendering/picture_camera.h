@@ -41,6 +41,11 @@ struct ViewingDirection {
   double roll_deg = 0.0;        ///< Turns the camera clockwise about its axis.
 };
 
+/// The one from which the viewer stands in the direction `towards_viewer`. Both are unit vectors in
+/// the world.
+ViewingDirection viewing_direction(const Eigen::Vector3d& towards_viewer,
+                                   const Eigen::Vector3d& up);
+
 /// Front, right, back, left, top, bottom.
 std::vector<ViewingDirection> six_sides();
 
