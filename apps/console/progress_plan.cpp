@@ -17,8 +17,8 @@ struct RunCosts {
 // s and a million samples 5.2 s to align, calibrate, compare and align again; a million pixels 2.7
 // s to refine; a million samples 20 s to merge and polish. The three are off by no more than 35, 15
 // and 5 %.
-RunCosts costs_with_normals(const RunSize& size) {
-  const double aligned = 0.67 * size.views + 5.2e-6 * size.samples;
+RunCosts costs_with_normals(const ProjectSize& size) {
+  const double aligned = 0.67 * static_cast<double>(size.views) + 5.2e-6 * size.samples;
   const double merged = 20e-6 * size.samples;
   return {.align = 0.45 * aligned,
           .calibrate = 0.2 * aligned,
@@ -41,17 +41,7 @@ constexpr RunCosts kCostsWithoutNormals{.align = 0.2,
 
 }  // namespace
 
-RunSize size_of_run(const std::vector<RangeView>& views) {
-  RunSize size{.views = static_cast<double>(views.size())};
-  for (const RangeView& view : views) {
-    size.pixels += static_cast<double>(view.width()) * view.height();
-    size.samples += static_cast<double>(view.sample_count());
-    size.with_normals = size.with_normals || view.has_normals();
-  }
-  return size;
-}
-
-std::vector<PlannedStage> stages_of_run(const RunSize& size) {
+std::vector<PlannedStage> stages_of_run(const ProjectSize& size) {
   const RunCosts costs =
       size.with_normals && size.samples > 0.0 ? costs_with_normals(size) : kCostsWithoutNormals;
   const double sum = costs.align + costs.calibrate + costs.compare + costs.refine +

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "relief/scan/range_view.h"
+#include "apps/commands/plan/project_size.h"
 
 namespace relief {
 
@@ -15,18 +15,9 @@ struct PlannedStage {
   std::string step = {};  ///< Empty: the whole stage, whatever its steps.
 };
 
-/// What the time of `run` depends on.
-struct RunSize {
-  double views = 0.0;
-  double pixels = 0.0, samples = 0.0;  ///< Of all views.
-  bool with_normals = false;           ///< Whether any view has normals.
-};
-
-RunSize size_of_run(const std::vector<RangeView>& views);
-
 /// The stages of `run`, with shares that sum to 1. With normals they follow the size of the views;
 /// without, they are those of the bunny: refining, aligning again and polishing are short there.
-std::vector<PlannedStage> stages_of_run(const RunSize& size);
+std::vector<PlannedStage> stages_of_run(const ProjectSize& size);
 
 /// How far a command of several stages is. Never goes back: a stage that is left out counts as done
 /// as soon as a later one has begun.

@@ -22,8 +22,7 @@ struct CostModel {
 constexpr CostModel kFinish{1.0, 4.0, 0.0, 40.0, 300.0, 0.0, 0.0};
 
 constexpr double kMillion = 1e6;
-constexpr double kProgram = 60e6;          // Memory of the program alone [bytes].
-constexpr std::size_t kPairsPerView = 12;  // As bench/step_costs counts.
+constexpr double kProgram = 60e6;  // Memory of the program alone [bytes].
 // [s] Of a pair whose pose is looked for by shape; a first guess as well.
 constexpr double kSearchedPair = 0.1;
 
@@ -62,19 +61,6 @@ StepCost cost_by(const CostModel& model, const ProjectSize& size, double share) 
 }
 
 }  // namespace
-
-ProjectSize size_of(const std::vector<RangeView>& views, bool ignore_poses) {
-  ProjectSize size;
-  size.views = views.size();
-  for (const RangeView& view : views) {
-    size.pixels += static_cast<double>(view.range.size());
-    size.samples += static_cast<double>(view.sample_count());
-    size.search |= ignore_poses || view.pose == PoseKind::kAbsent;
-  }
-  size.pairs = std::min(size.views * (size.views - std::min(size.views, std::size_t{1})) / 2,
-                        kPairsPerView * size.views);
-  return size;
-}
 
 StepCost cost_of(reconstruction::Stage stage, const ProjectSize& size, double share) {
   StepCost cost = cost_by(model_of(stage), size, share);

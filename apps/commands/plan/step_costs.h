@@ -1,24 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
+#include "apps/commands/plan/project_size.h"
 #include "relief/reconstruction/build_model.h"
-#include "relief/scan/range_view.h"
 
 namespace relief {
-
-/// What the costs of the steps depend on.
-struct ProjectSize {
-  std::size_t views = 0;
-  std::size_t pairs = 0;  ///< Of views that may overlap.
-  double pixels = 0.0;    ///< Of all views.
-  double samples = 0.0;   ///< Of all views.
-  bool search = false;    ///< Whether poses are looked for by shape.
-};
-
-/// `ignore_poses`: whether given poses are not used.
-ProjectSize size_of(const std::vector<RangeView>& views, bool ignore_poses);
 
 struct StepCost {
   double cpu_seconds = 0.0;   ///< Of all threads together.

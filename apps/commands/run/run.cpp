@@ -6,6 +6,7 @@
 
 #include "apps/commands/command.h"
 #include "apps/commands/export_views.h"
+#include "apps/commands/plan/project_size.h"
 #include "apps/commands/run/run_cache.h"
 #include "apps/commands/run/run_options.h"
 #include "apps/console/console.h"
@@ -46,7 +47,7 @@ class Run {
       return fail(ours.error());
     project_ = std::move(*project);
     if (const auto kept = keep("run", record_); !kept) return fail(kept.error());
-    plan_progress(stages_of_run(size_of_run(project_.views)));
+    plan_progress(stages_of_run(size_of(project_.views, /*ignore_poses=*/false)));
     if (!command_.no_html_report) pictures_.draw_measured(project_.views);
     watch_ = Stopwatch();
     auto result = reconstruction::reconstruct_part(std::move(project_.views), part_,
