@@ -22,8 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kHashDigits = 64;
-constexpr std::size_t kPiece = std::size_t{32}
-                               << 20;  // [bytes] Read or written in tenths of a second.
+// [bytes] Read or written in tenths of a second.
+constexpr std::size_t kPiece = std::size_t{32} << 20;
 
 bool is_hash(const std::string& name) {
   return name.size() == kHashDigits &&
@@ -213,19 +213,18 @@ bool UnitFolder::make_room(const std::string& hash, std::uint64_t bytes) {
 // Takes no room for a file that it could not write, or that it was stopped at.
 Result<void> UnitFolder::write_or_forget(const std::string& hash, const std::string& head,
                                          std::string_view content) {
-  Result<void> written = cannot_keep(EINTR);
-  try {
-    written = write(hash, head, content);
-  } catch (...) {
+  const auto forget_it = [&] {
     const std::scoped_lock lock(mutex_);
     forget(hash);
+  };
+  try {
+    auto written = write(hash, head, content);
+    if (!written) forget_it();
+    return written;
+  } catch (...) {
+    forget_it();
     throw;
   }
-  if (!written) {
-    const std::scoped_lock lock(mutex_);
-    forget(hash);
-  }
-  return written;
 }
 
 // Not flushed to the disk: a file that a power failure spoils is noticed by its checksum.
