@@ -58,8 +58,8 @@ std::string viewer_data(const ReportContent& content) {
   if (!model.sources.empty()) json["sources"] = content.source_names;
   Json& cameras = json["cameras"] = Json::array();
   for (const ViewCamera& camera : content.cameras) cameras.push_back(to_json(camera));
-  for (const auto& [key, vector] :
-       {std::pair("towards_viewer", content.look.towards_viewer), std::pair("up", content.look.up)})
+  for (const auto& [key, vector] : {std::pair("towards_viewer", content.viewpoint.towards_viewer),
+                                    std::pair("up", content.viewpoint.up)})
     json[key] = {vector.x(), vector.y(), vector.z()};
   return R"(<script type="application/json" id="viewer-data">)" +
          escape_script_json(json.dump(-1, ' ', true, Json::error_handler_t::replace)) +
@@ -136,7 +136,7 @@ void put_source_names(const Json& views, ReportContent& content) {
 }
 
 void put_pictures(const TriangleMesh& mesh, ReportContent& content) {
-  auto pictures = pictures_of_model(mesh, content.look, content.unit);
+  auto pictures = pictures_of_model(mesh, content.viewpoint, content.unit);
   if (pictures)
     content.pictures = std::move(*pictures);
   else
@@ -159,7 +159,7 @@ ReportContent report_content(Json report, const Json& project, const TriangleMes
   if (content.cameras.empty())
     content.cameras =
         cameras_of(content.report.find(content.report.alignment() + "/views"), content.report);
-  if (mesh) content.look = first_look(*mesh, content.cameras);
+  if (mesh) content.viewpoint = initial_viewpoint(*mesh, content.cameras);
   put_model(mesh, options.viewer_faces, content);
   return content;
 }

@@ -10,7 +10,7 @@
 namespace relief {
 
 Result<std::vector<ReportPicture>> pictures_of_model(const TriangleMesh& mesh,
-                                                     const FirstLook& look,
+                                                     const InitialViewpoint& viewpoint,
                                                      const std::string& unit) {
   using rendering::RenderStyle;
   const auto scene = rendering::MeshScene::of(mesh);
@@ -22,9 +22,9 @@ Result<std::vector<ReportPicture>> pictures_of_model(const TriangleMesh& mesh,
   rendering::FramingOptions framing;
   framing.width = 640;
   framing.height = 480;
-  framing.up = look.up;
+  framing.up = viewpoint.up;
   const auto camera = rendering::frame_mesh(
-      mesh, rendering::viewing_direction(look.towards_viewer, look.up), framing);
+      mesh, rendering::viewing_direction(viewpoint.towards_viewer, viewpoint.up), framing);
   rendering::RenderOptions options;
   options.unit = unit;
   std::vector<ReportPicture> pictures;

@@ -9,11 +9,11 @@
 
 namespace relief {
 
-/// Pictures of a model for its page, all from where `look` says: lit from the front and from the
-/// side, what was filled, and the expected error, each where the mesh has what it shows. `unit`
+/// Pictures of a model for its page, all from where `viewpoint` says: lit from the front and from
+/// the side, what was filled, and the expected error, each where the mesh has what it shows. `unit`
 /// names lengths; it may be empty. Errors: those of rendering::MeshScene::of.
 Result<std::vector<ReportPicture>> pictures_of_model(const TriangleMesh& mesh,
-                                                     const FirstLook& look,
+                                                     const InitialViewpoint& viewpoint,
                                                      const std::string& unit);
 
 }  // namespace relief

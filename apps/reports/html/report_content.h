@@ -26,7 +26,7 @@ struct ReportContent {
   std::string unit = "unit";  ///< Of the lengths.
   std::vector<GradedView> views;
   std::vector<ViewCamera> cameras;
-  FirstLook look;  ///< At the model, in the viewer and in the pictures.
+  InitialViewpoint viewpoint;  ///< At the model, in the viewer and in the pictures.
   std::optional<ModelStatistics> model;
   std::optional<ViewerModel> viewer;
   std::string no_viewer;  ///< Why there is no model to look at.

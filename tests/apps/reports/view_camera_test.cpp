@@ -33,28 +33,28 @@ TriangleMesh plate() {
   return mesh;
 }
 
-TEST(FirstLook, IsFromTheCameraThatFacesMostOfWhatWasMeasured) {
+TEST(InitialViewpoint, IsFromTheCameraThatFacesMostOfWhatWasMeasured) {
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
   const auto cameras =
       cameras_of({view_at({0, 0, -5}, x, y, "pinhole"), view_at({3, 0, 3}, y, x, "pinhole"),
                   view_at({0, 1, 5}, x, -y, "pinhole")});
-  const FirstLook look = first_look(plate(), cameras);
-  EXPECT_LT((look.towards_viewer - Eigen::Vector3d(0, 1, 4.95).normalized()).norm(), 1e-12);
+  const InitialViewpoint viewpoint = initial_viewpoint(plate(), cameras);
+  EXPECT_LT((viewpoint.towards_viewer - Eigen::Vector3d(0, 1, 4.95).normalized()).norm(), 1e-12);
 }
 
-TEST(FirstLook, IsUprightForBothKindsOfCameras) {
+TEST(InitialViewpoint, IsUprightForBothKindsOfCameras) {
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
   const TriangleMesh mesh = plate();
-  EXPECT_EQ(first_look(mesh, cameras_of({view_at({0, 0, 5}, x, -y, "pinhole")})).up, y);
-  EXPECT_EQ(first_look(mesh, cameras_of({view_at({0, 0, 5}, x, y, "pinhole_gl")})).up, y);
-  EXPECT_EQ(first_look(mesh, cameras_of({view_at({0, 0, 5}, -x, -y, "pinhole_gl")})).up, -y);
+  EXPECT_EQ(initial_viewpoint(mesh, cameras_of({view_at({0, 0, 5}, x, -y, "pinhole")})).up, y);
+  EXPECT_EQ(initial_viewpoint(mesh, cameras_of({view_at({0, 0, 5}, x, y, "pinhole_gl")})).up, y);
+  EXPECT_EQ(initial_viewpoint(mesh, cameras_of({view_at({0, 0, 5}, -x, -y, "pinhole_gl")})).up, -y);
 }
 
-TEST(FirstLook, NeedsNoCamera) {
-  const FirstLook look = first_look(plate(), {});
-  EXPECT_EQ(look.up, Eigen::Vector3d::UnitZ());
-  EXPECT_NEAR(look.towards_viewer.norm(), 1.0, 1e-12);
-  EXPECT_TRUE(first_look({}, {}).towards_viewer.allFinite());
+TEST(InitialViewpoint, NeedsNoCamera) {
+  const InitialViewpoint viewpoint = initial_viewpoint(plate(), {});
+  EXPECT_EQ(viewpoint.up, Eigen::Vector3d::UnitZ());
+  EXPECT_NEAR(viewpoint.towards_viewer.norm(), 1.0, 1e-12);
+  EXPECT_TRUE(initial_viewpoint({}, {}).towards_viewer.allFinite());
   EXPECT_FALSE(view_camera({{"world_from_view", {1, 2}}}));
 }
 

@@ -64,13 +64,8 @@ std::vector<Eigen::Vector3d> measured_normals(const TriangleMesh& mesh) {
   constexpr std::size_t kFaces = 20000;  // Directions hardly change with more.
   const std::size_t step = std::max<std::size_t>(1, mesh.faces.size() / kFaces);
   std::vector<Eigen::Vector3d> normals;
-  for (std::size_t f = 0; f < mesh.faces.size(); f += step) {
-    if (!is_measured(mesh, mesh.faces[f])) continue;
-    const auto corner = [&](std::size_t k) {
-      return mesh.vertices[static_cast<std::size_t>(mesh.faces[f][k])];
-    };
-    normals.push_back((corner(1) - corner(0)).cross(corner(2) - corner(0)));
-  }
+  for (std::size_t f = 0; f < mesh.faces.size(); f += step)
+    if (is_measured(mesh, mesh.faces[f])) normals.push_back(face_cross(mesh, f));
   return normals;
 }
 
@@ -99,9 +94,10 @@ Json to_json(const ViewCamera& camera) {
           {"forward", camera.forward}};
 }
 
-FirstLook first_look(const TriangleMesh& mesh, const std::vector<ViewCamera>& cameras) {
-  FirstLook look;
-  look.up = upright_axis(cameras);
+InitialViewpoint initial_viewpoint(const TriangleMesh& mesh,
+                                   const std::vector<ViewCamera>& cameras) {
+  InitialViewpoint viewpoint;
+  viewpoint.up = upright_axis(cameras);
   const Eigen::Vector3d middle = bounding_box(mesh).center();
   const std::vector<Eigen::Vector3d> normals = measured_normals(mesh);
   double most = 0.0;
@@ -110,9 +106,9 @@ FirstLook first_look(const TriangleMesh& mesh, const std::vector<ViewCamera>& ca
     const double area = area_towards(normals, direction);
     if (!(area > most)) continue;
     most = area;
-    look.towards_viewer = direction;
+    viewpoint.towards_viewer = direction;
   }
-  return look;
+  return viewpoint;
 }
 
 }  // namespace relief

@@ -27,13 +27,14 @@ std::optional<ViewCamera> view_camera(const Json& view);
 Json to_json(const ViewCamera& camera);
 
 /// From where a model is shown first; unit vectors in the world.
-struct FirstLook {
+struct InitialViewpoint {
   Eigen::Vector3d towards_viewer = Eigen::Vector3d(1.0, -1.0, 0.5).normalized();
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< An axis of the world, or its opposite.
 };
 
 /// From the camera that faces most of what was measured, with the axis up that is most upright in
 /// the pictures of all cameras. Without cameras, from one side and a little above.
-FirstLook first_look(const TriangleMesh& mesh, const std::vector<ViewCamera>& cameras);
+InitialViewpoint initial_viewpoint(const TriangleMesh& mesh,
+                                   const std::vector<ViewCamera>& cameras);
 
 }  // namespace relief
