@@ -50,6 +50,14 @@ TEST(InitialViewpoint, IsUprightForBothKindsOfCameras) {
   EXPECT_EQ(initial_viewpoint(mesh, cameras_of({view_at({0, 0, 5}, -x, -y, "pinhole_gl")})).up, -y);
 }
 
+TEST(InitialViewpoint, DoesNotGuessWhereOtherCamerasStand) {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
+  const auto found =
+      initial_viewpoint(plate(), cameras_of({view_at({0, 0, -5}, x, y, "rational")}));
+  EXPECT_EQ(found.up, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(found.towards_viewer, InitialViewpoint().towards_viewer);
+}
+
 TEST(InitialViewpoint, NeedsNoCamera) {
   const InitialViewpoint viewpoint = initial_viewpoint(plate(), {});
   EXPECT_EQ(viewpoint.up, Eigen::Vector3d::UnitZ());

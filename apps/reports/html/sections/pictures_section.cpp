@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "apps/reports/html/html_text.h"
@@ -17,7 +19,10 @@ std::string pictures_section(const ReportContent& content) {
   std::string html = fmt::format(
       "<section id=\"pictures\"><h2>Pictures</h2>\n<p>The model from {}, drawn without WebGL.</p>\n"
       "<div class=\"pictures\">\n",
-      content.cameras.empty() ? "one side" : "where a view saw most of it");
+      std::any_of(content.cameras.begin(), content.cameras.end(),
+                  [](const ViewCamera& camera) { return camera.is_pinhole; })
+          ? "where a view saw most of it"
+          : "one side");
   for (const ReportPicture& picture : content.pictures) html += picture_figure(picture);
   return html + "</div></section>\n";
 }

@@ -25,7 +25,9 @@ double number_in(const Json& object, const char* key, double fallback) {
 void put_pinhole(const Json& camera, ViewCamera& drawn) {
   const double fx = number_in(camera, "fx", 0.0), fy = number_in(camera, "fy", 0.0);
   const double width = number_in(camera, "width", 0.0), height = number_in(camera, "height", 0.0);
-  if (camera.value("model", Json()) == "pinhole_gl") drawn.forward = -1.0;
+  const Json model = camera.value("model", Json());
+  drawn.is_pinhole = model == "pinhole" || model == "pinhole_gl";
+  if (model == "pinhole_gl") drawn.forward = -1.0;
   if (fx == 0.0 || fy == 0.0 || width <= 0.0 || height <= 0.0) return;
   const double cx = number_in(camera, "cx", 0.5 * (width - 1.0));
   const double cy = number_in(camera, "cy", 0.5 * (height - 1.0));
@@ -46,7 +48,8 @@ Eigen::Vector3d column_of(const ViewCamera& camera, std::size_t column) {
 // up.
 Eigen::Vector3d upright_axis(const std::vector<ViewCamera>& cameras) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const ViewCamera& camera : cameras) sum -= camera.forward * column_of(camera, 1);
+  for (const ViewCamera& camera : cameras)
+    if (camera.is_pinhole) sum -= camera.forward * column_of(camera, 1);
   constexpr double kSure = 1e-6;  // Of unit vectors: less is rounding.
   Eigen::Index axis = 0;
   if (!(sum.cwiseAbs().maxCoeff(&axis) > kSure)) return Eigen::Vector3d::UnitZ();
@@ -102,6 +105,7 @@ InitialViewpoint initial_viewpoint(const TriangleMesh& mesh,
   const std::vector<Eigen::Vector3d> normals = measured_normals(mesh);
   double most = 0.0;
   for (const ViewCamera& camera : cameras) {
+    if (!camera.is_pinhole) continue;
     const Eigen::Vector3d direction = (column_of(camera, 3) - middle).normalized();
     const double area = area_towards(normals, direction);
     if (!(area > most)) continue;

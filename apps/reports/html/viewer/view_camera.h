@@ -16,7 +16,8 @@ struct ViewCamera {
   std::string name;
   Json world_from_view;  ///< Row-major 4x4 nested arrays; camera frame x right, y down.
   double left = -0.25, right = 0.25, top = -0.25, bottom = 0.25;
-  double forward = 1.0;  ///< Sign of z in front of the camera.
+  double forward = 1.0;     ///< Sign of z in front of the camera.
+  bool is_pinhole = false;  ///< Else its place and its forward direction are not known.
 };
 
 /// The camera of a view as scan.json or report.json has it; none without a pose. Cameras that are
@@ -33,7 +34,7 @@ struct InitialViewpoint {
 };
 
 /// From the camera that faces most of what was measured, with the axis up that is most upright in
-/// the pictures of all cameras. Without cameras, from one side and a little above.
+/// the pictures of all cameras; pinholes only. Without any, from one side and a little above.
 InitialViewpoint initial_viewpoint(const TriangleMesh& mesh,
                                    const std::vector<ViewCamera>& cameras);
 
