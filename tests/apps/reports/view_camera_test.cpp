@@ -33,13 +33,13 @@ TriangleMesh plate() {
   return mesh;
 }
 
-TEST(InitialViewpoint, IsFromTheCameraThatFacesMostOfWhatWasMeasured) {
-  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
+TEST(InitialViewpoint, LooksAsTheCameraThatFacesMostOfWhatWasMeasured) {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(),
+                        z = Eigen::Vector3d::UnitZ();
   const auto cameras =
-      cameras_of({view_at({0, 0, -5}, x, y, "pinhole"), view_at({3, 0, 3}, y, x, "pinhole"),
-                  view_at({0, 1, 5}, x, -y, "pinhole")});
-  const InitialViewpoint viewpoint = initial_viewpoint(plate(), cameras);
-  EXPECT_LT((viewpoint.towards_viewer - Eigen::Vector3d(0, 1, 4.95).normalized()).norm(), 1e-12);
+      cameras_of({view_at({0, 0, -5}, x, y, "pinhole"), view_at({3, 0, 3}, z, y, "pinhole"),
+                  view_at({1, 0, 5}, x, -y, "pinhole")});
+  EXPECT_EQ(initial_viewpoint(plate(), cameras).towards_viewer, z);
 }
 
 TEST(InitialViewpoint, IsUprightForBothKindsOfCameras) {
@@ -50,12 +50,24 @@ TEST(InitialViewpoint, IsUprightForBothKindsOfCameras) {
   EXPECT_EQ(initial_viewpoint(mesh, cameras_of({view_at({0, 0, 5}, -x, -y, "pinhole_gl")})).up, -y);
 }
 
-TEST(InitialViewpoint, DoesNotGuessWhereOtherCamerasStand) {
+TEST(InitialViewpoint, FollowsTheDirectionThatOtherCamerasState) {
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
-  const auto found =
-      initial_viewpoint(plate(), cameras_of({view_at({0, 0, -5}, x, y, "rational")}));
-  EXPECT_EQ(found.up, Eigen::Vector3d::UnitZ());
-  EXPECT_EQ(found.towards_viewer, InitialViewpoint().towards_viewer);
+  Json view = view_at({0, 0, 0}, x, y, "rational");
+  view["camera"]["view_direction"] = {0.0, -0.6, -0.8};
+  const auto found = initial_viewpoint(plate(), cameras_of({view}));
+  EXPECT_LT((found.towards_viewer - Eigen::Vector3d(0.0, 0.6, 0.8)).norm(), 1e-12);
+  EXPECT_EQ(found.up, y);
+}
+
+TEST(InitialViewpoint, DoesNotGuessWhereOtherCamerasLook) {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
+  Json view = view_at({0, 0, -5}, x, y, "rational");
+  for (const Json& stated : {Json(), Json(1.0), Json({0, 0, 0}), Json({0, "x", 1})}) {
+    view["camera"]["view_direction"] = stated;
+    const auto found = initial_viewpoint(plate(), cameras_of({view}));
+    EXPECT_EQ(found.up, Eigen::Vector3d::UnitZ());
+    EXPECT_EQ(found.towards_viewer, InitialViewpoint().towards_viewer);
+  }
 }
 
 TEST(InitialViewpoint, NeedsNoCamera) {

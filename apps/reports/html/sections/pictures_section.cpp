@@ -20,8 +20,8 @@ std::string pictures_section(const ReportContent& content) {
       "<section id=\"pictures\"><h2>Pictures</h2>\n<p>The model from {}, drawn without WebGL.</p>\n"
       "<div class=\"pictures\">\n",
       std::any_of(content.cameras.begin(), content.cameras.end(),
-                  [](const ViewCamera& camera) { return camera.is_pinhole; })
-          ? "where a view saw most of it"
+                  [](const ViewCamera& camera) { return camera.direction.has_value(); })
+          ? "the direction of the view that saw most of it"
           : "one side");
   for (const ReportPicture& picture : content.pictures) html += picture_figure(picture);
   return html + "</div></section>\n";

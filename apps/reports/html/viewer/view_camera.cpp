@@ -22,12 +22,25 @@ double number_in(const Json& object, const char* key, double fallback) {
   return object.contains(key) && object[key].is_number() ? object[key].get<double>() : fallback;
 }
 
-void put_pinhole(const Json& camera, ViewCamera& drawn) {
+// Of pinholes the axis, of others what the project states.
+std::optional<Eigen::Vector3d> direction_of(const Json& camera) {
+  const Json model = camera.value("model", Json());
+  if (model == "pinhole") return Eigen::Vector3d::UnitZ();
+  if (model == "pinhole_gl") return -Eigen::Vector3d::UnitZ();
+  const Json stated = camera.value("view_direction", Json());
+  if (!stated.is_array() || stated.size() != 3) return std::nullopt;
+  Eigen::Vector3d direction;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!stated[k].is_number()) return std::nullopt;
+    direction[static_cast<Eigen::Index>(k)] = stated[k].get<double>();
+  }
+  if (!(direction.norm() > 0.0)) return std::nullopt;
+  return direction.normalized();
+}
+
+void put_opening(const Json& camera, ViewCamera& drawn) {
   const double fx = number_in(camera, "fx", 0.0), fy = number_in(camera, "fy", 0.0);
   const double width = number_in(camera, "width", 0.0), height = number_in(camera, "height", 0.0);
-  const Json model = camera.value("model", Json());
-  drawn.is_pinhole = model == "pinhole" || model == "pinhole_gl";
-  if (model == "pinhole_gl") drawn.forward = -1.0;
   if (fx == 0.0 || fy == 0.0 || width <= 0.0 || height <= 0.0) return;
   const double cx = number_in(camera, "cx", 0.5 * (width - 1.0));
   const double cy = number_in(camera, "cy", 0.5 * (height - 1.0));
@@ -37,19 +50,27 @@ void put_pinhole(const Json& camera, ViewCamera& drawn) {
   drawn.bottom = (height - 1.0 - cy) / fy;
 }
 
-Eigen::Vector3d column_of(const ViewCamera& camera, std::size_t column) {
-  Eigen::Vector3d values;
-  for (std::size_t k = 0; k < 3; ++k)
-    values[static_cast<Eigen::Index>(k)] = camera.world_from_view[k][column].get<double>();
-  return values;
+void put_camera(const Json& camera, ViewCamera& drawn) {
+  drawn.direction = direction_of(camera);
+  if (drawn.direction && drawn.direction->z() < 0.0) drawn.forward = -1.0;
+  put_opening(camera, drawn);
 }
 
-// Pictures are not mirrored: a camera that looks along +z has y down, one that looks along -z has y
-// up.
+Eigen::Matrix3d rotation_of(const ViewCamera& camera) {
+  Eigen::Matrix3d rotation;
+  for (Eigen::Index row = 0; row < 3; ++row)
+    for (Eigen::Index column = 0; column < 3; ++column)
+      rotation(row, column) =
+          camera.world_from_view[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)]
+              .get<double>();
+  return rotation;
+}
+
+// In the usual frames a camera that looks along +z has y down, one that looks along -z has y up.
 Eigen::Vector3d upright_axis(const std::vector<ViewCamera>& cameras) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const ViewCamera& camera : cameras)
-    if (camera.is_pinhole) sum -= camera.forward * column_of(camera, 1);
+    if (camera.direction) sum -= camera.direction->z() * rotation_of(camera).col(1);
   constexpr double kSure = 1e-6;  // Of unit vectors: less is rounding.
   Eigen::Index axis = 0;
   if (!(sum.cwiseAbs().maxCoeff(&axis) > kSure)) return Eigen::Vector3d::UnitZ();
@@ -86,7 +107,7 @@ std::optional<ViewCamera> view_camera(const Json& view) {
   ViewCamera drawn;
   if (view.contains("name") && view["name"].is_string()) drawn.name = view["name"];
   drawn.world_from_view = view["world_from_view"];
-  if (view.contains("camera") && view["camera"].is_object()) put_pinhole(view["camera"], drawn);
+  if (view.contains("camera") && view["camera"].is_object()) put_camera(view["camera"], drawn);
   return drawn;
 }
 
@@ -101,16 +122,15 @@ InitialViewpoint initial_viewpoint(const TriangleMesh& mesh,
                                    const std::vector<ViewCamera>& cameras) {
   InitialViewpoint viewpoint;
   viewpoint.up = upright_axis(cameras);
-  const Eigen::Vector3d middle = bounding_box(mesh).center();
   const std::vector<Eigen::Vector3d> normals = measured_normals(mesh);
   double most = 0.0;
   for (const ViewCamera& camera : cameras) {
-    if (!camera.is_pinhole) continue;
-    const Eigen::Vector3d direction = (column_of(camera, 3) - middle).normalized();
-    const double area = area_towards(normals, direction);
+    if (!camera.direction) continue;
+    const Eigen::Vector3d towards = -(rotation_of(camera) * *camera.direction).normalized();
+    const double area = area_towards(normals, towards);
     if (!(area > most)) continue;
     most = area;
-    viewpoint.towards_viewer = direction;
+    viewpoint.towards_viewer = towards;
   }
   return viewpoint;
 }

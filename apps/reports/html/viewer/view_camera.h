@@ -16,8 +16,8 @@ struct ViewCamera {
   std::string name;
   Json world_from_view;  ///< Row-major 4x4 nested arrays; camera frame x right, y down.
   double left = -0.25, right = 0.25, top = -0.25, bottom = 0.25;
-  double forward = 1.0;     ///< Sign of z in front of the camera.
-  bool is_pinhole = false;  ///< Else its place and its forward direction are not known.
+  double forward = 1.0;                      ///< Sign of z in front of the camera.
+  std::optional<Eigen::Vector3d> direction;  ///< In its frame, of unit length; where it has one.
 };
 
 /// The camera of a view as scan.json or report.json has it; none without a pose. Cameras that are
@@ -33,8 +33,8 @@ struct InitialViewpoint {
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< An axis of the world, or its opposite.
 };
 
-/// From the camera that faces most of what was measured, with the axis up that is most upright in
-/// the pictures of all cameras; pinholes only. Without any, from one side and a little above.
+/// Against the direction of the camera that faces most of what was measured, with the axis up that
+/// is most upright for all cameras. Without directions, from one side and a little above.
 InitialViewpoint initial_viewpoint(const TriangleMesh& mesh,
                                    const std::vector<ViewCamera>& cameras);
 
