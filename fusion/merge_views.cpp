@@ -4,7 +4,7 @@
 #include <optional>
 #include <sstream>
 
-#include "fusion/holes/fair_fill.h"
+#include "fusion/holes/close_holes.h"
 #include "fusion/holes/filled_regions.h"
 #include "fusion/mesh/crease_edges.h"
 #include "fusion/surface/isosurface.h"
@@ -166,8 +166,7 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
           : std::max(3.0 * result.voxel_size, 4.0 * result.view_noise + result.voxel_size);
 }
 
-// Per vertex of the mesh, beyond the mesh itself [bytes]. They change no result.
-constexpr std::size_t kMeshCheck = 120;
+// Per vertex of the mesh, beyond the mesh itself [bytes]. It changes no result.
 constexpr std::size_t kVertexAttributes = 80;
 
 std::unique_ptr<MemoryLimit> limit_of(const Context& context, std::vector<std::string>& notes) {
@@ -217,40 +216,6 @@ Error failed_check(const MeshCheck& check) {
   return {ErrorKind::kUnsolvable, message.str()};
 }
 
-// Moves filled vertices, unless that would break the guarantee.
-Result<void> fair_fill(const FairFillOptions& options, const std::vector<ViewSampler>& views,
-                       MergeResult& result, const Progress& progress) {
-  auto found =
-      fair_filled_regions(result.mesh, views, options, part_of(progress, kMeasured, kMeasured));
-  if (!found) return found.error();
-  FairFill fair = std::move(found).value();
-  if (fair.unsolved > 0)
-    result.notes.push_back(std::to_string(fair.unsolved) +
-                           (fair.unsolved == 1 ? " filled region stays" : " filled regions stay") +
-                           " as membranes: no plate that continues the slope of the surface around "
-                           "was found for them");
-  if (fair.too_large > 0)
-    result.notes.push_back(
-        std::to_string(fair.too_large) +
-        (fair.too_large == 1 ? " filled region is" : " filled regions are") +
-        " too large to be faired and closed by the shortest surface; if they are no part of the "
-        "object, leave them open (--holes keep, --largest-fill)");
-  if (fair.places.empty()) return {};
-  result.mesh.vertices.swap(fair.places);
-  if (const auto room = make_room(options.memory, kMeshCheck * result.mesh.vertices.size()); !room)
-    return room.error();
-  MeshCheck check = check_mesh(result.mesh);
-  if (check.watertight()) {
-    result.check = std::move(check);
-    result.mesh.normals = vertex_normals(result.mesh);
-  } else {
-    result.mesh.vertices.swap(fair.places);
-    result.notes.push_back(
-        "filled regions are left as membranes: faired they were no closed manifold");
-  }
-  return {};
-}
-
 Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
                           const Context& context) {
   const Error interrupted{ErrorKind::kInterrupted, "merging was interrupted"};
@@ -283,7 +248,8 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
                  "no surface was found: the voxel size is too large for the object"};
   if (!report_progress(context.progress, kMesh, "turn edges along creases")) return interrupted;
   align_edges_with_creases(result.mesh, {result.voxel_size, result.view_noise, memory.get()});
-  if (const auto room = make_room(memory.get(), kMeshCheck * result.mesh.vertices.size()); !room)
+  if (const auto room = make_room(memory.get(), kMeshCheckBytes * result.mesh.vertices.size());
+      !room)
     return room.error();
   result.check = check_mesh(result.mesh);
   if (!result.check.watertight()) return failed_check(result.check);
@@ -296,8 +262,10 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
                                        memory.get(), prepare.indices()};
   set_vertex_attributes(result.mesh, *samplers, measure);
   const FairFillOptions fair{result.truncation, result.voxel_size, memory.get()};
-  if (const auto faired = fair_fill(fair, *samplers, result, context.progress); !faired)
-    return faired.error();
+  const Progress closing = part_of(context.progress, kMeasured, kMeasured);
+  const auto notes = close_holes(fair, *samplers, result.mesh, result.check, closing);
+  if (!notes) return notes.error();
+  result.notes.insert(result.notes.end(), notes->begin(), notes->end());
   if (const auto room = make_room(memory.get(), kVertexAttributes * result.mesh.vertices.size());
       !room)
     return room.error();

@@ -78,7 +78,8 @@ class Fairing {
     if (const auto kept = check(options_.memory); !kept) return kept.error();
     const auto unsolved = static_cast<std::size_t>(std::count_if(
         work_.begin(), work_.end(), [](const Settling& work) { return work.unsolved; }));
-    return FairFill{std::move(places_), unsolved, regions_.too_large()};
+    return FairFill{std::move(places_), unsolved, regions_.too_large(),
+                    regions_.any_near_samples()};
   }
 
  private:

@@ -17,6 +17,7 @@ struct FairFill {
   std::vector<Eigen::Vector3d> places;  ///< Of all vertices; empty when none moves.
   std::size_t unsolved = 0;   ///< Regions that stay as they are since no plate was found for them.
   std::size_t too_large = 0;  ///< Regions that stay as they are since they are too large for one.
+  bool near_samples = false;  ///< Whether any region has FairRegion::near_samples.
 };
 
 /// Places for the filled vertices of a merged mesh (`filled` and `normals` set), with which the

@@ -3,9 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <unordered_map>
 #include <vector>
 
 #include "fusion/holes/plates/thin_plate.h"
+#include "fusion/holes/scattered_samples.h"
 #include "fusion/holes/side_normals.h"
 #include "fusion/views/view_sampler.h"
 #include "relief/scan/triangle_mesh.h"
@@ -24,6 +26,9 @@ struct FairFillOptions {
   /// How far a vertex of a region too large for that may stay from its place of rest, as a part of
   /// its distance from what was measured. That distance is the error expected of it.
   double distance_tolerance = 0.01;
+  /// Only regions with FairRegion::near_samples: to fair a mesh again whose regions have been
+  /// faired.
+  bool near_samples_only = false;
 };
 
 /// A connected set of vertices that may move: filled ones and a margin of what was measured.
@@ -36,6 +41,11 @@ struct FairRegion {
   std::vector<std::uint32_t> approach;
   /// Whether the surface turns on its way across it so far that one step of a plate falls short.
   bool curved = false;
+  /// Sorted: the vertices of small patches that were measured inside of a hole, all of which move.
+  /// The closed field's surface stands in tents over these, and how steep it is tells nothing.
+  std::vector<std::uint32_t> islands;
+  /// Whether most filled vertices are within some edges of islands or of scattered samples.
+  bool near_samples = false;
 
   /// All of these: vertices, border, approach.
   std::vector<std::uint32_t> with_approach() const;
@@ -62,6 +72,7 @@ class FairRegions {
               const FairFillOptions& options);
 
   const std::vector<FairRegion>& all() const { return regions_; }
+  bool any_near_samples() const;  ///< Whether any region has near_samples.
   /// Regions of more than `most_solved` vertices, which are not among these.
   std::size_t too_large() const { return too_large_; }
   std::uint32_t region_of(std::uint32_t vertex) const { return region_of_[vertex]; }  ///< Or kNone.
@@ -70,18 +81,21 @@ class FairRegions {
 
  private:
   MeshRings rings() const { return {mesh_, around_, rings_}; }
-  std::vector<FairRegion> find(std::size_t most_solved);
+  std::vector<FairRegion> find(const FairFillOptions& options);
   std::vector<std::uint8_t> near_regions() const;
   bool is_crevice(const FairRegion& region) const;
   bool is_deep(const FairRegion& region) const;
   void add_border(FairRegion& region) const;
   bool is_beside_measured(std::uint32_t vertex) const;
+  void add_islands(FairRegion& region) const;
+  bool is_near_samples(const FairRegion& region) const;
   void prepare(FairRegion& region, const std::vector<ViewSampler>& views,
                const FairFillOptions& options) const;
 
   const TriangleMesh& mesh_;
   std::vector<std::uint8_t> rings_;  // Edges to the nearest filled vertex, up to a few.
   FacesAround around_;
+  std::unordered_map<std::uint32_t, ScatteredSamples> scattered_;
   std::size_t too_large_ = 0;
   std::vector<std::uint32_t> region_of_;
   std::vector<FairRegion> regions_;

@@ -22,13 +22,6 @@ constexpr double kOpposite = -0.5;
 // degrees (1 / cos). A ray that grazes stays close to the tangent plane beyond the object.
 constexpr double kGrazingReach = 2.0;
 
-// Tukey's biweight: of surfaces close together the nearer one counts most, and the average stays
-// unbiased at distance zero, where the surface is.
-double nearness(double relative_distance) {
-  const double inside = 1.0 - relative_distance * relative_distance;
-  return inside > 0.0 ? inside * inside : 0.0;
-}
-
 // Farther along the ray than that no distance is believed, however depths are rounded [reaches].
 // Floats round by 6e-8: enough up to depths of 30,000 truncation distances (0.002 / 6e-8).
 constexpr double kFarAway = 1.001;
@@ -56,6 +49,11 @@ bool measures(const Observation& seen, double truncation, double spacing) {
 }
 
 }  // namespace
+
+double nearness(double relative_distance) {
+  const double inside = 1.0 - relative_distance * relative_distance;
+  return inside > 0.0 ? inside * inside : 0.0;
+}
 
 // By everything that enters a sum.
 bool TsdfIntegrator::TsdfObservation::operator<(const TsdfObservation& other) const {

@@ -24,6 +24,10 @@ struct TsdfSample {
   int views = 0;                 ///< Number of measuring views.
 };
 
+/// t of (F4), for a distance relative to the truncation: Tukey's biweight. Of surfaces close
+/// together the nearer one counts most, and the average stays unbiased where the surface is.
+double nearness(double relative_distance);
+
 /// Combines the views' signed distances (Curless and Levoy 1996) as docs/fusion.md has it.
 /// Keeps scratch memory: one object per thread.
 class TsdfIntegrator {

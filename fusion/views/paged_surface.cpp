@@ -103,6 +103,34 @@ void place_quads(const RangeSurface& range, MemoryLimit* memory, PagedSurface& s
   }
 }
 
+// Those of the samples with confidence that were measured and are no corner.
+PagedArray<std::array<float, 3>> scattered_samples(const FilledView& filled,
+                                                   const PagedSurface& surface,
+                                                   MemoryLimit* memory) {
+  const RangeView& view = filled.view;
+  const auto is_corner = [&](int u, int v) {
+    u -= surface.first_u, v -= surface.first_v;
+    return u >= 0 && v >= 0 && u < surface.marks.width() && v < surface.marks.height() &&
+           surface.corner(u, v);
+  };
+  const auto for_scattered = [&](const auto& visit) {
+    for (int v = 0; v < view.height(); ++v)
+      for (int u = 0; u < view.width(); ++u)
+        if (view.has_sample(u, v) && !filled.filled(u, v) && view.confidence_at(u, v) > 0.0f &&
+            !is_corner(u, v))
+          visit(u, v);
+  };
+  std::size_t count = 0;
+  for_scattered([&](int, int) { ++count; });
+  PagedArray<std::array<float, 3>> scattered(count, memory);
+  std::size_t next = 0;
+  for_scattered([&](int u, int v) {
+    const Eigen::Vector3f offset = (view.point(u, v) - surface.centre).cast<float>();
+    scattered[next++] = {offset.x(), offset.y(), offset.z()};
+  });
+  return scattered;
+}
+
 }  // namespace
 
 PagedSurface surface_of(const RangeView& measured, const PagedSurfaceOptions& options) {
@@ -140,6 +168,7 @@ PagedSurface surface_of(const RangeView& measured, const PagedSurfaceOptions& op
              {normal.x(), normal.y(), normal.z()},
              static_cast<float>(range.boundary_distance(u, v))};
   });
+  surface.scattered = scattered_samples(filled, surface, options.memory);
   if (view.colours.empty()) return surface;
   surface.colours =
       PagedGrid<Colour>(surface.pixels.width(), surface.pixels.height(), options.memory);

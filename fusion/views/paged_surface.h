@@ -46,6 +46,8 @@ struct PagedSurface {
   /// is off the mean of its four neighbours; curvature makes it err on the large side.
   double noise = 0.0;
 
+  /// Places of the measured samples that belong to no quad, relative to the centre.
+  PagedArray<std::array<float, 3>> scattered;
   std::size_t flying = 0;  ///< Samples left out as flying_samples tells.
   std::size_t filled = 0;  ///< Samples interpolated in small gaps: fill_small_gaps.
 

@@ -83,6 +83,13 @@ class ViewSampler {
         if (surface_.corner(u, v))
           visit(Eigen::Vector3d(world_from_view_ * (surface_.centre + surface_.offset(u, v))));
   }
+  /// Calls `visit` with the measured samples that belong to no quad, world frame: single ones, and
+  /// patches too small for a surface.
+  template <typename Visit>
+  void for_scattered_samples(const Visit& visit) const {
+    for (const auto& [x, y, z] : surface_.scattered)
+      visit(Eigen::Vector3d(world_from_view_ * (surface_.centre + Eigen::Vector3d(x, y, z))));
+  }
   bool empty() const { return surface_.pixels.empty(); }
 
   /// Size of what is paged under a limit of memory.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -247,6 +248,46 @@ TEST(Closing, ACreaseOpenAtItsEndsLeavesSpaceSeenEmptyAlone) {
   const MergeResult merged = closed(views);
   EXPECT_TRUE(merged.check.watertight());
   EXPECT_EQ(merged.check.genus, 0);
+}
+
+// A sphere with waves of height 2.
+SignedDistance wavy_sphere() {
+  return [](const Eigen::Vector3d& p) {
+    const Eigen::Vector3d wave = (0.25 * p).array().sin();
+    return (p.norm() - kRadius - 2.0 * wave.x() * wave.y() * wave.z()) / 1.5;
+  };
+}
+
+// RMS error of the filled vertices where a dark patch returned some of its samples.
+double error_in_dark_patch(double returned) {
+  const SignedDistance shape = wavy_sphere();
+  auto views = testing::views_around(testing::traced(shape), 12, 120, 1.05 * kRadius);
+  const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, 3).normalized();
+  std::mt19937 random(1);
+  lose(views, [&](const Eigen::Vector3d& p) {
+    return p.normalized().dot(axis) > 0.9 &&
+           std::uniform_real_distribution<double>(0.0, 1.0)(random) > returned;
+  });
+  // Single samples are no surface that the model must not stand out of.
+  const MergeResult merged = value_of(merge_views(views));
+  EXPECT_TRUE(merged.check.watertight());
+  EXPECT_EQ(merged.check.components, 1u);
+  EXPECT_EQ(merged.check.genus, 0);
+  double squares = 0.0, filled = 0.0;
+  for (std::size_t v = 0; v < merged.mesh.vertices.size(); ++v) {
+    if (!merged.mesh.filled[v]) continue;
+    squares += std::pow(1.5 * shape(merged.mesh.vertices[v]), 2);
+    filled += 1.0;
+  }
+  EXPECT_GT(filled, 500.0);
+  return std::sqrt(squares / filled);
+}
+
+// Most of them are single: none of them is a surface, and yet they tell where it is.
+TEST(Closing, ADarkPatchFollowsTheSamplesThatItReturned) {
+  const double none = error_in_dark_patch(0.0), some = error_in_dark_patch(0.2);
+  EXPECT_GT(none, 0.8) << "nobody knows of the waves";
+  EXPECT_LT(some, 0.3 * none);
 }
 
 TEST(Closing, OnlySmallHolesAreFilledOnRequest) {
