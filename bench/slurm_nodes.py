@@ -3,6 +3,7 @@
 Needs the packages slurm-wlm and munge, and root: slurmd takes the user of each job.
 """
 import os
+import re
 import shutil
 import signal
 import socket
@@ -40,6 +41,9 @@ PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 """
 
 
+MEMORY = 5000  # Of a node [MB].
+
+
 def available():
     programs = ("munged", "slurmctld", "slurmd", "sbatch", "scontrol")
     return os.geteuid() == 0 and all(shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin") for name in programs)
@@ -48,7 +52,7 @@ def available():
 class SlurmNodes:
     """Runs while the `with` block does. `environment` is that of its clients. Nodes have one core and `memory` MB each."""
 
-    def __init__(self, folder, nodes=4, memory=5000):
+    def __init__(self, folder, nodes=4, memory=MEMORY):
         self.folder = Path(folder).resolve()
         self.names, self.memory = [f"n{k}" for k in range(1, nodes + 1)], memory
         self.environment = {"SLURM_CONF": str(self.folder / "slurm.conf")}
@@ -113,6 +117,13 @@ class SlurmNodes:
             time.sleep(0.5)
         self.__exit__()
         raise RuntimeError(f"Slurm does not start: see the logs in {self.folder}")
+
+    def ended_for_memory(self):
+        """How many jobs took more memory than they had asked for."""
+        ended = set()
+        for log in self.folder.glob("slurmd-*.log"):
+            ended.update(re.findall(r"StepId=(\d+)\S* exceeded memory limit", log.read_text()))
+        return len(ended)
 
     def client(self, *command):
         return subprocess.run(command, env=dict(os.environ, **self.environment), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
