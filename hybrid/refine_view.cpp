@@ -9,6 +9,7 @@
 
 #include "hybrid/model/prepared_view.h"
 #include "hybrid/model/smooth_change.h"
+#include "hybrid/model/view_part.h"
 #include "hybrid/model/view_problem.h"
 #include "hybrid/noise/deviation_spectrum.h"
 #include "hybrid/noise/noise_model.h"
@@ -86,6 +87,12 @@ Result<void> validate(const RefineOptions& options) {
 // Noise that does this many times the harm that it shows from sample to sample is shared, as that
 // of rounding is not. Half of it would take rounding for it, twice would miss shared noise.
 constexpr double kShared = 3.0;
+
+// Pixels kept around the samples of a masked view: beyond them no step looks for what is there.
+constexpr int kMargin = 16;
+// Views whose samples take a smaller part of the grid than that are refined without the rest: many
+// steps go through all pixels. Above, what is saved is no more than copying costs.
+constexpr double kMasked = 0.9;
 
 // The steps of refine_view, each of which may end it early.
 class Refinement {
@@ -318,17 +325,37 @@ std::string_view to_string(RefineStatus status) {
   return "";
 }
 
+namespace {
+
+Result<RefinedView> refine_all_of(const RangeView& view, const RefineOptions& options,
+                                  const Context& context) {
+  Refinement refinement(view, options);
+  if (refinement.prepare() && !refinement.solve(context))
+    return Error{ErrorKind::kInterrupted, "refine: stopped on request"};
+  return std::move(refinement.result());
+}
+
+Result<RefinedView> refine_without_margins(const RangeView& view, const RefineOptions& options,
+                                           const Context& context) {
+  const ViewPart part = part_with_samples(view, kMargin);
+  const double pixels = static_cast<double>(part.width) * part.height;
+  if (pixels == 0.0 || pixels > kMasked * static_cast<double>(view.range.size()))
+    return refine_all_of(view, options, context);
+  auto result = refine_all_of(crop(view, part), options, context);
+  if (result) result->view = with_part(view, part, std::move(result->view));
+  return result;
+}
+
+}  // namespace
+
 Result<RefinedView> refine_view(const RangeView& view, const RefineOptions& options,
                                 const Context& context) {
   const Stopwatch watch;
   if (const Result<void> valid = validate(options); !valid) return valid.error();
   return run_in(context, [&]() -> Result<RefinedView> {
-    Refinement refinement(view, options);
-    if (refinement.prepare() && !refinement.solve(context))
-      return Error{ErrorKind::kInterrupted, "refine: stopped on request"};
-    RefinedView& result = refinement.result();
-    result.seconds = watch.seconds();
-    return std::move(result);
+    auto result = refine_without_margins(view, options, context);
+    if (result) result->seconds = watch.seconds();
+    return result;
   });
 }
 
