@@ -26,8 +26,8 @@ std::vector<std::string> notes_on(const FairFill& fair) {
   return notes;
 }
 
-// Once more, by angles, areas, normals and samples near the plates: the membranes stood in tents
-// over what was measured inside of holes.
+// Once more, by angles, areas, normals and samples near the plates: the membranes rose in cones to
+// what was measured inside of holes.
 Result<void> fair_again(FairFillOptions options, const std::vector<ViewSampler>& views,
                         TriangleMesh& mesh, const Progress& progress) {
   mesh.normals = vertex_normals(mesh);

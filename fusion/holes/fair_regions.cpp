@@ -178,17 +178,17 @@ void FairRegions::add_border(FairRegion& region) const {
 
 // The measured vertices that no way along measured ones leads to from the border.
 void FairRegions::add_islands(FairRegion& region) const {
-  std::unordered_set<std::uint32_t> ashore;
+  std::unordered_set<std::uint32_t> connected;
   std::vector<std::uint32_t> reached;
   for (const PlateVertex& vertex : region.border) reached.push_back(vertex.vertex);
   for (std::size_t next = 0; next < reached.size(); ++next)
     around_.visit(reached[next], [&](std::uint32_t f) {
       for (const std::uint32_t w : mesh_.faces[f])
-        if (rings_[w] > 0 && rings_[w] <= MeshRings::kMargin && ashore.insert(w).second)
+        if (rings_[w] > 0 && rings_[w] <= MeshRings::kMargin && connected.insert(w).second)
           reached.push_back(w);
     });
   for (const PlateVertex& free : region.vertices)
-    if (rings_[free.vertex] > 0 && !ashore.contains(free.vertex))
+    if (rings_[free.vertex] > 0 && !connected.contains(free.vertex))
       region.islands.push_back(free.vertex);
   std::sort(region.islands.begin(), region.islands.end());
 }

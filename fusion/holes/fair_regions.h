@@ -42,7 +42,7 @@ struct FairRegion {
   /// Whether the surface turns on its way across it so far that one step of a plate falls short.
   bool curved = false;
   /// Sorted: the vertices of small patches that were measured inside of a hole, all of which move.
-  /// The closed field's surface stands in tents over these, and how steep it is tells nothing.
+  /// The closed field's surface rises in cones to these, and how steep it is tells nothing.
   std::vector<std::uint32_t> islands;
   /// Whether most filled vertices are within some edges of islands or of scattered samples.
   bool near_samples = false;

@@ -19,7 +19,7 @@ namespace {
 
 // A sample tells of the surface that it lies over: the way to it is within 60 degrees of the
 // normal. Beyond the rim of what is wanted, and over the other side of an edge, it is not.
-constexpr double kOver = 0.5;
+constexpr double kLeastCosine = 0.5;
 
 // What a face and its part of the tree take [bytes].
 constexpr std::size_t kFace = 200;
@@ -60,10 +60,10 @@ Part part_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted) 
   return part;
 }
 
-// What a sample of a view that looks along `direction` tells.
-std::optional<Sample> told_by(const Eigen::Vector3d& point, const Eigen::Vector3d& direction,
-                              const TriangleMesh& mesh, const Part& part, const TriangleTree& tree,
-                              double reach) {
+// The vertex nearest to a sample of a view that looks along `direction`.
+std::optional<Sample> assign_to_vertex(const Eigen::Vector3d& point,
+                                       const Eigen::Vector3d& direction, const TriangleMesh& mesh,
+                                       const Part& part, const TriangleTree& tree, double reach) {
   const auto closest = tree.closest(point, reach);
   if (!closest) return std::nullopt;
   Eigen::Index corner = 0;
@@ -74,7 +74,7 @@ std::optional<Sample> told_by(const Eigen::Vector3d& point, const Eigen::Vector3
   const Eigen::Vector3d away = point - closest->on_face.point;
   const double offset = away.dot(normal);
   if (!mesh.filled[vertex] || normal.dot(direction) >= 0.0 ||
-      std::abs(offset) < kOver * away.norm())
+      std::abs(offset) < kLeastCosine * away.norm())
     return std::nullopt;
   return Sample{vertex, offset, nearness(offset / reach)};
 }
@@ -90,13 +90,13 @@ void add_samples_of(const ViewSampler& view, const TriangleMesh& mesh, const Par
                     const TriangleTree& tree, double reach, std::vector<Sample>& samples) {
   std::vector<Eigen::Vector3d> points;
   view.for_scattered_samples([&](const Eigen::Vector3d& point) { points.push_back(point); });
-  std::vector<std::optional<Sample>> told(points.size());
+  std::vector<std::optional<Sample>> found(points.size());
   constexpr std::size_t kAtOnce = 256;
   parallel_for(points.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      told[i] = told_by(points[i], view.direction(), mesh, part, tree, reach);
+      found[i] = assign_to_vertex(points[i], view.direction(), mesh, part, tree, reach);
   });
-  for (const auto& sample : told)
+  for (const auto& sample : found)
     if (sample) samples.push_back(*sample);
 }
 
