@@ -18,7 +18,7 @@ constexpr int kBlock = 8;
 template <typename T>
 Grid<T> crop(const Grid<T>& grid, const ViewPart& part) {
   if (grid.empty()) return {};
-  Grid<T> cropped(part.width, part.height);
+  Grid<T> cropped(part.width, part.height, grid[0]);
   for (int v = 0; v < part.height; ++v)
     for (int u = 0; u < part.width; ++u) cropped(u, v) = grid(part.u + u, part.v + v);
   return cropped;
