@@ -238,25 +238,34 @@ TEST(PoseGraphRefinement, FindsExactPosesOfExactViews) {
     EXPECT_LT(error, 0.005 * ring.spacing());
 }
 
-TEST(PoseGraphRefinement, DoesNotDependOnTheThreadCountNorTheHeldView) {
-  const Ring ring(2);
-  const auto start =
+// Poses of a disturbed ring after some renewals, with one view held.
+std::vector<RigidMotion> refined_poses(const Ring& ring, const PoseGraphRefinementOptions& options,
+                                       std::size_t held, int threads) {
+  auto poses =
       poses_of(perturbed(ring.truth, Eigen::Vector3d::Zero(), 0.005, 0.3 * ring.spacing()));
+  std::vector<bool> is_held(poses.size(), false);
+  is_held[held] = true;
+  on_threads(threads, [&] {
+    refine_pose_graph(pointers_to(ring.surfaces), pairs_of(ring), is_held, options, poses);
+  });
+  return poses;
+}
+
+TEST(PoseGraphRefinement, DoesNotDependOnTheThreadCount) {
+  const Ring ring(2);
+  auto options = options_for(ring);
+  options.max_iterations = 3;  // Bytes agree from the first on, or not at all.
+  const auto one = refined_poses(ring, options, 0, 1), two = refined_poses(ring, options, 0, 2);
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(one[i].matrix() == two[i].matrix());
+}
+
+TEST(PoseGraphRefinement, DoesNotDependOnTheHeldView) {
+  const Ring ring(2);
   auto options = options_for(ring);
   options.tolerance = 1e-5 * ring.spacing();
   options.max_iterations = 30;
-  const auto refine = [&](std::size_t held, int threads) {
-    auto poses = start;
-    std::vector<bool> is_held(poses.size(), false);
-    is_held[held] = true;
-    on_threads(threads, [&] {
-      refine_pose_graph(pointers_to(ring.surfaces), pairs_of(ring), is_held, options, poses);
-    });
-    return poses;
-  };
-  const auto one = refine(0, 1), two = refine(0, 2), other = refine(4, 2);
-  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(one[i].matrix() == two[i].matrix());
-  for (const double difference : mean_displacements(ring.truth, one, other))
+  const auto first = refined_poses(ring, options, 0, 2), other = refined_poses(ring, options, 4, 2);
+  for (const double difference : mean_displacements(ring.truth, first, other))
     EXPECT_LT(difference, 1e-3 * ring.spacing());
 }
 
