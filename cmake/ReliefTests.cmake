@@ -84,7 +84,6 @@ set(RELIEF_UNSANITIZED_TESTS
 # while the other cores rest.
 set(RELIEF_LONG_SUITES
   AlignViews
-  BadGrid
   BadInput
   CalibrateViews
   Closing
