@@ -4,7 +4,7 @@
 #include <optional>
 #include <sstream>
 
-#include "fusion/holes/close_holes.h"
+#include "fusion/holes/fair_holes.h"
 #include "fusion/holes/filled_regions.h"
 #include "fusion/mesh/crease_edges.h"
 #include "fusion/surface/isosurface.h"
@@ -263,7 +263,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   set_vertex_attributes(result.mesh, *samplers, measure);
   const FairFillOptions fair{result.truncation, result.voxel_size, memory.get()};
   const Progress closing = part_of(context.progress, kMeasured, kMeasured);
-  const auto notes = close_holes(fair, *samplers, result.mesh, result.check, closing);
+  const auto notes = fair_holes(fair, *samplers, result.mesh, result.check, closing);
   if (!notes) return notes.error();
   result.notes.insert(result.notes.end(), notes->begin(), notes->end());
   if (const auto room = make_room(memory.get(), kVertexAttributes * result.mesh.vertices.size());

@@ -126,7 +126,8 @@ class Fairing {
   // The patch near the vertices that were held last. The surface around the patch keeps its place
   // and its slope.
   PlatePatch patch_near_fresh(std::size_t r) const {
-    const std::unordered_map<std::uint32_t, int> rings = rings_around(work_[r].fresh);
+    const std::unordered_map<std::uint32_t, int> rings =
+        edges_from(work_[r].fresh, kChangedRings + 2, mesh_, regions_.around());
     PlatePatch patch;
     patch.held = regions_.all()[r].border;
     for (const PlateVertex& vertex : regions_.all()[r].vertices) {
@@ -139,22 +140,6 @@ class Fairing {
                               ring->second == kChangedRings + 1 ? vertex.stiffness : 0.0});
     }
     return patch;
-  }
-
-  // Edges from the nearest of some vertices to those that are no farther than concerns a plate.
-  std::unordered_map<std::uint32_t, int> rings_around(std::vector<std::uint32_t> ring) const {
-    std::unordered_map<std::uint32_t, int> rings;
-    for (const std::uint32_t v : ring) rings.emplace(v, 0);
-    for (int distance = 1; distance <= kChangedRings + 2; ++distance) {
-      std::vector<std::uint32_t> next;
-      for (const std::uint32_t v : ring)
-        regions_.around().visit(v, [&](std::uint32_t face) {
-          for (const std::uint32_t other : mesh_.faces[face])
-            if (rings.emplace(other, distance).second) next.push_back(other);
-        });
-      ring = std::move(next);
-    }
-    return rings;
   }
 
   // Lets the region come to rest, and pins what would then be in space seen empty.

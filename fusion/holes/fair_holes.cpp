@@ -1,4 +1,4 @@
-#include "fusion/holes/close_holes.h"
+#include "fusion/holes/fair_holes.h"
 
 #include <utility>
 
@@ -40,10 +40,10 @@ Result<void> fair_again(FairFillOptions options, const std::vector<ViewSampler>&
 
 }  // namespace
 
-Result<std::vector<std::string>> close_holes(const FairFillOptions& options,
-                                             const std::vector<ViewSampler>& views,
-                                             TriangleMesh& mesh, MeshCheck& check,
-                                             const Progress& progress) {
+Result<std::vector<std::string>> fair_holes(const FairFillOptions& options,
+                                            const std::vector<ViewSampler>& views,
+                                            TriangleMesh& mesh, MeshCheck& check,
+                                            const Progress& progress) {
   auto found = fair_filled_regions(mesh, views, options, progress);
   if (!found) return found.error();
   FairFill fair = std::move(found).value();

@@ -20,9 +20,9 @@ inline constexpr std::size_t kMeshCheckBytes = 120;
 /// fair_filled_regions() has them, unless that would break what `check` says of the mesh. Regions
 /// near samples are faired twice. Gives notes on what stays as the closed field has it. Errors: as
 /// fair_filled_regions().
-Result<std::vector<std::string>> close_holes(const FairFillOptions& options,
-                                             const std::vector<ViewSampler>& views,
-                                             TriangleMesh& mesh, MeshCheck& check,
-                                             const Progress& progress = {});
+Result<std::vector<std::string>> fair_holes(const FairFillOptions& options,
+                                            const std::vector<ViewSampler>& views,
+                                            TriangleMesh& mesh, MeshCheck& check,
+                                            const Progress& progress = {});
 
 }  // namespace relief::fusion

@@ -195,19 +195,10 @@ void FairRegions::add_islands(FairRegion& region) const {
 
 // Whether most filled vertices are near islands or scattered samples.
 bool FairRegions::is_near_samples(const FairRegion& region) const {
-  std::vector<std::uint32_t> ring = region.islands, next;
+  std::vector<std::uint32_t> samples = region.islands;
   for (const PlateVertex& free : region.vertices)
-    if (scattered_.contains(free.vertex)) ring.push_back(free.vertex);
-  std::unordered_set<std::uint32_t> near(ring.begin(), ring.end());
-  for (int distance = 1; distance <= kNearSamples && !ring.empty(); ++distance) {
-    next.clear();
-    for (const std::uint32_t v : ring)
-      around_.visit(v, [&](std::uint32_t f) {
-        for (const std::uint32_t w : mesh_.faces[f])
-          if (rings_[w] <= MeshRings::kMargin && near.insert(w).second) next.push_back(w);
-      });
-    ring.swap(next);
-  }
+    if (scattered_.contains(free.vertex)) samples.push_back(free.vertex);
+  const auto near = edges_from(std::move(samples), kNearSamples, mesh_, around_);
   std::size_t filled = 0, filled_near = 0;
   for (const PlateVertex& free : region.vertices) {
     if (!mesh_.filled[free.vertex]) continue;

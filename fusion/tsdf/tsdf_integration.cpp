@@ -50,7 +50,7 @@ bool measures(const Observation& seen, double truncation, double spacing) {
 
 }  // namespace
 
-double nearness(double relative_distance) {
+double tukey_biweight(double relative_distance) {
   const double inside = 1.0 - relative_distance * relative_distance;
   return inside > 0.0 ? inside * inside : 0.0;
 }
@@ -152,7 +152,7 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
     const auto seen = view->observe(quad, kFootReach * spacing_);
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
     if (measures(*seen, truncation_, spacing_))
-      near_.push_back({seen->distance, seen->weight * nearness(seen->distance / truncation_),
+      near_.push_back({seen->distance, seen->weight * tukey_biweight(seen->distance / truncation_),
                        seen->normal, seen->distance < -seen->matter_depth, view});
     else if (seen->clearance > 0.5 * truncation_)
       empty_.push_back({seen->distance, seen->weight, seen->normal, false, view});

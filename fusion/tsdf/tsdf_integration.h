@@ -26,7 +26,7 @@ struct TsdfSample {
 
 /// t of (F4), for a distance relative to the truncation: Tukey's biweight. Of surfaces close
 /// together the nearer one counts most, and the average stays unbiased where the surface is.
-double nearness(double relative_distance);
+double tukey_biweight(double relative_distance);
 
 /// Combines the views' signed distances (Curless and Levoy 1996) as docs/fusion.md has it.
 /// Keeps scratch memory: one object per thread.

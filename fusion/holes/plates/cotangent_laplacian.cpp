@@ -1,6 +1,7 @@
 #include "fusion/holes/plates/cotangent_laplacian.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -13,6 +14,23 @@ namespace {
 constexpr double kLeastThickness = 0.05;
 
 }  // namespace
+
+std::unordered_map<std::uint32_t, int> edges_from(std::vector<std::uint32_t> start, int most,
+                                                  const TriangleMesh& mesh,
+                                                  const FacesAround& around) {
+  std::unordered_map<std::uint32_t, int> edges;
+  for (const std::uint32_t v : start) edges.emplace(v, 0);
+  for (int distance = 1; distance <= most; ++distance) {
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t v : start)
+      around.visit(v, [&](std::uint32_t face) {
+        for (const std::uint32_t other : mesh.faces[face])
+          if (edges.emplace(other, distance).second) next.push_back(other);
+      });
+    start = std::move(next);
+  }
+  return edges;
+}
 
 FaceShape shape_of(const TriangleMesh& mesh, std::uint32_t face) {
   FaceShape shape;

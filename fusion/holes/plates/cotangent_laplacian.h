@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,6 +27,12 @@ class FacesAround {
  private:
   std::vector<std::uint32_t> first_, faces_;
 };
+
+/// Edges from the nearest of `start` to each vertex that is no farther than `most` edges, across
+/// vertices that `around` has the faces of.
+std::unordered_map<std::uint32_t, int> edges_from(std::vector<std::uint32_t> start, int most,
+                                                  const TriangleMesh& mesh,
+                                                  const FacesAround& around);
 
 /// Cotangents of a face's three angles, and its area.
 struct FaceShape {
