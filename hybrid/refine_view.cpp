@@ -88,12 +88,6 @@ Result<void> validate(const RefineOptions& options) {
 // of rounding is not. Half of it would take rounding for it, twice would miss shared noise.
 constexpr double kShared = 3.0;
 
-// Pixels kept around the samples of a masked view: beyond them no step looks for what is there.
-constexpr int kMargin = 16;
-// Views whose samples take a smaller part of the grid than that are refined without the rest: many
-// steps go through all pixels. Above, what is saved is no more than copying costs.
-constexpr double kMasked = 0.9;
-
 // The steps of refine_view, each of which may end it early.
 class Refinement {
  public:
@@ -337,10 +331,8 @@ Result<RefinedView> refine_all_of(const RangeView& view, const RefineOptions& op
 
 Result<RefinedView> refine_without_margins(const RangeView& view, const RefineOptions& options,
                                            const Context& context) {
-  const ViewPart part = part_with_samples(view, kMargin);
-  const double pixels = static_cast<double>(part.width) * part.height;
-  if (pixels == 0.0 || pixels > kMasked * static_cast<double>(view.range.size()))
-    return refine_all_of(view, options, context);
+  const ViewPart part = part_to_refine(view);
+  if (part.pixels() == view.range.size()) return refine_all_of(view, options, context);
   auto result = refine_all_of(crop(view, part), options, context);
   if (result) result->view = with_part(view, part, std::move(result->view));
   return result;

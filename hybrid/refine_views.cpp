@@ -4,6 +4,7 @@
 #include <optional>
 #include <thread>
 
+#include "hybrid/model/view_part.h"
 #include "hybrid/refine_memory.h"
 #include "relief/hybrid/refine_view.h"
 #include "scan/base/parallel.h"
@@ -13,7 +14,8 @@ namespace relief::hybrid {
 
 namespace {
 
-// Memory of refine_view beyond its input: per pixel of the grid, and per sample [bytes]. Measured
+// Memory of refine_view beyond its input: per pixel of the part that is
+// refined, and per sample [bytes]. Measured
 // on full grids and on the masked ones of the bear, see docs/results.md.
 constexpr std::size_t kPixel = 100;
 std::size_t bytes_per_sample(Solver solver) { return solver == Solver::kMultigrid ? 300 : 2900; }
@@ -24,7 +26,7 @@ constexpr std::size_t kRefinedPixel = 30;
 }  // namespace
 
 std::size_t memory_to_refine(const RangeView& view, Solver solver) {
-  return kPixel * view.range.size() + bytes_per_sample(solver) * view.sample_count();
+  return kPixel * part_to_refine(view).pixels() + bytes_per_sample(solver) * view.sample_count();
 }
 
 std::size_t memory_of_refined(const std::vector<RangeView>& views) {

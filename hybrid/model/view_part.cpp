@@ -15,6 +15,13 @@ namespace {
 // would be other blocks than in the whole view.
 constexpr int kBlock = 8;
 
+// Pixels kept around the samples of a masked view: beyond them no step looks for what is there.
+constexpr int kMargin = 16;
+
+// Views whose samples take a smaller part of the grid than that are refined without the rest: many
+// steps go through all pixels. Above, what is saved is no more than copying costs.
+constexpr double kMasked = 0.9;
+
 template <typename T>
 Grid<T> crop(const Grid<T>& grid, const ViewPart& part) {
   if (grid.empty()) return {};
@@ -63,6 +70,13 @@ ViewPart part_with_samples(const RangeView& view, int margin) {
   u0 = std::max(u0 - margin, 0) / kBlock * kBlock, u1 = std::min(u1 + margin, view.width() - 1);
   v0 = std::max(v0 - margin, 0) / kBlock * kBlock, v1 = std::min(v1 + margin, view.height() - 1);
   return {u0, v0, u1 - u0 + 1, v1 - v0 + 1};
+}
+
+ViewPart part_to_refine(const RangeView& view) {
+  const ViewPart part = part_with_samples(view, kMargin);
+  const auto most = static_cast<std::size_t>(kMasked * static_cast<double>(view.range.size()));
+  if (part.pixels() == 0 || part.pixels() > most) return {0, 0, view.width(), view.height()};
+  return part;
 }
 
 RangeView crop(const RangeView& view, const ViewPart& part) {

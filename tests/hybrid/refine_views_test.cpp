@@ -43,6 +43,23 @@ TEST(RefineViews, AreAsManyAtOnceAsThreadsAndMemoryAllow) {
   EXPECT_EQ(views_at_once({}, {}), 1);
 }
 
+TEST(RefineViews, MaskedViewsNeedMemoryForTheirPartOnly) {
+  RangeView masked = noisy_views(1)[0];
+  const std::size_t whole = memory_to_refine(masked, Solver::kMultigrid);
+  std::size_t kept = 0;
+  for (int v = 0; v < kSize; ++v)
+    for (int u = 0; u < kSize; ++u)
+      if (u < 8 && v < 8)
+        kept += masked.has_sample(u, v);
+      else
+        masked.range(u, v) = kNoSample;
+  ASSERT_EQ(kept, 64);
+  const std::size_t part = memory_to_refine(masked, Solver::kMultigrid);
+  // 8 samples and a margin of 16 pixels: 24 of 64 columns and rows.
+  EXPECT_NEAR(static_cast<double>(part), (100 * 24 * 24 + 300 * 64), 1.0);
+  EXPECT_LT(part, whole / 10);
+}
+
 TEST(RefineViews, NeitherMemoryNorThreadsChangeAByte) {
   const std::vector<RangeView> views = noisy_views(3);
   const auto together = value_of(refine_views(views, {}, {.threads = 4}));

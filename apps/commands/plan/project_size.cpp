@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "hybrid/model/view_part.h"
+
 namespace relief {
 
 namespace {
@@ -15,6 +17,7 @@ ProjectSize size_of(const std::vector<RangeView>& views, bool ignore_poses) {
   size.views = views.size();
   for (const RangeView& view : views) {
     size.pixels += static_cast<double>(view.range.size());
+    size.refined_pixels += static_cast<double>(hybrid::part_to_refine(view).pixels());
     size.samples += static_cast<double>(view.sample_count());
     size.search |= ignore_poses || view.pose == PoseKind::kAbsent;
     size.with_normals |= view.has_normals();

@@ -10,11 +10,12 @@ namespace relief {
 /// What the costs of the steps, and the progress of `run`, depend on.
 struct ProjectSize {
   std::size_t views = 0;
-  std::size_t pairs = 0;      ///< Of views that may overlap.
-  double pixels = 0.0;        ///< Of all views.
-  double samples = 0.0;       ///< Of all views.
-  bool search = false;        ///< Whether poses are looked for by shape.
-  bool with_normals = false;  ///< Whether any view has normals.
+  std::size_t pairs = 0;        ///< Of views that may overlap.
+  double pixels = 0.0;          ///< Of all views.
+  double refined_pixels = 0.0;  ///< Of the parts of views around their samples.
+  double samples = 0.0;         ///< Of all views.
+  bool search = false;          ///< Whether poses are looked for by shape.
+  bool with_normals = false;    ///< Whether any view has normals.
 };
 
 /// `ignore_poses`: whether given poses are not used.
