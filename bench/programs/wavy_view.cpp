@@ -43,7 +43,9 @@ hybrid::ViewWeights wavy_weights(const hybrid::ViewProblem& problem, double sigm
     const double sigma = 2.0 * problem.slopes.axes[a].half_length[i] * sigma_normal;
     weights.slope[a][i] = static_cast<float>(1.0 / (sigma * sigma));
   });
-  weights.bias_step = static_cast<float>(1.0 / (sigma_bias_step * sigma_bias_step));
+  weights.bias_step.assign(problem.grid.size(), 0.0f);
+  for (const std::uint32_t i : problem.pixels)
+    weights.bias_step[i] = static_cast<float>(1.0 / sigma_bias_step);
   weights.bias_size = 8.0f;
   return weights;
 }

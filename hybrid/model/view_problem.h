@@ -83,8 +83,14 @@ void for_each_bias_pair(const ViewProblem& problem, const Visit& visit) {
 struct ViewWeights {
   std::vector<float> position;              ///< Per movable sample [1/unit^2]; else zero.
   std::array<std::vector<float>, 2> slope;  ///< Per slope constraint [1/unit^2]; else zero.
-  float bias_step = 0.0f;  ///< Of the change of the bias between neighbours [1/rad^2].
+  /// Per movable sample, for the change of the bias between neighbours [1/rad]: the weight of a
+  /// pair is the product of both. Else zero.
+  std::vector<float> bias_step;
   float bias_size = 0.0f;  ///< Of the bias itself [1/rad^2]; keeps islands determined.
+
+  double bias_step_between(std::size_t a, std::size_t b) const {
+    return double{bias_step[a]} * bias_step[b];
+  }
 };
 
 /// Residual of every slope constraint [unit] at `y`, by axis, padded; zero elsewhere.

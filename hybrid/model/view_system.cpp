@@ -102,10 +102,11 @@ void ViewSystem::add_bias_prior(const ViewWeights& weights) {
   for (Eigen::Index i = samples_; i < 3 * samples_; ++i) diagonal(i) += weights.bias_size;
   const std::uint32_t* next = smooth_slots_.data();
   for (const auto& [a, b] : neighbours_) {
+    const double step = weights.bias_step_between(problem_.pixels[a], problem_.pixels[b]);
     for (const int block : {1, 2}) {
-      diagonal(block * samples_ + a) += weights.bias_step;
-      diagonal(block * samples_ + b) += weights.bias_step;
-      values[*next++] -= weights.bias_step;
+      diagonal(block * samples_ + a) += step;
+      diagonal(block * samples_ + b) += step;
+      values[*next++] -= step;
     }
   }
 }

@@ -18,20 +18,22 @@ Eigen::Matrix3d diagonal_block(const StencilView& s, std::ptrdiff_t i) {
   Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
   block(0, 0) = s.mass[i];
   block(1, 1) = block(2, 2) = s.bias_size;
-  const auto add = [&](const StencilView::Axis& axis, int bias, std::ptrdiff_t edge, double slope) {
+  const auto add = [&](const StencilView::Axis& axis, int bias, std::ptrdiff_t edge, double slope,
+                       std::ptrdiff_t other) {
     const double weight = axis.weight[edge], half = axis.half_length[edge];
     block(0, 0) += weight * slope * slope;
     block(0, bias) -= weight * slope * half;
     block(bias, 0) -= weight * slope * half;
     block(bias, bias) += weight * half * half;
     if (half <= 0.0) return;
-    block(1, 1) += s.bias_step;
-    block(2, 2) += s.bias_step;
+    const double step = double{s.bias_step[i]} * s.bias_step[other];
+    block(1, 1) += step;
+    block(2, 2) += step;
   };
-  add(s.along_u, 1, i, -double{s.along_u.tail[i]});
-  add(s.along_u, 1, i - 1, s.along_u.head[i - 1]);
-  add(s.along_v, 2, i, -double{s.along_v.tail[i]});
-  add(s.along_v, 2, i - s.stride, s.along_v.head[i - s.stride]);
+  add(s.along_u, 1, i, -double{s.along_u.tail[i]}, i + 1);
+  add(s.along_u, 1, i - 1, s.along_u.head[i - 1], i - 1);
+  add(s.along_v, 2, i, -double{s.along_v.tail[i]}, i + s.stride);
+  add(s.along_v, 2, i - s.stride, s.along_v.head[i - s.stride], i - s.stride);
   return block;
 }
 
@@ -49,7 +51,7 @@ EdgeStencil::EdgeStencil(const ViewProblem& problem, bool with_bias) : problem_(
 void EdgeStencil::set_weights(ViewWeights weights) {
   weights_ = std::move(weights);
   if (!no_length_.empty()) {
-    weights_.bias_step = 0.0f;
+    weights_.bias_step.assign(grid().size(), 0.0f);
     weights_.bias_size = 1.0f;
   }
   const StencilView stencil = view();
@@ -77,7 +79,7 @@ StencilView EdgeStencil::view() const {
   StencilView view{.mass = weights_.position.data(), .along_u = along(0), .along_v = along(1)};
   for (int k = 0; k < 6; ++k) view.inverse[k] = inverse_[k].data();
   view.stride = grid().stride();
-  view.bias_step = weights_.bias_step;
+  view.bias_step = weights_.bias_step.data();
   view.bias_size = weights_.bias_size;
   return view;
 }

@@ -13,7 +13,8 @@ struct StencilView {
   } along_u, along_v;
   const float* inverse[6] = {};  // xx, xu, xv, uu, uv, vv of the inverse diagonal blocks
   std::ptrdiff_t stride = 0;
-  float bias_step = 0.0f, bias_size = 0.0f;
+  const float* bias_step = nullptr;  // Of a sample: pairs weigh the product of both.
+  float bias_size = 0.0f;
 };
 
 /// Three planes, one per unknown of a pixel.

@@ -83,23 +83,24 @@ class PixelRows {
     own(0, 0) = s_.mass[i];
     own(1, 1) = own(2, 2) = s_.bias_size;
     const auto stride = static_cast<std::size_t>(s_.stride);
-    edge(s_.along_u, 1, i, true, i + 1, own, visit);
-    edge(s_.along_u, 1, i - 1, false, i - 1, own, visit);
-    edge(s_.along_v, 2, i, true, i + stride, own, visit);
-    edge(s_.along_v, 2, i - stride, false, i - stride, own, visit);
+    edge(s_.along_u, 1, i, i, i + 1, own, visit);
+    edge(s_.along_u, 1, i - 1, i, i - 1, own, visit);
+    edge(s_.along_v, 2, i, i, i + stride, own, visit);
+    edge(s_.along_v, 2, i - stride, i, i - stride, own, visit);
     visit(i, own);
   }
 
  private:
   template <typename Visit>
-  void edge(const StencilView::Axis& axis, int bias, std::size_t k, bool is_tail, std::size_t other,
-            Eigen::Matrix3d& own, const Visit& visit) const {
+  void edge(const StencilView::Axis& axis, int bias, std::size_t k, std::size_t i,
+            std::size_t other, Eigen::Matrix3d& own, const Visit& visit) const {
     const double weight = axis.weight[k];
     if (weight <= 0.0) return;
     const double half = -double{axis.half_length[k]};
     const double tail = -double{axis.tail[k]}, head = axis.head[k];
+    const bool is_tail = k == i;
     const double here = is_tail ? tail : head, there = is_tail ? head : tail;
-    const double step = half < 0.0 ? s_.bias_step : 0.0;
+    const double step = half < 0.0 ? double{s_.bias_step[i]} * s_.bias_step[other] : 0.0;
     own(0, 0) += weight * here * here;
     own(0, bias) += weight * here * half;
     own(bias, 0) += weight * here * half;

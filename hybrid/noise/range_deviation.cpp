@@ -83,7 +83,7 @@ Eigen::VectorXd shrinkage(const ErrorSystem& system, const Eigen::VectorXd& y) {
   for_each_bias_pair(system.problem, [&](std::size_t at0, std::size_t at1) {
     for (const Eigen::Index block : {count, 2 * count}) {
       const Eigen::Index a = block + system.number[at0], b = block + system.number[at1];
-      const double change = system.weights.bias_step * (y[a] - y[b]);
+      const double change = system.weights.bias_step_between(at0, at1) * (y[a] - y[b]);
       rhs[a] += change;
       rhs[b] -= change;
     }

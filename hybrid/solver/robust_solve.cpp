@@ -7,6 +7,7 @@
 
 #include "hybrid/noise/constraint_median.h"
 #include "hybrid/noise/range_deviation.h"
+#include "hybrid/solver/bias_roughness.h"
 #include "hybrid/solver/view_solver.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
@@ -23,8 +24,9 @@ constexpr double kBiasSize = 0.35;
 // to 2 % on Gaussian noise (docs/results.md, How close to the least error possible).
 constexpr double kRobustWidth = 3.0;
 
+// `roughness` of the bias at each movable sample; empty: the same everywhere.
 ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
-                            const RefineOptions& options) {
+                            const RefineOptions& options, const std::vector<float>& roughness) {
   ViewWeights weights;
   weights.position.assign(problem.grid.size(), 0.0f);
   const double position = 1.0 / (noise.sigma_position * noise.sigma_position);
@@ -43,7 +45,11 @@ ViewWeights initial_weights(const ViewProblem& problem, const NoiseModel& noise,
     weights.slope[a][i] =
         static_cast<float>(1.0 / (noise.slope_share * sigma * sigma + truncation));
   });
-  weights.bias_step = static_cast<float>(1.0 / (noise.sigma_bias_step * noise.sigma_bias_step));
+  weights.bias_step.assign(problem.grid.size(), 0.0f);
+  for_each_sample(problem, [&](Eigen::Index k, std::uint32_t pixel) {
+    const double rough = roughness.empty() ? 1.0 : roughness[static_cast<std::size_t>(k)];
+    weights.bias_step[pixel] = static_cast<float>(1.0 / (noise.sigma_bias_step * std::sqrt(rough)));
+  });
   weights.bias_size = static_cast<float>(1.0 / (kBiasSize * kBiasSize));
   return weights;
 }
@@ -87,7 +93,8 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
                            const RefineOptions& options, const Context& context) {
   const bool with_bias = options.bias == BiasModel::kLatent;
   const auto solver = make_view_solver(problem, with_bias, options.solver);
-  ViewWeights weights = initial_weights(problem, noise, options);
+  std::vector<float> roughness;
+  ViewWeights weights = initial_weights(problem, noise, options, roughness);
   RobustSolve result;
   const auto count = static_cast<Eigen::Index>(problem.size());
   result.y = Eigen::VectorXd::Zero((with_bias ? 3 : 1) * count);
@@ -103,8 +110,12 @@ RobustSolve solve_robustly(const ViewProblem& problem, const NoiseModel& noise,
       result.interrupted = true;
       return result;
     }
+    // The first solution tells where the bias is rough. Later ones would find it ever rougher
+    // there.
+    if (result.rounds == 1 && !options.sigma_bias_step)
+      roughness = bias_roughness(problem, result.y);
     if (result.rounds > 0)
-      weights = reweighted(problem, initial_weights(problem, noise, options),
+      weights = reweighted(problem, initial_weights(problem, noise, options, roughness),
                            slope_residuals(problem, result.y));
     if (!solver->set_weights(weights)) {
       result.status = RefineStatus::kSolverFailed;

@@ -37,7 +37,7 @@ ViewWeights random_weights(const ViewProblem& problem, std::uint32_t seed) {
         random_vector(static_cast<Eigen::Index>(problem.grid.size()), plane_seed);
     return std::vector<float>(values.begin(), values.end());
   };
-  return {plane(seed), {plane(seed + 1), plane(seed + 2)}, 0.7f + static_cast<float>(seed), 0.2f};
+  return {plane(seed), {plane(seed + 1), plane(seed + 2)}, plane(seed + 3), 0.2f};
 }
 
 // The objective (H5) written down from the definition of its residuals.
@@ -62,7 +62,8 @@ double objective(const ViewProblem& problem, const ViewWeights& weights, const E
   if (!with_bias) return sum;
   for (const auto& [a, b] : bias_neighbours(problem))
     for (const Eigen::Index block : {n, 2 * n})
-      sum += double{weights.bias_step} * std::pow(y[block + a] - y[block + b], 2);
+      sum += weights.bias_step_between(problem.pixels[a], problem.pixels[b]) *
+             std::pow(y[block + a] - y[block + b], 2);
   return sum + double{weights.bias_size} * y.tail(2 * n).squaredNorm();
 }
 

@@ -42,11 +42,14 @@ class Coarsening : public ::testing::Test {
         stencil_(problem_, true) {
     std::mt19937 generator(5);
     std::uniform_real_distribution<float> uniform(0.5f, 2.0f);
-    weights_.bias_step = 3.0f;
     weights_.bias_size = 0.1f;
-    for (auto* plane : {&weights_.position, &weights_.slope[0], &weights_.slope[1]})
+    for (auto* plane :
+         {&weights_.position, &weights_.slope[0], &weights_.slope[1], &weights_.bias_step})
       plane->assign(problem_.grid.size(), 0.0f);
-    for (const std::uint32_t i : problem_.pixels) weights_.position[i] = 0.05f * uniform(generator);
+    for (const std::uint32_t i : problem_.pixels) {
+      weights_.position[i] = 0.05f * uniform(generator);
+      weights_.bias_step[i] = 1.7f * uniform(generator);
+    }
     problem_.slopes.for_each([&](int axis, std::size_t i) {
       weights_.slope[static_cast<std::size_t>(axis)][i] = uniform(generator);
     });
@@ -189,7 +192,8 @@ TEST_F(Coarsening, RigidMotionsFollowTheConstraintsFromTheRoot) {
   ViewWeights ones;
   ones.position.assign(problem.grid.size(), 1.0f);
   ones.slope = {ones.position, ones.position};
-  ones.bias_step = ones.bias_size = 1.0f;
+  ones.bias_step = ones.position;
+  ones.bias_size = 1.0f;
   for (const std::size_t axis : {0, 1})
     for (std::size_t i = 0; i < problem.grid.size(); ++i)
       if (!problem.slopes.exists(static_cast<int>(axis), i)) ones.slope[axis][i] = 0.0f;

@@ -48,7 +48,9 @@ ViewWeights weights_of(const ViewProblem& problem) {
   problem.slopes.for_each([&](int axis, std::size_t i) {
     weights.slope[static_cast<std::size_t>(axis)][i] = 1000.0f * static_cast<float>(1 + i % 3);
   });
-  weights.bias_step = 4e4f;
+  weights.bias_step.assign(problem.grid.size(), 0.0f);
+  for (std::size_t k = 0; k < problem.size(); ++k)
+    weights.bias_step[problem.pixels[k]] = 100.0f * static_cast<float>(1 + k % 3);
   weights.bias_size = 10.0f;
   return weights;
 }
@@ -109,8 +111,9 @@ Eigen::VectorXd dense_deviation(const ViewProblem& problem, const ViewWeights& w
     for (const Eigen::Index block : {n, 2 * n}) {
       column.segment(block, n) = weights.bias_size * y.segment(block, n);
       for (const auto& [a, b] : bias_neighbours(problem)) {
-        column(block + a) += weights.bias_step * (y[block + a] - y[block + b]);
-        column(block + b) += weights.bias_step * (y[block + b] - y[block + a]);
+        const double step = weights.bias_step_between(problem.pixels[a], problem.pixels[b]);
+        column(block + a) += step * (y[block + a] - y[block + b]);
+        column(block + b) += step * (y[block + b] - y[block + a]);
       }
     }
   }
