@@ -258,8 +258,12 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   if (const auto room = make_room(memory.get(), kVertexAttributes * result.mesh.vertices.size());
       !room)
     return room.error();
-  const VertexAttributeOptions measure{result.truncation, result.voxel_size, result.view_noise,
-                                       memory.get(), prepare.indices()};
+  const VertexAttributeOptions measure{.truncation = result.truncation,
+                                       .voxel_size = result.voxel_size,
+                                       .view_noise = result.view_noise,
+                                       .nominal_deviation = quality.deviation,
+                                       .memory = memory.get(),
+                                       .view_indices = prepare.indices()};
   set_vertex_attributes(result.mesh, *samplers, measure);
   const FairFillOptions fair{result.truncation, result.voxel_size, memory.get()};
   const Progress closing = part_of(context.progress, kMeasured, kMeasured);

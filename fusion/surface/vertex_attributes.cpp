@@ -16,12 +16,14 @@ namespace {
 // four views. The variance of two views then scatters by sqrt(2) / 4 = 35 %, without it by 141.
 constexpr double kPriorWeight = 3.0;
 
-float standard_error(const TsdfSample& evidence, double view_noise) {
-  const double own = evidence.effective_views - 1.0;
-  const double variance =
-      (kPriorWeight * view_noise * view_noise + evidence.effective_views * evidence.variance) /
-      (kPriorWeight + std::max(0.0, own));
-  return static_cast<float>(std::sqrt(variance / std::max(1.0, evidence.effective_views)));
+float standard_error(const TsdfSample& evidence, const VertexAttributeOptions& options) {
+  const double own = std::max(0.0, evidence.effective_views - 1.0);
+  // Of the mean, by what the views know of their errors.
+  const double known = options.nominal_deviation > 0.0
+                           ? std::pow(options.nominal_deviation, 2) / evidence.certainty
+                           : std::pow(options.view_noise, 2) / (1.0 + own);
+  return static_cast<float>(
+      std::sqrt((kPriorWeight * known + evidence.variance) / (kPriorWeight + own)));
 }
 
 }  // namespace
@@ -45,7 +47,7 @@ void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& v
       mesh.views[v] = static_cast<std::uint16_t>(std::min(evidence.views, 65535));
       if (const auto view = collector.strongest_view(); view && !mesh.source_views.empty())
         mesh.source_views[v] = options.view_indices[*view];
-      mesh.quality[v] = standard_error(evidence, options.view_noise);
+      mesh.quality[v] = standard_error(evidence, options);
     }
   });
 }

@@ -13,6 +13,9 @@ struct VertexAttributeOptions {
   double voxel_size = 0.0;  ///< As used for the field [unit].
   /// Noise of one view's positions along the normal [unit]: what a vertex seen by one view has.
   double view_noise = 0.0;
+  /// If > 0, weights are inverse variances in units of its square [unit]: see
+  /// ObservationWeightOptions.
+  double nominal_deviation = 0.0;
   MemoryLimit* memory = nullptr;  ///< May be null.
   /// Of each of the views, as `source_views` of the mesh has them; none: the mesh has none.
   std::vector<std::uint16_t> view_indices{};

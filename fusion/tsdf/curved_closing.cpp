@@ -96,7 +96,9 @@ bool close_curved(SparseField& field, const std::vector<ViewSampler>& views,
   std::vector<std::pair<std::size_t, NodeConstraint>> before;
   for (int round = 0; round < options.rounds; ++round) {
     TriangleMesh mesh = extract_isosurface(field, options.memory);
-    set_vertex_attributes(mesh, views, {options.truncation, spacing, 0.0, options.memory});
+    set_vertex_attributes(
+        mesh, views,
+        {.truncation = options.truncation, .voxel_size = spacing, .memory = options.memory});
     hold_open_border(mesh);
     FairFillOptions fair{options.truncation, spacing, options.memory};
     fair.most_factorised = fair.most_solved = options.most_vertices;

@@ -57,8 +57,8 @@ double tukey_biweight(double relative_distance) {
 
 // By everything that enters a sum.
 bool TsdfIntegrator::TsdfObservation::operator<(const TsdfObservation& other) const {
-  return std::tie(distance, weight, normal.x(), normal.y(), normal.z()) <
-         std::tie(other.distance, other.weight, other.normal.x(), other.normal.y(),
+  return std::tie(distance, weight, certainty, normal.x(), normal.y(), normal.z()) <
+         std::tie(other.distance, other.weight, other.certainty, other.normal.x(), other.normal.y(),
                   other.normal.z());
 }
 
@@ -151,11 +151,12 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
   for (const auto& [view, quad, side] : sightings_) {
     const auto seen = view->observe(quad, kFootReach * spacing_);
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
+    const double near = tukey_biweight(seen->distance / truncation_);
     if (measures(*seen, truncation_, spacing_))
-      near_.push_back({seen->distance, seen->weight * tukey_biweight(seen->distance / truncation_),
-                       seen->normal, seen->distance < -seen->matter_depth, view});
+      near_.push_back({seen->distance, seen->weight * near, seen->certainty * near, seen->normal,
+                       seen->distance < -seen->matter_depth, view});
     else if (seen->clearance > 0.5 * truncation_)
-      empty_.push_back({seen->distance, seen->weight, seen->normal, false, view});
+      empty_.push_back({seen->distance, seen->weight, seen->certainty, seen->normal, false, view});
     sample.clearance = std::max(sample.clearance, seen->clearance);
     if (seen->border >= kAmongRays) sample.in_front = std::max(sample.in_front, seen->distance);
   }
@@ -169,6 +170,7 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
   double squares = 0.0, inside = 0.0, empty = 0.0;
   for (const TsdfObservation& observation : near_) {
     sample.weight += observation.weight;
+    sample.certainty += observation.certainty;
     squares += observation.weight * observation.weight;
     sample.distance += observation.weight * observation.distance;
     if (observation.distance < 0.0) inside += observation.weight;

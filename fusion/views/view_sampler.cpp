@@ -81,6 +81,7 @@ Result<ViewSampler> ViewSampler::create(const RangeView& view, const PagedSurfac
   sampler.world_from_view_ = view.world_from_view;
   sampler.view_from_world_ = view.world_from_view.inverse();
   sampler.surface_ = surface_of(view, options);
+  sampler.silhouette_ramp_ = options.weights.silhouette_ramp;
   if (sampler.empty()) return created;
   auto projection = ViewProjection::create(view);
   if (!projection) return projection.error();
@@ -148,6 +149,7 @@ std::optional<Observation> ViewSampler::observe(const Quad& quad, double foot_re
   Observation seen;
   seen.distance = surface.distance(point);
   seen.weight = surface.weight;
+  seen.certainty = surface.weight / silhouette_weight(border, silhouette_ramp_);
   seen.border = border;
   seen.matter_depth = border * surface_.spacing;
   seen.range_gap = (point - surface.origin - surface.chord).norm();

@@ -22,6 +22,8 @@ struct Observation {
   double distance = 0.0;
   /// Confidence x cosine of the viewing angle x ramp from the silhouette, >= 0.
   double weight = 0.0;
+  /// The weight without the ramp: the inverse variance, where the view knows deviations.
+  double certainty = 0.0;
   /// No unseen space lies within this distance of the point as far as the view can tell [unit]:
   /// zero behind the surface, growing in front of it and away from the silhouette.
   double clearance = 0.0;
@@ -112,6 +114,7 @@ class ViewSampler {
   RigidMotion view_from_world_ = RigidMotion::Identity();
   RigidMotion world_from_view_ = RigidMotion::Identity();
   PagedSurface surface_;
+  int silhouette_ramp_ = 0;                                // [pixels]
   Eigen::Vector3d depth_axis_ = Eigen::Vector3d::UnitZ();  // Mean ray direction, view frame.
   DepthPyramid depths_;  // Of the surface along the axis, from its centre.
 };

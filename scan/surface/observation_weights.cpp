@@ -5,15 +5,10 @@
 
 namespace relief {
 
-namespace {
-
-// Samples beside a silhouette are the least accurate: the spot of the sensor lies on both sides.
-double silhouette_weight(int boundary_distance, int ramp) {
+double silhouette_weight(double boundary_distance, int ramp) {
   constexpr double kLeast = 0.1;  // [pixels]; keeps the weight positive.
   return std::min(1.0, (boundary_distance + kLeast) / (ramp + kLeast));
 }
-
-}  // namespace
 
 Grid<float> observation_weights(const RangeView& view, const ConnectedGrid& grid,
                                 const Grid<Eigen::Vector3f>& normals,

@@ -16,6 +16,10 @@ struct ObservationWeightOptions {
   double nominal_deviation = 0.0;
 };
 
+/// The ramp of the weight, > 0 and at most 1, so many pixels from the silhouette: samples beside it
+/// are the least accurate, since the spot of the sensor lies on both sides.
+double silhouette_weight(double boundary_distance, int ramp);
+
 /// What each sample counts for where several views are averaged (Turk and Levoy 1994): confidence x
 /// cosine of the viewing angle x ramp from the silhouette. Where a sample's deviation is known,
 /// (nominal deviation / deviation along the normal)^2 takes the place of the confidence; a

@@ -43,7 +43,8 @@ Merged merged(const std::vector<RangeView>& views, double voxel = kVoxel) {
   const auto field = value_of(compute_closed_field(result.samplers, options, {}));
   result.mesh = extract_isosurface(field.finest());
   keep_largest_component(result.mesh);
-  set_vertex_attributes(result.mesh, result.samplers, {kTruncation, voxel, 0.1, nullptr});
+  set_vertex_attributes(result.mesh, result.samplers,
+                        {.truncation = kTruncation, .voxel_size = voxel, .view_noise = 0.1});
   return result;
 }
 

@@ -120,7 +120,8 @@ TriangleMesh surface_of_scene(const std::vector<RangeView>& views, MemoryLimit* 
   options.memory = memory;
   const auto field = value_of(compute_closed_field(samplers, options, {}));
   TriangleMesh mesh = extract_isosurface(field.finest(), memory);
-  set_vertex_attributes(mesh, samplers, {3.6, 1.2, 0.2, memory});
+  set_vertex_attributes(
+      mesh, samplers, {.truncation = 3.6, .voxel_size = 1.2, .view_noise = 0.2, .memory = memory});
   return mesh;
 }
 
