@@ -1,0 +1,41 @@
+#include "apps/commands/plan/step_costs.h"
+
+#include <gtest/gtest.h>
+
+namespace relief {
+namespace {
+
+using reconstruction::Stage;
+
+// The bear of the test data.
+constexpr ProjectSize kSize{.views = 20,
+                            .pairs = 190,
+                            .pixels = 6.27e6,
+                            .refined_pixels = 1.43e6,
+                            .samples = 0.75e6,
+                            .with_normals = true};
+
+TEST(StepCosts, BlocksShareTheSamplesAndReadAllViewsEach) {
+  const StepCost whole = cost_of(Stage::kRefine, kSize), half = cost_of(Stage::kRefine, kSize, 0.5),
+                 none = cost_of(Stage::kRefine, kSize, 0.0);
+  EXPECT_NEAR(2.0 * half.cpu_seconds, whole.cpu_seconds + none.cpu_seconds, 1e-9);
+  EXPECT_NEAR(2.0 * half.disk_bytes, whole.disk_bytes, 1e-3);
+  EXPECT_GT(half.memory_bytes, none.memory_bytes);
+  // No block reads longer than it works.
+  const auto blocks = static_cast<double>(blocks_to_refine(kSize));
+  EXPECT_GE(whole.cpu_seconds - none.cpu_seconds, blocks * none.cpu_seconds);
+}
+
+TEST(StepCosts, WithoutNormalsNothingIsRefined) {
+  ProjectSize size = kSize;
+  size.with_normals = false;
+  EXPECT_EQ(blocks_to_refine(size), 1);
+  EXPECT_EQ(cost_of(Stage::kRefine, size).cpu_seconds,
+            cost_of(Stage::kRefine, size, 0.0).cpu_seconds);
+  EXPECT_LT(cost_of(Stage::kAlignAgain, size).cpu_seconds,
+            0.5 * cost_of(Stage::kAlignAgain, kSize).cpu_seconds);
+  EXPECT_EQ(cost_of(Stage::kMerge, size).cpu_seconds, cost_of(Stage::kMerge, kSize).cpu_seconds);
+}
+
+}  // namespace
+}  // namespace relief
