@@ -14,9 +14,8 @@ namespace relief::hybrid {
 
 namespace {
 
-// Memory of refine_view beyond its input: per pixel of the part that is
-// refined, and per sample [bytes]. Measured
-// on full grids and on the masked ones of the bear, see docs/results.md.
+// Memory of refine_view beyond its input: per pixel of the part that is refined, and per sample
+// [bytes]. Measured on full grids and on the masked ones of the bear, see docs/results.md.
 constexpr std::size_t kPixel = 100;
 std::size_t bytes_per_sample(Solver solver) { return solver == Solver::kMultigrid ? 300 : 2900; }
 

@@ -57,9 +57,9 @@ double tukey_biweight(double relative_distance) {
 
 // By everything that enters a sum.
 bool TsdfIntegrator::TsdfObservation::operator<(const TsdfObservation& other) const {
-  return std::tie(distance, weight, certainty, normal.x(), normal.y(), normal.z()) <
-         std::tie(other.distance, other.weight, other.certainty, other.normal.x(), other.normal.y(),
-                  other.normal.z());
+  return std::tie(distance, weight, information, normal.x(), normal.y(), normal.z()) <
+         std::tie(other.distance, other.weight, other.information, other.normal.x(),
+                  other.normal.y(), other.normal.z());
 }
 
 // Of the two sides of a thin plate only the nearer one tells the distance to the plate.
@@ -153,10 +153,11 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
     const double near = tukey_biweight(seen->distance / truncation_);
     if (measures(*seen, truncation_, spacing_))
-      near_.push_back({seen->distance, seen->weight * near, seen->certainty * near, seen->normal,
+      near_.push_back({seen->distance, seen->weight * near, seen->information * near, seen->normal,
                        seen->distance < -seen->matter_depth, view});
     else if (seen->clearance > 0.5 * truncation_)
-      empty_.push_back({seen->distance, seen->weight, seen->certainty, seen->normal, false, view});
+      empty_.push_back(
+          {seen->distance, seen->weight, seen->information, seen->normal, false, view});
     sample.clearance = std::max(sample.clearance, seen->clearance);
     if (seen->border >= kAmongRays) sample.in_front = std::max(sample.in_front, seen->distance);
   }
@@ -170,7 +171,7 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
   double squares = 0.0, inside = 0.0, empty = 0.0;
   for (const TsdfObservation& observation : near_) {
     sample.weight += observation.weight;
-    sample.certainty += observation.certainty;
+    sample.information += observation.information;
     squares += observation.weight * observation.weight;
     sample.distance += observation.weight * observation.distance;
     if (observation.distance < 0.0) inside += observation.weight;

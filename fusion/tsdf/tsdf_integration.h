@@ -19,7 +19,7 @@ struct TsdfSample {
   double in_front = 0.0;   ///< The most that a view sees it in front of its surface [unit], by rays
                            ///< among others that meet the same surface.
   double weight = 0.0;     ///< Sum of the weights of the measuring views.
-  double certainty = 0.0;  ///< Sum of these weights without the ramp from the silhouette.
+  double information = 0.0;      ///< Sum of these weights without the ramp from the silhouette.
   double effective_views = 0.0;  ///< (sum w)^2 / sum w^2.
   double variance = 0.0;         ///< Weighted variance of the views' distances [unit^2].
   int views = 0;                 ///< Number of measuring views.
@@ -70,7 +70,7 @@ class TsdfIntegrator {
   };
 
   struct TsdfObservation {
-    double distance, weight, certainty;
+    double distance, weight, information;
     Eigen::Vector3d normal;
     bool presumed;  // Behind the surface, deeper than the view knows of matter.
     const ViewSampler* view;

@@ -149,7 +149,7 @@ std::optional<Observation> ViewSampler::observe(const Quad& quad, double foot_re
   Observation seen;
   seen.distance = surface.distance(point);
   seen.weight = surface.weight;
-  seen.certainty = surface.weight / silhouette_weight(border, silhouette_ramp_);
+  seen.information = surface.weight / silhouette_weight(border, silhouette_ramp_);
   seen.border = border;
   seen.matter_depth = border * surface_.spacing;
   seen.range_gap = (point - surface.origin - surface.chord).norm();

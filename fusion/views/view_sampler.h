@@ -23,7 +23,7 @@ struct Observation {
   /// Confidence x cosine of the viewing angle x ramp from the silhouette, >= 0.
   double weight = 0.0;
   /// The weight without the ramp: the inverse variance, where the view knows deviations.
-  double certainty = 0.0;
+  double information = 0.0;
   /// No unseen space lies within this distance of the point as far as the view can tell [unit]:
   /// zero behind the surface, growing in front of it and away from the silhouette.
   double clearance = 0.0;

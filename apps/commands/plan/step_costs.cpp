@@ -69,7 +69,10 @@ StepCost cost_of(reconstruction::Stage stage, const ProjectSize& size, double sh
   // Without normals nothing is refined, and nothing aligned again.
   const bool idle = !size.with_normals && (stage == Stage::kRefine || stage == Stage::kAlignAgain);
   ProjectSize worked = size;
-  if (idle) worked.samples = 0.0, worked.pairs = 0;
+  if (idle) {
+    worked.samples = 0.0;
+    worked.pairs = 0;
+  }
   StepCost cost = cost_by(model_of(stage), worked, share);
   if (stage == Stage::kAlign && size.search)
     cost.cpu_seconds += kSearchedPair * static_cast<double>(size.pairs);

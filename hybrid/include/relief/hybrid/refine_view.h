@@ -50,7 +50,8 @@ struct RefineOptions {
   std::optional<double> lambda;
 
   /// kLatent: standard deviation of the change of the bias between neighbours [rad], > 0. Default:
-  /// such that bias and noise of the normals cross where positions and normals do.
+  /// such that bias and noise of the normals cross where positions and normals do, and larger where
+  /// the first solution shows that the bias is rough (H18). A given one is the same everywhere.
   std::optional<double> sigma_bias_step;
   /// kTwoStep: length of the smoothing kernel [samples], > 0. Default: the wavelength / 2 pi at
   /// which the errors of positions and normals cross.
