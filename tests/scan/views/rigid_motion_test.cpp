@@ -27,6 +27,11 @@ TEST(RigidMotion, FromMatrixTakesRoundingAndNothingElse) {
   Eigen::Matrix4d matrix = some_motion().matrix();
   ASSERT_THAT(rigid_motion_from_matrix(matrix.cast<float>().cast<double>(), "pose"), IsOk());
 
+  const Eigen::Matrix4d three_decimals = (matrix * 1000.0).array().round() / 1000.0;
+  const auto rounded = rigid_motion_from_matrix(three_decimals, "pose");
+  ASSERT_THAT(rounded, IsOk());
+  EXPECT_LT(rotation_angle(*rounded * some_motion().inverse()), 1e-3);
+
   Eigen::Matrix4d scaled = matrix;
   scaled.topLeftCorner<3, 3>() *= 1.01;
   EXPECT_THAT(rigid_motion_from_matrix(scaled, "pose"), HasError());
