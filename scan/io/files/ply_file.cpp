@@ -112,7 +112,8 @@ class PlyParser {
       } else if (keyword == "obj_info") {
         const std::string key(next_word(line));
         file_.object_info[key] = std::string(next_word(line));
-      } else if (!keyword.empty() && keyword != "comment") {
+      } else if (keyword != "comment" && !next_word(line).empty()) {
+        // A word alone declares nothing: copies of Stanford scans have lines `bye`.
         parsed = at_line("unknown header keyword " + quoted(keyword));
       }
       if (!parsed) return parsed;

@@ -91,6 +91,13 @@ TEST(Ply, RefusesCountsThatTheFileCannotHold) {
   EXPECT_THAT(parse(with_count("ascii", "-1")), HasError("line 3"));
 }
 
+TEST(Ply, SkipsHeaderLinesOfOneUnknownWord) {
+  const auto ply = value_of(parse_ply(
+      "ply\nformat ascii 1.0\nbye\nelement vertex 1\nbye\nproperty float x\nend_header\n7\n",
+      "bye.ply"));
+  EXPECT_THAT(ply.find("vertex")->properties.at(0).values, ElementsAre(7));
+}
+
 TEST(Ply, NamesTheLineOfABadHeader) {
   EXPECT_THAT(parse("solid\n"), HasError("not a PLY"));
   EXPECT_THAT(parse("ply\nformat utf8 1.0\n"), HasError("line 2"));
@@ -99,6 +106,7 @@ TEST(Ply, NamesTheLineOfABadHeader) {
   EXPECT_THAT(parse("ply\nformat ascii 1.0\nelement v 1\nproperty list float int x\n"),
               HasError("counted"));
   EXPECT_THAT(parse("ply\nformat ascii 1.0\n"), HasError("inside its header"));
+  EXPECT_THAT(parse("ply\nformat ascii 1.0\nproprety float x\n"), HasError("line 3", "'proprety'"));
 }
 
 std::string grid(const std::string& size, const std::string& vertices, const std::string& places) {
