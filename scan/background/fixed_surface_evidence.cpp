@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "scan/base/disjoint_sets.h"
 #include "scan/base/parallel.h"
 
 namespace relief {
@@ -16,6 +17,7 @@ constexpr std::size_t kProbes = 3000;
 constexpr std::size_t kOtherViews = 16;  // at most, for each sample; bounds the time
 constexpr double kFar = 0.1;             // of the radius of what moves
 constexpr double kEdgeOfImage = 0.02;    // part of the moving pixels that may lie beyond a side
+constexpr double kIsland = 0.05;  // part of a view's moving samples: less is no piece of the object
 
 // A sample of a view of the stack.
 struct Probe {
@@ -164,15 +166,34 @@ int sides_beyond(const Extent& piece, const Extent& moving) {
   return sides;
 }
 
-// A moving sample with others round about: single ones are noise.
-bool moves(const Grid<SampleKind>& kinds, int u, int v) {
-  constexpr int kFewest = 4;  // Of the eight round about: half.
-  if (!kinds.contains(u, v) || kinds(u, v) != SampleKind::kMoving) return false;
-  int others = -1;
-  for (int dv = -1; dv <= 1; ++dv)
-    for (int du = -1; du <= 1; ++du)
-      others += kinds.contains(u + du, v + dv) && kinds(u + du, v + dv) == SampleKind::kMoving;
-  return others >= kFewest;
+// The moving samples of a view without islands: noise makes them anywhere, also in the middle of
+// what stands still.
+Grid<std::uint8_t> moving_object(const Grid<SampleKind>& kinds, const GridEdges& edges) {
+  const auto moving = [&](int u, int v) {
+    return kinds.contains(u, v) && kinds(u, v) == SampleKind::kMoving;
+  };
+  DisjointSets sets(kinds.size());
+  const int width = kinds.width();
+  std::size_t count = 0;
+  for (int v = 0; v < kinds.height(); ++v) {
+    for (int u = 0; u < width; ++u) {
+      if (!moving(u, v)) continue;
+      ++count;
+      const auto here = static_cast<std::uint32_t>(v * width + u);
+      if (moving(u + 1, v) && edges.connected(u, v, 1, 0)) sets.join(here, here + 1);
+      if (moving(u, v + 1) && edges.connected(u, v, 0, 1))
+        sets.join(here, here + static_cast<std::uint32_t>(width));
+    }
+  }
+  std::vector<std::size_t> sizes(kinds.size(), 0);
+  for (std::uint32_t i = 0; i < kinds.size(); ++i)
+    if (kinds[i] == SampleKind::kMoving) ++sizes[sets.find(i)];
+  const double least = kIsland * static_cast<double>(count);
+  Grid<std::uint8_t> object(width, kinds.height(), 0);
+  for (std::uint32_t i = 0; i < kinds.size(); ++i)
+    if (kinds[i] == SampleKind::kMoving && static_cast<double>(sizes[sets.find(i)]) >= least)
+      object[i] = 1;
+  return object;
 }
 
 }  // namespace
@@ -200,6 +221,7 @@ FixedSurfaceEvidence gather_evidence(const std::vector<RangeView>& views, const 
     evidence.has_poses = evidence.has_poses && views[stack.views[i]].pose != PoseKind::kAbsent &&
                          views[stack.views[i]].camera.can_project();
     std::vector<bool> seen(surface.pieces, false);
+    const auto object = moving_object(kinds[i], edges[i]);
     for (int v = 0; v < height; ++v) {
       for (int u = 0; u < width; ++u) {
         if (kinds[i](u, v) == SampleKind::kMoving) {
@@ -214,7 +236,7 @@ FixedSurfaceEvidence gather_evidence(const std::vector<RangeView>& views, const 
         seen[number] = true;
         extents[number].add(u, v);
         for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-          if (!moves(kinds[i], u + du, v + dv)) continue;
+          if (!object.contains(u + du, v + dv) || !object(u + du, v + dv)) continue;
           ++piece.beside;
           piece.attached += edges[i].connected(u, v, du, dv) ? 1 : 0;
         }

@@ -156,6 +156,28 @@ TEST_P(StaticBackgroundByPoses, APlateBehindATurningObjectIsFoundToThePixel) {
   EXPECT_EQ(found.undecided, 0u);
 }
 
+// A depth camera flickers: bumps come and go in the middle of the plate.
+TEST(StaticBackground, BumpsOfNoiseAreNoObjectThatThePlateTouches) {
+  Scans scans = turn(figure(), kPlate);
+  drop_poses(scans.views);
+  for (std::size_t i = 0; i < scans.views.size(); ++i) {
+    for (int bump = 0; bump < 10; ++bump) {
+      const double phase = 10.0 * static_cast<double>(i) + bump;
+      const double at_u = 80 + 70 * std::sin(1.3 * phase), at_v = 60 + 50 * std::cos(2.9 * phase);
+      for (int v = 0; v < 120; ++v)
+        for (int u = 0; u < 160; ++u)
+          if (scans.truth[i](u, v))
+            scans.views[i].range(u, v) -= static_cast<float>(
+                2.0 * std::exp(-(std::pow(u - at_u, 2) + std::pow(v - at_v, 2)) / 25.0));
+    }
+  }
+  const StaticBackground found = find_static_background(scans.views);
+  const Mistakes errors = mistakes(scans, found);
+  EXPECT_EQ(found.undecided, 0u);
+  EXPECT_EQ(errors.wrong, 0u);
+  EXPECT_LT(errors.missed, errors.truth / 20);  // The bumps themselves.
+}
+
 // Two views of twelve look through the middle of the ring.
 TEST(StaticBackground, APlateSeenThroughAGapOfTheObjectIsFound) {
   const Surface ring = nearest_of({sphere({0, 8, 8}, 8.5), sphere({0, -8, 8}, 8.5),
