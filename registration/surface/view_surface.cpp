@@ -151,6 +151,7 @@ Grid<Eigen::Vector3f> ViewSurface::smooth_normals(const RangeView& view, const C
   }
   const int radius = radius_for();
   normal_noise_ = slope_noise(noise_, spacing, radius);
+  typical_noise_ = std::max(noise_, rounding_);
   noise_ = std::max(noise_ * noise_ratio(view, ranges), rounding_);
   normal_error_ =
       std::hypot(slope_noise(noise_, spacing, radius), terrace_slope(rounding_, spacing, radius));
@@ -199,6 +200,11 @@ void ViewSurface::select_samples(const Grid<Eigen::Vector3d>& points,
 SurfacePoint ViewSurface::sample(int u, int v) const {
   return {surface_.point(u, v), surface_.normal(u, v), surface_.weight(u, v),
           Eigen::Vector2d(u, v)};
+}
+
+double ViewSurface::noise_at(const SurfacePoint& sample) const {
+  const double own = sample.confidence > 0.0 ? typical_noise_ / std::sqrt(sample.confidence) : 0.0;
+  return std::max(noise_, own);
 }
 
 SurfacePoint ViewSurface::sample(std::uint32_t index) const {

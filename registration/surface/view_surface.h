@@ -93,6 +93,8 @@ class ViewSurface {
   /// robustly from third differences, of rounded ranges at least what their steps make; where it
   /// changes over the view, its root mean square.
   double noise() const { return noise_; }
+  /// The same of one sample: larger where it counts for less than the typical one.
+  double noise_at(const SurfacePoint& sample) const;
   /// Standard deviation of the part of the noise that the rounding of the ranges makes [unit]: all
   /// samples of a terrace share it. 0 where ranges are not rounded.
   double rounding() const { return rounding_; }
@@ -133,7 +135,8 @@ class ViewSurface {
   std::unique_ptr<LazySignal> signal_ = std::make_unique<LazySignal>();
   std::vector<std::uint32_t> samples_, edge_samples_;
   std::unique_ptr<NeighbourIndex> index_;
-  double noise_ = 0.0, rounding_ = 0.0, normal_noise_ = 0.0, normal_error_ = 0.0, radius_ = 0.0;
+  double noise_ = 0.0, typical_noise_ = 0.0, rounding_ = 0.0, normal_noise_ = 0.0,
+         normal_error_ = 0.0, radius_ = 0.0;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), mean_normal_ = Eigen::Vector3d::Zero();
 };
 

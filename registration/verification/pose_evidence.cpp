@@ -74,6 +74,10 @@ constexpr double kLost = 0.02;     // and that the other sensor may have lost: 3
 // as far apart. Smaller expects what sensors lose at grazing angles, larger ignores more of a view.
 constexpr double kFacing = 0.6;
 
+double coarser_spacing(const ViewSurface& a, const ViewSurface& b) {
+  return std::max(a.spacing(), b.spacing());
+}
+
 // What the line of sight from the target to samples of the source tells, as fractions of them.
 struct SightLines {
   double in_front = 0.0;  // Would have hidden what the target saw.
@@ -81,17 +85,20 @@ struct SightLines {
 };
 
 SightLines look_along(const ViewSurface& source, const ViewSurface& target,
-                      const RigidMotion& target_from_source, double margin) {
+                      const RigidMotion& target_from_source) {
   SightLines lines;
   const std::size_t probes = std::min(kProbes, source.samples().size());
   if (!target.can_project() || probes == 0) return lines;
   const double part = 1.0 / static_cast<double>(probes);
+  const double spacing = coarser_spacing(source, target);
   for (std::size_t i = 0; i < probes; ++i) {
     const SurfacePoint sample = source.sample(source.samples()[i]);
     const Eigen::Vector3d point = target_from_source * sample.point;
     const auto pixel = target.project(point);
     if (!pixel) continue;
     if (const auto seen = target.at(*pixel)) {
+      const double noise = std::hypot(source.noise_at(sample), target.noise_at(*seen));
+      const double margin = finest_search_distance(spacing, noise);
       if ((point - seen->point).dot(seen->normal) > margin) lines.in_front += part;
     } else if (target.blank(*pixel)) {
       const Eigen::Vector3d normal = target_from_source.linear() * sample.normal;
@@ -109,10 +116,6 @@ void note_sight_lines(const SightLines& lines, double overlap, PoseEvidence& evi
   };
   note(lines.in_front, evidence.in_front, evidence.free_space_violation);
   note(lines.missing, evidence.missing, evidence.missing_coverage);
-}
-
-double coarser_spacing(const ViewSurface& a, const ViewSurface& b) {
-  return std::max(a.spacing(), b.spacing());
 }
 
 double joint_noise(const ViewSurface& a, const ViewSurface& b) {
@@ -157,8 +160,8 @@ MutualSighting look_both_ways(const ViewSurface& a, const ViewSurface& b,
   MutualSighting seen{find_correspondences(a, b, b_from_a, search),
                       find_correspondences(b, a, b_from_a.inverse(), search)};
   evidence.overlap = 0.5 * (seen.in_b.overlap() + seen.in_a.overlap());
-  note_sight_lines(look_along(a, b, b_from_a, margin), seen.in_b.overlap(), evidence);
-  note_sight_lines(look_along(b, a, b_from_a.inverse(), margin), seen.in_a.overlap(), evidence);
+  note_sight_lines(look_along(a, b, b_from_a), seen.in_b.overlap(), evidence);
+  note_sight_lines(look_along(b, a, b_from_a.inverse()), seen.in_a.overlap(), evidence);
   return seen;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "registration/pairwise/robust.h"
 #include "registration/posegraph/view_graph.h"
@@ -30,6 +31,7 @@ struct Judged {
   PoseEvidence evidence;
   bool fit_known = false;  // Whether all of the evidence was looked at, or sight lines alone.
   bool confirms = false, violates_free_space = false;
+  bool fits_but_coherently = false;  // All but its coherent residual is within the limits.
 };
 
 std::vector<Judged> pairs_to_judge(const std::vector<ViewSurface>& surfaces,
@@ -38,7 +40,7 @@ std::vector<Judged> pairs_to_judge(const std::vector<ViewSurface>& surfaces,
   std::vector<Judged> pairs;
   for (const auto& [a, b, unused] : find_meeting_pairs(surfaces, poses, 0.0))
     if (roles[a] != ViewRole::kExcluded && roles[b] != ViewRole::kExcluded)
-      pairs.push_back({a, b, {}, false, false, false});
+      pairs.push_back({.a = a, .b = b});
   return pairs;
 }
 
@@ -107,12 +109,17 @@ VerificationThresholds limits_of_views(const std::vector<ViewSurface>& surfaces,
 void decide(const std::vector<ViewSurface>& surfaces, const VerificationThresholds& general,
             std::vector<Judged>& pairs) {
   const VerificationThresholds limits = limits_of_views(surfaces, pairs, general);
+  VerificationThresholds without_coherence = limits;
+  without_coherence.max_coherent_rms = std::numeric_limits<double>::infinity();
   const double strays = std::max(kStrays, limits.max_free_space_violation);
   for (Judged& pair : pairs) {
     pair.violates_free_space =
         pair.evidence.free_space_violation > strays && pair.evidence.in_front > kFewestStrays;
-    pair.confirms =
-        pair.fit_known && plausible(pair.evidence, surfaces[pair.a], surfaces[pair.b], limits);
+    const auto within = [&](const VerificationThresholds& bounds) {
+      return pair.fit_known && plausible(pair.evidence, surfaces[pair.a], surfaces[pair.b], bounds);
+    };
+    pair.confirms = within(limits);
+    pair.fits_but_coherently = !pair.confirms && within(without_coherence);
   }
 }
 
@@ -127,6 +134,7 @@ std::vector<ViewVerification> tally(std::size_t views, const std::vector<Judged>
       if (refuted[other]) continue;
       if (pair.evidence.overlap >= kCountingOverlap) result[view].overlaps = true;
       if (pair.confirms) result[view].support += pair.evidence.overlap;
+      if (pair.fits_but_coherently) result[view].misfit_support += pair.evidence.overlap;
       if (pair.violates_free_space) result[view].violation += pair.evidence.in_front;
     }
   }
@@ -141,7 +149,7 @@ std::size_t most_contradicted(const std::vector<ViewVerification>& tallied,
   double excess = 0.0;
   for (std::size_t i = 0; i < tallied.size(); ++i) {
     if (refuted[i] || roles[i] != ViewRole::kFree) continue;
-    const double against = tallied[i].violation - tallied[i].support;
+    const double against = tallied[i].violation - tallied[i].support - tallied[i].misfit_support;
     // Of two views with the same against them the first one stays.
     if (tallied[i].violation > 0.0 && against > 0.0 && against >= excess) {
       worst = i;
