@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "registration/linear_algebra.h"
+
 namespace relief::registration {
 
 namespace {
@@ -53,7 +55,7 @@ ConstraintSpectrum analyse_constraints(const std::vector<OrientedPoint>& points)
     j << ((p.point - result.centre) / result.radius).cross(p.normal), p.normal;
     covariance.selfadjointView<Eigen::Lower>().rankUpdate(j);
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(covariance / count);
+  const auto eigen = eigen_decomposition(Matrix6d(covariance / count));
   result.eigenvalues = eigen.eigenvalues().cwiseMax(0.0);
   result.directions = eigen.eigenvectors();
   return result;

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
+#include "registration/linear_algebra.h"
 #include "registration/pairwise/normal_equations.h"
 #include "registration/pairwise/robust.h"
 #include "scan/base/robust_scales.h"
@@ -77,9 +78,9 @@ Vector6d solve_within(const Matrix6d& matrix, const Matrix6d& safe, const Vector
   if (free == 0) return Vector6d::Zero();
   const auto basis = spectrum.directions.rightCols(free);
   const Eigen::VectorXd reduced = basis.transpose() * gradient;
-  const Eigen::LLT<Eigen::MatrixXd> llt(basis.transpose() * matrix * basis);
-  if (llt.info() == Eigen::Success) return -(basis * llt.solve(reduced));
-  return -(basis * (basis.transpose() * safe * basis).ldlt().solve(reduced));
+  if (const auto x = solve_positive_definite(basis.transpose() * matrix * basis, reduced))
+    return -(basis * *x);
+  return -(basis * solve_symmetric(basis.transpose() * safe * basis, reduced));
 }
 
 RigidMotion about(const Eigen::Vector3d& centre, const RigidMotion& motion) {

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "registration/calibration/estimation/system_layout.h"
 #include "registration/calibration/selection/held_out.h"
+#include "registration/linear_algebra.h"
 
 namespace relief::registration {
 
@@ -30,8 +29,8 @@ Eigen::MatrixXd information_of(const QuadraticSum& all, const SystemLayout& layo
 Eigen::VectorXd variances(Eigen::MatrixXd information) {
   const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   information = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::MatrixXd inverse =
-      information.ldlt().solve(Eigen::MatrixXd::Identity(scale.size(), scale.size()));
+  const Eigen::MatrixXd inverse = solve_symmetric(
+      information, Eigen::MatrixXd(Eigen::MatrixXd::Identity(scale.size(), scale.size())));
   return inverse.diagonal().cwiseProduct(scale.cwiseAbs2());
 }
 

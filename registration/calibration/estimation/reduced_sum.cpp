@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include <Eigen/Cholesky>
+#include "registration/linear_algebra.h"
 
 namespace relief::registration {
 
@@ -36,9 +36,11 @@ EliminatedPoses::EliminatedPoses(const QuadraticSum& sum, Eigen::Index poses) {
   Eigen::MatrixXd matrix = sum.matrix.topLeftCorner(poses, poses);
   matrix.diagonal() *= 1.0 + kRelativePrior;
   matrix.diagonal().array() += 1e-300;
-  const Eigen::LDLT<Eigen::MatrixXd> factor(matrix);
-  offset = -factor.solve(sum.gradient.head(poses));
-  slope = -factor.solve(sum.matrix.topRightCorner(poses, coefficients));
+  Eigen::MatrixXd right(poses, 1 + coefficients);
+  right << sum.gradient.head(poses), sum.matrix.topRightCorner(poses, coefficients);
+  const Eigen::MatrixXd found = solve_symmetric(matrix, right);
+  offset = -found.col(0);
+  slope = -found.rightCols(coefficients);
 }
 
 ReducedSum EliminatedPoses::reduce(const QuadraticSum& sum) const {

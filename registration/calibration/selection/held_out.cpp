@@ -1,7 +1,6 @@
 #include "registration/calibration/selection/held_out.h"
 
-#include <Eigen/Cholesky>
-
+#include "registration/linear_algebra.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -55,7 +54,7 @@ HeldOutFit HeldOutTest::fit(const ErrorModel& model) const {
       const ReducedSum test = folds_[f].test.by_parameters(coefficients);
       train.matrix += prior;
       train.gradient += prior * values;
-      fit.step[f] = -Eigen::LDLT<Eigen::MatrixXd>(train.matrix).solve(train.gradient);
+      fit.step[f] = -solve_symmetric(train.matrix, train.gradient);
       fit.gain[f] = test.fall(fit.step[f]);
     }
   });

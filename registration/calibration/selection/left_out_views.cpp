@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include <Eigen/Cholesky>
-
 #include "registration/calibration/selection/held_out.h"
+#include "registration/linear_algebra.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -77,7 +76,7 @@ std::vector<double> LeftOutViewsTest::gains(const ErrorModel& model) const {
     if (coefficients.empty()) return 0.0;
     ReducedSum train = groups_[g].train.by_parameters(coefficients);
     train.matrix += prior_of(model, coefficients, groups_[g].common_motion);
-    const Eigen::VectorXd found = -Eigen::LDLT<Eigen::MatrixXd>(train.matrix).solve(train.gradient);
+    const Eigen::VectorXd found = -solve_symmetric(train.matrix, train.gradient);
     return kShare * groups_[g].test.by_parameters(coefficients).fall(found);
   });
 }

@@ -10,6 +10,7 @@
 
 #include <Eigen/Dense>
 
+#include "registration/linear_algebra.h"
 #include "registration/pairwise/robust.h"
 
 namespace relief::registration {
@@ -105,7 +106,7 @@ std::vector<RowPair> row_pairs(const ConstraintSpectrum& spectrum, const NormalM
 Eigen::MatrixXd principal_agreement(const std::vector<RowPair>& rows, Eigen::Index free) {
   Eigen::MatrixXd common = Eigen::MatrixXd::Zero(free, free);
   for (const auto& [s, t] : rows) common += s.head(free) * t.head(free).transpose();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(common + common.transpose()).eigenvectors();
+  return eigen_decomposition(Eigen::MatrixXd(common + common.transpose())).eigenvectors();
 }
 
 // The sum of products of both derivatives along `direction`; 0 where chance may explain it or the

@@ -9,6 +9,8 @@
 
 #include <Eigen/Dense>
 
+#include "registration/linear_algebra.h"
+
 namespace relief::registration {
 
 namespace {
@@ -57,8 +59,8 @@ Matrix6d inverse_among(const Matrix6d& information,
   Vector6d unscale = Vector6d::Ones();
   unscale.head<3>().setConstant(1.0 / lever);
   const Eigen::MatrixXd directions = unscale.asDiagonal() * basis;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(directions.transpose() * information *
-                                                             directions);
+  const auto eigen =
+      eigen_decomposition(Eigen::MatrixXd(directions.transpose() * information * directions));
   Eigen::VectorXd inverse = eigen.eigenvalues();
   const double least = kLeastEigenvalue * inverse[inverse.size() - 1];
   for (double& value : inverse) value = value > least ? 1.0 / value : 0.0;

@@ -5,7 +5,8 @@
 #include <limits>
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
+
+#include "registration/linear_algebra.h"
 
 namespace relief::registration {
 
@@ -47,8 +48,8 @@ QuadraticResiduals<N> quadratic_residuals(const Eigen::Matrix<double, N, N>& mat
   const Vector scale =
       (diagonal.array() > 0.0).select(diagonal.cwiseMax(1e-300).cwiseSqrt(), Vector::Ones(size));
   const Vector inverse = scale.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(inverse.asDiagonal() * matrix *
-                                                    inverse.asDiagonal());
+  const auto eigen =
+      eigen_decomposition(Matrix(inverse.asDiagonal() * matrix * inverse.asDiagonal()));
   const Vector scaled_gradient = inverse.cwiseProduct(gradient);
   for (Eigen::Index k = 0; k < size; ++k) {
     const double value = eigen.eigenvalues()[k];

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "registration/linear_algebra.h"
 #include "registration/pairwise/robust.h"
 #include "scan/base/cell_key.h"
 #include "scan/base/robust_scales.h"
@@ -161,8 +162,8 @@ void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen
   weight.head<3>().setConstant(std::max(lever, 1e-300));
   const Eigen::MatrixXd weighted = weight.asDiagonal() * ignored;
   const Matrix6d rest =
-      Matrix6d::Identity() -
-      ignored * (ignored.transpose() * weighted).ldlt().solve(weighted.transpose());
+      Matrix6d::Identity() - ignored * solve_symmetric(ignored.transpose() * weighted,
+                                                       Eigen::MatrixXd(weighted.transpose()));
   sum.information = rest.transpose() * sum.information * rest;
   sum.independent = rest.transpose() * sum.independent * rest;
   sum.score = rest.transpose() * sum.score;
