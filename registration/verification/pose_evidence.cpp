@@ -85,7 +85,7 @@ struct SightLines {
 };
 
 SightLines look_along(const ViewSurface& source, const ViewSurface& target,
-                      const RigidMotion& target_from_source) {
+                      const RigidMotion& target_from_source, double least_deviation) {
   SightLines lines;
   const std::size_t probes = std::min(kProbes, source.samples().size());
   if (!target.can_project() || probes == 0) return lines;
@@ -98,7 +98,7 @@ SightLines look_along(const ViewSurface& source, const ViewSurface& target,
     if (!pixel) continue;
     if (const auto seen = target.at(*pixel)) {
       const double noise = std::hypot(source.noise_at(sample), target.noise_at(*seen));
-      const double margin = finest_search_distance(spacing, noise);
+      const double margin = finest_search_distance(spacing, std::max(noise, least_deviation));
       if ((point - seen->point).dot(seen->normal) > margin) lines.in_front += part;
     } else if (target.blank(*pixel)) {
       const Eigen::Vector3d normal = target_from_source.linear() * sample.normal;
@@ -150,7 +150,8 @@ struct MutualSighting {
 MutualSighting look_both_ways(const ViewSurface& a, const ViewSurface& b,
                               const RigidMotion& b_from_a, int probes, const JudgeOptions& options,
                               PoseEvidence& evidence) {
-  const double margin = finest_search_distance(coarser_spacing(a, b), joint_noise(a, b));
+  const double margin = finest_search_distance(
+      coarser_spacing(a, b), std::max(joint_noise(a, b), options.least_deviation));
   CorrespondenceOptions search;
   search.count = probes;
   search.tries = 1;
@@ -160,8 +161,10 @@ MutualSighting look_both_ways(const ViewSurface& a, const ViewSurface& b,
   MutualSighting seen{find_correspondences(a, b, b_from_a, search),
                       find_correspondences(b, a, b_from_a.inverse(), search)};
   evidence.overlap = 0.5 * (seen.in_b.overlap() + seen.in_a.overlap());
-  note_sight_lines(look_along(a, b, b_from_a), seen.in_b.overlap(), evidence);
-  note_sight_lines(look_along(b, a, b_from_a.inverse()), seen.in_a.overlap(), evidence);
+  note_sight_lines(look_along(a, b, b_from_a, options.least_deviation), seen.in_b.overlap(),
+                   evidence);
+  note_sight_lines(look_along(b, a, b_from_a.inverse(), options.least_deviation),
+                   seen.in_a.overlap(), evidence);
   return seen;
 }
 

@@ -39,6 +39,9 @@ struct JudgeOptions {
   int probes = 1500;
   /// Between corresponding normals [deg]; keeps the two sides of thin sheets apart.
   double max_normal_angle_deg = 40.0;
+  /// Standard deviation of the distance between two views at least [unit]: for errors that the
+  /// noise of single samples does not show.
+  double least_deviation = 0.0;
 };
 
 /// Pairs of views that share less than this fraction of their samples say little of their fit: it

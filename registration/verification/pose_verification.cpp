@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "registration/pairwise/robust.h"
+#include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/view_graph.h"
 #include "scan/base/parallel.h"
 
@@ -19,6 +20,8 @@ constexpr int kJudgedPairsOfAView = 6;
 // However bad a sensor is, pairs that deviate by more than so many times the general limits confirm
 // nothing: 5 x 0.2 spacings of coherent residual are one, where wrong poses settle.
 constexpr double kWidest = 5.0;
+constexpr double kBetter = 0.25;      // Quantile of pairs: right while a quarter of them are.
+constexpr double kUnexplained = 1.5;  // [deviations of the noise]
 // Stray samples, flying pixels and moving parts stand in space seen empty at right poses as well:
 // of the samples that can be compared, fewer than these. [fraction] Scenes of `relief_coarse_runs`
 // have 5 % of stray samples at most.
@@ -46,14 +49,14 @@ std::vector<Judged> pairs_to_judge(const std::vector<ViewSurface>& surfaces,
 
 // Sight lines of all pairs; the fit of those that overlap most.
 void judge(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMotion>& poses,
-           const PoseVerificationOptions& options, std::vector<Judged>& pairs) {
-  JudgeOptions judging;
-  judging.association = options.association;
+           const JudgeOptions& judging, std::vector<Judged>& pairs) {
   const auto relative = [&](const Judged& pair) { return poses[pair.b].inverse() * poses[pair.a]; };
   parallel_for(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      pairs[k].evidence =
-          judge_free_space(surfaces[pairs[k].a], surfaces[pairs[k].b], relative(pairs[k]), judging);
+    for (std::size_t k = begin; k < end; ++k) {
+      Judged& pair = pairs[k];
+      pair.evidence = judge_free_space(surfaces[pair.a], surfaces[pair.b], relative(pair), judging);
+      pair.fit_known = false;
+    }
   });
   std::vector<ViewPair> overlapping;
   std::vector<std::size_t> place(pairs.size());
@@ -74,6 +77,25 @@ void judge(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMoti
       pair.fit_known = true;
     }
   });
+}
+
+// What the better pairs deviate by, where that is more than the noise of single samples explains
+// and matters; 0 elsewhere [unit]. Sensors that smooth their ranges err by many times that noise.
+double common_deviation(const std::vector<ViewSurface>& surfaces,
+                        const std::vector<Judged>& pairs) {
+  std::vector<double> rms, noise, spacing;
+  for (const Judged& pair : pairs) {
+    if (!pair.fit_known) continue;
+    const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
+    rms.push_back(pair.evidence.rms);
+    noise.push_back(std::hypot(a.noise(), b.noise()));
+    spacing.push_back(std::max(a.spacing(), b.spacing()));
+  }
+  if (rms.empty()) return 0.0;
+  const double common = quantile(std::move(rms), kBetter);
+  const bool explained = common <= kUnexplained * quantile(std::move(noise), 0.5);
+  const bool matters = finest_search_distance(0.0, common) > quantile(std::move(spacing), 0.5);
+  return explained || !matters ? 0.0 : common;
 }
 
 // The limits, widened to what the pairs of these views have in common.
@@ -167,7 +189,11 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
                               const PoseVerificationOptions& options) {
   assert(surfaces.size() == world_from_view.size() && surfaces.size() == roles.size());
   auto pairs = pairs_to_judge(surfaces, world_from_view, roles);
-  judge(surfaces, world_from_view, options, pairs);
+  JudgeOptions judging;
+  judging.association = options.association;
+  judge(surfaces, world_from_view, judging, pairs);
+  judging.least_deviation = common_deviation(surfaces, pairs);
+  if (judging.least_deviation > 0.0) judge(surfaces, world_from_view, judging, pairs);
   decide(surfaces, options.limits, pairs);
 
   const std::size_t views = surfaces.size();

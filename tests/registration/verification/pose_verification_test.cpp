@@ -1,5 +1,7 @@
 #include "registration/verification/pose_verification.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "relief/scan/context.h"
@@ -71,6 +73,36 @@ TEST_F(PoseVerificationTest, MissingSamplesRefuteNothing) {
     EXPECT_FALSE(verified.views[i].refuted);
     EXPECT_EQ(verified.group[i], 0u);
   }
+}
+
+// Sensors that smooth their ranges show little noise, and err smoothly by many times as much: then
+// all pairs disagree at right poses.
+class SmoothErrorsTest : public PoseVerificationTest {
+ protected:
+  static std::vector<RangeView> smoothly_wrong() {
+    auto wrong = views();
+    for (std::size_t i = 0; i < wrong.size(); ++i) {
+      const double size = 5.0 * sample_spacing(wrong[i]), phase = 1.7 * static_cast<double>(i);
+      for (int v = 0; v < wrong[i].height(); ++v)
+        for (int u = 0; u < wrong[i].width(); ++u)
+          wrong[i].range(u, v) +=
+              size * std::sin(u / 5.0 + phase) * std::cos(v / 6.0 + 2.0 * phase);
+    }
+    return wrong;
+  }
+};
+
+TEST_F(SmoothErrorsTest, RefuteNoView) {
+  const auto verified = verify(smoothly_wrong(), testing::poses_of(views()));
+  for (const ViewVerification& view : verified.views) EXPECT_FALSE(view.refuted);
+}
+
+TEST_F(SmoothErrorsTest, HideNoViewThatIsFarOff) {
+  auto poses = testing::poses_of(views());
+  poses[3] = poses[3] * Eigen::Translation3d(0, 0, -40);  // Towards its sensor.
+  const auto verified = verify(smoothly_wrong(), poses);
+  for (std::size_t i = 0; i < views().size(); ++i)
+    EXPECT_EQ(verified.views[i].refuted, i == 3) << i;
 }
 
 TEST_F(PoseVerificationTest, ViewsThatMeetNothingAreNeitherConfirmedNorRefuted) {
