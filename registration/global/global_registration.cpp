@@ -40,7 +40,7 @@ class GlobalRegistration {
     if (!complete() && !search_by_shape()) return interrupted();
     if (!complete()) {
       for (auto& link :
-           turntable_links(surfaces_, groups_.group, options_.limits, options_.association)) {
+           turntable_links(surfaces_, groups_, options_.limits, options_.association)) {
         link.ambiguous = looks_repeated(link.a) || looks_repeated(link.b);
         links_.push_back(std::move(link));
       }

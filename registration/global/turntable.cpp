@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "registration/global/link_limits.h"
 #include "registration/global/pair_search.h"
 #include "scan/base/parallel.h"
 
@@ -44,6 +45,22 @@ std::vector<RigidMotion> turns(const ViewSurface& reference, const ViewSurface& 
   return list;
 }
 
+// The motions from one view to the next, in the order of the scan, between the nearest views before
+// and after view `a` that are in one group.
+std::vector<RigidMotion> steps_about(const ViewGroups& groups, std::size_t a) {
+  std::vector<RigidMotion> steps;
+  const std::size_t count = groups.group.size();
+  for (const std::size_t direction : {std::size_t{1}, count - 1}) {
+    for (std::size_t k = 1; k < count; ++k) {
+      const std::size_t i = (a + k * direction) % count, next = (i + 1) % count;
+      if (groups.group[i] != groups.group[next]) continue;
+      steps.push_back(groups.group_from_view[next].inverse() * groups.group_from_view[i]);
+      break;
+    }
+  }
+  return steps;
+}
+
 // Those that fit best as they are.
 void keep_promising(const ViewSurface& view, const ViewSurface& reference,
                     std::vector<RigidMotion>& starts) {
@@ -58,33 +75,85 @@ void keep_promising(const ViewSurface& view, const ViewSurface& reference,
   starts = std::move(kept);
 }
 
-}  // namespace
+// Views that follow each other in the order of the scan, as the objects of a search.
+class Turntable {
+ public:
+  Turntable(const std::vector<ViewSurface>& surfaces, const ViewGroups& groups,
+            const VerificationThresholds& limits, Association association)
+      : surfaces_(surfaces),
+        groups_(groups),
+        limits_(limits),
+        association_(association),
+        steps_(surfaces.size()) {}
 
-std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
-                                      const std::vector<std::size_t>& group,
-                                      const VerificationThresholds& limits,
-                                      Association association) {
-  std::vector<std::pair<std::size_t, std::size_t>> neighbours;
-  const std::size_t count = surfaces.size();
-  for (std::size_t i = 0; i + 1 < count; ++i) neighbours.emplace_back(i, i + 1);
-  if (count > 2) neighbours.emplace_back(0, count - 1);
-  std::vector<PoseLink> links;
-  for (const auto& [a, b] : neighbours) {
-    const ViewSurface &view = surfaces[a], &reference = surfaces[b];
-    if (group[a] == group[b] || view.samples().empty() || reference.samples().empty()) continue;
-    auto starts = turns(reference, view, count);
-    keep_promising(view, reference, starts);
+  std::vector<PoseLink> links() {
+    const std::size_t count = surfaces_.size(), last = count > 2 ? count : count - 1;
+    for (std::size_t a = 0; a < last; ++a) link_to_next(a);
+    // Doubtful links count only in loops of three.
+    for (std::size_t a = 0; a < count && count > 3; ++a) link_over_next(a);
+    return std::move(links_);
+  }
+
+ private:
+  bool searched(std::size_t a, std::size_t b) const {
+    return groups_.group[a] != groups_.group[b] && !surfaces_[a].samples().empty() &&
+           !surfaces_[b].samples().empty();
+  }
+
+  void link_to_next(std::size_t a) {
+    const std::size_t count = surfaces_.size(), b = (a + 1) % count;
+    if (groups_.group[a] == groups_.group[b])
+      steps_[a] = groups_.group_from_view[b].inverse() * groups_.group_from_view[a];
+    if (!searched(a, b)) return;
+    auto starts = turns(surfaces_[b], surfaces_[a], count);
+    const auto steps = steps_about(groups_, a);
+    starts.insert(starts.end(), steps.begin(), steps.end());
+    keep_promising(surfaces_[a], surfaces_[b], starts);
+    steps_[a] = refine(a, b, starts);
+  }
+
+  // Between views with one between them, where both steps are known.
+  void link_over_next(std::size_t a) {
+    const std::size_t count = surfaces_.size(), b = (a + 1) % count, c = (a + 2) % count;
+    if (searched(a, c) && steps_[a] && steps_[b]) refine(a, c, {*steps_[b] * *steps_[a]});
+  }
+
+  // Adds what fits to the links; the one of largest overlap, if any.
+  std::optional<RigidMotion> refine(std::size_t a, std::size_t b,
+                                    const std::vector<RigidMotion>& starts) {
+    const ViewSurface &view = surfaces_[a], &reference = surfaces_[b];
     const double reach = kSearchRadii * std::min(view.radius(), reference.radius());
     std::vector<PoseHypothesis> found(starts.size());
     parallel_for(starts.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
-        found[k] = refine_hypothesis(view, reference, starts[k], reach, association);
+        found[k] = refine_hypothesis(view, reference, starts[k], reach, association_);
     });
-    for (const auto& hypothesis : found)
-      if (plausible(hypothesis.evidence, view, reference, limits))
-        links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence});
+    const PoseHypothesis* best = nullptr;
+    for (const PoseHypothesis& hypothesis : found) {
+      if (!plausible(hypothesis.evidence, view, reference, limits_) &&
+          !may_be_right(hypothesis.evidence, view, reference, limits_))
+        continue;
+      links_.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence});
+      if (!best || hypothesis.evidence.overlap > best->evidence.overlap) best = &hypothesis;
+    }
+    return best ? std::optional(best->b_from_a) : std::nullopt;
   }
-  return links;
+
+  const std::vector<ViewSurface>& surfaces_;
+  const ViewGroups& groups_;
+  const VerificationThresholds& limits_;
+  Association association_;
+  std::vector<std::optional<RigidMotion>> steps_;  // From each view to the next, where known.
+  std::vector<PoseLink> links_;
+};
+
+}  // namespace
+
+std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
+                                      const ViewGroups& groups,
+                                      const VerificationThresholds& limits,
+                                      Association association) {
+  return Turntable(surfaces, groups, limits, association).links();
 }
 
 }  // namespace relief::registration

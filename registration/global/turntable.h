@@ -9,11 +9,13 @@
 
 namespace relief::registration {
 
-/// Links between views that follow each other (the first follows the last) and are not in one
-/// `group` yet, as if the object had been turned between them: by 15 to 90 degrees or 360 over the
-/// number of views, about axes up to 40 degrees off the sensor's vertical. Only those that fit.
+/// Links between views that follow each other (the first follows the last) and are not in one group
+/// yet, as if the object had been turned between them: by 15 to 90 degrees or 360 over the number
+/// of views, about axes up to 40 degrees off the sensor's vertical, or as between the nearest views
+/// before and after whose motion is known. Links over one view between close loops with them. Only
+/// those that fit, or may_be_right().
 std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
-                                      const std::vector<std::size_t>& group,
+                                      const ViewGroups& groups,
                                       const VerificationThresholds& limits,
                                       Association association);
 

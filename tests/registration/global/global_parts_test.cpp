@@ -1,6 +1,8 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +14,7 @@
 #include "registration/global/features/view_similarity.h"
 #include "registration/global/pair_search.h"
 #include "registration/global/robust_motion.h"
+#include "registration/global/turntable.h"
 #include "registration/verification/coherent_residual.h"
 #include "registration/verification/pose_evidence.h"
 #include "tests/registration/bumpy_object.h"
@@ -228,6 +231,30 @@ TEST(PairSearch, FindsTheTruePoseOfNeighbours) {
   ASSERT_FALSE(good.empty());
   EXPECT_TRUE(
       same_pose(surfaces()[2], good[0].b_from_a, true_motion(2, 3), surfaces()[2].spacing()));
+}
+
+// Six views of a sixteenth of a turn each; the first three are placed.
+TEST(TurntableLinks, GoOnWithTheStepsThatAreKnownAndCloseLoops) {
+  auto views = testing::ring_of_views({.views = 16, .pixels = 128, .tilts = {0.2, 0.2}});
+  views.resize(6);
+  std::vector<ViewSurface> of_views;
+  ViewGroups groups = ViewGroups::singles(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    of_views.emplace_back(views[i]);
+    if (i > 2) continue;
+    groups.group[i] = 0;
+    groups.group_from_view[i] = views[i].world_from_view;
+  }
+  std::map<std::pair<std::size_t, std::size_t>, int> found;
+  for (const PoseLink& link : turntable_links(of_views, groups, {}, Association::kAuto)) {
+    const RigidMotion truth =
+        views[link.b].world_from_view.inverse() * views[link.a].world_from_view;
+    const ViewSurface& view = of_views[link.a];
+    if (same_pose(view, link.b_from_a, truth, view.spacing())) ++found[{link.a, link.b}];
+  }
+  using Pair = std::pair<std::size_t, std::size_t>;
+  for (const Pair& pair : {Pair{2, 3}, {3, 4}, {4, 5}, {1, 3}, {2, 4}, {3, 5}})
+    EXPECT_GT(found[pair], 0) << pair.first << ' ' << pair.second;
 }
 
 TEST(ViewSimilarity, RanksNeighboursBeforeOpposites) {
