@@ -175,8 +175,8 @@ class Filling {
   std::vector<Source> sources_, normal_sources_;
 };
 
-// Whether most pixels around have samples: where most have none a gap is no gap.
-bool mostly_samples(const RangeView& measured, int u, int v) {
+// The part of the pixels around that have samples: where most have none a gap is no gap.
+double samples_around(const RangeView& measured, int u, int v) {
   // Of the 5 x 5 pixels around. Where 15 % are missing at random, most are in 6e-5 of all places;
   // of 3 x 3 pixels in 2 %.
   constexpr int kReach = 2;
@@ -187,8 +187,10 @@ bool mostly_samples(const RangeView& measured, int u, int v) {
       samples += measured.has_sample(x, y) ? 1 : 0;
     }
   }
-  return 2 * samples >= pixels;
+  return static_cast<double>(samples) / pixels;
 }
+
+constexpr double kMostly = 0.5;
 
 // Those of the bridged pixels whose gap is bridged as a whole: the rest of a hole stays a hole, and
 // what is outside of a silhouette stays outside.
@@ -203,7 +205,7 @@ Grid<std::uint8_t> whole_gaps(const RangeView& measured, const Grid<std::uint8_t
       gap.assign(1, {u, v});
       for (std::size_t next = 0; next < gap.size(); ++next) {
         const auto [pu, pv] = gap[next];
-        fillable = fillable && bridged(pu, pv) && mostly_samples(measured, pu, pv);
+        fillable = fillable && bridged(pu, pv) && samples_around(measured, pu, pv) >= kMostly;
         for (const auto& [du, dv] : kAllNeighbours) {
           const int x = pu + du, y = pv + dv;
           if (!visited.contains(x, y) || visited(x, y) || measured.has_sample(x, y)) continue;
@@ -216,6 +218,40 @@ Grid<std::uint8_t> whole_gaps(const RangeView& measured, const Grid<std::uint8_t
     }
   }
   return whole;
+}
+
+// Adds lines of missing samples, one pixel wide, where they run all through the view and so hang
+// together with its holes: a depth map that was carried into the image of a camera with finer
+// pixels has such a lattice.
+void add_lattice(const RangeView& measured, const Grid<std::uint8_t>& bridged,
+                 Grid<std::uint8_t>& filled) {
+  constexpr double kLattice = 0.1;  // Of the samples; silhouettes and holes have few such pixels.
+  // Of the pixels around. Every third line missing leaves 0.44, every second at most 0.36: filled,
+  // such a view would be mostly interpolated.
+  constexpr double kLeastAround = 0.4;
+  Grid<std::uint8_t> lines(bridged.width(), bridged.height(), 0);
+  std::size_t count = 0;
+  const auto for_bridged = [&](const auto& visit) {
+    for (int v = 0; v < bridged.height(); ++v)
+      for (int u = 0; u < bridged.width(); ++u)
+        if (bridged(u, v) && !filled(u, v) && samples_around(measured, u, v) >= kLeastAround)
+          visit(u, v);
+  };
+  for_bridged([&](int u, int v) {
+    lines(u, v) = (measured.has_sample(u - 1, v) && measured.has_sample(u + 1, v)) ||
+                  (measured.has_sample(u, v - 1) && measured.has_sample(u, v + 1));
+    count += lines(u, v);
+  });
+  if (static_cast<double>(count) < kLattice * static_cast<double>(measured.sample_count())) return;
+  const auto known = [&](int u, int v) {
+    return measured.has_sample(u, v) || (lines.contains(u, v) && lines(u, v));
+  };
+  Grid<std::uint8_t> crossings(bridged.width(), bridged.height(), 0);
+  for_bridged([&](int u, int v) {
+    crossings(u, v) = known(u - 1, v) && known(u + 1, v) && known(u, v - 1) && known(u, v + 1);
+  });
+  for (std::size_t i = 0; i < filled.size(); ++i)
+    if (lines[i] || crossings[i]) filled[i] = 1;
 }
 
 }  // namespace
@@ -249,6 +285,7 @@ FilledView fill_small_gaps(const RangeView& view, const GridEdges& edges,
   gaps.sigma = options.sigma > 0.0 ? options.sigma : estimate_range_noise(result.view).sigma;
   const BridgedRange bridged = bridge_small_gaps(result.view, gaps);
   result.filled = whole_gaps(result.view, bridged.bridged);
+  add_lattice(result.view, bridged.bridged, result.filled);
   for (std::size_t i = 0; i < result.filled.size(); ++i) {
     if (!result.filled[i]) continue;
     result.view.range[i] = bridged.range[i];

@@ -32,9 +32,11 @@ Grid<std::uint8_t> flying_samples(const RangeView& view, const GridEdges& edges,
 /// Takes away flying samples and fills small gaps on one surface. A gap, pixels without samples
 /// that hang together along rows and columns, is filled as a whole or not at all: where
 /// bridge_small_gaps bridges all of its pixels, and at least half of the 5 x 5 pixels round each
-/// have samples. A filled pixel has its own normal if there is one, else one interpolated from
-/// those that its range follows from: across one missing sample by a cubic through two on either
-/// side, else their mean. It has the means of their confidences, deviations and colours.
+/// have samples. Lines of missing samples one pixel wide are filled on their own where they make a
+/// lattice: more than a tenth of the samples, with two fifths of the pixels around measured. A
+/// filled pixel has its own normal if there is one, else one interpolated from those that its range
+/// follows from: across one missing sample by a cubic through two on either side, else their mean.
+/// It has the means of their confidences, deviations and colours.
 FilledView fill_small_gaps(const RangeView& view, const FillOptions& options = {});
 /// The same where the edges of the view are at hand.
 FilledView fill_small_gaps(const RangeView& view, const GridEdges& edges,

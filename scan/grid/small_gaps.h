@@ -29,8 +29,9 @@ struct BridgedRange {
 /// Interpolates the ranges of pixels without a sample that lie between samples of one surface:
 /// sensors lose single samples everywhere, and what looks at whole neighbourhoods of pixels would
 /// lose all of them. A gap is bridged along its row or column, or both, where the samples at its
-/// ends differ by no more than a surface of `steepest` slope and noise explain. Wider gaps and
-/// occlusion edges stay as they are. Nothing else of the view is looked at.
+/// ends differ by no more than a surface of `steepest` slope and noise explain. So are the
+/// crossings of such gaps, which depth maps have that were carried into the image of a finer
+/// camera. Wider gaps and occlusion edges stay as they are. Nothing else of the view is looked at.
 BridgedRange bridge_small_gaps(const RangeView& view, const SmallGapOptions& options = {});
 
 }  // namespace relief

@@ -117,6 +117,35 @@ TEST(FilledView, KeepsRoundHolesWhole) {
   EXPECT_EQ(fill_small_gaps(view).filled_count, 0u);
 }
 
+// A depth map carried into the image of a finer camera misses rows and columns, and here a hole.
+TEST(FilledView, FillsALatticeOfMissingLinesBesideHoles) {
+  const RangeView truth = ball(0.0);
+  RangeView view = truth;
+  const auto hole = [](int u, int v) { return std::hypot(u - 60, v - 70) < 8.0; };
+  for (int v = 0; v < kSide; ++v) {
+    for (int u = 0; u < kSide; ++u) {
+      if (u % 4 != 1 && v % 5 != 1 && !hole(u, v)) continue;
+      view.range(u, v) = kNoSample;
+      view.normals(u, v).setConstant(static_cast<float>(kNoSample));
+    }
+  }
+  const FilledView filled = fill_small_gaps(view);
+  for (int v = 2; v < kSide - 2; ++v) {
+    for (int u = 2; u < kSide - 2; ++u) {
+      const double from_axis = std::hypot(u - 59.5, v - 59.5),
+                   from_hole = std::hypot(u - 60, v - 70);
+      if (from_hole < 5.0) {
+        EXPECT_FALSE(filled.view.has_sample(u, v)) << u << ' ' << v;
+      }
+      if (from_axis > 90.0 || from_hole < 11.0) continue;
+      EXPECT_EQ(filled.view.has_sample(u, v), truth.has_sample(u, v)) << u << ' ' << v;
+      if (filled.filled(u, v) && from_axis < 80.0) {
+        EXPECT_NEAR(filled.view.range(u, v), truth.range(u, v), 0.05) << u << ' ' << v;
+      }
+    }
+  }
+}
+
 TEST(FilledView, FillsWhatElseIsKnown) {
   RangeView view = ball(0.0);
   view.confidence = Grid<float>(kSide, kSide, 2.0f);

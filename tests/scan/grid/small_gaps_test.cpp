@@ -39,6 +39,20 @@ TEST(SmallGaps, RestoresSamplesMissingAtRandom) {
   }
 }
 
+// A depth map carried into the image of a camera with finer pixels misses rows and columns.
+TEST(SmallGaps, BridgesALatticeOfMissingLines) {
+  const RangeView whole = curved_view(64);
+  RangeView view = whole;
+  const auto missing = [](int k) { return k % 4 == 3 || k % 9 == 0; };  // Up to two side by side.
+  for (int v = 0; v < 64; ++v)
+    for (int u = 0; u < 64; ++u)
+      if (missing(u) || missing(v)) view.range(u, v) = kNoSample;
+  const BridgedRange bridged = bridge_small_gaps(view);
+  for (int v = 2; v < 62; ++v)
+    for (int u = 2; u < 62; ++u)
+      EXPECT_NEAR(bridged.range(u, v), whole.range(u, v), 0.01) << u << ' ' << v;
+}
+
 TEST(SmallGaps, KeepsMeasuredRangesToTheBit) {
   RangeView view = curved_view(32);
   view.range(10, 10) = kNoSample;
