@@ -49,6 +49,8 @@ void log_view(const hybrid::RefineSummary& refined, const std::string& name,
                                  name, to_string(refined.status)));
   } else if (refined.failed()) {
     Console::warning(fmt::format("view {}: {}", name, to_string(refined.status)));
+  } else if (refined.status == hybrid::RefineStatus::kNoNormals) {
+    Console::detail(fmt::format("view {}: {}", name, to_string(refined.status)));
   } else if (refined.status != hybrid::RefineStatus::kRefined) {
     Console::info(fmt::format("view {}: {}", name, to_string(refined.status)));
   } else {
@@ -73,10 +75,14 @@ Json refinement_report(const std::vector<hybrid::RefineSummary>& refinements,
 void log_refinement(const std::vector<hybrid::RefineSummary>& refinements,
                     const std::vector<RangeView>& views, const std::string& unit, double seconds) {
   for (std::size_t i = 0; i < views.size(); ++i) log_view(refinements[i], views[i].name, unit);
-  const auto improved = std::count_if(
-      refinements.begin(), refinements.end(),
-      [](const auto& refinement) { return refinement.status == hybrid::RefineStatus::kRefined; });
-  Console::info(fmt::format("refined {} of {} views in {:.1f} s", improved, views.size(), seconds));
+  const auto count = [&](hybrid::RefineStatus status) {
+    return std::count_if(refinements.begin(), refinements.end(),
+                         [&](const auto& refinement) { return refinement.status == status; });
+  };
+  const auto without_normals = count(hybrid::RefineStatus::kNoNormals);
+  Console::info(fmt::format(
+      "refined {} of {} views in {:.1f} s{}", count(hybrid::RefineStatus::kRefined), views.size(),
+      seconds, without_normals > 0 ? fmt::format(", {} have no normals", without_normals) : ""));
 }
 
 }  // namespace relief
