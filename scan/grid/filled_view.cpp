@@ -190,7 +190,7 @@ double samples_around(const RangeView& measured, int u, int v) {
   return static_cast<double>(samples) / pixels;
 }
 
-constexpr double kMostly = 0.5;
+constexpr double kMostly = 0.5;  // Of the pixels around: half is as many that are interpolated.
 
 // Those of the bridged pixels whose gap is bridged as a whole: the rest of a hole stays a hole, and
 // what is outside of a silhouette stays outside.
