@@ -34,7 +34,7 @@ struct Judged {
   PoseEvidence evidence;
   bool fit_known = false;  // Whether all of the evidence was looked at, or sight lines alone.
   bool confirms = false, violates_free_space = false;
-  bool fits_but_coherently = false;  // All but its coherent residual is within the limits.
+  bool fits_but_for_coherence = false;  // All but its coherent residual is within the limits.
 };
 
 std::vector<Judged> pairs_to_judge(const std::vector<ViewSurface>& surfaces,
@@ -141,7 +141,7 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
       return pair.fit_known && plausible(pair.evidence, surfaces[pair.a], surfaces[pair.b], bounds);
     };
     pair.confirms = within(limits);
-    pair.fits_but_coherently = !pair.confirms && within(without_coherence);
+    pair.fits_but_for_coherence = !pair.confirms && within(without_coherence);
   }
 }
 
@@ -156,7 +156,7 @@ std::vector<ViewVerification> tally(std::size_t views, const std::vector<Judged>
       if (refuted[other]) continue;
       if (pair.evidence.overlap >= kCountingOverlap) result[view].overlaps = true;
       if (pair.confirms) result[view].support += pair.evidence.overlap;
-      if (pair.fits_but_coherently) result[view].misfit_support += pair.evidence.overlap;
+      if (pair.fits_but_for_coherence) result[view].misfit_support += pair.evidence.overlap;
       if (pair.violates_free_space) result[view].violation += pair.evidence.in_front;
     }
   }
