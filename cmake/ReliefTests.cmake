@@ -20,6 +20,7 @@ set(RELIEF_UNSANITIZED_TESTS
   CalibrateViews.DoesNotTakeErrors*
   CalibrateViews.FindsABendOfEveryView
   CalibrateViews.FindsABendThatAllViewsShare
+  CalibrateViews.FindsAnOffset*
   CalibrateViews.FindsNothing*
   CalibrateViews.HeedsTheScope
   CalibrateViews.IsTheSame*
