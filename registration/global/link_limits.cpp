@@ -29,7 +29,7 @@ constexpr double kLeastNormalLimit = 0.12;
 // The same of candidates, 11 degrees: neighbours that share noise turn normals by more than white
 // noise would. A Kinect's differ by 0.21 to 0.28 at right poses; at wrong ones, where they are
 // within 40 degrees to be compared at all, by 0.35 to 0.39.
-constexpr double kRoughNormals = 0.2;
+constexpr double kCandidateNormalLimit = 0.2;
 constexpr double kLeastCoherentLimit = 0.12;  // [sample spacings]; general is 0.2.
 // A triangle may close by chance; more links that close loops tell the errors of the views.
 constexpr std::size_t kTellingLinks = 4;
@@ -54,7 +54,7 @@ struct Deviations {
     const ViewSurface &a = surfaces[link.a], &b = surfaces[link.b];
     rms.push_back(relative_rms(link.evidence, a, b));
     normal_rms.push_back(link.evidence.normal_rms);
-    coherent_rms.push_back(link.evidence.coherent_rms / std::max(a.spacing(), b.spacing()));
+    coherent_rms.push_back(link.evidence.coherent_rms / coarser_spacing(a, b));
   }
 };
 
@@ -164,12 +164,11 @@ bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const View
   limits.max_rms *= kWidestRms;
   limits.max_free_space_violation =
       std::min(1.0, kWidestContradiction * general.max_free_space_violation);
-  limits.max_normal_rms =
-      std::min(general.max_normal_rms,
-               kRoughNormals + kNormalDeviations * std::hypot(a.normal_error(), b.normal_error()));
-  limits.max_coherent_rms = std::max(
-      kWidestCoherent * general.max_coherent_rms,
-      kWarpDeviations * std::hypot(a.noise(), b.noise()) / std::max(a.spacing(), b.spacing()));
+  limits.max_normal_rms = std::min(
+      general.max_normal_rms,
+      kCandidateNormalLimit + kNormalDeviations * std::hypot(a.normal_error(), b.normal_error()));
+  limits.max_coherent_rms = std::max(kWidestCoherent * general.max_coherent_rms,
+                                     kWarpDeviations * joint_noise(a, b) / coarser_spacing(a, b));
   return plausible(evidence, a, b, limits);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -139,5 +141,15 @@ class ViewSurface {
          normal_error_ = 0.0, radius_ = 0.0;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), mean_normal_ = Eigen::Vector3d::Zero();
 };
+
+/// The median sample spacing of the coarser of two views [unit].
+inline double coarser_spacing(const ViewSurface& a, const ViewSurface& b) {
+  return std::max(a.spacing(), b.spacing());
+}
+
+/// Standard deviation of the distance between two views due to the noise of both [unit].
+inline double joint_noise(const ViewSurface& a, const ViewSurface& b) {
+  return std::hypot(a.noise(), b.noise());
+}
 
 }  // namespace relief::registration

@@ -74,10 +74,6 @@ constexpr double kLost = 0.02;     // and that the other sensor may have lost: 3
 // as far apart. Smaller expects what sensors lose at grazing angles, larger ignores more of a view.
 constexpr double kFacing = 0.6;
 
-double coarser_spacing(const ViewSurface& a, const ViewSurface& b) {
-  return std::max(a.spacing(), b.spacing());
-}
-
 // What the line of sight from the target to samples of the source tells, as fractions of them.
 struct SightLines {
   double in_front = 0.0;  // Would have hidden what the target saw.
@@ -85,7 +81,7 @@ struct SightLines {
 };
 
 SightLines look_along(const ViewSurface& source, const ViewSurface& target,
-                      const RigidMotion& target_from_source, double least_deviation) {
+                      const RigidMotion& target_from_source, double min_stddev) {
   SightLines lines;
   const std::size_t probes = std::min(kProbes, source.samples().size());
   if (!target.can_project() || probes == 0) return lines;
@@ -98,7 +94,7 @@ SightLines look_along(const ViewSurface& source, const ViewSurface& target,
     if (!pixel) continue;
     if (const auto seen = target.at(*pixel)) {
       const double noise = std::hypot(source.noise_at(sample), target.noise_at(*seen));
-      const double margin = finest_search_distance(spacing, std::max(noise, least_deviation));
+      const double margin = finest_search_distance(spacing, std::max(noise, min_stddev));
       if ((point - seen->point).dot(seen->normal) > margin) lines.in_front += part;
     } else if (target.blank(*pixel)) {
       const Eigen::Vector3d normal = target_from_source.linear() * sample.normal;
@@ -116,10 +112,6 @@ void note_sight_lines(const SightLines& lines, double overlap, PoseEvidence& evi
   };
   note(lines.in_front, evidence.in_front, evidence.free_space_violation);
   note(lines.missing, evidence.missing, evidence.missing_coverage);
-}
-
-double joint_noise(const ViewSurface& a, const ViewSurface& b) {
-  return std::hypot(a.noise(), b.noise());
 }
 
 // What neighbours share beyond the rounding of their ranges [sample spacings].
@@ -150,8 +142,8 @@ struct MutualSighting {
 MutualSighting look_both_ways(const ViewSurface& a, const ViewSurface& b,
                               const RigidMotion& b_from_a, int probes, const JudgeOptions& options,
                               PoseEvidence& evidence) {
-  const double margin = finest_search_distance(
-      coarser_spacing(a, b), std::max(joint_noise(a, b), options.least_deviation));
+  const double margin = finest_search_distance(coarser_spacing(a, b),
+                                               std::max(joint_noise(a, b), options.min_stddev));
   CorrespondenceOptions search;
   search.count = probes;
   search.tries = 1;
@@ -161,10 +153,9 @@ MutualSighting look_both_ways(const ViewSurface& a, const ViewSurface& b,
   MutualSighting seen{find_correspondences(a, b, b_from_a, search),
                       find_correspondences(b, a, b_from_a.inverse(), search)};
   evidence.overlap = 0.5 * (seen.in_b.overlap() + seen.in_a.overlap());
-  note_sight_lines(look_along(a, b, b_from_a, options.least_deviation), seen.in_b.overlap(),
+  note_sight_lines(look_along(a, b, b_from_a, options.min_stddev), seen.in_b.overlap(), evidence);
+  note_sight_lines(look_along(b, a, b_from_a.inverse(), options.min_stddev), seen.in_a.overlap(),
                    evidence);
-  note_sight_lines(look_along(b, a, b_from_a.inverse(), options.least_deviation),
-                   seen.in_a.overlap(), evidence);
   return seen;
 }
 

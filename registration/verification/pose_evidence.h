@@ -41,7 +41,7 @@ struct JudgeOptions {
   double max_normal_angle_deg = 40.0;
   /// Standard deviation of the distance between two views at least [unit]: for errors that the
   /// noise of single samples does not show.
-  double least_deviation = 0.0;
+  double min_stddev = 0.0;
 };
 
 /// Pairs of views that share less than this fraction of their samples say little of their fit: it

@@ -20,8 +20,8 @@ constexpr int kJudgedPairsOfAView = 6;
 // However bad a sensor is, pairs that deviate by more than so many times the general limits confirm
 // nothing: 5 x 0.2 spacings of coherent residual are one, where wrong poses settle.
 constexpr double kWidest = 5.0;
-constexpr double kBetter = 0.25;      // Quantile of pairs: right while a quarter of them are.
-constexpr double kUnexplained = 1.5;  // [deviations of the noise]
+constexpr double kBetterQuantile = 0.25;     // Of pairs: right while a quarter of them are.
+constexpr double kUnexplainedStddevs = 1.5;  // [deviations of the noise]
 // Stray samples, flying pixels and moving parts stand in space seen empty at right poses as well:
 // of the samples that can be compared, fewer than these. [fraction] Scenes of `relief_coarse_runs`
 // have 5 % of stray samples at most.
@@ -81,19 +81,18 @@ void judge(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMoti
 
 // What the better pairs deviate by, where that is more than the noise of single samples explains
 // and matters; 0 elsewhere [unit]. Sensors that smooth their ranges err by many times that noise.
-double common_deviation(const std::vector<ViewSurface>& surfaces,
-                        const std::vector<Judged>& pairs) {
+double common_stddev(const std::vector<ViewSurface>& surfaces, const std::vector<Judged>& pairs) {
   std::vector<double> rms, noise, spacing;
   for (const Judged& pair : pairs) {
     if (!pair.fit_known) continue;
     const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
     rms.push_back(pair.evidence.rms);
-    noise.push_back(std::hypot(a.noise(), b.noise()));
-    spacing.push_back(std::max(a.spacing(), b.spacing()));
+    noise.push_back(joint_noise(a, b));
+    spacing.push_back(coarser_spacing(a, b));
   }
   if (rms.empty()) return 0.0;
-  const double common = quantile(std::move(rms), kBetter);
-  const bool explained = common <= kUnexplained * quantile(std::move(noise), 0.5);
+  const double common = quantile(std::move(rms), kBetterQuantile);
+  const bool explained = common <= kUnexplainedStddevs * quantile(std::move(noise), 0.5);
   const bool matters = finest_search_distance(0.0, common) > quantile(std::move(spacing), 0.5);
   return explained || !matters ? 0.0 : common;
 }
@@ -111,7 +110,7 @@ VerificationThresholds limits_of_views(const std::vector<ViewSurface>& surfaces,
     rms.push_back(relative_rms(pair.evidence, a, b));
     normal_rms.push_back(pair.evidence.normal_rms);
     coherent_rms.push_back(relative_coherent_rms(pair.evidence, a, b));
-    noise.push_back(std::hypot(a.noise(), b.noise()) / std::max(a.spacing(), b.spacing()));
+    noise.push_back(joint_noise(a, b) / coarser_spacing(a, b));
   }
   const auto widen = [](double& limit, std::vector<double> values, double widest) {
     limit =
@@ -192,8 +191,8 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
   JudgeOptions judging;
   judging.association = options.association;
   judge(surfaces, world_from_view, judging, pairs);
-  judging.least_deviation = common_deviation(surfaces, pairs);
-  if (judging.least_deviation > 0.0) judge(surfaces, world_from_view, judging, pairs);
+  judging.min_stddev = common_stddev(surfaces, pairs);
+  if (judging.min_stddev > 0.0) judge(surfaces, world_from_view, judging, pairs);
   decide(surfaces, options.limits, pairs);
 
   const std::size_t views = surfaces.size();

@@ -78,8 +78,8 @@ std::vector<double> largest_fitting_rms(const std::vector<ViewSurface>& surfaces
   const double common = kUncommon * quantile(all, 0.5);
   for (const auto& pair : pairs) {
     const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
-    limits.push_back(std::max(common, largest_plausible_rms(std::max(a.spacing(), b.spacing()),
-                                                            std::hypot(a.noise(), b.noise()))));
+    limits.push_back(
+        std::max(common, largest_plausible_rms(coarser_spacing(a, b), joint_noise(a, b))));
   }
   return limits;
 }
