@@ -45,16 +45,23 @@ std::vector<RigidMotion> turns(const ViewSurface& reference, const ViewSurface& 
   return list;
 }
 
-// The motions from one view to the next, in the order of the scan, between the nearest views before
-// and after view `a` that are in one group.
+// The motion from view `a` to the one that follows it in the order of the scan, if both are in one
+// group.
+std::optional<RigidMotion> known_step(const ViewGroups& groups, std::size_t a) {
+  const std::size_t next = (a + 1) % groups.group.size();
+  if (groups.group[a] != groups.group[next]) return std::nullopt;
+  return groups.group_from_view[next].inverse() * groups.group_from_view[a];
+}
+
+// The known steps nearest to view `a`, one after it and one before.
 std::vector<RigidMotion> steps_about(const ViewGroups& groups, std::size_t a) {
   std::vector<RigidMotion> steps;
   const std::size_t count = groups.group.size();
   for (const std::size_t direction : {std::size_t{1}, count - 1}) {
     for (std::size_t k = 1; k < count; ++k) {
-      const std::size_t i = (a + k * direction) % count, next = (i + 1) % count;
-      if (groups.group[i] != groups.group[next]) continue;
-      steps.push_back(groups.group_from_view[next].inverse() * groups.group_from_view[i]);
+      const auto step = known_step(groups, (a + k * direction) % count);
+      if (!step) continue;
+      steps.push_back(*step);
       break;
     }
   }
@@ -75,11 +82,11 @@ void keep_promising(const ViewSurface& view, const ViewSurface& reference,
   starts = std::move(kept);
 }
 
-// Views that follow each other in the order of the scan, as the objects of a search.
-class Turntable {
+// The search for links between views that follow each other in the order of the scan.
+class TurntableSearch {
  public:
-  Turntable(const std::vector<ViewSurface>& surfaces, const ViewGroups& groups,
-            const VerificationThresholds& limits, Association association)
+  TurntableSearch(const std::vector<ViewSurface>& surfaces, const ViewGroups& groups,
+                  const VerificationThresholds& limits, Association association)
       : surfaces_(surfaces),
         groups_(groups),
         limits_(limits),
@@ -87,24 +94,26 @@ class Turntable {
         steps_(surfaces.size()) {}
 
   std::vector<PoseLink> links() {
-    const std::size_t count = surfaces_.size(), last = count > 2 ? count : count - 1;
-    for (std::size_t a = 0; a < last; ++a) link_to_next(a);
+    const std::size_t count = surfaces_.size();
+    for (std::size_t a = 0; a < count; ++a)
+      if (a + 1 < count || count > 2) link_to_next(a);  // The first view follows the last.
     // Doubtful links count only in loops of three.
-    for (std::size_t a = 0; a < count && count > 3; ++a) link_over_next(a);
+    for (std::size_t a = 0; a < count; ++a)
+      if (count > 3) link_over_next(a);
     return std::move(links_);
   }
 
  private:
-  bool searched(std::size_t a, std::size_t b) const {
+  // Whether both views have samples and are not in one group yet.
+  bool apart(std::size_t a, std::size_t b) const {
     return groups_.group[a] != groups_.group[b] && !surfaces_[a].samples().empty() &&
            !surfaces_[b].samples().empty();
   }
 
   void link_to_next(std::size_t a) {
     const std::size_t count = surfaces_.size(), b = (a + 1) % count;
-    if (groups_.group[a] == groups_.group[b])
-      steps_[a] = groups_.group_from_view[b].inverse() * groups_.group_from_view[a];
-    if (!searched(a, b)) return;
+    steps_[a] = known_step(groups_, a);
+    if (!apart(a, b)) return;
     auto starts = turns(surfaces_[b], surfaces_[a], count);
     const auto steps = steps_about(groups_, a);
     starts.insert(starts.end(), steps.begin(), steps.end());
@@ -115,7 +124,7 @@ class Turntable {
   // Between views with one between them, where both steps are known.
   void link_over_next(std::size_t a) {
     const std::size_t count = surfaces_.size(), b = (a + 1) % count, c = (a + 2) % count;
-    if (searched(a, c) && steps_[a] && steps_[b]) refine(a, c, {*steps_[b] * *steps_[a]});
+    if (apart(a, c) && steps_[a] && steps_[b]) refine(a, c, {*steps_[b] * *steps_[a]});
   }
 
   // Adds what fits to the links; the one of largest overlap, if any.
@@ -153,7 +162,7 @@ std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
                                       const ViewGroups& groups,
                                       const VerificationThresholds& limits,
                                       Association association) {
-  return Turntable(surfaces, groups, limits, association).links();
+  return TurntableSearch(surfaces, groups, limits, association).links();
 }
 
 }  // namespace relief::registration
