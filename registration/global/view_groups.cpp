@@ -24,7 +24,7 @@ constexpr double kSamePlaceRadii = 0.15;
 // Where limits follow the project they come from its better links: 1.75 times the lower quartile of
 // coherent residuals. Half as much again is what its worse links show (a turning person before a
 // Kinect: up to 0.86 spacings of 0.59).
-constexpr double kNearlyCoherent = 1.5;
+constexpr double kInconclusiveCoherence = 1.5;
 
 using Motions = std::vector<RigidMotion>;
 
@@ -233,17 +233,17 @@ class Joining {
     if (!same_place(source, checked.b_from_a, i_from_j))
       return -std::numeric_limits<double>::infinity();
     if (plausible(checked.evidence, source, target, limits)) return support_of(checked.evidence);
-    return nearly_fits(checked.evidence, source, target, limits)
+    return is_inconclusive(checked.evidence, source, target, limits)
                ? 0.0
                : -std::numeric_limits<double>::infinity();
   }
 
   // Whether a pair misses its limits by no more than a part of the coherent residual, in a project
   // whose loops show that its sensors err beyond the general limit. Such a pair says nothing.
-  bool nearly_fits(const PoseEvidence& evidence, const ViewSurface& source,
-                   const ViewSurface& target, VerificationThresholds limits) const {
+  bool is_inconclusive(const PoseEvidence& evidence, const ViewSurface& source,
+                       const ViewSurface& target, VerificationThresholds limits) const {
     if (limits.max_coherent_rms <= options_.confirmed_coherent_rms) return false;
-    limits.max_coherent_rms *= kNearlyCoherent;
+    limits.max_coherent_rms *= kInconclusiveCoherence;
     return plausible(evidence, source, target, limits);
   }
 
