@@ -169,27 +169,23 @@ int sides_beyond(const Extent& piece, const Extent& moving) {
 // The moving samples of a view without islands: noise makes them anywhere, also in the middle of
 // what stands still.
 Grid<std::uint8_t> moving_object(const Grid<SampleKind>& kinds, const GridEdges& edges) {
-  const auto moving = [&](int u, int v) {
-    return kinds.contains(u, v) && kinds(u, v) == SampleKind::kMoving;
-  };
+  const auto moving = [&](int u, int v) { return kinds(u, v) == SampleKind::kMoving; };
+  const auto at = [&](int u, int v) { return static_cast<std::uint32_t>(kinds.index(u, v)); };
   DisjointSets sets(kinds.size());
-  const int width = kinds.width();
   std::size_t count = 0;
   for (int v = 0; v < kinds.height(); ++v) {
-    for (int u = 0; u < width; ++u) {
+    for (int u = 0; u < kinds.width(); ++u) {
       if (!moving(u, v)) continue;
       ++count;
-      const auto here = static_cast<std::uint32_t>(v * width + u);
-      if (moving(u + 1, v) && edges.connected(u, v, 1, 0)) sets.join(here, here + 1);
-      if (moving(u, v + 1) && edges.connected(u, v, 0, 1))
-        sets.join(here, here + static_cast<std::uint32_t>(width));
+      if (edges.right(u, v) && moving(u + 1, v)) sets.join(at(u, v), at(u + 1, v));
+      if (edges.down(u, v) && moving(u, v + 1)) sets.join(at(u, v), at(u, v + 1));
     }
   }
   std::vector<std::size_t> sizes(kinds.size(), 0);
   for (std::uint32_t i = 0; i < kinds.size(); ++i)
     if (kinds[i] == SampleKind::kMoving) ++sizes[sets.find(i)];
   const double least = kIsland * static_cast<double>(count);
-  Grid<std::uint8_t> object(width, kinds.height(), 0);
+  Grid<std::uint8_t> object(kinds.width(), kinds.height(), 0);
   for (std::uint32_t i = 0; i < kinds.size(); ++i)
     if (kinds[i] == SampleKind::kMoving && static_cast<double>(sizes[sets.find(i)]) >= least)
       object[i] = 1;

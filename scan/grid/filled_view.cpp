@@ -190,7 +190,8 @@ double samples_around(const RangeView& measured, int u, int v) {
   return static_cast<double>(samples) / pixels;
 }
 
-constexpr double kMostly = 0.5;  // Of the pixels around: half is as many that are interpolated.
+constexpr double kMostlyMeasured =
+    0.5;  // Of the pixels around: half is as many that are interpolated.
 
 // Those of the bridged pixels whose gap is bridged as a whole: the rest of a hole stays a hole, and
 // what is outside of a silhouette stays outside.
@@ -205,7 +206,8 @@ Grid<std::uint8_t> whole_gaps(const RangeView& measured, const Grid<std::uint8_t
       gap.assign(1, {u, v});
       for (std::size_t next = 0; next < gap.size(); ++next) {
         const auto [pu, pv] = gap[next];
-        fillable = fillable && bridged(pu, pv) && samples_around(measured, pu, pv) >= kMostly;
+        fillable =
+            fillable && bridged(pu, pv) && samples_around(measured, pu, pv) >= kMostlyMeasured;
         for (const auto& [du, dv] : kAllNeighbours) {
           const int x = pu + du, y = pv + dv;
           if (!visited.contains(x, y) || visited(x, y) || measured.has_sample(x, y)) continue;

@@ -73,8 +73,10 @@ BridgedRange bridge(const RangeView& view, const BridgedRange& known, bool both,
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
       if (gaps.has(u, v)) continue;
-      const auto row = gaps.across(u, v, 1, 0), column = gaps.across(u, v, 0, 1);
-      if (both ? !row || !column : !row && !column) continue;
+      const auto row = gaps.across(u, v, 1, 0);
+      if (both && !row) continue;
+      const auto column = gaps.across(u, v, 0, 1);
+      if (!column && (both || !row)) continue;
       const Interpolated a = row.value_or(Interpolated{}), b = column.value_or(Interpolated{});
       result.range(u, v) = (a.weight * a.range + b.weight * b.range) / (a.weight + b.weight);
       result.bridged(u, v) = 1;
