@@ -12,6 +12,7 @@
 #include "fusion/surface/vertex_colours.h"
 #include "fusion/tsdf/closed_field.h"
 #include "fusion/units/merge_units.h"
+#include "fusion/views/view_deviation.h"
 #include "fusion/views/view_sampler.h"
 #include "scan/base/median.h"
 #include "scan/base/median_deviation.h"
@@ -160,10 +161,11 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
   result.view_noise = median(noises);
   result.voxel_size = options.voxel_size > 0.0 ? options.voxel_size
                                                : (refined ? kRefinedVoxel : 1.0) * median(spacings);
-  result.truncation =
-      options.truncation > 0.0
-          ? options.truncation
-          : std::max(3.0 * result.voxel_size, 4.0 * result.view_noise + result.voxel_size);
+  result.view_deviation = view_deviation(views);
+  const double deviation = std::max(result.view_noise, result.view_deviation);
+  result.truncation = options.truncation > 0.0
+                          ? options.truncation
+                          : std::max(3.0 * result.voxel_size, 4.0 * deviation + result.voxel_size);
 }
 
 // Per vertex of the mesh, beyond the mesh itself [bytes]. It changes no result.

@@ -135,6 +135,22 @@ TEST(MergeViews, AveragingManyViewsReducesNoise) {
   EXPECT_LT(expected, 2.0 * rms);
 }
 
+// Wrong calibration or poses: surfaces four voxels apart, each of them smooth.
+TEST(MergeViews, ViewsThatDifferByVoxelsMakeOneSheet) {
+  auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 20, 100, 50.0);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Eigen::Vector3d axis = views[i].world_from_view.linear().col(2);
+    views[i].world_from_view.pretranslate((i % 2 == 0 ? 2.0 : -2.0) * axis);
+  }
+  const MergeResult result = merged(views);
+  EXPECT_TRUE(result.check.watertight());
+  EXPECT_EQ(result.check.genus, 0);
+  EXPECT_EQ(result.components_removed, 0u);
+  EXPECT_GT(result.view_deviation, result.voxel_size);
+  EXPECT_GT(result.truncation, 4.0 * result.view_deviation);
+  EXPECT_LT(measured_rms(result, sphere_distance(50.0)), 1.5);
+}
+
 TEST(MergeViews, RefinedViewsGetAFinerLattice) {
   auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 4, 40, 50.0);
   for (RangeView& view : views) view.deviation = Grid<float>(view.width(), view.height(), 0.1f);

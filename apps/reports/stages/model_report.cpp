@@ -77,6 +77,7 @@ Json to_json(const reconstruction::Model& model) {
   report["faces_removed"] = merged.faces_removed;
   report["voxel_size"] = merged.voxel_size;
   report["truncation"] = merged.truncation;
+  report["view_deviation"] = merged.view_deviation;
   if (model.polished) report["polish"] = polish_report(*model.polished);
   return report;
 }

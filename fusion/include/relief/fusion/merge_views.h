@@ -19,7 +19,8 @@ struct MergeOptions {
   /// the views, or 0.8 of it where views are refined.
   double voxel_size = 0.0;
   /// Views contribute to the signed distance up to this far from their surface [unit]; 0: three
-  /// voxels, or four standard deviations of the views' noise and one voxel if that is more.
+  /// voxels, or, if that is more, one voxel and four standard deviations of the views' noise or of
+  /// what their surfaces are apart by, whichever is larger.
   double truncation = 0.0;
   /// The weight of a sample grows from a view's silhouettes over this many pixels.
   int silhouette_ramp = 6;
@@ -44,9 +45,12 @@ struct MergeSummary {
   double filled_area_fraction = 0.0;  ///< Of the area before holes are opened.
   double voxel_size = 0.0;            ///< As used [unit].
   double truncation = 0.0;            ///< As used [unit].
-  double view_noise = 0.0;            ///< Median standard deviation of the views' positions [unit].
-  std::size_t flying_samples = 0;     ///< Taken away: they hang in the air between surfaces.
-  std::size_t filled_samples = 0;     ///< Interpolated in small gaps of the views.
+  double view_noise = 0.0;  ///< Median standard deviation of the views' white noise [unit].
+  /// Standard deviation of the errors that views do not share, noise, calibration and poses, from
+  /// how far their surfaces are apart [unit]; 0: they hardly overlap.
+  double view_deviation = 0.0;
+  std::size_t flying_samples = 0;  ///< Taken away: they hang in the air between surfaces.
+  std::size_t filled_samples = 0;  ///< Interpolated in small gaps of the views.
   /// Blocks of 8 x 8 x 8 voxels where the field that closes the surface had not come to rest; 0: it
   /// had everywhere. A note tells.
   std::size_t moving_blocks = 0;
