@@ -6,9 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "relief/scan/grid.h"
+#include "scan/base/linear_algebra.h"
 
 namespace relief::hybrid {
 
@@ -36,7 +37,7 @@ struct Block {
   double mean() const { return rhs[0] / count(); }
   // Variance of the samples about the plane.
   double scatter() const {
-    const Eigen::Vector3d plane = matrix.ldlt().solve(rhs);
+    const Eigen::Vector3d plane = solve_symmetric(matrix, rhs);
     return std::max(0.0, squares - plane.dot(rhs)) / (count() - 3.0);
   }
 };

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
-#include "registration/linear_algebra.h"
+#include "scan/base/linear_algebra.h"
 
 namespace relief::registration {
 
@@ -66,10 +66,10 @@ std::vector<DegenerateDirection> degenerate_directions(const ConstraintSpectrum&
   const auto count = (spectrum.eigenvalues.array() < threshold).count();
   if (count == 0) return {};
   // Within the degenerate space any basis is as good; the singular vectors of its rotational part
-  // separate the pure translations (singular value 0) from the rest.
-  const Eigen::MatrixXd space = spectrum.directions.leftCols(count);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(space.topRows(3), Eigen::ComputeFullV);
-  const Eigen::MatrixXd basis = space * svd.matrixV().rowwise().reverse();
+  // separate the pure translations (singular value 0, first) from the rest.
+  const Eigen::MatrixXd space = spectrum.directions.leftCols(count), rotations = space.topRows(3);
+  const auto singular = eigen_decomposition(Eigen::MatrixXd(rotations.transpose() * rotations));
+  const Eigen::MatrixXd basis = space * singular.eigenvectors();
   std::vector<DegenerateDirection> result;
   for (Eigen::Index k = 0; k < count; ++k) {
     DegenerateDirection direction;

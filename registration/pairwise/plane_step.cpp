@@ -5,9 +5,9 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
-#include "registration/linear_algebra.h"
 #include "registration/pairwise/normal_equations.h"
 #include "registration/pairwise/robust.h"
+#include "scan/base/linear_algebra.h"
 #include "scan/base/robust_scales.h"
 
 namespace relief::registration {

@@ -6,9 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
 #include "scan/base/disjoint_sets.h"
+#include "scan/base/linear_algebra.h"
 
 namespace relief {
 
@@ -144,7 +145,7 @@ class ViewMask {
     fit.mean /= count;
     Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
     for (const auto& point : points) scatter += (point - fit.mean) * (point - fit.mean).transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+    const auto eigen = eigen_decomposition(scatter);
     fit.normal = eigen.eigenvectors().col(0);
     fit.error = std::sqrt(std::max(0.0, eigen.eigenvalues()[0]) / count) / (tolerance / count);
     return fit;

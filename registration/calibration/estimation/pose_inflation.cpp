@@ -5,7 +5,7 @@
 
 #include "registration/calibration/estimation/system_layout.h"
 #include "registration/calibration/selection/held_out.h"
-#include "registration/linear_algebra.h"
+#include "scan/base/linear_algebra.h"
 
 namespace relief::registration {
 

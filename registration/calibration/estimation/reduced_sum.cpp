@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "registration/linear_algebra.h"
+#include "scan/base/linear_algebra.h"
 
 namespace relief::registration {
 

@@ -1,6 +1,6 @@
 #include "registration/calibration/selection/held_out.h"
 
-#include "registration/linear_algebra.h"
+#include "scan/base/linear_algebra.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {

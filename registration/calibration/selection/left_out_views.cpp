@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "registration/calibration/selection/held_out.h"
-#include "registration/linear_algebra.h"
+#include "scan/base/linear_algebra.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {

@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
+
+#include "scan/base/linear_algebra.h"
 
 namespace relief::registration {
 
@@ -56,7 +58,7 @@ Plane fitted(const std::vector<SurfacePoint>& points, const std::vector<std::siz
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const std::size_t i : chosen)
     scatter += (points[i].point - mean) * (points[i].point - mean).transpose();
-  return {mean, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0)};
+  return {mean, eigen_decomposition(scatter).eigenvectors().col(0)};
 }
 
 // The points of the plane that most of them are on. pcl::SACSegmentation takes twelve times as long

@@ -10,8 +10,8 @@
 
 #include <Eigen/Dense>
 
-#include "registration/linear_algebra.h"
 #include "registration/pairwise/robust.h"
+#include "scan/base/linear_algebra.h"
 
 namespace relief::registration {
 

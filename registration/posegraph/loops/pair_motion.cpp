@@ -7,9 +7,9 @@
 #include <tuple>
 #include <utility>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
-#include "registration/linear_algebra.h"
+#include "scan/base/linear_algebra.h"
 
 namespace relief::registration {
 
@@ -40,8 +40,10 @@ Eigen::MatrixXd determined_motions(const std::vector<DegenerateDirection>& degen
     fixed.col(k) = tangent_about(centre, degenerate[static_cast<std::size_t>(k)]);
     fixed.col(k).head<3>() *= lever;
   }
-  const Eigen::MatrixXd all = Eigen::HouseholderQR<Eigen::MatrixXd>(fixed).householderQ();
-  return all.rightCols(6 - std::min<Eigen::Index>(count, 6));
+  // Those that `fixed` spans have eigenvalues above 0.
+  return eigen_decomposition(Matrix6d(fixed * fixed.transpose()))
+      .eigenvectors()
+      .leftCols(6 - std::min<Eigen::Index>(count, 6));
 }
 
 // The inverse of the information among the motions that the pair determines; zero for the others.

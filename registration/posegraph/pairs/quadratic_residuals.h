@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "registration/linear_algebra.h"
+#include "scan/base/linear_algebra.h"
 
 namespace relief::registration {
 

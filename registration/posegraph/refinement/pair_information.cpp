@@ -6,9 +6,9 @@
 
 #include <Eigen/Dense>
 
-#include "registration/linear_algebra.h"
 #include "registration/pairwise/robust.h"
 #include "scan/base/cell_key.h"
+#include "scan/base/linear_algebra.h"
 #include "scan/base/robust_scales.h"
 
 namespace relief::registration {

@@ -8,6 +8,8 @@
 
 #include <Eigen/Dense>
 
+#include "scan/base/linear_algebra.h"
+
 namespace relief::registration {
 
 namespace {
@@ -27,7 +29,7 @@ RigidTangent prior_precision(const ViewSurface& surface) {
 Matrix6d inverse_of(const Matrix6d& a) {
   const Vector6d scale = a.diagonal().cwiseSqrt().cwiseInverse();
   const Matrix6d scaled = scale.asDiagonal() * a * scale.asDiagonal();
-  return scale.asDiagonal() * scaled.ldlt().solve(Matrix6d(scale.asDiagonal()));
+  return scale.asDiagonal() * solve_symmetric(scaled, Matrix6d(scale.asDiagonal()));
 }
 
 std::vector<RigidTangent> scores_of_views(const std::vector<PairInformation>& pairs,

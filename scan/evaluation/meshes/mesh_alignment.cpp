@@ -4,11 +4,12 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "relief/evaluation/mesh_errors.h"
 #include "scan/base/counter_random.h"
+#include "scan/base/linear_algebra.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
 #include "scan/base/robust_scales.h"
@@ -102,7 +103,7 @@ RigidMotion next_step(const std::vector<Foot>& feet, const Target& target) {
   }
   // Directions in which the surface slides along itself have no say in the motion.
   normal.diagonal().array() += 1e-9 * normal.trace();
-  RigidTangent step = normal.ldlt().solve(right);
+  RigidTangent step = solve_symmetric(normal, right);
   step.tail<3>() *= target.size;
   const RigidMotion about_centre = motion_from_tangent(step);
   return Eigen::Translation3d(target.centre) * about_centre * Eigen::Translation3d(-target.centre);

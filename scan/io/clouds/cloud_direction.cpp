@@ -5,8 +5,9 @@
 #include <cstdint>
 #include <numbers>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include "scan/base/linear_algebra.h"
 #include "scan/base/median.h"
 #include "scan/io/clouds/nearest_points.h"
 
@@ -151,7 +152,7 @@ std::vector<Eigen::Vector3d> principal_axes(const std::vector<Eigen::Vector3d>& 
                                             const Eigen::Vector3d& centre) {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (const auto& point : points) covariance += (point - centre) * (point - centre).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  const auto eigen = eigen_decomposition(covariance);
   std::vector<Eigen::Vector3d> axes;
   for (Eigen::Index k = 0; k < 3; ++k) {
     axes.push_back(eigen.eigenvectors().col(k));

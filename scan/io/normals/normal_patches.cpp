@@ -6,9 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
 #include "relief/scan/discontinuities.h"
+#include "scan/base/linear_algebra.h"
 #include "scan/base/median.h"
 #include "scan/grid/connected_grid.h"
 #include "scan/grid/range_noise.h"
@@ -80,7 +81,7 @@ class WindowFit {
     mean /= count;
     Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
     for (const auto& point : points_) scatter += (point - mean) * (point - mean).transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+    const auto eigen = eigen_decomposition(scatter);
     const Eigen::Vector3d values = eigen.eigenvalues().cwiseMax(0.0);
     if (!(values[1] > 0.0) || count < 4.0) return false;
     // The slope of a plane through samples with errors s across it errs by s / sqrt(sum x^2).

@@ -5,8 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <gtest/gtest.h>
+
+#include "scan/base/linear_algebra.h"
 
 namespace relief::registration {
 namespace {
@@ -110,7 +112,7 @@ struct RandomProblem {
       }
       if (matrix(i, i) == 0.0) matrix(i, i) = 1.0;
     }
-    return at - matrix.ldlt().solve(gradient);
+    return at - solve_symmetric(matrix, gradient);
   }
 
   template <class Use>

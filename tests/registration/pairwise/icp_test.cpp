@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/pairwise/plane_step.h"
+#include "scan/base/linear_algebra.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief::registration {
@@ -72,7 +73,7 @@ double whitened_error(const IcpResult& found, const RigidMotion& truth) {
   const Eigen::AngleAxisd turn(error.linear());
   Vector6d tangent;
   tangent << turn.angle() * turn.axis(), error.translation();
-  return tangent.dot(found.covariance.ldlt().solve(tangent)) / 6.0;
+  return tangent.dot(solve_symmetric(found.covariance, tangent)) / 6.0;
 }
 
 TEST(Icp, ReportsTheCovarianceThatErrorsHave) {

@@ -3,10 +3,11 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
 #include "relief/scan/context.h"
+#include "scan/base/linear_algebra.h"
 #include "tests/support/scenes/synthetic_views.h"
 
 namespace relief {
@@ -58,8 +59,7 @@ Eigen::Vector3d brute_force_normal(const RangeView& view, int u, int v, int radi
   for (const auto& p : points) mean += p / static_cast<double>(points.size());
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const auto& p : points) scatter += (p - mean) * (p - mean).transpose();
-  const Eigen::Vector3d normal =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
+  const Eigen::Vector3d normal = eigen_decomposition(scatter).eigenvectors().col(0);
   return normal.dot(view.camera.ray(u, v).direction) > 0.0 ? Eigen::Vector3d(-normal) : normal;
 }
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Dense>
 
+#include "scan/base/linear_algebra.h"
 #include "scan/io/grids/cameras/grid_samples.h"
 #include "scan/io/grids/cameras/normal_side.h"
 #include "scan/views/projection_fits.h"
@@ -43,7 +44,7 @@ std::optional<RationalProjection> fit_affine(const GridSamples& samples) {
     covariance += p * p.transpose();
     cross += p * (samples.pixels[i] - pixel_mean).transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  const auto eigen = eigen_decomposition(covariance);
   // Points in one plane determine no direction of view.
   if (!(eigen.eigenvalues()[0] > 1e-8 * eigen.eigenvalues()[2])) return std::nullopt;
   const Eigen::Matrix<double, 3, 2> slopes = covariance.ldlt().solve(cross);

@@ -5,8 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
+#include "scan/base/linear_algebra.h"
 #include "scan/base/median.h"
 #include "scan/io/normals/normal_convention.h"
 
@@ -41,7 +42,7 @@ std::optional<Window> window_at(const GridFile& grid, int u, int v) {
   mean /= static_cast<double>(points.size());
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const auto& point : points) scatter += (point - mean) * (point - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+  const auto eigen = eigen_decomposition(scatter);
   return Window{eigen.eigenvectors().col(0), stored.normalized()};
 }
 

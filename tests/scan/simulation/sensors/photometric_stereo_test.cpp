@@ -5,11 +5,12 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
 #include "relief/scan/context.h"
 #include "relief/simulation/normal_sensors.h"
+#include "scan/base/linear_algebra.h"
 #include "tests/scan/simulation/sensor_bench.h"
 #include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
@@ -143,7 +144,9 @@ Eigen::Vector3d solved(const PhotometricStereo& camera, const Eigen::Vector3d& n
     matrix.row(row) = lights[k].transpose();
     readings[row] = lit[k] && normal.dot(lights[k]) > 0.0 ? normal.dot(lights[k]) : in_shadow;
   }
-  return matrix.colPivHouseholderQr().solve(readings).normalized();
+  return solve_symmetric(Eigen::Matrix3d(matrix.transpose() * matrix),
+                         Eigen::Vector3d(matrix.transpose() * readings))
+      .normalized();
 }
 
 TEST(PhotometricStereo, AttachedShadowsThatAreNotNoticedTurnTheNormals) {
