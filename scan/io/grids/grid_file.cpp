@@ -1,5 +1,6 @@
 #include "scan/io/grids/grid_file.h"
 
+#include <algorithm>
 #include <fstream>
 #include <string>
 
@@ -26,9 +27,22 @@ bool is_grid_file(const std::filesystem::path& path) {
   return false;
 }
 
+void leave_out_points_at_origin(GridFile& grid) {
+  const auto at_origin = [](const Eigen::Vector3d& point) { return point.isZero(0.0); };
+  const auto count = std::count_if(grid.points.begin(), grid.points.end(), at_origin);
+  if (count < 2) return;
+  for (Eigen::Vector3d& point : grid.points)
+    if (at_origin(point)) point.setConstant(kNoSample);
+  grid.notes.push_back(std::to_string(count) +
+                       " points at the origin are taken for missing samples");
+}
+
 Result<GridFile> read_grid_file(const std::filesystem::path& path) {
-  if (lower_ending(path) == ".ply") return read_ply_grid(path);
-  if (lower_ending(path) == ".pcd") return read_pcd_grid(path);
+  if (has_grid_ending(path)) {
+    auto grid = lower_ending(path) == ".ply" ? read_ply_grid(path) : read_pcd_grid(path);
+    if (grid) leave_out_points_at_origin(*grid);
+    return grid;
+  }
   return bad_input(path, "unknown grid format '" + path.extension().string() +
                              "'; use a range-grid .ply or an organized .pcd");
 }

@@ -238,7 +238,8 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
   guess.project.unit = whole_numbers ? "mm" : "units";
   if (without_camera)
     guess.missing.push_back("fx and fy of each camera [pixels]; cx and cy are set to the middle");
-  if (whole_numbers && !options.depth_scale)
+  guess.without_scale = whole_numbers && !options.depth_scale;
+  if (guess.without_scale)
     guess.missing.push_back(
         "the scale of the depth maps: their value times the scale is in the unit; 1 was taken, as "
         "for whole millimetres");
@@ -264,6 +265,19 @@ Result<FolderGuess> guess_project(const fs::path& folder, const ReadProjectOptio
   for (const std::string& note : guess.project.notes) guess.findings.push_back(note);
   guess.findings.push_back("all of it is read as it is; this file is for changes");
   return guess;
+}
+
+Result<ProjectSpec> read_depth_maps(const fs::path& folder, const ReadProjectOptions& options) {
+  auto guess = guess_from_images(folder, options, "no list or calibration is beside the images");
+  if (!guess) return guess.error();
+  if (guess->without_scale)
+    return bad_input(folder,
+                     "its depth maps hold whole numbers: give --depth-scale, their steps to the "
+                     "unit, as 1000 to the metre");
+  if (options.depth_scale) guess->project.unit = "m";
+  guess->project.notes.insert(guess->project.notes.end(), guess->findings.begin() + 1,
+                              guess->findings.end());
+  return std::move(guess->project);
 }
 
 std::string commented_scan_json(const FolderGuess& guess, const fs::path& folder) {

@@ -14,6 +14,7 @@ struct FolderGuess {
   ProjectSpec project;
   std::vector<std::string> findings;  ///< What was taken for what, and why. For the user.
   std::vector<std::string> missing;   ///< What the project still needs before it can be read.
+  bool without_scale = false;  ///< Depth maps hold whole numbers, of which no scale is known.
 };
 
 /// Looks at a folder. What read_project_spec() understands is taken as it is. Else depth maps,
@@ -24,6 +25,12 @@ struct FolderGuess {
 /// kBadInput when nothing in the folder can be a scan.
 Result<FolderGuess> guess_project(const std::filesystem::path& folder,
                                   const ReadProjectOptions& options = {});
+
+/// Reads a folder of depth maps, without any list or calibration, with the intrinsics of `options`:
+/// what belongs together is told as by guess_project(). Its views have no poses. kBadInput when no
+/// image can be a depth map, or when the maps hold whole numbers and `options` no scale of them.
+Result<ProjectSpec> read_depth_maps(const std::filesystem::path& folder,
+                                    const ReadProjectOptions& options);
 
 /// The text of a scan.json, for `folder`, with the findings and what is missing as comments.
 std::string commented_scan_json(const FolderGuess& guess, const std::filesystem::path& folder);

@@ -6,6 +6,7 @@
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/image_size.h"
+#include "scan/io/project/folder_guess.h"
 #include "scan/io/project/no_project.h"
 #include "scan/io/project/scan_file.h"
 #include "scan/io/project/view_spec.h"
@@ -184,7 +185,12 @@ Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOpti
   const auto content = look_into(folder);
   if (!content) return content.error();
   if (content->projects.size() == 1) return spec_of_file(content->projects.front(), options);
-  if (content->grids.empty() && content->points.empty()) return no_project_in(folder);
+  if (content->grids.empty() && content->points.empty()) {
+    if (options.intrinsics && count_images(folder) > 0)
+      return read_as("depth maps without poses, by the intrinsics given", folder,
+                     read_depth_maps(folder, options));
+    return no_project_in(folder);
+  }
   auto project = spec_of_scans(content->grids.empty() ? content->points : content->grids, options);
   if (project && !content->projects.empty()) {
     std::string names;

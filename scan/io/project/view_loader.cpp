@@ -1,6 +1,7 @@
 #include "scan/io/project/view_loader.h"
 
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "scan/base/system/system_memory.h"
@@ -8,6 +9,7 @@
 #include "scan/io/grids/cameras/camera_fit.h"
 #include "scan/io/grids/cameras/grid_camera.h"
 #include "scan/io/images/image_io.h"
+#include "scan/io/images/missing_depth.h"
 #include "scan/io/normals/normal_map.h"
 #include "scan/io/project/scan_file.h"
 
@@ -95,10 +97,17 @@ Result<void> load_depth(const ViewSpec& spec, MemoryBudget& memory, LoadedView& 
   RangeView& view = loaded.view;
   view.camera = camera_of(*spec.camera, width, height, nullptr);
   view.range = Grid<double>(width, height, kNoSample);
+  const double missing = value_of_missing_depth(*image);
+  if (std::isfinite(missing)) {
+    std::ostringstream note;
+    note << "view " << spec.name << ": the value " << missing
+         << " of its depth map is taken for missing samples";
+    loaded.notes.push_back(note.str());
+  }
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
-      const double depth = (*image)(u, v) * spec.depth->scale;
-      if (!(depth > 0.0) || !std::isfinite(depth)) continue;
+      const double value = (*image)(u, v), depth = value * spec.depth->scale;
+      if (!(depth > 0.0) || !std::isfinite(depth) || value == missing) continue;
       view.range(u, v) =
           spec.depth->along_ray ? depth / view.camera.ray(u, v).direction.norm() : depth;
     }

@@ -50,6 +50,22 @@ TEST(PcdGrid, ReadsAsciiAndBinary) {
   EXPECT_EQ(binary.points(0, 1), Eigen::Vector3d(18, 19, 20));
 }
 
+TEST(PcdGrid, SeveralPointsAtTheOriginAreMissingSamples) {
+  const TemporaryFolder folder;
+  const std::string none = "0 0 0 0 0 0\n", point = "0 1 2 0 0 -1\n";
+  const auto read = [&](const std::string& points) {
+    return value_of(read_grid_file(folder.write("a.pcd", header(kSize, "ascii") + points)));
+  };
+  const auto grid = read(none + point + none + point + point + none);
+  EXPECT_FALSE(grid.points(0, 0).allFinite());
+  EXPECT_FALSE(grid.points(2, 1).allFinite());
+  EXPECT_EQ(grid.points(1, 0), Eigen::Vector3d(0, 1, 2));
+  EXPECT_THAT(grid.notes, ::testing::ElementsAre(::testing::HasSubstr("3 points at the origin")));
+  const auto one = read(none + point + point + point + point + point);
+  EXPECT_TRUE(one.points(0, 0).allFinite());
+  EXPECT_THAT(one.notes, ::testing::IsEmpty());
+}
+
 // As LZF keeps what it cannot shorten: up to 32 bytes behind their number less one.
 std::string compressed(const std::string& bytes) {
   std::string packed;

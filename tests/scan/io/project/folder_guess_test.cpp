@@ -111,6 +111,43 @@ TEST(FolderGuess, TakesWhatCanBeReadAsItIs) {
   EXPECT_TRUE(guess.missing.empty());
 }
 
+TEST(FolderGuess, DepthMapsAreReadByTheIntrinsicsGiven) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "depth");
+  folder.write("depth/1.png", depth_png());
+  folder.write("depth/2.png", depth_png());
+  ReadProjectOptions options;
+  options.intrinsics = PinholeIntrinsics{20.0, 21.0, 5.0, 4.0};
+  EXPECT_THAT(read_project_spec(folder / "depth", options), HasError("--depth-scale"));
+  options.depth_scale = 1000.0;
+  const auto project = value_of(read_project(folder / "depth", options));
+  ASSERT_EQ(project.views.size(), 2u);
+  EXPECT_EQ(project.unit, "m");
+  EXPECT_EQ(project.views[0].pose, PoseKind::kAbsent);
+  EXPECT_NEAR(project.views[0].range(3, 2), 1.005, 1e-9);
+  const Ray ray = project.views[0].camera.ray(5, 4);
+  EXPECT_TRUE(ray.direction.normalized().isApprox(Eigen::Vector3d::UnitZ()));
+}
+
+// Some programs write the largest number where nothing was measured.
+TEST(FolderGuess, OneValueFarBehindAllOthersIsNoDepth) {
+  const TemporaryFolder folder;
+  Image image(12, 9, 1, 65535);
+  for (std::size_t i = 0; i < image.samples.size(); ++i)
+    image.samples[i] = i % 3 == 0 ? 65535.0f : 1000.0f + static_cast<float>(i);
+  folder.write("depth_1.png", *encode_png(image));
+  image.samples[0] = 30000.0f;  // Samples lie between: a far wall, perhaps.
+  folder.write("depth_2.png", *encode_png(image));
+  ReadProjectOptions options;
+  options.intrinsics = PinholeIntrinsics{20.0, 21.0, 5.0, 4.0};
+  options.depth_scale = 1000.0;
+  const auto project = value_of(read_project(folder.path(), options));
+  ASSERT_EQ(project.views.size(), 2u);
+  EXPECT_EQ(project.views[0].sample_count(), 72u);
+  EXPECT_EQ(project.views[1].sample_count(), 108u);
+  EXPECT_THAT(project.notes, ::testing::Contains(HasSubstr("value 65535")));
+}
+
 TEST(FolderGuess, SaysThatNothingIsAScan) {
   const TemporaryFolder folder;
   folder.write("letter.doc", "x");

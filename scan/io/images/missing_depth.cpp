@@ -1,0 +1,35 @@
+#include "scan/io/images/missing_depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace relief {
+
+double value_of_missing_depth(const Image& depth) {
+  constexpr double kShare = 0.01;    // Of the pixels with values: far beyond chance.
+  constexpr double kNearest = 0.25;  // Of the largest value: where other depths may be.
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  double largest = 0.0, next = 0.0;
+  std::size_t shared = 0, known = 0;
+  for (const float sample : depth.samples) {
+    const double value = sample;
+    if (!(value > 0.0) || !std::isfinite(value)) continue;
+    ++known;
+    if (value > largest) {
+      next = largest;
+      largest = value;
+      shared = 0;
+    }
+    if (value == largest)
+      ++shared;
+    else
+      next = std::max(next, value);
+  }
+  const bool apart = next > 0.0 && next < kNearest * largest;
+  const bool often = static_cast<double>(shared) > kShare * static_cast<double>(known);
+  return apart && often ? largest : kNone;
+}
+
+}  // namespace relief
