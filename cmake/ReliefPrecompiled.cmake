@@ -17,7 +17,8 @@ function(relief_precompile target)
   endif()
 endfunction()
 
-# The compiler takes them only where its options are the same, positions of code among them.
+# relief_share_precompiled(TARGET FROM): takes the headers of FROM. The compiler uses them only where its options are the same,
+# -fPIC among them.
 function(relief_share_precompiled target from)
   if(RELIEF_PRECOMPILE_HEADERS AND NOT target STREQUAL from)
     target_precompile_headers(${target} REUSE_FROM ${from})

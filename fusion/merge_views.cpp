@@ -12,7 +12,7 @@
 #include "fusion/surface/vertex_colours.h"
 #include "fusion/tsdf/closed_field.h"
 #include "fusion/units/merge_units.h"
-#include "fusion/views/view_deviation.h"
+#include "fusion/views/inter_view_stddev.h"
 #include "fusion/views/view_sampler.h"
 #include "scan/base/median.h"
 #include "scan/base/median_deviation.h"
@@ -161,8 +161,8 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
   result.view_noise = median(noises);
   result.voxel_size = options.voxel_size > 0.0 ? options.voxel_size
                                                : (refined ? kRefinedVoxel : 1.0) * median(spacings);
-  result.view_deviation = view_deviation(views);
-  const double deviation = std::max(result.view_noise, result.view_deviation);
+  result.inter_view_stddev = inter_view_stddev(views);
+  const double deviation = std::max(result.view_noise, result.inter_view_stddev);
   result.truncation = options.truncation > 0.0
                           ? options.truncation
                           : std::max(3.0 * result.voxel_size, 4.0 * deviation + result.voxel_size);

@@ -74,10 +74,11 @@ namespace relief::fusion {
 
 template <class Archive>
 void serialize(Archive& archive, MergeSummary& summary) {
-  auto& [filled_area_fraction, voxel_size, truncation, view_noise, view_deviation, flying_samples,
-         filled_samples, moving_blocks, components_removed, faces_removed, notes] = summary;
-  archive(filled_area_fraction, voxel_size, truncation, view_noise, view_deviation, flying_samples,
-          filled_samples, moving_blocks, components_removed, faces_removed, notes);
+  auto& [filled_area_fraction, voxel_size, truncation, view_noise, inter_view_stddev,
+         flying_samples, filled_samples, moving_blocks, components_removed, faces_removed, notes] =
+      summary;
+  archive(filled_area_fraction, voxel_size, truncation, view_noise, inter_view_stddev,
+          flying_samples, filled_samples, moving_blocks, components_removed, faces_removed, notes);
 }
 
 template <class Archive>

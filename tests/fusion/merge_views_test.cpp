@@ -146,8 +146,8 @@ TEST(MergeViews, ViewsThatDifferByVoxelsMakeOneSheet) {
   EXPECT_TRUE(result.check.watertight());
   EXPECT_EQ(result.check.genus, 0);
   EXPECT_EQ(result.components_removed, 0u);
-  EXPECT_GT(result.view_deviation, result.voxel_size);
-  EXPECT_GT(result.truncation, 4.0 * result.view_deviation);
+  EXPECT_GT(result.inter_view_stddev, result.voxel_size);
+  EXPECT_GT(result.truncation, 4.0 * result.inter_view_stddev);
   EXPECT_LT(measured_rms(result, sphere_distance(50.0)), 1.5);
 }
 

@@ -77,7 +77,7 @@ Json to_json(const reconstruction::Model& model) {
   report["faces_removed"] = merged.faces_removed;
   report["voxel_size"] = merged.voxel_size;
   report["truncation"] = merged.truncation;
-  report["view_deviation"] = merged.view_deviation;
+  report["inter_view_stddev"] = merged.inter_view_stddev;
   if (model.polished) report["polish"] = polish_report(*model.polished);
   return report;
 }

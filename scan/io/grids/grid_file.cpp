@@ -27,7 +27,7 @@ bool is_grid_file(const std::filesystem::path& path) {
   return false;
 }
 
-void leave_out_points_at_origin(GridFile& grid) {
+void invalidate_points_at_origin(GridFile& grid) {
   const auto at_origin = [](const Eigen::Vector3d& point) { return point.isZero(0.0); };
   const auto count = std::count_if(grid.points.begin(), grid.points.end(), at_origin);
   if (count < 2) return;
@@ -38,11 +38,8 @@ void leave_out_points_at_origin(GridFile& grid) {
 }
 
 Result<GridFile> read_grid_file(const std::filesystem::path& path) {
-  if (has_grid_ending(path)) {
-    auto grid = lower_ending(path) == ".ply" ? read_ply_grid(path) : read_pcd_grid(path);
-    if (grid) leave_out_points_at_origin(*grid);
-    return grid;
-  }
+  if (lower_ending(path) == ".ply") return read_ply_grid(path);
+  if (lower_ending(path) == ".pcd") return read_pcd_grid(path);
   return bad_input(path, "unknown grid format '" + path.extension().string() +
                              "'; use a range-grid .ply or an organized .pcd");
 }

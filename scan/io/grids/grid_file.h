@@ -37,8 +37,9 @@ Result<GridFile> read_pcd_grid(const std::filesystem::path& path);
 /// The points of a PCD of any shape: one that is not organized is a grid of one row.
 Result<GridFile> read_pcd_points(const std::filesystem::path& path);
 
-/// Makes several points at exactly the origin missing ones, with a note: one surface has but one.
-void leave_out_points_at_origin(GridFile& grid);
+/// Several points at exactly the origin stand for missing samples, since a surface has but one
+/// point there: they become NaN, and a note counts them.
+void invalidate_points_at_origin(GridFile& grid);
 
 /// Whether the header of a file says that it is such a grid.
 bool is_grid_file(const std::filesystem::path& path);

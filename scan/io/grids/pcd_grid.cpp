@@ -192,6 +192,7 @@ Result<GridFile> grid_from_cloud(const PcdCloud& from, const std::filesystem::pa
     if (confidence) grid.confidence[i] = static_cast<float>(value_at(from, i, *confidence));
     if (colour) grid.colours[i] = colour_at(from, i, *colour);
   }
+  invalidate_points_at_origin(grid);
   return grid;
 }
 

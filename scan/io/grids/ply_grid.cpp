@@ -117,6 +117,7 @@ Result<GridFile> read_ply_grid(const std::filesystem::path& path) {
     if (!colour) return colour.error();
     grid.colours[i] = *colour;
   }
+  invalidate_points_at_origin(grid);
   return grid;
 }
 

@@ -213,7 +213,6 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
   std::map<std::string, std::vector<NamedImage>> by_view;
   for (NamedImage& image : images_in(folder)) by_view[image.view].push_back(std::move(image));
   FolderGuess guess;
-  guess.findings.push_back("not read as it is: " + why_not_read);
   const CamerasByView cameras = listed_cameras(folder, guess);
   bool whole_numbers = false, without_camera = false;
   for (const auto& [name, images] : by_view) {
@@ -238,8 +237,7 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
   guess.project.unit = whole_numbers ? "mm" : "units";
   if (without_camera)
     guess.missing.push_back("fx and fy of each camera [pixels]; cx and cy are set to the middle");
-  guess.without_scale = whole_numbers && !options.depth_scale;
-  if (guess.without_scale)
+  if (whole_numbers && !options.depth_scale)
     guess.missing.push_back(
         "the scale of the depth maps: their value times the scale is in the unit; 1 was taken, as "
         "for whole millimetres");
@@ -259,7 +257,14 @@ Result<FolderGuess> guess_project(const fs::path& folder, const ReadProjectOptio
   std::error_code code;
   if (!fs::is_directory(folder, code)) return bad_input(folder, "is no folder");
   auto project = read_project_spec(folder, options);
-  if (!project) return guess_from_images(folder, options, project.error().message);
+  if (!project) {
+    const std::string& why_not_read = project.error().message;
+    auto from_images = guess_from_images(folder, options, why_not_read);
+    if (from_images)
+      from_images->findings.insert(from_images->findings.begin(),
+                                   "not read as it is: " + why_not_read);
+    return from_images;
+  }
   FolderGuess guess;
   guess.project = std::move(*project);
   for (const std::string& note : guess.project.notes) guess.findings.push_back(note);
@@ -270,13 +275,16 @@ Result<FolderGuess> guess_project(const fs::path& folder, const ReadProjectOptio
 Result<ProjectSpec> read_depth_maps(const fs::path& folder, const ReadProjectOptions& options) {
   auto guess = guess_from_images(folder, options, "no list or calibration is beside the images");
   if (!guess) return guess.error();
-  if (guess->without_scale)
+  const auto whole_numbers = [](const ViewSpec& view) {
+    return holds_whole_numbers(view.depth->file);
+  };
+  const std::vector<ViewSpec>& views = guess->project.views;
+  if (!options.depth_scale && std::any_of(views.begin(), views.end(), whole_numbers))
     return bad_input(folder,
                      "its depth maps hold whole numbers: give --depth-scale, their steps to the "
                      "unit, as 1000 to the metre");
   if (options.depth_scale) guess->project.unit = "m";
-  guess->project.notes.insert(guess->project.notes.end(), guess->findings.begin() + 1,
-                              guess->findings.end());
+  guess->project.notes = std::move(guess->findings);
   return std::move(guess->project);
 }
 

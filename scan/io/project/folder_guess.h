@@ -14,7 +14,6 @@ struct FolderGuess {
   ProjectSpec project;
   std::vector<std::string> findings;  ///< What was taken for what, and why. For the user.
   std::vector<std::string> missing;   ///< What the project still needs before it can be read.
-  bool without_scale = false;  ///< Depth maps hold whole numbers, of which no scale is known.
 };
 
 /// Looks at a folder. What read_project_spec() understands is taken as it is. Else depth maps,
@@ -26,9 +25,9 @@ struct FolderGuess {
 Result<FolderGuess> guess_project(const std::filesystem::path& folder,
                                   const ReadProjectOptions& options = {});
 
-/// Reads a folder of depth maps, without any list or calibration, with the intrinsics of `options`:
-/// what belongs together is told as by guess_project(). Its views have no poses. kBadInput when no
-/// image can be a depth map, or when the maps hold whole numbers and `options` no scale of them.
+/// Reads a folder of depth maps with the intrinsics of `options`: what belongs together is told as
+/// by guess_project(). kBadInput when no image can be a depth map, or when the maps hold whole
+/// numbers and `options` no scale of them.
 Result<ProjectSpec> read_depth_maps(const std::filesystem::path& folder,
                                     const ReadProjectOptions& options);
 

@@ -187,7 +187,7 @@ Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOpti
   if (content->projects.size() == 1) return spec_of_file(content->projects.front(), options);
   if (content->grids.empty() && content->points.empty()) {
     if (options.intrinsics && count_images(folder) > 0)
-      return read_as("depth maps without poses, by the intrinsics given", folder,
+      return read_as("depth maps, by the intrinsics given", folder,
                      read_depth_maps(folder, options));
     return no_project_in(folder);
   }

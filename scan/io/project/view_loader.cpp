@@ -9,7 +9,7 @@
 #include "scan/io/grids/cameras/camera_fit.h"
 #include "scan/io/grids/cameras/grid_camera.h"
 #include "scan/io/images/image_io.h"
-#include "scan/io/images/missing_depth.h"
+#include "scan/io/images/invalid_depth.h"
 #include "scan/io/normals/normal_map.h"
 #include "scan/io/project/scan_file.h"
 
@@ -97,7 +97,7 @@ Result<void> load_depth(const ViewSpec& spec, MemoryBudget& memory, LoadedView& 
   RangeView& view = loaded.view;
   view.camera = camera_of(*spec.camera, width, height, nullptr);
   view.range = Grid<double>(width, height, kNoSample);
-  const double missing = value_of_missing_depth(*image);
+  const double missing = invalid_depth_value(*image);
   if (std::isfinite(missing)) {
     std::ostringstream note;
     note << "view " << spec.name << ": the value " << missing

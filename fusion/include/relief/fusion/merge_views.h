@@ -48,7 +48,7 @@ struct MergeSummary {
   double view_noise = 0.0;  ///< Median standard deviation of the views' white noise [unit].
   /// Standard deviation of the errors that views do not share, noise, calibration and poses, from
   /// how far their surfaces are apart [unit]; 0: they hardly overlap.
-  double view_deviation = 0.0;
+  double inter_view_stddev = 0.0;
   std::size_t flying_samples = 0;  ///< Taken away: they hang in the air between surfaces.
   std::size_t filled_samples = 0;  ///< Interpolated in small gaps of the views.
   /// Blocks of 8 x 8 x 8 voxels where the field that closes the surface had not come to rest; 0: it

@@ -113,9 +113,8 @@ Result<PointCloudFile> read_text_cloud(const std::filesystem::path& path) {
 }
 
 Result<PointCloudFile> read_pcd_cloud(const std::filesystem::path& path) {
-  auto grid = read_pcd_points(path);
+  const auto grid = read_pcd_points(path);
   if (!grid) return grid.error();
-  leave_out_points_at_origin(*grid);
   return cloud_of_grid(*grid);
 }
 

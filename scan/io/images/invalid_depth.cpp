@@ -1,4 +1,4 @@
-#include "scan/io/images/missing_depth.h"
+#include "scan/io/images/invalid_depth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace relief {
 
-double value_of_missing_depth(const Image& depth) {
+double invalid_depth_value(const Image& depth) {
   constexpr double kShare = 0.01;    // Of the pixels with values: far beyond chance.
   constexpr double kNearest = 0.25;  // Of the largest value: where other depths may be.
   constexpr double kNone = std::numeric_limits<double>::infinity();

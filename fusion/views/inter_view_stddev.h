@@ -13,6 +13,6 @@ namespace relief::fusion {
 ///
 /// Differences beyond eight sample spacings are those of other surfaces; views that differ by more
 /// throughout have no common surface.
-double view_deviation(const std::vector<ViewSampler>& views);
+double inter_view_stddev(const std::vector<ViewSampler>& views);
 
 }  // namespace relief::fusion

@@ -1,4 +1,4 @@
-#include "fusion/views/view_deviation.h"
+#include "fusion/views/inter_view_stddev.h"
 
 #include <algorithm>
 #include <vector>
@@ -33,15 +33,15 @@ std::vector<ViewSampler> samplers_of(const std::vector<RangeView>& views) {
 }
 
 double deviation_of(const std::vector<RangeView>& views) {
-  return view_deviation(samplers_of(views));
+  return inter_view_stddev(samplers_of(views));
 }
 
-TEST(ViewDeviation, OfExactViewsIsFarBelowTheSpacing) {
+TEST(InterViewStddev, OfExactViewsIsFarBelowTheSpacing) {
   const auto samplers = samplers_of(views_of_a_sphere());
-  EXPECT_LT(view_deviation(samplers), 0.02 * samplers.front().spacing());
+  EXPECT_LT(inter_view_stddev(samplers), 0.02 * samplers.front().spacing());
 }
 
-TEST(ViewDeviation, IsThatOfTheNoiseOfOneView) {
+TEST(InterViewStddev, IsThatOfTheNoiseOfOneView) {
   auto views = views_of_a_sphere();
   for (std::size_t i = 0; i < views.size(); ++i)
     testing::add_range_noise(views[i], 0.3, static_cast<std::uint32_t>(i));
@@ -49,16 +49,16 @@ TEST(ViewDeviation, IsThatOfTheNoiseOfOneView) {
   EXPECT_NEAR(deviation_of(views), 0.22, 0.06);
 }
 
-TEST(ViewDeviation, HoldsWrongPosesThatTheNoiseOfOneViewDoesNotShow) {
+TEST(InterViewStddev, HoldsWrongPosesThatTheNoiseOfOneViewDoesNotShow) {
   auto views = views_of_a_sphere();
   shift_views(views, {-3.0, -1.5, 0.0, 1.5, 3.0});
   const auto samplers = samplers_of(views);
   EXPECT_LT(samplers.front().noise(), 0.05);
-  EXPECT_GT(view_deviation(samplers), 1.0);
-  EXPECT_LT(view_deviation(samplers), 3.5);
+  EXPECT_GT(inter_view_stddev(samplers), 1.0);
+  EXPECT_LT(inter_view_stddev(samplers), 3.5);
 }
 
-TEST(ViewDeviation, DoesNotDependOnTheOrderOfTheViews) {
+TEST(InterViewStddev, DoesNotDependOnTheOrderOfTheViews) {
   auto views = views_of_a_sphere();
   shift_views(views, {0.5, -0.5, 0.2});
   const double deviation = deviation_of(views);
@@ -66,7 +66,7 @@ TEST(ViewDeviation, DoesNotDependOnTheOrderOfTheViews) {
   EXPECT_EQ(deviation_of(views), deviation);
 }
 
-TEST(ViewDeviation, IsZeroWhereNothingIsSeenTwice) {
+TEST(InterViewStddev, IsZeroWhereNothingIsSeenTwice) {
   auto views = views_of_a_sphere();
   views.resize(1);
   EXPECT_EQ(deviation_of(views), 0.0);

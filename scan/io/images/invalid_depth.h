@@ -8,6 +8,6 @@ namespace relief {
 /// the largest value, which more than a hundredth of the pixels with values share, and none is in
 /// the three quarters below it. A surface that far behind all others would have more than one
 /// depth. Infinity where there is no such number.
-double value_of_missing_depth(const Image& depth);
+double invalid_depth_value(const Image& depth);
 
 }  // namespace relief

@@ -1,4 +1,4 @@
-#include "fusion/views/view_deviation.h"
+#include "fusion/views/inter_view_stddev.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,7 +66,7 @@ std::vector<double> differences(const ViewSampler& view, std::size_t index,
 
 }  // namespace
 
-double view_deviation(const std::vector<ViewSampler>& views) {
+double inter_view_stddev(const std::vector<ViewSampler>& views) {
   if (views.size() < 2) return 0.0;
   const std::size_t each = std::max<std::size_t>(1, kSamples / views.size());
   std::vector<SurfacePoint> points;
