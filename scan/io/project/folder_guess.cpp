@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "scan/io/files/file_ending.h"
+#include "scan/io/files/folder_files.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/json/spec_json_private.h"
@@ -113,10 +114,9 @@ bool is_image(const fs::path& path) {
 
 void add_images(const fs::path& folder, const std::string& folder_name,
                 std::vector<NamedImage>& images) {
-  std::error_code code;
-  for (const auto& entry : fs::directory_iterator(folder, code))
-    if (entry.is_regular_file(code) && is_image(entry.path()))
-      if (auto image = named_image(entry.path(), folder_name)) images.push_back(std::move(*image));
+  for (const fs::path& file : files_in(folder))
+    if (is_image(file))
+      if (auto image = named_image(file, folder_name)) images.push_back(std::move(*image));
 }
 
 // Those of the folder itself and of the folders in it, by name.
@@ -127,8 +127,9 @@ std::vector<NamedImage> images_in(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, code))
     if (entry.is_directory(code))
       add_images(entry.path(), entry.path().filename().string(), images);
-  std::sort(images.begin(), images.end(),
-            [](const auto& a, const auto& b) { return a.file < b.file; });
+  std::sort(images.begin(), images.end(), [](const auto& a, const auto& b) {
+    return natural_less(a.file.native(), b.file.native());
+  });
   return images;
 }
 
@@ -210,7 +211,7 @@ ViewSpec guessed_view(const std::string& name, const std::vector<NamedImage>& im
 
 Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectOptions& options,
                                       const std::string& why_not_read) {
-  std::map<std::string, std::vector<NamedImage>> by_view;
+  std::map<std::string, std::vector<NamedImage>, NaturalOrder> by_view;
   for (NamedImage& image : images_in(folder)) by_view[image.view].push_back(std::move(image));
   FolderGuess guess;
   const CamerasByView cameras = listed_cameras(folder, guess);

@@ -4,6 +4,7 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
+#include "scan/io/files/folder_files.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/folder_guess.h"
@@ -140,8 +141,7 @@ Result<FolderContent> look_into(const fs::path& folder) {
     if (kind == ScanFileKind::kPoints && is_surely_points(path)) content.points.push_back(path);
   }
   if (code) return bad_input(folder, "cannot list the folder: " + code.message());
-  for (auto* files : {&content.projects, &content.grids, &content.points})
-    std::sort(files->begin(), files->end());
+  for (auto* files : {&content.projects, &content.grids, &content.points}) sort_naturally(*files);
   return content;
 }
 

@@ -6,22 +6,6 @@
 
 namespace relief {
 
-namespace {
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-// Takes a run of digits off `text`, without leading zeros.
-std::string_view take_digits(std::string_view& text) {
-  std::size_t length = 0;
-  while (length < text.size() && is_digit(text[length])) ++length;
-  std::string_view digits = text.substr(0, length);
-  text.remove_prefix(length);
-  while (digits.size() > 1 && digits.front() == '0') digits.remove_prefix(1);
-  return digits;
-}
-
-}  // namespace
-
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
@@ -93,23 +77,6 @@ Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& w
   auto motion = rigid_motion_from_matrix(matrix, what);
   if (!motion) return lines.error(motion.error().message);
   return motion;
-}
-
-bool natural_less(std::string_view a, std::string_view b) {
-  const std::string_view whole_a = a, whole_b = b;
-  while (!a.empty() && !b.empty()) {
-    if (is_digit(a.front()) && is_digit(b.front())) {
-      const std::string_view x = take_digits(a), y = take_digits(b);
-      if (x.size() != y.size()) return x.size() < y.size();
-      if (x != y) return x < y;
-      continue;
-    }
-    if (a.front() != b.front()) return a.front() < b.front();
-    a.remove_prefix(1);
-    b.remove_prefix(1);
-  }
-  if (a.empty() != b.empty()) return a.empty();
-  return whole_a < whole_b;
 }
 
 }  // namespace relief

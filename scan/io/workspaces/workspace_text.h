@@ -62,9 +62,6 @@ std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
 /// `what`.
 Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& what);
 
-/// Orders names as people count: runs of digits by their value (`2.png` before `10.png`).
-bool natural_less(std::string_view a, std::string_view b);
-
 /// `wanted`, made fit for a file name, and with a number behind it when `taken` says that it is in
 /// use.
 template <typename Taken>

@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "scan/io/files/folder_files.h"
 #include "scan/io/images/codecs/floats/colmap_array.h"
 #include "scan/io/images/image_size.h"
 #include "scan/io/workspaces/colmap/colmap_model.h"

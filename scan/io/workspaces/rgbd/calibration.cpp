@@ -7,6 +7,7 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
+#include "scan/io/files/folder_files.h"
 #include "scan/io/images/image_limits.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -184,16 +185,12 @@ Result<Calibration> parse_calibration_text(std::string_view text, const fs::path
 }
 
 Result<std::optional<Calibration>> find_calibration(const fs::path& folder) {
-  std::error_code code;
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder, code))
-    if (entry.is_regular_file(code)) files.push_back(entry.path());
+  std::vector<fs::path> files = files_in(folder);
   const auto rank = [](const fs::path& file) {
     return file.stem().string().find("depth") == std::string::npos;
   };
-  std::sort(files.begin(), files.end(), [&](const fs::path& a, const fs::path& b) {
-    return rank(a) != rank(b) ? rank(a) < rank(b) : a < b;
-  });
+  std::stable_sort(files.begin(), files.end(),
+                   [&](const fs::path& a, const fs::path& b) { return rank(a) < rank(b); });
   std::optional<Calibration> found;
   fs::path from;
   for (const fs::path& file : files) {

@@ -7,6 +7,7 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
+#include "scan/io/files/folder_files.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/rgbd/mirrored_images.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"

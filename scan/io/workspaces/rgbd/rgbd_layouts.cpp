@@ -7,6 +7,7 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
+#include "scan/io/files/folder_files.h"
 #include "scan/io/images/image_size.h"
 #include "scan/io/workspaces/workspace_text.h"
 
@@ -218,17 +219,6 @@ std::string first_bytes(const fs::path& path) {
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
   return text;
-}
-
-std::vector<fs::path> files_in(const fs::path& folder) {
-  std::error_code code, ignored;
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder, code))
-    if (entry.is_regular_file(ignored)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return natural_less(a.filename().string(), b.filename().string());
-  });
-  return files;
 }
 
 RgbdLayout rgbd_layout(const fs::path& folder) {

@@ -42,7 +42,4 @@ Result<RgbdFrames> list_rgbd_frames(const std::filesystem::path& folder);
 /// The first 16 KiB of a file; empty where it cannot be read.
 std::string first_bytes(const std::filesystem::path& path);
 
-/// The files of a folder in natural order; none where it cannot be listed.
-std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
-
 }  // namespace relief

@@ -63,6 +63,16 @@ TEST(FolderGuess, TheFolderItselfMayTellTheRole) {
   EXPECT_EQ(guess.project.views[0].depth->file.filename(), "1.png");
 }
 
+TEST(FolderGuess, ViewsAreInTheOrderOfTheirNumbers) {
+  const TemporaryFolder folder;
+  for (const char* name : {"depth_1.png", "depth_2.png", "depth_10.png"})
+    folder.write(name, depth_png());
+  const auto guess = value_of(guess_project(folder / "."));
+  ASSERT_EQ(guess.project.views.size(), 3u);
+  EXPECT_EQ(guess.project.views[1].depth->file.filename(), "depth_2.png");
+  EXPECT_EQ(guess.project.views[2].depth->file.filename(), "depth_10.png");
+}
+
 TEST(FolderGuess, TakesCamerasAndPosesFromAMiddleburyList) {
   const TemporaryFolder folder;
   for (const char* name : {"templeSR0001_depth.png", "templeSR0002_depth.png", "b_depth.png"})

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+namespace relief {
+
+/// Orders names as people count: runs of digits by their value (`2.png` before `10.png`). A strict
+/// order of all names: `1.png` and `01.png` differ.
+bool natural_less(std::string_view a, std::string_view b);
+
+/// natural_less as the order of a map.
+struct NaturalOrder {
+  bool operator()(std::string_view a, std::string_view b) const { return natural_less(a, b); }
+};
+
+/// Puts paths into the natural order of their whole text.
+void sort_naturally(std::vector<std::filesystem::path>& paths);
+
+/// The files of a folder in natural order; none where it cannot be listed.
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
+
+}  // namespace relief
