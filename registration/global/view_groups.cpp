@@ -21,11 +21,6 @@ namespace {
 // each err by what loops may (0.04) differ by less, a cube's next pose by 90 degrees.
 constexpr double kSamePlaceRadii = 0.15;
 
-// Where limits follow the project they come from its better links: 1.75 times the lower quartile of
-// coherent residuals. Half as much again is what its worse links show (a turning person before a
-// Kinect: up to 0.86 spacings of 0.59).
-constexpr double kInconclusiveCoherence = 1.5;
-
 using Motions = std::vector<RigidMotion>;
 
 bool same_place(const ViewSurface& view, const RigidMotion& x, const RigidMotion& y) {
@@ -75,8 +70,18 @@ void sort_by_support(const std::vector<ViewSurface>& surfaces, const LinkLimits&
 struct MergeHypothesis {
   PoseLink link;
   RigidMotion first_from_second = RigidMotion::Identity();  // Frames of the groups.
-  double support = 0.0;  // Sum of overlaps; 0 when any pair of views speaks against it.
+  // Overlaps of the pairs of views that agree, less denial() of the others; above 0.
+  double support = 0.0;
 };
+
+// How much a pair beyond its limits speaks against a pose, in the unit of overlaps: one at twice
+// its limit as much as one within it speaks for the pose. Of many pairs at right poses some are a
+// little beyond; wrong poses are far beyond in most, and in space seen empty by tens of times.
+double denial(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+              const VerificationThresholds& limits) {
+  const double ratio = largest_ratio(evidence, a, b, limits);
+  return (evidence.overlap + evidence.in_front) * std::max(0.0, ratio - 1.0);
+}
 
 class Joining {
  public:
@@ -160,7 +165,7 @@ class Joining {
     return claim;
   }
 
-  // The different ways in which links join the two groups that no pair of views contradicts, the
+  // The different ways in which links join the two groups that more speaks for than against, the
   // best supported first.
   std::vector<MergeHypothesis> merge_hypotheses(std::size_t first, std::size_t second) const {
     std::vector<MergeHypothesis> hypotheses;
@@ -214,37 +219,26 @@ class Joining {
   }
 
   // What view j of the second group says for a way, seen from view i of the first: their overlap,
-  // 0 where they hardly meet, or minus infinity when they deny it. Poses that follow from chains of
-  // links are a little off: the pair may settle before it is judged, but not go elsewhere.
+  // 0 where they hardly meet, less where they deny it. Poses that follow from chains of links are a
+  // little off: the pair may settle before it is judged. One that goes elsewhere refutes the way.
   double support_of_pair(std::size_t i, std::size_t j, const MergeHypothesis& hypothesis) const {
     const ViewSurface &target = surfaces_[i], &source = surfaces_[j];
     const RigidMotion i_from_j = groups_.group_from_view[i].inverse() *
                                  hypothesis.first_from_second * groups_.group_from_view[j];
     VerificationThresholds limits = has_link_at(i, j, i_from_j) ? loop_confirmed_ : limits_;
     limits.min_overlap = kCountingOverlap;
-    PoseEvidence evidence = judge_pose(source, target, i_from_j, options_.judge);
+    const PoseEvidence evidence = judge_pose(source, target, i_from_j, options_.judge);
     if (plausible(evidence, source, target, limits)) return support_of(evidence);
     const bool denies =
         violates_free_space(evidence, limits) || evidence.overlap >= options_.limits.min_overlap;
     if (!denies) return std::min(0.0, support_of(evidence));
     const double reach = kSamePlaceRadii * std::min(source.radius(), target.radius());
-    const auto checked =
-        refine_hypothesis(source, target, i_from_j, reach, options_.judge.association);
-    if (!same_place(source, checked.b_from_a, i_from_j))
+    auto settled = refine_hypothesis(source, target, i_from_j, reach, options_.judge.association);
+    if (settled.evidence.overlap <= 0.0) settled.evidence = evidence;  // Nothing was fitted.
+    if (!same_place(source, settled.b_from_a, i_from_j))
       return -std::numeric_limits<double>::infinity();
-    if (plausible(checked.evidence, source, target, limits)) return support_of(checked.evidence);
-    return is_inconclusive(checked.evidence, source, target, limits)
-               ? 0.0
-               : -std::numeric_limits<double>::infinity();
-  }
-
-  // Whether a pair misses its limits by no more than a part of the coherent residual, in a project
-  // whose loops show that its sensors err beyond the general limit. Such a pair says nothing.
-  bool is_inconclusive(const PoseEvidence& evidence, const ViewSurface& source,
-                       const ViewSurface& target, VerificationThresholds limits) const {
-    if (limits.max_coherent_rms <= options_.confirmed_coherent_rms) return false;
-    limits.max_coherent_rms *= kInconclusiveCoherence;
-    return plausible(evidence, source, target, limits);
+    if (plausible(settled.evidence, source, target, limits)) return support_of(settled.evidence);
+    return -denial(settled.evidence, source, target, limits);
   }
 
   // Whether a link that is believed says the same.

@@ -58,12 +58,13 @@ struct ViewGroups {
   static ViewGroups singles(std::size_t views);
 };
 
-/// Joins groups of views by links into larger ones in which no view contradicts another. Doubtful
-/// links that no loop of three confirms are left out. The others are tried in the order of the
-/// support they have: firm ones first, those that close loops, and by overlap, as a maximum
-/// spanning forest. A link joins two groups only if at the poses that follow no view of the one
-/// stands where a view of the other saw through, and only if no other link between the two groups
-/// explains the views nearly as well. The groups of `start` stay together; `known` views, in one of
+/// Joins groups of views by links into larger ones. Doubtful links that no loop of three confirms
+/// are left out. The others are tried in the order of the support they have: firm ones first, those
+/// that close loops, and by overlap, as a maximum spanning forest. A link joins two groups only if
+/// more of their pairs of views, each weighed by what it shares, agree with the poses that follow
+/// than deny them, and only if no other link between the two groups explains the views nearly as
+/// well. A pair denies a pose by how far it is beyond its limits: at worst where one view stands in
+/// space that the other saw empty. The groups of `start` stay together; `known` views, in one of
 /// them, stay where they are.
 ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<PoseLink> links,
                       const ViewGroups& start, const std::vector<bool>& known,

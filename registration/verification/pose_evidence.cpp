@@ -198,6 +198,16 @@ bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSur
          !violates_free_space(evidence, limits);
 }
 
+double largest_ratio(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+                     const VerificationThresholds& limits) {
+  const double violation = violates_free_space(evidence, limits)
+                               ? evidence.free_space_violation / limits.max_free_space_violation
+                               : 0.0;
+  return std::max({violation, relative_rms(evidence, a, b) / limits.max_rms,
+                   evidence.normal_rms / limits.max_normal_rms,
+                   relative_coherent_rms(evidence, a, b) / limits.max_coherent_rms});
+}
+
 double rough_agreement(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
                        double reach, int probes) {
   assert(reach > 0.0 && probes > 0);

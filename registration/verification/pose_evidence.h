@@ -102,6 +102,11 @@ bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const V
 bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
                const VerificationThresholds& limits = {});
 
+/// The largest of free-space violation, RMS, RMS of the normals and coherent RMS, each in units of
+/// its limit: above 1 where the evidence is not plausible for any of them.
+double largest_ratio(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+                     const VerificationThresholds& limits);
+
 /// Judges a pose that is thought to be right to a few sample spacings.
 PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
                         const JudgeOptions& options = {});

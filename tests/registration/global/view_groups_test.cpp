@@ -1,0 +1,77 @@
+#include "registration/global/view_groups.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/registration/bumpy_object.h"
+
+namespace relief::registration {
+namespace {
+
+RigidMotion turn_about_z(double angle) {
+  RigidTangent tangent = RigidTangent::Zero();
+  tangent[2] = angle;
+  return motion_from_tangent(tangent);
+}
+
+std::vector<ViewSurface> surfaces_of(const std::vector<RangeView>& views) {
+  std::vector<ViewSurface> surfaces;
+  for (const RangeView& view : views) surfaces.emplace_back(view);
+  return surfaces;
+}
+
+// Moves a square of a view's samples towards the sensor, as where a face moves between two scans.
+void move_part(RangeView& view, double distance) {
+  const int size = view.width() / 3;
+  for (int v = size; v < 2 * size; ++v)
+    for (int u = size; u < 2 * size; ++u) view.range(u, v) -= distance;
+}
+
+// Two groups of three neighbours each on a ring, each in a frame of its own, and the one link that
+// joins them, off by `link_error`.
+ViewGroups join_halves(const std::vector<RangeView>& views, const RigidMotion& link_error) {
+  const std::vector<ViewSurface> surfaces = surfaces_of(views);
+  ViewGroups start;
+  start.group = {0, 0, 0, 3, 3, 3};
+  for (std::size_t i = 0; i < views.size(); ++i)
+    start.group_from_view.push_back((i < 3 ? RigidMotion::Identity() : turn_about_z(1.0)) *
+                                    views[i].world_from_view);
+  PoseLink link;
+  link.a = 2;
+  link.b = 3;
+  link.b_from_a = link_error * views[3].world_from_view.inverse() * views[2].world_from_view;
+  link.evidence = judge_pose(surfaces[2], surfaces[3],
+                             views[3].world_from_view.inverse() * views[2].world_from_view);
+  return join_views(surfaces, {link}, start, std::vector<bool>(views.size(), false));
+}
+
+std::vector<RangeView> six_neighbours() {
+  auto views = testing::ring_of_views({.views = 16, .pixels = 128});
+  views.resize(6);
+  return views;
+}
+
+TEST(ViewGroups, JoinAtTheTruePose) {
+  const auto views = six_neighbours();
+  const ViewGroups joined = join_halves(views, RigidMotion::Identity());
+  EXPECT_TRUE(joined.all_in_one());
+  EXPECT_TRUE(joined.group_from_view[5].isApprox(views[5].world_from_view, 1e-6));
+}
+
+TEST(ViewGroups, OnePairALittleBeyondItsLimitsIsOutvoted) {
+  auto views = six_neighbours();
+  const double spacing = ViewSurface(views[4]).spacing();
+  move_part(views[4], 1.5 * spacing);
+  EXPECT_TRUE(join_halves(views, RigidMotion::Identity()).all_in_one());
+}
+
+TEST(ViewGroups, StayApartWhereMostPairsDeny) {
+  const auto views = six_neighbours();
+  RigidTangent error = RigidTangent::Zero();
+  error[0] = 0.1;
+  EXPECT_FALSE(join_halves(views, motion_from_tangent(error)).all_in_one());
+}
+
+}  // namespace
+}  // namespace relief::registration
