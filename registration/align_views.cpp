@@ -239,7 +239,7 @@ class Aligning {
     if (!starts_.world_from_view[i]) return starts_.reasons[i];
     if (roles_[i] == ViewRole::kExcluded)
       return "it fits none of the views that it seems to overlap; give a better guess or remove it";
-    return "its group overlaps no view of the main group; it is aligned only to " +
+    return "no pose was found at which its group fits the main group; it is aligned only to " +
            names_of_group(refined_.group, i);
   }
 

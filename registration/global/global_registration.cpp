@@ -46,6 +46,7 @@ class GlobalRegistration {
       }
       regroup();
     }
+    note_rejected();
     return std::move(groups_);
   }
 
@@ -53,6 +54,17 @@ class GlobalRegistration {
   static Error interrupted() { return Error{ErrorKind::kInterrupted, "alignment was interrupted"}; }
 
   void regroup() { groups_ = join_views(surfaces_, links_, start_, known_, grouping_); }
+
+  void note_rejected() {
+    groups_.rejected.assign(surfaces_.size(), std::nullopt);
+    for (const PoseLink& link : links_) {
+      if (groups_.group[link.a] == groups_.group[link.b]) continue;
+      for (const std::size_t i : {link.a, link.b}) {
+        auto& most = groups_.rejected[i];
+        if (!most || link.evidence.overlap > most->evidence.overlap) most = link;
+      }
+    }
+  }
 
   // Whether all views that have samples are in one group.
   bool complete() const {

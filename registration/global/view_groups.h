@@ -52,6 +52,9 @@ struct ViewGroups {
   std::vector<RigidMotion> group_from_view;
   std::vector<PoseLink> joined;  ///< The links that were used, in order: a forest over the views.
   std::vector<AmbiguousPair> ambiguous;  ///< Between groups that stayed apart for it.
+  /// For each view the link that shares most with a view of another group, for messages; nothing
+  /// where the view has none. Empty but from register_globally().
+  std::vector<std::optional<PoseLink>> rejected;
 
   bool all_in_one() const;
   /// Each view alone, in its own frame.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "registration/global/global_registration.h"
@@ -10,6 +11,8 @@
 namespace relief::registration {
 
 namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 using Members = std::vector<std::size_t>;
 
@@ -199,8 +202,26 @@ void note_found_links(const ViewGroups& placed, const std::vector<RangeView>& vi
                            percent(link.evidence.overlap));
 }
 
+// What is known of the best pose that was found but not believed.
+std::string describe(const PoseLink& link, std::size_t view, const std::vector<RangeView>& views,
+                     const std::vector<ViewSurface>& surfaces) {
+  const PoseEvidence& evidence = link.evidence;
+  const double spacings = evidence.rms / coarser_spacing(surfaces[link.a], surfaces[link.b]);
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "where surfaces differ by %.2g sample spacings (RMS), normals by %.0f degrees",
+                spacings, evidence.normal_rms * kDegreesPerRadian);
+  const std::string seen_empty =
+      violates_free_space(evidence)
+          ? ", and " + percent(evidence.free_space_violation) + " stands in space seen empty"
+          : "";
+  return "the best is next to " + views[link.a == view ? link.b : link.a].name + ", sharing " +
+         percent(evidence.overlap) + ", " + text + seen_empty;
+}
+
 std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const CheckedPoses& checked,
                             const std::vector<RangeView>& views,
+                            const std::vector<ViewSurface>& surfaces,
                             const StartingPoseOptions& options) {
   for (const AmbiguousPair& pair : placed.ambiguous) {
     if (placed.group[pair.a] != placed.group[view] && placed.group[pair.b] != placed.group[view])
@@ -216,8 +237,12 @@ std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const Ch
   else if (checked.world_from_view[view])
     why = "other given poses are wrong, and nothing confirms its own; ";
   if (!options.search) return why + "give a better guess in world_from_view or remove it";
-  return why + "no pose was found at which it shares " + percent(options.min_overlap) +
-         " with another view; add a view between or give a guess in world_from_view";
+  const std::string found = placed.rejected.empty() || !placed.rejected[view]
+                                ? "no pose was found at which it shares " +
+                                      percent(options.min_overlap) + " with another view"
+                                : "no pose was found that can be believed: " +
+                                      describe(*placed.rejected[view], view, views, surfaces);
+  return why + found + "; add a view between or give a guess in world_from_view";
 }
 
 // Whether all views with samples are in one group as they are.
@@ -254,7 +279,7 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
   note_found_links(placed, views, result);
   for (std::size_t i = 0; i < views.size(); ++i)
     if (!result.world_from_view[i])
-      result.reasons[i] = reason_unplaced(i, placed, checked, views, options);
+      result.reasons[i] = reason_unplaced(i, placed, checked, views, surfaces, options);
   return result;
 }
 
