@@ -2,30 +2,18 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <map>
 #include <numeric>
 #include <set>
 #include <tuple>
 
-#include "registration/global/link_index.h"
 #include "registration/global/link_limits.h"
-#include "registration/global/pair_search.h"
+#include "registration/global/pair_support.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
 
 namespace {
-
-// Poses nearer than this are one [radii of a view], turns of less than 17 degrees: three links that
-// each err by what loops may (0.04) differ by less, a cube's next pose by 90 degrees.
-constexpr double kSamePlaceRadii = 0.15;
-
-using Motions = std::vector<RigidMotion>;
-
-bool same_place(const ViewSurface& view, const RigidMotion& x, const RigidMotion& y) {
-  return same_pose(view, x, y, kSamePlaceRadii * view.radius());
-}
 
 // Whether the two views could as well lie otherwise.
 bool undetermined(const PoseLink& link) { return link.evidence.degenerate || link.ambiguous; }
@@ -70,18 +58,8 @@ void sort_by_support(const std::vector<ViewSurface>& surfaces, const LinkLimits&
 struct MergeHypothesis {
   PoseLink link;
   RigidMotion first_from_second = RigidMotion::Identity();  // Frames of the groups.
-  // Overlaps of the pairs of views that agree, less denial() of the others; above 0.
-  double support = 0.0;
+  double support = 0.0;  // Sum of PairSupport over the pairs of views; above 0.
 };
-
-// How much a pair beyond its limits speaks against a pose, in the unit of overlaps: one at twice
-// its limit as much as one within it speaks for the pose. Of many pairs at right poses some are a
-// little beyond; wrong poses are far beyond in most, and in space seen empty by tens of times.
-double denial(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
-              const VerificationThresholds& limits) {
-  const double ratio = largest_ratio(evidence, a, b, limits);
-  return (evidence.overlap + evidence.in_front) * std::max(0.0, ratio - 1.0);
-}
 
 class Joining {
  public:
@@ -90,9 +68,7 @@ class Joining {
           const ViewGroupOptions& options)
       : surfaces_(surfaces),
         links_(links),
-        index_(links),
-        limits_(limits.confirmed),
-        loop_confirmed_(limits.loop_confirmed),
+        pairs_(surfaces, links, limits, options),
         options_(options),
         known_(known),
         start_sizes_(surfaces.size(), 0) {
@@ -206,52 +182,12 @@ class Joining {
     parallel_for(parts.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const std::size_t i = of_first[k / of_second.size()], j = of_second[k % of_second.size()];
-        parts[k] = support_of_pair(i, j, hypothesis);
+        parts[k] = pairs_.support(i, j,
+                                  groups_.group_from_view[i].inverse() *
+                                      hypothesis.first_from_second * groups_.group_from_view[j]);
       }
     });
     return std::max(0.0, std::accumulate(parts.begin(), parts.end(), 0.0));
-  }
-
-  // Pairs of which too much is absent speak a little against a way.
-  double support_of(const PoseEvidence& evidence) const {
-    if (!misses_coverage(evidence, limits_)) return evidence.overlap;
-    return -evidence.missing;
-  }
-
-  // What view j of the second group says for a way, seen from view i of the first: their overlap,
-  // 0 where they hardly meet, less where they deny it. Poses that follow from chains of links are a
-  // little off: the pair may settle before it is judged. One that goes elsewhere refutes the way.
-  double support_of_pair(std::size_t i, std::size_t j, const MergeHypothesis& hypothesis) const {
-    const ViewSurface &target = surfaces_[i], &source = surfaces_[j];
-    const RigidMotion i_from_j = groups_.group_from_view[i].inverse() *
-                                 hypothesis.first_from_second * groups_.group_from_view[j];
-    VerificationThresholds limits = has_link_at(i, j, i_from_j) ? loop_confirmed_ : limits_;
-    limits.min_overlap = kCountingOverlap;
-    const PoseEvidence evidence = judge_pose(source, target, i_from_j, options_.judge);
-    if (plausible(evidence, source, target, limits)) return support_of(evidence);
-    const bool denies =
-        violates_free_space(evidence, limits) || evidence.overlap >= options_.limits.min_overlap;
-    if (!denies) return std::min(0.0, support_of(evidence));
-    const double reach = kSamePlaceRadii * std::min(source.radius(), target.radius());
-    auto settled = refine_hypothesis(source, target, i_from_j, reach, options_.judge.association);
-    if (settled.evidence.overlap <= 0.0) settled.evidence = evidence;  // Nothing was fitted.
-    if (!same_place(source, settled.b_from_a, i_from_j))
-      return -std::numeric_limits<double>::infinity();
-    if (plausible(settled.evidence, source, target, limits)) return support_of(settled.evidence);
-    return -denial(settled.evidence, source, target, limits);
-  }
-
-  // Whether a link that is believed says the same.
-  bool has_link_at(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const {
-    const auto& to_i = index_.between(j, i);
-    const auto& to_j = index_.between(i, j);
-    const auto agrees = [&](const RigidMotion& motion) {
-      return same_place(surfaces_[j], motion, i_from_j);
-    };
-    return std::any_of(to_i.begin(), to_i.end(),
-                       [&](const PoseLink* link) { return agrees(link->b_from_a); }) ||
-           std::any_of(to_j.begin(), to_j.end(),
-                       [&](const PoseLink* link) { return agrees(link->b_from_a.inverse()); });
   }
 
   void report_ambiguous() {
@@ -272,8 +208,7 @@ class Joining {
 
   const std::vector<ViewSurface>& surfaces_;
   const std::vector<PoseLink>& links_;
-  const LinkIndex index_;
-  const VerificationThresholds limits_, loop_confirmed_;
+  const PairSupport pairs_;
   const ViewGroupOptions& options_;
   const std::vector<bool>& known_;
   std::vector<std::size_t> start_sizes_;  // Of the groups of the start, at their first views.

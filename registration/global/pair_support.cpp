@@ -1,0 +1,69 @@
+#include "registration/global/pair_support.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "registration/global/pair_search.h"
+
+namespace relief::registration {
+
+namespace {
+
+// Poses nearer than this are one [radii of a view], turns of less than 17 degrees: three links that
+// each err by what loops may (0.04) differ by less, a cube's next pose by 90 degrees.
+constexpr double kSamePlaceRadii = 0.15;
+
+// How much a pair beyond its limits speaks against a pose, in the unit of overlaps: one at twice
+// its limit as much as one within it speaks for the pose. Of many pairs at right poses some are a
+// little beyond; wrong poses are far beyond in most, and in space seen empty by tens of times.
+double denial(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+              const VerificationThresholds& limits) {
+  const double ratio = largest_ratio(evidence, a, b, limits);
+  return (evidence.overlap + evidence.in_front) * std::max(0.0, ratio - 1.0);
+}
+
+}  // namespace
+
+bool same_place(const ViewSurface& view, const RigidMotion& x, const RigidMotion& y) {
+  return same_pose(view, x, y, kSamePlaceRadii * view.radius());
+}
+
+double PairSupport::support(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const {
+  const ViewSurface &target = surfaces_[i], &source = surfaces_[j];
+  VerificationThresholds limits =
+      has_link_at(i, j, i_from_j) ? limits_.loop_confirmed : limits_.confirmed;
+  limits.min_overlap = kCountingOverlap;
+  const PoseEvidence evidence = judge_pose(source, target, i_from_j, options_.judge);
+  if (plausible(evidence, source, target, limits)) return support_of(evidence);
+  const bool denies =
+      violates_free_space(evidence, limits) || evidence.overlap >= options_.limits.min_overlap;
+  if (!denies) return std::min(0.0, support_of(evidence));
+  const double reach = kSamePlaceRadii * std::min(source.radius(), target.radius());
+  auto settled = refine_hypothesis(source, target, i_from_j, reach, options_.judge.association);
+  if (settled.evidence.overlap <= 0.0) settled.evidence = evidence;  // Nothing was fitted.
+  if (!same_place(source, settled.b_from_a, i_from_j))
+    return -std::numeric_limits<double>::infinity();
+  if (plausible(settled.evidence, source, target, limits)) return support_of(settled.evidence);
+  return -denial(settled.evidence, source, target, limits);
+}
+
+// Pairs of which too much is absent speak a little against a way.
+double PairSupport::support_of(const PoseEvidence& evidence) const {
+  if (!misses_coverage(evidence, limits_.confirmed)) return evidence.overlap;
+  return -evidence.missing;
+}
+
+// Whether a link that is believed says the same.
+bool PairSupport::has_link_at(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const {
+  const auto& to_i = index_.between(j, i);
+  const auto& to_j = index_.between(i, j);
+  const auto agrees = [&](const RigidMotion& motion) {
+    return same_place(surfaces_[j], motion, i_from_j);
+  };
+  return std::any_of(to_i.begin(), to_i.end(),
+                     [&](const PoseLink* link) { return agrees(link->b_from_a); }) ||
+         std::any_of(to_j.begin(), to_j.end(),
+                     [&](const PoseLink* link) { return agrees(link->b_from_a.inverse()); });
+}
+
+}  // namespace relief::registration
