@@ -46,7 +46,7 @@ class GlobalRegistration {
       }
       regroup();
     }
-    note_rejected();
+    note_best_rejected();
     return std::move(groups_);
   }
 
@@ -55,12 +55,12 @@ class GlobalRegistration {
 
   void regroup() { groups_ = join_views(surfaces_, links_, start_, known_, grouping_); }
 
-  void note_rejected() {
-    groups_.rejected.assign(surfaces_.size(), std::nullopt);
+  void note_best_rejected() {
+    groups_.best_rejected.assign(surfaces_.size(), std::nullopt);
     for (const PoseLink& link : links_) {
       if (groups_.group[link.a] == groups_.group[link.b]) continue;
       for (const std::size_t i : {link.a, link.b}) {
-        auto& most = groups_.rejected[i];
+        auto& most = groups_.best_rejected[i];
         if (!most || link.evidence.overlap > most->evidence.overlap) most = link;
       }
     }

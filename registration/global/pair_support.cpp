@@ -16,8 +16,8 @@ constexpr double kSamePlaceRadii = 0.15;
 // How much a pair beyond its limits speaks against a pose, in the unit of overlaps: one at twice
 // its limit as much as one within it speaks for the pose. Of many pairs at right poses some are a
 // little beyond; wrong poses are far beyond in most, and in space seen empty by tens of times.
-double denial(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
-              const VerificationThresholds& limits) {
+double penalty(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+               const VerificationThresholds& limits) {
   const double ratio = largest_ratio(evidence, a, b, limits);
   return (evidence.overlap + evidence.in_front) * std::max(0.0, ratio - 1.0);
 }
@@ -44,7 +44,7 @@ double PairSupport::support(std::size_t i, std::size_t j, const RigidMotion& i_f
   if (!same_place(source, settled.b_from_a, i_from_j))
     return -std::numeric_limits<double>::infinity();
   if (plausible(settled.evidence, source, target, limits)) return support_of(settled.evidence);
-  return -denial(settled.evidence, source, target, limits);
+  return -penalty(settled.evidence, source, target, limits);
 }
 
 // Pairs of which too much is absent speak a little against a way.

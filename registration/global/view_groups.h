@@ -54,7 +54,7 @@ struct ViewGroups {
   std::vector<AmbiguousPair> ambiguous;  ///< Between groups that stayed apart for it.
   /// For each view the link that shares most with a view of another group, for messages; nothing
   /// where the view has none. Empty but from register_globally().
-  std::vector<std::optional<PoseLink>> rejected;
+  std::vector<std::optional<PoseLink>> best_rejected;
 
   bool all_in_one() const;
   /// Each view alone, in its own frame.

@@ -190,14 +190,6 @@ double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const Vi
   return evidence.rms / largest_plausible_rms(coarser_spacing(a, b), joint_noise(a, b));
 }
 
-bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
-               const VerificationThresholds& limits) {
-  return evidence.overlap >= limits.min_overlap && relative_rms(evidence, a, b) <= limits.max_rms &&
-         evidence.normal_rms <= limits.max_normal_rms &&
-         relative_coherent_rms(evidence, a, b) <= limits.max_coherent_rms &&
-         !violates_free_space(evidence, limits);
-}
-
 double largest_ratio(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
                      const VerificationThresholds& limits) {
   const double violation = violates_free_space(evidence, limits)
@@ -206,6 +198,11 @@ double largest_ratio(const PoseEvidence& evidence, const ViewSurface& a, const V
   return std::max({violation, relative_rms(evidence, a, b) / limits.max_rms,
                    evidence.normal_rms / limits.max_normal_rms,
                    relative_coherent_rms(evidence, a, b) / limits.max_coherent_rms});
+}
+
+bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
+               const VerificationThresholds& limits) {
+  return evidence.overlap >= limits.min_overlap && largest_ratio(evidence, a, b, limits) <= 1.0;
 }
 
 double rough_agreement(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,

@@ -203,8 +203,9 @@ void note_found_links(const ViewGroups& placed, const std::vector<RangeView>& vi
 }
 
 // What is known of the best pose that was found but not believed.
-std::string describe(const PoseLink& link, std::size_t view, const std::vector<RangeView>& views,
-                     const std::vector<ViewSurface>& surfaces) {
+std::string describe_rejected(const PoseLink& link, std::size_t view,
+                              const std::vector<RangeView>& views,
+                              const std::vector<ViewSurface>& surfaces) {
   const PoseEvidence& evidence = link.evidence;
   const double spacings = evidence.rms / coarser_spacing(surfaces[link.a], surfaces[link.b]);
   char text[160];
@@ -237,11 +238,12 @@ std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const Ch
   else if (checked.world_from_view[view])
     why = "other given poses are wrong, and nothing confirms its own; ";
   if (!options.search) return why + "give a better guess in world_from_view or remove it";
-  const std::string found = placed.rejected.empty() || !placed.rejected[view]
-                                ? "no pose was found at which it shares " +
-                                      percent(options.min_overlap) + " with another view"
-                                : "no pose was found that can be believed: " +
-                                      describe(*placed.rejected[view], view, views, surfaces);
+  const std::string found =
+      placed.best_rejected.empty() || !placed.best_rejected[view]
+          ? "no pose was found at which it shares " + percent(options.min_overlap) +
+                " with another view"
+          : "no pose was found that can be believed: " +
+                describe_rejected(*placed.best_rejected[view], view, views, surfaces);
   return why + found + "; add a view between or give a guess in world_from_view";
 }
 

@@ -149,16 +149,15 @@ using CamerasByView = std::map<std::string, MiddleburyCamera>;
 // Those of a Middlebury list (`NAME_par.txt`) in the folder.
 CamerasByView listed_cameras(const fs::path& folder, FolderGuess& guess) {
   CamerasByView cameras;
-  std::error_code code;
-  for (const auto& entry : fs::directory_iterator(folder, code)) {
-    if (!entry.path().filename().string().ends_with("_par.txt")) continue;
-    const auto list = read_middlebury_par(entry.path());
+  for (const fs::path& file : files_in(folder)) {
+    if (!file.filename().string().ends_with("_par.txt")) continue;
+    const auto list = read_middlebury_par(file);
     if (!list) {
       guess.findings.push_back("left out " + list.error().message);
       continue;
     }
     guess.findings.push_back("cameras and poses of " + std::to_string(list->size()) +
-                             " images from " + entry.path().string());
+                             " images from " + file.string());
     for (const MiddleburyCamera& camera : *list)
       cameras.emplace(name_of_image(camera.file).view, camera);
   }

@@ -40,9 +40,9 @@ ViewGroups join_halves(const std::vector<RangeView>& views, const RigidMotion& l
   PoseLink link;
   link.a = 2;
   link.b = 3;
-  link.b_from_a = link_error * views[3].world_from_view.inverse() * views[2].world_from_view;
-  link.evidence = judge_pose(surfaces[2], surfaces[3],
-                             views[3].world_from_view.inverse() * views[2].world_from_view);
+  const RigidMotion truth = views[3].world_from_view.inverse() * views[2].world_from_view;
+  link.b_from_a = link_error * truth;
+  link.evidence = judge_pose(surfaces[2], surfaces[3], truth);
   return join_views(surfaces, {link}, start, std::vector<bool>(views.size(), false));
 }
 
@@ -59,7 +59,7 @@ TEST(ViewGroups, JoinAtTheTruePose) {
   EXPECT_TRUE(joined.group_from_view[5].isApprox(views[5].world_from_view, 1e-6));
 }
 
-TEST(ViewGroups, OnePairALittleBeyondItsLimitsIsOutvoted) {
+TEST(ViewGroups, OnePairALittleBeyondItsLimitsIsOutweighed) {
   auto views = six_neighbours();
   const double spacing = ViewSurface(views[4]).spacing();
   move_part(views[4], 1.5 * spacing);
