@@ -26,9 +26,7 @@ class Bending {
     double farthest = 0.0;
     for (int step = 0; step < kSteps; ++step) {
       const PlatePatch patch = patch_of(region);
-      const auto places = solve_thin_plate(
-          mesh_, regions_.around(), patch,
-          {.most_factorised = options_.most_factorised, .memory = options_.memory});
+      const auto places = solve_thin_plate(mesh_, regions_.around(), patch, options_.memory);
       if (places.empty()) break;
       double move = 0.0;
       for (std::size_t k = 0; k < places.size(); ++k) {
@@ -68,7 +66,7 @@ BentRegions bend_filled_regions(TriangleMesh mesh, const std::vector<ViewSampler
   const FairRegions regions(before, views, options);
   Bending bending(bent.mesh, regions, options);
   for (const FairRegion& region : regions.all()) {
-    if (!region.curved || region.vertices.size() > options.most_factorised) continue;
+    if (!region.curved || region.vertices.size() > options.most_bent) continue;
     const double move = bending.bend(region);
     bent.farthest = std::max(bent.farthest, move);
     for (const PlateVertex& vertex : region.vertices)

@@ -18,7 +18,7 @@ struct BentRegions {
 /// Bends the curved filled regions of a mesh (`filled` and `normals` set) of few vertices to where
 /// the surface goes on with the slope and the mean curvature it arrives with: steps of (F7), each
 /// with the angles, areas and normals of the one before. Slopes may turn by any angle so, while
-/// one step holds for small ones. Regions of more than `options.most_factorised` vertices stay.
+/// one step holds for small ones. Regions of more than `options.most_bent` vertices stay.
 BentRegions bend_filled_regions(TriangleMesh mesh, const std::vector<ViewSampler>& views,
                                 const FairFillOptions& options);
 

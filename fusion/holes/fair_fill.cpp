@@ -34,12 +34,9 @@ constexpr double kHeld = 0.0;
 // all beyond. Two over 12 edges tilt it by 9 degrees; half as many would by 18.
 constexpr int kChangedRings = 12;
 
-// Of places that are solved for step by step. While vertices are still to be held, a fifth of the
-// intrusion by which they are chosen; then as the closed field (ObstacleSolverOptions::tolerance).
-constexpr double kRoughTolerance = 0.05, kTolerance = 1e-3;  // [voxels]
-// While vertices are still to be held these places may be so many times as far off as in the end:
-// 5 % of their distance, which reaches the intrusion at five voxels. Bounds the time.
-constexpr double kRough = 5.0;
+// Regions of more vertices are solved one at a time: the factors of each take hundreds of
+// megabytes, and seconds in which nobody can stop the work.
+constexpr std::size_t kLarge = 150000;
 
 // Memory for each vertex of the mesh, and for each filled one while regions are found [bytes].
 constexpr std::size_t kVertex = 60, kFilled = 60;
@@ -49,7 +46,6 @@ struct Settling {
   std::map<std::uint32_t, PlateVertex> pinned;  // Vertices that are held.
   std::vector<std::uint32_t> fresh;             // Of these, the ones held in this round of mending.
   bool settled = false;
-  bool rough = false;     // To the rough tolerance only.
   bool stays = false;     // As the closed field has it.
   bool unsolved = false;  // For want of a solution.
 };
@@ -83,11 +79,11 @@ class Fairing {
   }
 
  private:
-  // The large regions first, in this thread: they take long, and tell of their progress.
+  // The large regions first, in this thread, which asks between them whether to go on.
   // Under a limit one region at a time: only so is it known what all take together.
   void settle_all(bool last) {
     for (std::size_t r = 0; r < work_.size() && keep_going(); ++r)
-      if (is_large(r) && (!work_[r].settled || (last && work_[r].rough))) settle(r, last);
+      if (is_large(r) && !work_[r].settled) settle(r, last);
     if (!keep_going()) return;
     on_threads(options_.memory ? 1 : 0, [&] {
       parallel_for(work_.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -97,9 +93,7 @@ class Fairing {
     });
   }
 
-  bool is_large(std::size_t r) const {
-    return regions_.all()[r].vertices.size() > options_.most_factorised;
-  }
+  bool is_large(std::size_t r) const { return regions_.all()[r].vertices.size() > kLarge; }
 
   // Of the thread that began the work only.
   bool keep_going() {
@@ -149,11 +143,9 @@ class Fairing {
     const PlatePatch patch = work.fresh.empty() ? patch_of(r) : patch_near_fresh(r);
     work.fresh.clear();
     work.settled = true;
-    work.rough = is_large(r) && !last;
     if (patch.free.empty()) return;
     const std::vector<Eigen::Vector3d> rest =
-        solve_thin_plate(mesh_, regions_.around(), patch, plate_options(r, last));
-    if (stopped_) return;
+        solve_thin_plate(mesh_, regions_.around(), patch, options_.memory);
     if (rest.empty()) {
       work.unsolved = true;
       return restore(r);
@@ -167,18 +159,6 @@ class Fairing {
       work.pinned.emplace(v, PlateVertex{v, places_[v]});
       work.settled = false;
     }
-  }
-
-  PlateOptions plate_options(std::size_t r, bool last) {
-    PlateOptions plate;
-    plate.most_factorised = options_.most_factorised;
-    plate.tolerance = (last ? kTolerance : kRoughTolerance) * options_.voxel_size;
-    plate.tolerance_per_edge =
-        (last ? 1.0 : kRough) * options_.distance_tolerance * options_.voxel_size;
-    plate.start = &places_;
-    plate.memory = options_.memory;
-    if (is_large(r)) plate.keep_going = [this] { return keep_going(); };
-    return plate;
   }
 
   bool in_empty_space(const Eigen::Vector3d& point, TsdfIntegrator& collector) const {

@@ -18,14 +18,10 @@ struct FairFillOptions {
   double truncation = 0.0;        ///< As used for the field [unit].
   double voxel_size = 0.0;        ///< As used for the field [unit].
   MemoryLimit* memory = nullptr;  ///< May be null.
-  /// See PlateOptions.
-  std::size_t most_factorised = PlateOptions().most_factorised;
-  /// Regions of more vertices stay as the closed field has them: step by step a plate of 500,000
-  /// takes minutes, and the steps it needs grow as well.
-  std::size_t most_solved = 500000;
-  /// How far a vertex of a region too large for that may stay from its place of rest, as a part of
-  /// its distance from what was measured. That distance is the error expected of it.
-  double distance_tolerance = 0.01;
+  /// Regions of more vertices stay as the closed field has them.
+  std::size_t most_solved = kMostPlateVertices;
+  /// Regions of more vertices are not bent, which takes many plates.
+  std::size_t most_bent = 150000;
   /// Only regions with FairRegion::near_samples: to fair a mesh again whose regions have been
   /// faired.
   bool near_samples_only = false;

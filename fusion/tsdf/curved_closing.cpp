@@ -101,7 +101,7 @@ bool close_curved(SparseField& field, const std::vector<ViewSampler>& views,
         {.truncation = options.truncation, .voxel_size = spacing, .memory = options.memory});
     hold_open_border(mesh);
     FairFillOptions fair{options.truncation, spacing, options.memory};
-    fair.most_factorised = fair.most_solved = options.most_vertices;
+    fair.most_bent = fair.most_solved = options.most_vertices;
     BentRegions bent = bend_filled_regions(std::move(mesh), views, fair);
     if (bent.farthest < kAtRest * spacing) return !before.empty();
     for (const auto& [node, constraint] : before) constraints[node] = constraint;

@@ -2,9 +2,9 @@
 
 #include <unordered_map>
 
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
-#include "fusion/holes/plates/large_plate.h"
 #include "scan/base/parallel.h"
 
 namespace relief::fusion {
@@ -20,6 +20,15 @@ constexpr Eigen::Index kLarge = 10000;
 
 using Sparse = Eigen::SparseMatrix<double>;
 using Entry = Eigen::Triplet<double>;
+
+// A factorisation that knows, before the numbers, how many there will be.
+class SizedFactor : public Eigen::SimplicialLDLT<Sparse, Eigen::Lower> {
+ public:
+  std::size_t bytes() const {
+    constexpr std::size_t kEntry = sizeof(double) + sizeof(StorageIndex);
+    return kEntry * static_cast<std::size_t>(m_matrix.data().size());
+  }
+};
 
 // Rows of the Laplacian of a patch, split into what multiplies free vertices and what is known.
 class PlateSystem {
@@ -49,7 +58,6 @@ class PlateSystem {
     entries_ = {};
   }
 
-  // Places by the factors of the whole system.
   std::vector<Eigen::Vector3d> solve(MemoryLimit* memory) const {
     const Sparse weighted = weights_.asDiagonal() * laplacian_;
     Sparse system = (laplacian_.transpose() * weighted).triangularView<Eigen::Lower>();
@@ -64,49 +72,7 @@ class PlateSystem {
     return places_of(factor.solve(right));
   }
 
-  // Places by conjugate gradients from the places `start` of the vertices.
-  std::vector<Eigen::Vector3d> approach(const PlatePatch& patch,
-                                        const PlateOptions& options) const {
-    PlateEquations equations{laplacian_, weights_, area_, attraction_, {}};
-    equations.right = drawn_ - laplacian_.transpose() * (weights_.asDiagonal() * known_);
-    Rows3 places(equations.attraction.rows(), 3);
-    for (Eigen::Index i = 0; i < places.rows(); ++i) {
-      const std::uint32_t v = patch.free[static_cast<std::size_t>(i)].vertex;
-      places.row(i) =
-          ((options.start ? (*options.start)[v] : mesh_.vertices[v]) - origin_).transpose();
-    }
-    release_freed_memory();
-    const LargePlateOptions steps{
-        (options.tolerance + options.tolerance_per_edge * edges_from_held().array()).matrix(),
-        options.memory, options.keep_going};
-    if (!approach_plate(equations, steps, places)) return {};
-    return places_of(places);
-  }
-
  private:
-  // Of each free vertex: edges to the nearest held one; none without a way to any.
-  Eigen::VectorXd edges_from_held() const {
-    const Eigen::Index free = laplacian_.cols();
-    Eigen::VectorXd edges = Eigen::VectorXd::Constant(free, -1.0);
-    std::vector<Eigen::Index> ring, next;
-    const auto reach = [&](Eigen::Index vertex, double distance) {
-      if (edges(vertex) >= 0.0) return;
-      edges(vertex) = distance;
-      next.push_back(vertex);
-    };
-    for (Eigen::Index j = 0; j < free; ++j)
-      for (Sparse::InnerIterator entry(laplacian_, j); entry; ++entry)
-        if (entry.row() >= free) reach(j, 1.0);
-    for (double distance = 2.0; !next.empty(); ++distance) {
-      ring.swap(next);
-      next.clear();
-      for (const Eigen::Index j : ring)
-        for (Sparse::InnerIterator entry(laplacian_, j); entry; ++entry)
-          if (entry.row() < free) reach(entry.row(), distance);
-    }
-    return edges.cwiseMax(0.0);
-  }
-
   std::vector<Eigen::Vector3d> places_of(const Eigen::MatrixX3d& placed) const {
     if (!placed.allFinite()) return {};
     std::vector<Eigen::Vector3d> places;
@@ -156,13 +122,10 @@ class PlateSystem {
 }  // namespace
 
 std::vector<Eigen::Vector3d> solve_thin_plate(const TriangleMesh& mesh, const FacesAround& around,
-                                              const PlatePatch& patch,
-                                              const PlateOptions& options) {
+                                              const PlatePatch& patch, MemoryLimit* memory) {
   if (patch.free.empty()) return {};
-  if (!make_room(options.memory, kSystem * patch.free.size())) return {};
-  const PlateSystem system(mesh, around, patch);
-  return patch.free.size() <= options.most_factorised ? system.solve(options.memory)
-                                                      : system.approach(patch, options);
+  if (!make_room(memory, kSystem * patch.free.size())) return {};
+  return PlateSystem(mesh, around, patch).solve(memory);
 }
 
 }  // namespace relief::fusion

@@ -109,29 +109,6 @@ TEST(ThinPlate, APullHoldsVerticesWhereTheyAre) {
   EXPECT_LT(height(1e-6), 0.1);
 }
 
-TEST(ThinPlate, StepByStepItComesToTheSameRest) {
-  const auto bowl = [](double x, double y) {
-    return 0.01 * (std::pow(x - 10.0, 2) + std::pow(y - 10.0, 2));
-  };
-  const TriangleMesh mesh = sheet([&](double x, double y) { return bowl(x, y) + bump(x, y); });
-  PlateOptions steps;
-  steps.most_factorised = 0;
-  steps.tolerance = 1e-6;
-  for (const double stiffness : {0.0, 0.3, 1.0}) {
-    for (const double attraction : {0.0, 1e-4, 1.0}) {
-      PlatePatch patch = patch_of(mesh, 3, stiffness, attraction);
-      // Hinges among vertices that nothing draws would be loose.
-      for (std::size_t k = 0; k < patch.free.size() && attraction > 0.0; k += 7)
-        patch.free[k].stiffness = stiffness;
-      const auto places = solve_thin_plate(mesh, all_faces(mesh), patch);
-      const auto approached = solve_thin_plate(mesh, all_faces(mesh), patch, steps);
-      ASSERT_EQ(approached.size(), places.size());
-      for (std::size_t k = 0; k < places.size(); ++k)
-        EXPECT_LT((approached[k] - places[k]).norm(), 1e-5) << stiffness << ", " << attraction;
-    }
-  }
-}
-
 TEST(ThinPlate, APatchWithoutFreeVerticesHasNoPlaces) {
   const TriangleMesh mesh = sheet(bump);
   PlatePatch patch;
