@@ -9,8 +9,9 @@ target_include_directories(relief_build_flags INTERFACE ${PROJECT_SOURCE_DIR})
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(relief_build_flags INTERFACE -march=x86-64-v2)
 endif()
-target_compile_options(relief_build_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow=local
-                                                    -Wnon-virtual-dtor -Wno-missing-field-initializers)
+target_compile_options(relief_build_flags INTERFACE -Wall -Wextra -Wpedantic -Wnon-virtual-dtor
+                                                    -Wno-missing-field-initializers
+                                                    $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>)
 if(RELIEF_WERROR)
   # Eigen inside PCL's headers trips g++ 12's array-bounds analysis.
   target_compile_options(relief_build_flags INTERFACE -Werror -Wno-error=array-bounds

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <string>
 
+#include "relief/scan/range_view.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 
