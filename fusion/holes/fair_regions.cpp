@@ -132,7 +132,7 @@ std::vector<FairRegion> FairRegions::find(const FairFillOptions& options) {
       ++too_large_;
       continue;
     }
-    add_islands(region);
+    add_islands(first, region);
     region.near_samples = is_near_samples(region);
     if (options.near_samples_only && !region.near_samples) continue;
     for (const PlateVertex& free : region.vertices)
@@ -176,15 +176,18 @@ void FairRegions::add_border(FairRegion& region) const {
   for (const std::uint32_t v : border) region.border.push_back({v, mesh_.vertices[v]});
 }
 
-// The measured vertices that no way along measured ones leads to from the border.
-void FairRegions::add_islands(FairRegion& region) const {
+// The measured vertices of the region that no way along measured ones of it leads to from the
+// border, at which other regions may lie as well. `regions`: by vertex, see regions_of().
+void FairRegions::add_islands(const std::vector<std::uint32_t>& regions, FairRegion& region) const {
+  const std::uint32_t own = regions[region.vertices.front().vertex];
   std::unordered_set<std::uint32_t> connected;
   std::vector<std::uint32_t> reached;
   for (const PlateVertex& vertex : region.border) reached.push_back(vertex.vertex);
   for (std::size_t next = 0; next < reached.size(); ++next)
     around_.visit(reached[next], [&](std::uint32_t f) {
       for (const std::uint32_t w : mesh_.faces[f])
-        if (rings_[w] > 0 && rings_[w] <= MeshRings::kMargin && connected.insert(w).second)
+        if (rings_[w] > 0 && rings_[w] <= MeshRings::kMargin && regions[w] == own &&
+            connected.insert(w).second)
           reached.push_back(w);
     });
   for (const PlateVertex& free : region.vertices)

@@ -83,7 +83,7 @@ class FairRegions {
   bool is_deep(const FairRegion& region) const;
   void add_border(FairRegion& region) const;
   bool is_beside_measured(std::uint32_t vertex) const;
-  void add_islands(FairRegion& region) const;
+  void add_islands(const std::vector<std::uint32_t>& regions, FairRegion& region) const;
   bool is_near_samples(const FairRegion& region) const;
   void prepare(FairRegion& region, const std::vector<ViewSampler>& views,
                const FairFillOptions& options) const;
