@@ -12,7 +12,7 @@
 #include "fusion/surface/vertex_colours.h"
 #include "fusion/tsdf/closed_field.h"
 #include "fusion/units/merge_units.h"
-#include "fusion/views/inter_view_stddev.h"
+#include "fusion/views/inter_view_errors.h"
 #include "fusion/views/view_sampler.h"
 #include "scan/base/median.h"
 #include "scan/base/median_deviation.h"
@@ -152,7 +152,7 @@ void count_samples(const std::vector<ViewSampler>& views, MergeResult& result) {
 constexpr double kRefinedVoxel = 0.8;  // [sample spacings]
 
 void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& options, bool refined,
-                   MergeResult& result) {
+                   const RangeErrors& errors, MergeResult& result) {
   std::vector<double> spacings, noises;
   for (const ViewSampler& view : views) {
     spacings.push_back(view.spacing());
@@ -161,7 +161,8 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
   result.view_noise = median(noises);
   result.voxel_size = options.voxel_size > 0.0 ? options.voxel_size
                                                : (refined ? kRefinedVoxel : 1.0) * median(spacings);
-  result.inter_view_stddev = inter_view_stddev(views);
+  result.inter_view_stddev = errors.stddev;
+  result.range_exponent = errors.exponent;
   const double deviation = std::max(result.view_noise, result.inter_view_stddev);
   result.truncation = options.truncation > 0.0
                           ? options.truncation
@@ -229,11 +230,14 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   const SampleQuality& quality = inputs->quality;
   const Progress preparing = part_of(context.progress, 0.0, kPrepared);
   Preparation prepare(options, quality.deviation, memory.get(), preparing);
-  const auto samplers = prepare(views, result.notes);
+  auto samplers = prepare(views, result.notes);
   if (!samplers) return samplers.error();
   release_freed_memory();
   count_samples(*samplers, result);
-  choose_scales(*samplers, options, quality.refined, result);
+  RangeErrors errors = inter_view_errors(*samplers);
+  if (quality.deviation > 0.0) errors.exponent = 0.0;  // Views know theirs.
+  for (ViewSampler& sampler : *samplers) sampler.set_range_errors(errors);
+  choose_scales(*samplers, options, quality.refined, errors, result);
 
   const FieldUnits units(context.store, ContentHash().add(inputs->hashes, options).hex());
   auto mesh = closed_surface(*samplers, units, result, memory.get(), context.progress);
@@ -262,7 +266,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
     return room.error();
   const VertexAttributeOptions measure{.truncation = result.truncation,
                                        .voxel_size = result.voxel_size,
-                                       .view_noise = result.view_noise,
+                                       .view_stddev = std::max(result.view_noise, errors.stddev),
                                        .nominal_deviation = quality.deviation,
                                        .memory = memory.get(),
                                        .view_indices = prepare.indices()};

@@ -21,7 +21,7 @@ float standard_error(const TsdfSample& evidence, const VertexAttributeOptions& o
   // Of the mean, by what the views know of their errors.
   const double known = options.nominal_deviation > 0.0
                            ? std::pow(options.nominal_deviation, 2) / evidence.information
-                           : std::pow(options.view_noise, 2) / (1.0 + own);
+                           : std::pow(options.view_stddev, 2) * evidence.relative_variance;
   return static_cast<float>(
       std::sqrt((kPriorWeight * known + evidence.variance) / (kPriorWeight + own)));
 }

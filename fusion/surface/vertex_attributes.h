@@ -11,8 +11,8 @@ namespace relief::fusion {
 struct VertexAttributeOptions {
   double truncation = 0.0;  ///< As used for the field [unit].
   double voxel_size = 0.0;  ///< As used for the field [unit].
-  /// Noise of one view's positions along the normal [unit]: what a vertex seen by one view has.
-  double view_noise = 0.0;
+  /// Of one view's positions along the normal, at the typical distance from its sensor [unit].
+  double view_stddev = 0.0;
   /// If > 0, weights are inverse variances in units of its square [unit]: see
   /// ObservationWeightOptions.
   double nominal_deviation = 0.0;

@@ -57,9 +57,10 @@ double tukey_biweight(double relative_distance) {
 
 // By everything that enters a sum.
 bool TsdfIntegrator::TsdfObservation::operator<(const TsdfObservation& other) const {
-  return std::tie(distance, weight, information, normal.x(), normal.y(), normal.z()) <
-         std::tie(other.distance, other.weight, other.information, other.normal.x(),
-                  other.normal.y(), other.normal.z());
+  return std::tie(distance, weight, information, relative_stddev, normal.x(), normal.y(),
+                  normal.z()) < std::tie(other.distance, other.weight, other.information,
+                                         other.relative_stddev, other.normal.x(), other.normal.y(),
+                                         other.normal.z());
 }
 
 // Of the two sides of a thin plate only the nearer one tells the distance to the plate.
@@ -153,11 +154,12 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
     const double near = tukey_biweight(seen->distance / truncation_);
     if (measures(*seen, truncation_, spacing_))
-      near_.push_back({seen->distance, seen->weight * near, seen->information * near, seen->normal,
-                       seen->distance < -seen->matter_depth, view});
+      near_.push_back({seen->distance, seen->weight * near, seen->information * near,
+                       seen->relative_stddev, seen->normal, seen->distance < -seen->matter_depth,
+                       view});
     else if (seen->clearance > 0.5 * truncation_)
-      empty_.push_back(
-          {seen->distance, seen->weight, seen->information, seen->normal, false, view});
+      empty_.push_back({seen->distance, seen->weight, seen->information, seen->relative_stddev,
+                        seen->normal, false, view});
     sample.clearance = std::max(sample.clearance, seen->clearance);
     if (seen->border >= kAmongRays) sample.in_front = std::max(sample.in_front, seen->distance);
   }
@@ -173,6 +175,7 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
     sample.weight += observation.weight;
     sample.information += observation.information;
     squares += observation.weight * observation.weight;
+    sample.relative_variance += std::pow(observation.weight * observation.relative_stddev, 2);
     sample.distance += observation.weight * observation.distance;
     if (observation.distance < 0.0) inside += observation.weight;
   }
@@ -185,6 +188,7 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
     sample.variance += observation.weight * deviation * deviation / sample.weight;
   }
   sample.effective_views = sample.weight * sample.weight / squares;
+  sample.relative_variance /= sample.weight * sample.weight;
   sample.views = static_cast<int>(near_.size());
   return sample;
 }

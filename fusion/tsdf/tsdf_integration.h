@@ -21,8 +21,11 @@ struct TsdfSample {
   double weight = 0.0;     ///< Sum of the weights of the measuring views.
   double information = 0.0;      ///< Sum of these weights without the ramp from the silhouette.
   double effective_views = 0.0;  ///< (sum w)^2 / sum w^2.
-  double variance = 0.0;         ///< Weighted variance of the views' distances [unit^2].
-  int views = 0;                 ///< Number of measuring views.
+  /// Of the mean, in units of that of one view at the typical distance from its sensor:
+  /// sum (w rho)^2 / (sum w)^2 with the relative standard deviations rho of the views.
+  double relative_variance = 0.0;
+  double variance = 0.0;  ///< Weighted variance of the views' distances [unit^2].
+  int views = 0;          ///< Number of measuring views.
 };
 
 /// t of (F4), for a distance relative to the truncation: Tukey's biweight. Of surfaces close
@@ -70,7 +73,7 @@ class TsdfIntegrator {
   };
 
   struct TsdfObservation {
-    double distance, weight, information;
+    double distance, weight, information, relative_stddev;
     Eigen::Vector3d normal;
     bool presumed;  // Behind the surface, deeper than the view knows of matter.
     const ViewSampler* view;

@@ -81,6 +81,8 @@ Result<ViewSampler> ViewSampler::create(const RangeView& view, const PagedSurfac
   sampler.world_from_view_ = view.world_from_view;
   sampler.view_from_world_ = view.world_from_view.inverse();
   sampler.surface_ = surface_of(view, options);
+  sampler.has_centre_ = view.camera.model() != Camera::Model::kOrthographic &&
+                        view.camera.model() != Camera::Model::kRayTable;
   sampler.silhouette_ramp_ = options.weights.silhouette_ramp;
   if (sampler.empty()) return created;
   auto projection = ViewProjection::create(view);
@@ -148,8 +150,9 @@ std::optional<Observation> ViewSampler::observe(const Quad& quad, double foot_re
   const auto& [surface, border] = *patch;
   Observation seen;
   seen.distance = surface.distance(point);
-  seen.weight = surface.weight;
-  seen.information = surface.weight / silhouette_weight(border, silhouette_ramp_);
+  if (has_centre_) seen.relative_stddev = errors_.relative_stddev(point.norm());
+  seen.weight = surface.weight / (seen.relative_stddev * seen.relative_stddev);
+  seen.information = seen.weight / silhouette_weight(border, silhouette_ramp_);
   seen.border = border;
   seen.matter_depth = border * surface_.spacing;
   seen.range_gap = (point - surface.origin - surface.chord).norm();

@@ -8,6 +8,7 @@
 
 #include "fusion/views/depth_pyramid.h"
 #include "fusion/views/paged_surface.h"
+#include "fusion/views/range_errors.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "scan/surface/surface_patch.h"
@@ -24,6 +25,8 @@ struct Observation {
   double weight = 0.0;
   /// The weight without the ramp: the inverse variance, where the view knows deviations.
   double information = 0.0;
+  /// Of the distance, in units of that at the typical distance from sensors: RangeErrors.
+  double relative_stddev = 1.0;
   /// No unseen space lies within this distance of the point as far as the view can tell [unit]:
   /// zero behind the surface, growing in front of it and away from the silhouette.
   double clearance = 0.0;
@@ -94,6 +97,14 @@ class ViewSampler {
   }
   bool empty() const { return surface_.pixels.empty(); }
 
+  /// From now on weighs observations by these errors: the weight of Observation is divided by the
+  /// square of the relative standard deviation. No effect on sensors without a centre.
+  void set_range_errors(const RangeErrors& errors) { errors_ = errors; }
+  /// From the sensor's centre to a point [unit]; 0 where the sensor has none.
+  double range_of(const Eigen::Vector3d& point_in_world) const {
+    return has_centre_ ? (view_from_world_ * point_in_world).norm() : 0.0;
+  }
+
   /// Size of what is paged under a limit of memory.
   std::size_t bytes() const {
     return surface_.pixels.size() * (sizeof(SurfacePixel) + sizeof(std::uint8_t)) +
@@ -114,7 +125,9 @@ class ViewSampler {
   RigidMotion view_from_world_ = RigidMotion::Identity();
   RigidMotion world_from_view_ = RigidMotion::Identity();
   PagedSurface surface_;
-  int silhouette_ramp_ = 0;                                // [pixels]
+  int silhouette_ramp_ = 0;  // [pixels]
+  bool has_centre_ = false;  // All rays begin at the origin of the view frame.
+  RangeErrors errors_;
   Eigen::Vector3d depth_axis_ = Eigen::Vector3d::UnitZ();  // Mean ray direction, view frame.
   DepthPyramid depths_;  // Of the surface along the axis, from its centre.
 };

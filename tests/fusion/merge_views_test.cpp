@@ -135,6 +135,16 @@ TEST(MergeViews, AveragingManyViewsReducesNoise) {
   EXPECT_LT(expected, 2.0 * rms);
 }
 
+// Equal weights would take twice the error of the near views.
+TEST(MergeViews, FarViewsDoNotSpoilNearOnes) {
+  const auto views = testing::near_and_far_views(50.0, 0.15, 2.0);
+  const MergeResult all = merged(views);
+  const MergeResult near = merged({views.begin(), views.begin() + 12});
+  EXPECT_GT(all.range_exponent, 1.5);
+  const SignedDistance truth = sphere_distance(50.0);
+  EXPECT_LT(measured_rms(all, truth), 1.1 * measured_rms(near, truth));
+}
+
 // Wrong calibration or poses: surfaces four voxels apart, each of them smooth.
 TEST(MergeViews, ViewsThatDifferByVoxelsMakeOneSheet) {
   auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 20, 100, 50.0);

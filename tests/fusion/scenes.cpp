@@ -57,8 +57,11 @@ std::vector<Eigen::Vector3d> even_directions(int count) {
   return directions;
 }
 
-std::vector<RangeView> views_around(const Surface& surface, int count, int size, double radius) {
-  const double away = 6.0 * radius, centre = 0.5 * (size - 1);
+namespace {
+
+std::vector<RangeView> views_from(double away, const Surface& surface, int count, int size,
+                                  double radius) {
+  const double centre = 0.5 * (size - 1);
   const double focal = 0.5 * size * away / (1.1 * radius);
   std::vector<RangeView> views;
   for (const Eigen::Vector3d& direction : even_directions(count)) {
@@ -66,6 +69,24 @@ std::vector<RangeView> views_around(const Surface& surface, int count, int size,
                            look_at(away * direction, Eigen::Vector3d::Zero())));
     views.back().name = "view" + std::to_string(views.size() - 1);
   }
+  return views;
+}
+
+}  // namespace
+
+std::vector<RangeView> views_around(const Surface& surface, int count, int size, double radius) {
+  return views_from(6.0 * radius, surface, count, size, radius);
+}
+
+std::vector<RangeView> near_and_far_views(double radius, double noise, double exponent) {
+  const Surface ball = sphere(Eigen::Vector3d::Zero(), radius);
+  std::vector<RangeView> views = views_from(4.0 * radius, ball, 12, 100, radius);
+  std::vector<RangeView> far = views_from(8.0 * radius, ball, 8, 100, radius);
+  for (RangeView& view : far) view.name += "far";
+  views.insert(views.end(), far.begin(), far.end());
+  for (std::size_t i = 0; i < views.size(); ++i)
+    add_range_noise(views[i], noise * (i < 12 ? 1.0 : std::pow(2.0, exponent)),
+                    static_cast<std::uint32_t>(i));
   return views;
 }
 

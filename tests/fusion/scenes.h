@@ -28,6 +28,11 @@ std::vector<Eigen::Vector3d> even_directions(int count);
 /// the origin that fills the image.
 std::vector<RangeView> views_around(const Surface& surface, int count, int size, double radius);
 
+/// Twelve views of a sphere from four radii away and eight from eight, of the same footprint of a
+/// pixel there. The noise of ranges, standard deviation `noise` from the nearer places [unit],
+/// grows with the distance to the power of `exponent`.
+std::vector<RangeView> near_and_far_views(double radius, double noise, double exponent);
+
 /// Random small scenes: views of simple shapes, some of them dropped, some twice, with noise of
 /// range and normals, wrong poses, masked rectangles and rectangles measured too near.
 class RandomScenes {

@@ -78,6 +78,7 @@ Json to_json(const reconstruction::Model& model) {
   report["voxel_size"] = merged.voxel_size;
   report["truncation"] = merged.truncation;
   report["inter_view_stddev"] = merged.inter_view_stddev;
+  report["range_exponent"] = merged.range_exponent;
   if (model.polished) report["polish"] = polish_report(*model.polished);
   return report;
 }

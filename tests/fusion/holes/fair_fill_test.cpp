@@ -44,7 +44,7 @@ Merged merged(const std::vector<RangeView>& views, double voxel = kVoxel) {
   result.mesh = extract_isosurface(field.finest());
   keep_largest_component(result.mesh);
   set_vertex_attributes(result.mesh, result.samplers,
-                        {.truncation = kTruncation, .voxel_size = voxel, .view_noise = 0.1});
+                        {.truncation = kTruncation, .voxel_size = voxel, .view_stddev = 0.1});
   return result;
 }
 

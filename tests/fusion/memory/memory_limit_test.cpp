@@ -121,7 +121,7 @@ TriangleMesh surface_of_scene(const std::vector<RangeView>& views, MemoryLimit* 
   const auto field = value_of(compute_closed_field(samplers, options, {}));
   TriangleMesh mesh = extract_isosurface(field.finest(), memory);
   set_vertex_attributes(
-      mesh, samplers, {.truncation = 3.6, .voxel_size = 1.2, .view_noise = 0.2, .memory = memory});
+      mesh, samplers, {.truncation = 3.6, .voxel_size = 1.2, .view_stddev = 0.2, .memory = memory});
   return mesh;
 }
 

@@ -49,6 +49,9 @@ struct MergeSummary {
   /// Standard deviation of the errors that views do not share, noise, calibration and poses, from
   /// how far their surfaces are apart [unit]; 0: they hardly overlap.
   double inter_view_stddev = 0.0;
+  /// How these errors grow with the distance from the sensor, as this power of it; 0: not at all,
+  /// or the views know the deviations of their samples.
+  double range_exponent = 0.0;
   std::size_t flying_samples = 0;  ///< Taken away: they hang in the air between surfaces.
   std::size_t filled_samples = 0;  ///< Interpolated in small gaps of the views.
   /// Blocks of 8 x 8 x 8 voxels where the field that closes the surface had not come to rest; 0: it

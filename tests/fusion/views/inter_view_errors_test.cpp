@@ -1,4 +1,4 @@
-#include "fusion/views/inter_view_stddev.h"
+#include "fusion/views/inter_view_errors.h"
 
 #include <algorithm>
 #include <vector>
@@ -32,16 +32,18 @@ std::vector<ViewSampler> samplers_of(const std::vector<RangeView>& views) {
   return samplers;
 }
 
-double deviation_of(const std::vector<RangeView>& views) {
-  return inter_view_stddev(samplers_of(views));
+RangeErrors errors_of(const std::vector<RangeView>& views) {
+  return inter_view_errors(samplers_of(views));
 }
 
-TEST(InterViewStddev, OfExactViewsIsFarBelowTheSpacing) {
+double deviation_of(const std::vector<RangeView>& views) { return errors_of(views).stddev; }
+
+TEST(InterViewErrors, OfExactViewsIsFarBelowTheSpacing) {
   const auto samplers = samplers_of(views_of_a_sphere());
-  EXPECT_LT(inter_view_stddev(samplers), 0.02 * samplers.front().spacing());
+  EXPECT_LT(inter_view_errors(samplers).stddev, 0.02 * samplers.front().spacing());
 }
 
-TEST(InterViewStddev, IsThatOfTheNoiseOfOneView) {
+TEST(InterViewErrors, IsThatOfTheNoiseOfOneView) {
   auto views = views_of_a_sphere();
   for (std::size_t i = 0; i < views.size(); ++i)
     testing::add_range_noise(views[i], 0.3, static_cast<std::uint32_t>(i));
@@ -49,24 +51,47 @@ TEST(InterViewStddev, IsThatOfTheNoiseOfOneView) {
   EXPECT_NEAR(deviation_of(views), 0.22, 0.06);
 }
 
-TEST(InterViewStddev, HoldsWrongPosesThatTheNoiseOfOneViewDoesNotShow) {
+TEST(InterViewErrors, HoldsWrongPosesThatTheNoiseOfOneViewDoesNotShow) {
   auto views = views_of_a_sphere();
   shift_views(views, {-3.0, -1.5, 0.0, 1.5, 3.0});
   const auto samplers = samplers_of(views);
   EXPECT_LT(samplers.front().noise(), 0.05);
-  EXPECT_GT(inter_view_stddev(samplers), 1.0);
-  EXPECT_LT(inter_view_stddev(samplers), 3.5);
+  EXPECT_GT(inter_view_errors(samplers).stddev, 1.0);
+  EXPECT_LT(inter_view_errors(samplers).stddev, 3.5);
 }
 
-TEST(InterViewStddev, DoesNotDependOnTheOrderOfTheViews) {
+TEST(InterViewErrors, GrowWithTheDistanceAsTheNoiseDoes) {
+  for (const double exponent : {1.0, 2.0}) {
+    const auto errors = errors_of(testing::near_and_far_views(kRadius, 0.1, exponent));
+    // On the small side, by two standard errors.
+    EXPECT_GT(errors.exponent, exponent - 0.4);
+    EXPECT_LT(errors.exponent, exponent + 0.05);
+    EXPECT_GT(errors.distance, 4.0 * kRadius);
+    EXPECT_LT(errors.distance, 8.0 * kRadius);
+  }
+}
+
+TEST(InterViewErrors, DoNotGrowWithTheDistanceWhereTheyAreTheSame) {
+  EXPECT_LT(errors_of(testing::near_and_far_views(kRadius, 0.2, 0.0)).exponent, 0.1);
   auto views = views_of_a_sphere();
-  shift_views(views, {0.5, -0.5, 0.2});
-  const double deviation = deviation_of(views);
-  std::reverse(views.begin(), views.end());
-  EXPECT_EQ(deviation_of(views), deviation);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    testing::add_range_noise(views[i], 0.3, static_cast<std::uint32_t>(i));
+  EXPECT_LT(errors_of(views).exponent, 0.5) << "all at one distance";
 }
 
-TEST(InterViewStddev, IsZeroWhereNothingIsSeenTwice) {
+TEST(InterViewErrors, DoNotDependOnTheOrderOfTheViews) {
+  auto views = testing::near_and_far_views(kRadius, 0.1, 2.0);
+  shift_views(views, {0.05, -0.05, 0.02});
+  const RangeErrors errors = errors_of(views);
+  std::reverse(views.begin(), views.end());
+  const RangeErrors reversed = errors_of(views);
+  EXPECT_EQ(reversed.stddev, errors.stddev);
+  EXPECT_EQ(reversed.distance, errors.distance);
+  EXPECT_EQ(reversed.exponent, errors.exponent);
+  EXPECT_GT(errors.exponent, 0.0);
+}
+
+TEST(InterViewErrors, IsZeroWhereNothingIsSeenTwice) {
   auto views = views_of_a_sphere();
   views.resize(1);
   EXPECT_EQ(deviation_of(views), 0.0);
