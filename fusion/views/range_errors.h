@@ -4,8 +4,8 @@
 
 namespace relief::fusion {
 
-/// How the errors of views grow with the distance from their sensors: as a power of it. Sensors that
-/// triangulate have the exponent 2, one of time of flight has one between 0 and 2.
+/// How the errors of views grow with the distance from their sensors: as a power of it. Sensors
+/// that triangulate have the exponent 2, one of time of flight has one between 0 and 2.
 struct RangeErrors {
   double stddev = 0.0;    ///< At the typical distance, along the normal [unit]; 0: unknown.
   double distance = 0.0;  ///< The typical one [unit].

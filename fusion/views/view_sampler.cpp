@@ -150,7 +150,8 @@ std::optional<Observation> ViewSampler::observe(const Quad& quad, double foot_re
   const auto& [surface, border] = *patch;
   Observation seen;
   seen.distance = surface.distance(point);
-  if (has_centre_) seen.relative_stddev = errors_.relative_stddev(point.norm());
+  if (has_centre_)
+    seen.relative_stddev = errors_.relative_stddev((surface.origin + surface.chord).norm());
   seen.weight = surface.weight / (seen.relative_stddev * seen.relative_stddev);
   seen.information = seen.weight / silhouette_weight(border, silhouette_ramp_);
   seen.border = border;

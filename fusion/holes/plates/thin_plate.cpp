@@ -2,6 +2,7 @@
 
 #include <unordered_map>
 
+#include <Eigen/CholmodSupport>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
@@ -21,7 +22,11 @@ constexpr Eigen::Index kLarge = 10000;
 using Sparse = Eigen::SparseMatrix<double>;
 using Entry = Eigen::Triplet<double>;
 
-// A factorisation that knows, before the numbers, how many there will be.
+// Unknowns from which on the dense blocks of CHOLMOD's factors save more time than they cost: they
+// take a tenth of the time for 260,000. Below, small systems are solved side by side.
+constexpr Eigen::Index kDenseBlocks = 100000;
+
+// Factorisations that know, before the numbers, how many there will be.
 class SizedFactor : public Eigen::SimplicialLDLT<Sparse, Eigen::Lower> {
  public:
   std::size_t bytes() const {
@@ -29,6 +34,24 @@ class SizedFactor : public Eigen::SimplicialLDLT<Sparse, Eigen::Lower> {
     return kEntry * static_cast<std::size_t>(m_matrix.data().size());
   }
 };
+class SizedBlockFactor : public Eigen::CholmodSupernodalLLT<Sparse, Eigen::Lower> {
+ public:
+  SizedBlockFactor() { cholmod().print = 0; }
+  std::size_t bytes() const { return sizeof(double) * m_cholmodFactor->xsize; }
+};
+
+// The solution of a system given by its lower half; no rows where it is singular or `memory` cannot
+// be kept.
+template <class Factor>
+Eigen::MatrixX3d solution(const Sparse& system, const Eigen::MatrixX3d& right,
+                          MemoryLimit* memory) {
+  Factor factor;
+  factor.analyzePattern(system);
+  if (!make_room(memory, factor.bytes())) return {};
+  factor.factorize(system);
+  if (factor.info() != Eigen::Success) return {};
+  return factor.solve(right);
+}
 
 // Rows of the Laplacian of a patch, split into what multiplies free vertices and what is known.
 class PlateSystem {
@@ -64,12 +87,9 @@ class PlateSystem {
     system.diagonal() += attraction_;
     const Eigen::MatrixX3d right = drawn_ - weighted.transpose() * known_;
     if (system.rows() > kLarge) release_freed_memory();
-    SizedFactor factor;
-    factor.analyzePattern(system);
-    if (!make_room(memory, factor.bytes())) return {};
-    factor.factorize(system);
-    if (factor.info() != Eigen::Success) return {};
-    return places_of(factor.solve(right));
+    return places_of(system.rows() < kDenseBlocks
+                         ? solution<SizedFactor>(system, right, memory)
+                         : solution<SizedBlockFactor>(system, right, memory));
   }
 
  private:
