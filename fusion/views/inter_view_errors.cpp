@@ -118,7 +118,7 @@ Eigen::Vector2d mean_of(const std::vector<std::vector<Eigen::Vector2d>>& points)
 // the sandwich estimate by views (Liang and Zeger 1986).
 void fit_exponent(Differences found, RangeErrors& errors) {
   std::erase_if(found, [](const auto& of_view) { return of_view.empty(); });
-  if (found.size() < kFewestViews) return;
+  if (found.size() < kFewestViews || !(errors.stddev > 0.0)) return;
   // Sums in the order of the values: that of the views does not matter, not even by rounding.
   for (auto& of_view : found) std::sort(of_view.begin(), of_view.end());
   std::sort(found.begin(), found.end());

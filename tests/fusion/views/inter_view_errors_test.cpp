@@ -79,6 +79,14 @@ TEST(InterViewErrors, DoNotGrowWithTheDistanceWhereTheyAreTheSame) {
   EXPECT_LT(errors_of(views).exponent, 0.5) << "all at one distance";
 }
 
+TEST(InterViewErrors, AreNoneOfTheSameViewOverAgain) {
+  const auto views = views_of_a_sphere();
+  const RangeErrors errors = errors_of(std::vector<RangeView>(5, views.front()));
+  EXPECT_LT(errors.stddev, 1e-4);
+  EXPECT_GE(errors.exponent, 0.0) << "not NaN";
+  EXPECT_LE(errors.exponent, 2.0);
+}
+
 TEST(InterViewErrors, DoNotDependOnTheOrderOfTheViews) {
   auto views = testing::near_and_far_views(kRadius, 0.1, 2.0);
   shift_views(views, {0.05, -0.05, 0.02});
