@@ -36,7 +36,7 @@ constexpr int kChangedRings = 12;
 
 // Regions of more vertices are solved one at a time: the factors of each take hundreds of
 // megabytes, and seconds in which nobody can stop the work.
-constexpr std::size_t kLarge = 150000;
+constexpr std::size_t kLargeRegion = 150000;
 
 // Memory for each vertex of the mesh, and for each filled one while regions are found [bytes].
 constexpr std::size_t kVertex = 60, kFilled = 60;
@@ -93,7 +93,7 @@ class Fairing {
     });
   }
 
-  bool is_large(std::size_t r) const { return regions_.all()[r].vertices.size() > kLarge; }
+  bool is_large(std::size_t r) const { return regions_.all()[r].vertices.size() > kLargeRegion; }
 
   // Of the thread that began the work only.
   bool keep_going() {

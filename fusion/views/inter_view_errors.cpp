@@ -124,28 +124,25 @@ void fit_exponent(Differences found, RangeErrors& errors) {
   std::sort(found.begin(), found.end());
   for (const auto& of_view : found)
     if (!(of_view.front().range > 0.0)) return;
-  const auto points = logarithms(found, kLeast * errors.stddev);
+  auto points = logarithms(found, kLeast * errors.stddev);
   const Eigen::Vector2d mean = mean_of(points);
   double squares = 0.0, products = 0.0;
-  for (const auto& of_view : points)
-    for (const Eigen::Vector2d& point : of_view) {
-      const Eigen::Vector2d centred = point - mean;
-      squares += centred.x() * centred.x();
-      products += centred.x() * centred.y();
+  for (auto& of_view : points)
+    for (Eigen::Vector2d& point : of_view) {
+      point -= mean;
+      squares += point.x() * point.x();
+      products += point.x() * point.y();
     }
   if (!(squares > 0.0)) return;
   const double slope = products / squares;
   double scatter = 0.0;
   for (const auto& of_view : points) {
     double sum = 0.0;
-    for (const Eigen::Vector2d& point : of_view) {
-      const Eigen::Vector2d centred = point - mean;
-      sum += centred.x() * (centred.y() - slope * centred.x());
-    }
+    for (const Eigen::Vector2d& point : of_view) sum += point.x() * (point.y() - slope * point.x());
     scatter += sum * sum;
   }
   const double standard_error = std::sqrt(scatter) / squares;
-  errors.distance = std::exp(mean.x());
+  errors.typical_range = std::exp(mean.x());
   errors.exponent = std::clamp(slope - kStandardErrors * standard_error, 0.0, kLargestExponent);
 }
 

@@ -25,7 +25,7 @@ struct Observation {
   double weight = 0.0;
   /// The weight without the ramp: the inverse variance, where the view knows deviations.
   double information = 0.0;
-  /// Of the distance, in units of that at the typical distance from sensors: RangeErrors.
+  /// Of the distance, in units of that at the typical range: RangeErrors.
   double relative_stddev = 1.0;
   /// No unseen space lies within this distance of the point as far as the view can tell [unit]:
   /// zero behind the surface, growing in front of it and away from the silhouette.

@@ -22,21 +22,21 @@ constexpr Eigen::Index kLarge = 10000;
 using Sparse = Eigen::SparseMatrix<double>;
 using Entry = Eigen::Triplet<double>;
 
-// Unknowns from which on the dense blocks of CHOLMOD's factors save more time than they cost: they
+// Unknowns from which on the dense blocks of supernodal factors save more time than they cost: they
 // take a tenth of the time for 260,000. Below, small systems are solved side by side.
-constexpr Eigen::Index kDenseBlocks = 100000;
+constexpr Eigen::Index kSupernodal = 100000;
 
 // Factorisations that know, before the numbers, how many there will be.
-class SizedFactor : public Eigen::SimplicialLDLT<Sparse, Eigen::Lower> {
+class SimplicialFactor : public Eigen::SimplicialLDLT<Sparse, Eigen::Lower> {
  public:
   std::size_t bytes() const {
     constexpr std::size_t kEntry = sizeof(double) + sizeof(StorageIndex);
     return kEntry * static_cast<std::size_t>(m_matrix.data().size());
   }
 };
-class SizedBlockFactor : public Eigen::CholmodSupernodalLLT<Sparse, Eigen::Lower> {
+class SupernodalFactor : public Eigen::CholmodSupernodalLLT<Sparse, Eigen::Lower> {
  public:
-  SizedBlockFactor() { cholmod().print = 0; }
+  SupernodalFactor() { cholmod().print = 0; }
   std::size_t bytes() const { return sizeof(double) * m_cholmodFactor->xsize; }
 };
 
@@ -87,9 +87,9 @@ class PlateSystem {
     system.diagonal() += attraction_;
     const Eigen::MatrixX3d right = drawn_ - weighted.transpose() * known_;
     if (system.rows() > kLarge) release_freed_memory();
-    return places_of(system.rows() < kDenseBlocks
-                         ? solution<SizedFactor>(system, right, memory)
-                         : solution<SizedBlockFactor>(system, right, memory));
+    return places_of(system.rows() < kSupernodal
+                         ? solution<SimplicialFactor>(system, right, memory)
+                         : solution<SupernodalFactor>(system, right, memory));
   }
 
  private:

@@ -66,8 +66,8 @@ TEST(InterViewErrors, GrowWithTheDistanceAsTheNoiseDoes) {
     // On the small side, by two standard errors.
     EXPECT_GT(errors.exponent, exponent - 0.4);
     EXPECT_LT(errors.exponent, exponent + 0.05);
-    EXPECT_GT(errors.distance, 4.0 * kRadius);
-    EXPECT_LT(errors.distance, 8.0 * kRadius);
+    EXPECT_GT(errors.typical_range, 4.0 * kRadius);
+    EXPECT_LT(errors.typical_range, 8.0 * kRadius);
   }
 }
 
@@ -94,7 +94,7 @@ TEST(InterViewErrors, DoNotDependOnTheOrderOfTheViews) {
   std::reverse(views.begin(), views.end());
   const RangeErrors reversed = errors_of(views);
   EXPECT_EQ(reversed.stddev, errors.stddev);
-  EXPECT_EQ(reversed.distance, errors.distance);
+  EXPECT_EQ(reversed.typical_range, errors.typical_range);
   EXPECT_EQ(reversed.exponent, errors.exponent);
   EXPECT_GT(errors.exponent, 0.0);
 }
