@@ -35,7 +35,7 @@ void integrate_block(std::size_t b, TsdfIntegrator& integrator, double limit, Sp
         limit, field.lattice().position(field.first_node(b) + node_at_offset(i)));
     if (sample.measured) {
       constraint = kFixedNode;
-      values[i] = static_cast<float>(sample.distance);
+      values[i] = static_cast<float>(std::min(sample.distance, limit));
     } else {
       constraint.floor =
           static_cast<float>(sample.clearance > 0.0 ? std::min(sample.clearance, limit) : -limit);

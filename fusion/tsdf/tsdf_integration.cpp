@@ -79,7 +79,17 @@ void TsdfIntegrator::drop_far_side() {
 void TsdfIntegrator::focus(const Eigen::AlignedBox3d& box) {
   concerned_.clear();
   for (const ViewSampler& view : views_)
-    if (view.concerns(box, kGrazingReach * truncation_)) concerned_.push_back(&view);
+    if (view.concerns(box, largest_range_gap(view))) concerned_.push_back(&view);
+}
+
+// Surfaces farther apart than this stay two sheets, so it grows with what views err by.
+double TsdfIntegrator::truncation_at(double relative_stddev) const {
+  return truncation_ * std::max(1.0, relative_stddev);
+}
+
+// With a larger one no point is measured.
+double TsdfIntegrator::largest_range_gap(const ViewSampler& view) const {
+  return kGrazingReach * truncation_at(view.largest_relative_stddev());
 }
 
 TsdfSample TsdfIntegrator::collect(const Eigen::Vector3d& point) {
@@ -113,7 +123,7 @@ void TsdfIntegrator::find_quads(const Eigen::Vector3d& point) {
   for (const ViewSampler* view : concerned_) {
     const auto quad = view->quad_on_ray_of(point);
     if (!quad) continue;
-    const ViewSampler::Side side = view->side(*quad, kFarAway * kGrazingReach * truncation_);
+    const ViewSampler::Side side = view->side(*quad, kFarAway * largest_range_gap(*view));
     if (side != ViewSampler::Side::kBehind) sightings_.push_back({view, *quad, side});
   }
 }
@@ -152,12 +162,13 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
   for (const auto& [view, quad, side] : sightings_) {
     const auto seen = view->observe(quad, kFootReach * spacing_);
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
-    const double near = tukey_biweight(seen->distance / truncation_);
-    if (measures(*seen, truncation_, spacing_))
+    const double truncation = truncation_at(seen->relative_stddev);
+    const double near = tukey_biweight(seen->distance / truncation);
+    if (measures(*seen, truncation, spacing_))
       near_.push_back({seen->distance, seen->weight * near, seen->information * near,
                        seen->relative_stddev, seen->normal, seen->distance < -seen->matter_depth,
                        view});
-    else if (seen->clearance > 0.5 * truncation_)
+    else if (seen->clearance > 0.5 * truncation)
       empty_.push_back({seen->distance, seen->weight, seen->information, seen->relative_stddev,
                         seen->normal, false, view});
     sample.clearance = std::max(sample.clearance, seen->clearance);

@@ -36,7 +36,8 @@ double tukey_biweight(double relative_distance);
 /// Keeps scratch memory: one object per thread.
 class TsdfIntegrator {
  public:
-  /// Views measure up to `truncation` from their surface, on a lattice of `spacing`.
+  /// Views measure up to `truncation` from their surface, on a lattice of `spacing`. Where a view
+  /// errs more than at the typical range, it measures as much farther: ViewSampler's range errors.
   TsdfIntegrator(const std::vector<ViewSampler>& views, double truncation, double spacing)
       : views_(views), truncation_(truncation), spacing_(spacing) {
     for (const ViewSampler& view : views_) concerned_.push_back(&view);
@@ -81,6 +82,8 @@ class TsdfIntegrator {
   };
 
   void drop_far_side();
+  double truncation_at(double relative_stddev) const;
+  double largest_range_gap(const ViewSampler& view) const;
 
   const std::vector<ViewSampler>& views_;
   double truncation_, spacing_;

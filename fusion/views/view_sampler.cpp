@@ -94,6 +94,18 @@ Result<ViewSampler> ViewSampler::create(const RangeView& view, const PagedSurfac
   return created;
 }
 
+void ViewSampler::set_range_errors(const RangeErrors& errors) {
+  errors_ = errors;
+  largest_relative_stddev_ = 1.0;
+  if (!has_centre_ || !(errors.exponent > 0.0)) return;
+  double farthest = 0.0;
+  for (int v = 0; v < surface_.marks.height(); ++v)
+    for (int u = 0; u < surface_.marks.width(); ++u)
+      if (surface_.corner(u, v))
+        farthest = std::max(farthest, (surface_.centre + surface_.offset(u, v)).norm());
+  largest_relative_stddev_ = errors_.relative_stddev(farthest);
+}
+
 std::optional<ViewSampler::Quad> ViewSampler::quad_at(const Eigen::Vector3d& point) const {
   const auto projected = projection_.pixel_of(point);
   if (!projected) return std::nullopt;

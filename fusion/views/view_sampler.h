@@ -99,7 +99,9 @@ class ViewSampler {
 
   /// From now on weighs observations by these errors: the weight of Observation is divided by the
   /// square of the relative standard deviation. No effect on sensors without a centre.
-  void set_range_errors(const RangeErrors& errors) { errors_ = errors; }
+  void set_range_errors(const RangeErrors& errors);
+  /// Of all observations, in units of that at the typical range.
+  double largest_relative_stddev() const { return largest_relative_stddev_; }
   /// From the sensor's centre to a point [unit]; 0 where the sensor has none.
   double range_of(const Eigen::Vector3d& point_in_world) const {
     return has_centre_ ? (view_from_world_ * point_in_world).norm() : 0.0;
@@ -128,6 +130,7 @@ class ViewSampler {
   int silhouette_ramp_ = 0;  // [pixels]
   bool has_centre_ = false;  // All rays begin at the origin of the view frame.
   RangeErrors errors_;
+  double largest_relative_stddev_ = 1.0;
   Eigen::Vector3d depth_axis_ = Eigen::Vector3d::UnitZ();  // Mean ray direction, view frame.
   DepthPyramid depths_;  // Of the surface along the axis, from its centre.
 };

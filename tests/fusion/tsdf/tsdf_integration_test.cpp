@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "tests/fusion/scenes.h"
@@ -46,6 +47,29 @@ TEST(TsdfSample, IsTheSameAsFarAsEnough) {
   EXPECT_GT(measured, 300);
   EXPECT_GT(empty, 300);
   EXPECT_GT(unknown, 300);
+}
+
+TEST(TsdfSample, ReachesFartherWhereViewsErrMore) {
+  auto samplers = samplers_of(testing::views_around(testing::sphere({0, 0, 0}, 20.0), 1, 80, 24.0));
+  const Eigen::Vector3d towards = -samplers[0].direction();
+  const double range = samplers[0].range_of(20.0 * towards);
+  const auto measured_at = [&](double distance) {
+    TsdfIntegrator collector(samplers, kTruncation, kSpacing);
+    collector.focus(Eigen::AlignedBox3d(Eigen::Vector3d((20.0 + distance) * towards)));
+    return collector.collect((20.0 + distance) * towards).measured;
+  };
+  EXPECT_TRUE(measured_at(0.9 * kTruncation));
+  EXPECT_FALSE(measured_at(1.1 * kTruncation));
+  // Twice the error, thus twice the distance.
+  samplers[0].set_range_errors({.stddev = 1.0, .typical_range = 0.5 * range, .exponent = 1.0});
+  EXPECT_TRUE(measured_at(1.8 * kTruncation));
+  EXPECT_FALSE(measured_at(2.2 * kTruncation));
+  EXPECT_TRUE(measured_at(-1.8 * kTruncation));
+  EXPECT_FALSE(measured_at(-2.2 * kTruncation));
+  // Half the error.
+  samplers[0].set_range_errors({.stddev = 1.0, .typical_range = 2.0 * range, .exponent = 1.0});
+  EXPECT_TRUE(measured_at(0.9 * kTruncation));
+  EXPECT_FALSE(measured_at(1.1 * kTruncation));
 }
 
 }  // namespace
