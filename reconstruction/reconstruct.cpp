@@ -43,6 +43,12 @@ class Reconstructor {
   static const std::array<StageWork, 6> kWork;  // In the order of the stages.
 
   Result<void> align() {
+    if (part_.last == Stage::kAlign && part_.searched_pairs) {
+      const auto searched =
+          search_or_find(result_.views, options_.align, *part_.searched_pairs,
+                         stages_.of(Stage::kAlign), stages_.in_place_of_computing(Stage::kAlign));
+      return searched ? Result<void>{} : searched.error();
+    }
     auto alignment =
         align_or_find("align", result_.views, options_.align, stages_.of(Stage::kAlign),
                       stages_.in_place_of_computing(Stage::kAlign));

@@ -107,6 +107,17 @@ Result<registration::Alignment> align_or_find(std::string_view kind,
       unless(otherwise, [&] { return registration::align_views(views, options, context); }));
 }
 
+Result<std::size_t> search_or_find(const std::vector<RangeView>& views,
+                                   const registration::AlignOptions& options,
+                                   const registration::PairBlock& block, const Context& context,
+                                   const InPlaceOfComputing& otherwise) {
+  return find_or_compute<std::size_t>(
+      context.store,
+      [&] { return unit_key("pairs", hashes_of_views(views), options, block.index, block.count); },
+      unless(otherwise,
+             [&] { return registration::search_pairs(views, options, block, context); }));
+}
+
 Result<registration::SensorCalibration> calibrate_or_find(
     const std::vector<RangeView>& views, const registration::Alignment& aligned,
     const registration::AlignOptions& align, const registration::CalibrationOptions& options,

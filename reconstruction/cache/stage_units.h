@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "relief/reconstruction/cross_view_consistency.h"
 #include "relief/registration/align_views.h"
 #include "relief/registration/calibrate_views.h"
+#include "relief/registration/search_pairs.h"
 
 namespace relief::reconstruction {
 
@@ -27,6 +29,12 @@ Result<registration::Alignment> align_or_find(std::string_view kind,
                                               const registration::AlignOptions& options,
                                               const Context& context,
                                               const InPlaceOfComputing& otherwise = {});
+
+/// registration::search_pairs: besides the pairs that a block was searched is a unit.
+Result<std::size_t> search_or_find(const std::vector<RangeView>& views,
+                                   const registration::AlignOptions& options,
+                                   const registration::PairBlock& block, const Context& context,
+                                   const InPlaceOfComputing& otherwise = {});
 
 /// registration::calibrate_views.
 Result<registration::SensorCalibration> calibrate_or_find(

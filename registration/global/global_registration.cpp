@@ -50,6 +50,21 @@ class GlobalRegistration {
     return std::move(groups_);
   }
 
+  Result<std::size_t> search_first(const PairBlock& block) {
+    regroup();
+    if (complete()) return std::size_t{0};
+    if (!describe_views()) return interrupted();
+    const Pairs pairs = next_round(0);
+    Pairs own;
+    for (std::size_t k = block.index; k < pairs.size(); k += block.count) own.push_back(pairs[k]);
+    if (!for_hypotheses(own, [](const auto&, const auto&) {})) return interrupted();
+    for (std::size_t i = block.index; i < views_.size(); i += block.count) {
+      if (!go_on("comparing views with themselves")) return interrupted();
+      if (has_points(i)) repeats_itself(i);
+    }
+    return own.size();
+  }
+
  private:
   static Error interrupted() { return Error{ErrorKind::kInterrupted, "alignment was interrupted"}; }
 
@@ -80,78 +95,97 @@ class GlobalRegistration {
   // Most promising pairs first, in rounds; after each, the views that are joined are not searched
   // for one another any more.
   bool search_by_shape() {
-    const CoarseScale scale = coarse_scale(surfaces_);
-    std::vector<CoarseView> views(surfaces_.size());
-    repeats_.assign(surfaces_.size(), std::nullopt);
-    if (!go_on(0.0, "describing views")) return false;
-    parallel_for(views.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) views[i] = prepare_coarse_view(surfaces_[i], scale);
-    });
-    std::vector<const LocalFeatures*> features;
-    for (const auto& view : views) features.push_back(&view.features);
-    Pairs ranked = rank_pairs(features);
-    const auto most = std::max(
-        kSearchInFull, static_cast<std::size_t>(options_.pairs_per_view) * surfaces_.size());
-    if (ranked.size() > most) ranked.resize(most);
-    std::size_t next = 0;
-    for (std::size_t round = 0; next < ranked.size() && !complete(); ++round) {
-      // The first round is larger, for loops to confirm its links.
-      const std::size_t wanted = (round == 0 ? 2 : 1) * surfaces_.size();
-      Pairs batch;
-      for (; next < ranked.size() && batch.size() < wanted; ++next)
-        if (groups_.group[ranked[next].first] != groups_.group[ranked[next].second] &&
-            views[ranked[next].first].points.size() > 0 &&
-            views[ranked[next].second].points.size() > 0)
-          batch.push_back(ranked[next]);
-      if (!search(views, scale, batch,
-                  static_cast<double>(next) / static_cast<double>(ranked.size())))
-        return false;
+    if (!describe_views()) return false;
+    for (std::size_t round = 0; next_ < ranked_.size() && !complete(); ++round) {
+      if (!search(next_round(round))) return false;
       regroup();
     }
     return true;
   }
 
-  bool search(const std::vector<CoarseView>& views, const CoarseScale& scale, const Pairs& pairs,
-              double fraction) {
+  bool describe_views() {
+    scale_ = coarse_scale(surfaces_);
+    views_.resize(surfaces_.size());
+    repeats_.assign(surfaces_.size(), std::nullopt);
+    if (!go_on("describing views")) return false;
+    parallel_for(views_.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        views_[i] = prepare_coarse_view(surfaces_[i], scale_);
+    });
+    std::vector<const LocalFeatures*> features;
+    for (const auto& view : views_) features.push_back(&view.features);
+    ranked_ = rank_pairs(features);
+    const auto most = std::max(
+        kSearchInFull, static_cast<std::size_t>(options_.pairs_per_view) * surfaces_.size());
+    if (ranked_.size() > most) ranked_.resize(most);
+    return true;
+  }
+
+  Pairs next_round(std::size_t round) {
+    // The first round is larger, for loops to confirm its links.
+    const std::size_t wanted = (round == 0 ? 2 : 1) * surfaces_.size();
+    Pairs pairs;
+    for (; next_ < ranked_.size() && pairs.size() < wanted; ++next_) {
+      const auto [a, b] = ranked_[next_];
+      if (groups_.group[a] != groups_.group[b] && has_points(a) && has_points(b))
+        pairs.push_back(ranked_[next_]);
+    }
+    return pairs;
+  }
+
+  bool has_points(std::size_t i) const { return views_[i].points.size() > 0; }
+
+  // Calls `visit` with each pair and its hypotheses, in their order. False when asked to stop.
+  template <typename Visit>
+  bool for_hypotheses(const Pairs& pairs, const Visit& visit) {
+    constexpr std::size_t kAtOnce = 8;  // Pairs side by side, between looks at go_on().
     PairSearchOptions options;
     options.association = options_.association;
-    VerificationThresholds limits = options_.limits;
-    limits.max_coherent_rms = std::max(limits.max_coherent_rms, grouping_.confirmed_coherent_rms);
-    constexpr std::size_t kAtOnce = 8;  // Pairs side by side, between looks at go_on().
     for (std::size_t begin = 0; begin < pairs.size(); begin += kAtOnce) {
-      if (!go_on(fraction, "comparing views")) return false;
+      if (!go_on("comparing views")) return false;
       const std::size_t count = std::min(kAtOnce, pairs.size() - begin);
       std::vector<std::vector<PoseHypothesis>> found(count);
       parallel_for(count, 1, [&](std::size_t from, std::size_t to) {
         for (std::size_t k = from; k < to; ++k)
-          found[k] = units_.search_pair(views, pairs[begin + k].first, pairs[begin + k].second,
-                                        scale, options);
+          found[k] = units_.search_pair(views_, pairs[begin + k].first, pairs[begin + k].second,
+                                        scale_, options);
       });
-      for (std::size_t k = 0; k < count; ++k) {
-        const auto [a, b] = pairs[begin + k];
-        std::erase_if(found[k], [&](const PoseHypothesis& hypothesis) {
-          return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits) &&
-                 !may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
-        });
-        if (found[k].empty()) continue;
-        const bool ambiguous = repeats_itself(a, views[a], scale, limits) ||
-                               repeats_itself(b, views[b], scale, limits);
-        for (const auto& hypothesis : found[k])
-          links_.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, ambiguous});
-      }
+      for (std::size_t k = 0; k < count; ++k) visit(pairs[begin + k], std::move(found[k]));
     }
     return true;
   }
 
+  VerificationThresholds widest_limits() const {
+    VerificationThresholds limits = options_.limits;
+    limits.max_coherent_rms = std::max(limits.max_coherent_rms, grouping_.confirmed_coherent_rms);
+    return limits;
+  }
+
+  bool search(const Pairs& pairs) {
+    const VerificationThresholds limits = widest_limits();
+    const auto add_links = [&](const auto& pair, std::vector<PoseHypothesis> found) {
+      const auto [a, b] = pair;
+      std::erase_if(found, [&, a = a, b = b](const PoseHypothesis& hypothesis) {
+        return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits) &&
+               !may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
+      });
+      if (found.empty()) return;
+      const bool ambiguous = repeats_itself(a) || repeats_itself(b);
+      for (const auto& hypothesis : found)
+        links_.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, ambiguous});
+    };
+    return for_hypotheses(pairs, add_links);
+  }
+
   // Whether a view fits itself at a second place: so do then others that show the same shape, and
   // nothing tells at which. Views of flat faces alone fit others that show other faces.
-  bool repeats_itself(std::size_t i, const CoarseView& view, const CoarseScale& scale,
-                      const VerificationThresholds& limits) {
+  bool repeats_itself(std::size_t i) {
     if (!repeats_[i]) {
-      VerificationThresholds alone = limits;
+      VerificationThresholds alone = widest_limits();
       alone.min_overlap = grouping_.lone_overlap;
-      repeats_[i] = is_mostly_planar(surfaces_[i]) ||
-                    units_.fits_itself(view, i, scale, alone, {options_.association, 150, 20});
+      repeats_[i] =
+          is_mostly_planar(surfaces_[i]) ||
+          units_.fits_itself(views_[i], i, scale_, alone, {options_.association, 150, 20});
     }
     return *repeats_[i];
   }
@@ -161,7 +195,9 @@ class GlobalRegistration {
     return i < repeats_.size() && repeats_[i] ? *repeats_[i] : is_mostly_planar(surfaces_[i]);
   }
 
-  bool go_on(double fraction, std::string_view step) const {
+  bool go_on(std::string_view step) const {
+    const double fraction =
+        ranked_.empty() ? 0.0 : static_cast<double>(next_) / static_cast<double>(ranked_.size());
     return report_progress(progress_, fraction, step);
   }
 
@@ -172,6 +208,10 @@ class GlobalRegistration {
   const Progress& progress_;
   const AlignUnits& units_;
   ViewGroupOptions grouping_;
+  CoarseScale scale_;
+  std::vector<CoarseView> views_;
+  Pairs ranked_;          // The most promising pairs of views first.
+  std::size_t next_ = 0;  // Of them, to be searched.
   std::vector<PoseLink> links_;
   std::vector<std::optional<bool>> repeats_;  // Whether views fit themselves, where it matters.
   ViewGroups groups_;
@@ -185,6 +225,15 @@ Result<ViewGroups> register_globally(const std::vector<ViewSurface>& surfaces,
                                      const Progress& progress, const AlignUnits& units) {
   assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
   return GlobalRegistration(surfaces, start, known, options, progress, units).run();
+}
+
+Result<std::size_t> search_first_pairs(const std::vector<ViewSurface>& surfaces,
+                                       const ViewGroups& start, const std::vector<bool>& known,
+                                       const GlobalRegistrationOptions& options,
+                                       const PairBlock& block, const Progress& progress,
+                                       const AlignUnits& units) {
+  assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
+  return GlobalRegistration(surfaces, start, known, options, progress, units).search_first(block);
 }
 
 }  // namespace relief::registration

@@ -6,6 +6,7 @@
 #include "registration/surface/view_surface.h"
 #include "registration/units/align_units.h"
 #include "registration/verification/pose_evidence.h"
+#include "relief/registration/search_pairs.h"
 #include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
@@ -32,5 +33,14 @@ Result<ViewGroups> register_globally(const std::vector<ViewSurface>& surfaces,
                                      const ViewGroups& start, const std::vector<bool>& known,
                                      const GlobalRegistrationOptions& options = {},
                                      const Progress& progress = {}, const AlignUnits& units = {});
+
+/// Computes units of work that register_globally() with the same arguments needs: a block of the
+/// pairs of its first round, and whether every `block.count`th view fits itself. Returns how many
+/// pairs that are. The only error is kInterrupted.
+Result<std::size_t> search_first_pairs(const std::vector<ViewSurface>& surfaces,
+                                       const ViewGroups& start, const std::vector<bool>& known,
+                                       const GlobalRegistrationOptions& options,
+                                       const PairBlock& block, const Progress& progress,
+                                       const AlignUnits& units);
 
 }  // namespace relief::registration

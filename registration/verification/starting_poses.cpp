@@ -258,6 +258,11 @@ bool all_together(const CheckedPoses& checked, const std::vector<ViewSurface>& s
   return true;
 }
 
+bool looks_by_shape(const CheckedPoses& checked, const std::vector<ViewSurface>& surfaces,
+                    const StartingPoseOptions& options) {
+  return options.search && !all_together(checked, surfaces);
+}
+
 }  // namespace
 
 Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfaces,
@@ -266,7 +271,7 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
                                           const StartingPoseOptions& options,
                                           const Progress& progress, const AlignUnits& units) {
   ViewGroups placed = groups_of(checked);
-  if (options.search && !all_together(checked, surfaces)) {
+  if (looks_by_shape(checked, surfaces, options)) {
     auto found =
         register_globally(surfaces, placed, checked.known, place_options(options), progress, units);
     if (!found) return found.error();
@@ -283,6 +288,15 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
     if (!result.world_from_view[i])
       result.reasons[i] = reason_unplaced(i, placed, checked, views, surfaces, options);
   return result;
+}
+
+Result<std::size_t> search_first_pairs(const std::vector<ViewSurface>& surfaces,
+                                       const CheckedPoses& checked,
+                                       const StartingPoseOptions& options, const PairBlock& block,
+                                       const Progress& progress, const AlignUnits& units) {
+  if (!looks_by_shape(checked, surfaces, options)) return std::size_t{0};
+  return search_first_pairs(surfaces, groups_of(checked), checked.known, place_options(options),
+                            block, progress, units);
 }
 
 }  // namespace relief::registration

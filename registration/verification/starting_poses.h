@@ -9,6 +9,7 @@
 #include "registration/surface/view_surface.h"
 #include "registration/units/align_units.h"
 #include "relief/registration/align_options.h"
+#include "relief/registration/search_pairs.h"
 #include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
@@ -49,5 +50,11 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
                                           const StartingPoseOptions& options = {},
                                           const Progress& progress = {},
                                           const AlignUnits& units = {});
+
+/// registration::search_pairs, once given poses are checked.
+Result<std::size_t> search_first_pairs(const std::vector<ViewSurface>& surfaces,
+                                       const CheckedPoses& checked,
+                                       const StartingPoseOptions& options, const PairBlock& block,
+                                       const Progress& progress, const AlignUnits& units);
 
 }  // namespace relief::registration

@@ -103,6 +103,54 @@ TEST(ReconstructPart, NamesTheStepWhoseUnitsAreMissing) {
       HasError(ErrorKind::kBadInput, "step align-again comes first"));
 }
 
+TEST(ReconstructPart, SearchesPairsInBlocksAheadOfAligning) {
+  std::vector<RangeView> views = few_scans();
+  for (RangeView& view : views) view.pose = PoseKind::kAbsent;
+  const ReconstructionOptions options;
+  MemoryStore alone, blocks;
+  const auto align = [&](MemoryStore& store) {
+    store.start_again();
+    return value_of(reconstruct_part(views, {.last = Stage::kAlign}, options, {.store = &store}));
+  };
+  const Reconstruction expected = align(alone);
+  std::vector<int> searched;
+  for (std::size_t b = 0; b < 3; ++b) {
+    blocks.start_again();
+    const ReconstructionPart part{.last = Stage::kAlign,
+                                  .searched_pairs = registration::PairBlock{2 - b, 3}};
+    ASSERT_THAT(reconstruct_part(views, part, options, {.store = &blocks}), IsOk());
+    EXPECT_EQ(blocks.computed["align"], 0);
+    searched.push_back(blocks.computed["pair"]);
+    // The same again is there.
+    blocks.start_again();
+    ReconstructionPart again = part;
+    again.find_last = true;
+    EXPECT_THAT(reconstruct_part(views, again, options, {.store = &blocks}), IsOk());
+    EXPECT_EQ(blocks.computed["pair"], 0);
+  }
+  // Two pairs a view come first.
+  EXPECT_THAT(searched, ElementsAre(4, 4, 4));
+  const Reconstruction found = align(blocks);
+  EXPECT_EQ(blocks.found["pair"], 12);
+  EXPECT_EQ(blocks.computed["pair"], alone.computed["pair"] - 12);
+  EXPECT_EQ(blocks.computed["symmetry"], 0);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    EXPECT_EQ(found.first_alignment.views[i].world_from_view.matrix(),
+              expected.first_alignment.views[i].world_from_view.matrix());
+}
+
+TEST(ReconstructPart, SearchesNoPairsWherePosesHold) {
+  MemoryStore store;
+  ASSERT_THAT(
+      part_with(store, {.last = Stage::kAlign, .searched_pairs = registration::PairBlock{0, 2}}),
+      IsOk());
+  EXPECT_EQ(store.computed["pair"], 0);
+  EXPECT_EQ(store.computed["pairs"], 1);
+  const auto none =
+      part_with(store, {.last = Stage::kAlign, .searched_pairs = registration::PairBlock{2, 2}});
+  EXPECT_THAT(none, HasError("there is no such block of pairs"));
+}
+
 TEST(ReconstructPart, FindsNothingWithoutAStore) {
   EXPECT_THAT(reconstruct_part(few_scans(), {.last = Stage::kRefine, .find_former = true}),
               HasError(ErrorKind::kBadInput, "step align comes first"));

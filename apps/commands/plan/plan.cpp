@@ -27,7 +27,8 @@ constexpr double kMebibyte = 1 << 20;
 
 struct PlanCommand {
   RunOptions run;
-  std::size_t blocks = 0;  // Of views to refine; 0: as many as are worth it.
+  std::size_t blocks = 0;       // Of views to refine; 0: as many as are worth it.
+  std::size_t pair_blocks = 0;  // Of pairs to search; 0: as many as are worth it.
 };
 
 // A step, or one of several blocks of it.
@@ -36,6 +37,7 @@ struct PlannedStep {
   std::string step;
   std::vector<std::string> arguments, after;
   std::optional<Stage> stage;      // Nothing: `finish`.
+  bool search = false;             // Of pairs, a part of aligning.
   std::vector<std::size_t> views;  // Of a block: their indices.
   StepCost cost;
   std::string state, depends_on;  // The latter where the state is `unknown`.
@@ -61,25 +63,58 @@ class Plan {
  private:
   void add_steps() {
     const reconstruction::ReconstructionOptions options = options_.reconstruction();
-    std::vector<std::string> after;
+    steps_ = blocks_of_pairs();
+    std::vector<std::string> after = names_of(steps_);
     for (int i = 0; i < reconstruction::kStages; ++i) {
       const auto stage = static_cast<Stage>(i);
       if (!reconstruction::has_stage(stage, options)) continue;
       std::vector<PlannedStep> added =
           stage == Stage::kRefine ? blocks_of_views() : std::vector{PlannedStep()};
-      std::vector<std::string> names;
       for (PlannedStep& step : added) {
         step.step = reconstruction::step_name(stage);
         if (step.name.empty()) step.name = step.step;
         step.stage = stage;
         step.after = after;
         if (stage != Stage::kRefine) step.cost = cost_of(stage, size_);
-        names.push_back(step.name);
-        steps_.push_back(std::move(step));
       }
-      after = names;
+      after = names_of(added);
+      steps_.insert(steps_.end(), added.begin(), added.end());
     }
-    steps_.push_back({"finish", "finish", {}, after, {}, {}, cost_of_finish(size_), {}, {}});
+    PlannedStep finish;
+    finish.name = finish.step = "finish";
+    finish.after = after;
+    finish.cost = cost_of_finish(size_);
+    steps_.push_back(std::move(finish));
+  }
+
+  static std::vector<std::string> names_of(const std::vector<PlannedStep>& steps) {
+    std::vector<std::string> names;
+    for (const PlannedStep& step : steps) names.push_back(step.name);
+    return names;
+  }
+
+  // Block b of a step, of `count`.
+  static PlannedStep block_of_step(const std::string& name, std::size_t b, std::size_t count) {
+    PlannedStep step;
+    step.step = name;
+    step.name = name + "-" + std::to_string(b + 1);
+    step.arguments = {"--block", std::to_string(b + 1) + "/" + std::to_string(count)};
+    return step;
+  }
+
+  std::vector<PlannedStep> blocks_of_pairs() const {
+    if (!size_.search) return {};
+    const std::size_t blocks =
+        command_.pair_blocks > 0 ? command_.pair_blocks : blocks_to_search(size_);
+    std::vector<PlannedStep> steps;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      PlannedStep step = block_of_step("pairs", b, blocks);
+      step.stage = Stage::kAlign;
+      step.search = true;
+      step.cost = cost_of_search(size_, blocks);
+      steps.push_back(std::move(step));
+    }
+    return steps;
   }
 
   std::vector<PlannedStep> blocks_of_views() const {
@@ -89,10 +124,8 @@ class Plan {
                    std::max(views, std::size_t{1}));
     std::vector<PlannedStep> steps;
     for (std::size_t b = 0; b < blocks; ++b) {
-      PlannedStep step;
-      step.name = "refine-" + std::to_string(b + 1);
-      step.arguments = {"--block", std::to_string(b + 1) + "/" + std::to_string(blocks)};
-      step.views = block_of(views, b, blocks);
+      PlannedStep step = block_of_step("refine", b, blocks);
+      step.views = block_of(views, {b, blocks});
       double samples = 0.0;
       for (const std::size_t i : step.views)
         samples += static_cast<double>(project_.views[i].sample_count());
@@ -105,21 +138,25 @@ class Plan {
   // Keys depend on the results of the steps before, so they are known up to the first one missing.
   Result<void> find_states() {
     std::vector<std::vector<std::size_t>> blocks;
-    for (const PlannedStep& step : steps_)
+    std::size_t pair_blocks = 0;
+    for (const PlannedStep& step : steps_) {
       if (step.stage == Stage::kRefine) blocks.push_back(step.views);
+      if (step.search) ++pair_blocks;
+    }
     const auto states =
-        find_steps(project_.views, blocks, options_.reconstruction(), options_.output,
+        find_steps(project_.views, blocks, pair_blocks, options_.reconstruction(), options_.output,
                    context_of(options_.common, "look for results"));
     if (!states) return states.error();
-    std::size_t block = 0;
+    std::size_t refined = 0, searched = 0;
     for (PlannedStep& step : steps_) {
-      const std::size_t at = step.stage == Stage::kRefine ? block++ : 0;
       if (!step.stage && !states->first_missing) {
         step.state = "missing";  // Its files have no keys: it is done whenever it is asked for.
       } else if (!states->first_missing || (step.stage && *step.stage < *states->first_missing)) {
         step.state = "done";
       } else if (step.stage == states->first_missing) {
-        const bool there = at < states->refined.size() && states->refined[at];
+        const bool there = step.search                    ? is_set(states->searched, searched++)
+                           : step.stage == Stage::kRefine ? is_set(states->refined, refined++)
+                                                          : false;
         step.state = there ? "done" : "missing";
       } else {
         step.state = "unknown";
@@ -127,6 +164,10 @@ class Plan {
       }
     }
     return {};
+  }
+
+  static bool is_set(const std::vector<bool>& flags, std::size_t i) {
+    return i < flags.size() && flags[i];
   }
 
   Json to_json(const PlannedStep& step) const {
@@ -202,6 +243,10 @@ void add_plan(CLI::App& app, Action& action) {
   add_run_options(*sub, command->run);
   sub->add_option("--blocks", command->blocks,
                   "Blocks in which the views are refined; 0: as many as are worth it")
+      ->capture_default_str();
+  sub->add_option("--pair-blocks", command->pair_blocks,
+                  "Blocks in which pairs of views are searched where poses are missing; 0: as many "
+                  "as are worth it")
       ->capture_default_str();
   sub->callback([command, &action] { action = [command] { return Plan(*command)(); }; });
 }

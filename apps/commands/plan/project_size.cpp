@@ -8,7 +8,8 @@ namespace relief {
 
 namespace {
 
-constexpr std::size_t kPairsPerView = 12;  // As bench/step_costs counts.
+constexpr std::size_t kPairsPerView = 12;      // As bench/step_costs counts.
+constexpr std::size_t kFirstPairsPerView = 2;  // See registration::search_pairs.
 
 }  // namespace
 
@@ -24,6 +25,7 @@ ProjectSize size_of(const std::vector<RangeView>& views, bool ignore_poses) {
   }
   size.pairs = std::min(size.views * (size.views - std::min(size.views, std::size_t{1})) / 2,
                         kPairsPerView * size.views);
+  size.first_pairs = std::min(size.pairs, kFirstPairsPerView * size.views);
   return size;
 }
 

@@ -11,6 +11,7 @@ namespace relief {
 struct ProjectSize {
   std::size_t views = 0;
   std::size_t pairs = 0;        ///< Of views that may overlap.
+  std::size_t first_pairs = 0;  ///< Of them, those that are searched first where `search`.
   double pixels = 0.0;          ///< Of all views.
   double refined_pixels = 0.0;  ///< Of the parts of views around their samples.
   double samples = 0.0;         ///< Of all views.

@@ -24,8 +24,16 @@ constexpr CostModel kFinish{0.0, 13.3, 0.0, 20.0, 244.0, 0.0, 0.0};
 
 constexpr double kMillion = 1e6;
 constexpr double kProgram = 60e6;  // Memory of the program alone [bytes].
-// [s] Of a pair whose pose is looked for by shape: a guess.
-constexpr double kSearchedPair = 0.1;
+// Processor time of a pair whose pose is looked for by shape, its share of whether views fit
+// themselves included [s]: of the bunny, the bear and the dragon.
+constexpr double kSearchedPair = 0.2;
+// Pairs that are searched in all, of the first ones: 1 to 1.5 of them where the views fit together.
+constexpr double kAllSearched = 1.5;
+
+// Of what searching pairs begins with.
+constexpr CostModel kDescribe{0.35, 6.5, 0.0, 23.0, 240.0, 0.0, 0.0};
+// Blocks of less processor time are not worth a process [s].
+constexpr double kLeastBlock = 10.0;
 
 const CostModel& model_of(Stage stage) {
   static constexpr CostModel kAlign{0.35, 9.2, 0.054, 23.0, 240.0, 0.0, 1.0};
@@ -75,11 +83,30 @@ StepCost cost_of(reconstruction::Stage stage, const ProjectSize& size, double sh
   }
   StepCost cost = cost_by(model_of(stage), worked, share);
   if (stage == Stage::kAlign && size.search)
-    cost.cpu_seconds += kSearchedPair * static_cast<double>(size.pairs);
+    cost.cpu_seconds += kAllSearched * kSearchedPair * static_cast<double>(size.first_pairs);
   return cost;
 }
 
 StepCost cost_of_finish(const ProjectSize& size) { return cost_by(kFinish, size, 1.0); }
+
+StepCost cost_of_search(const ProjectSize& size, std::size_t blocks) {
+  // Each process describes all views.
+  ProjectSize read = size;
+  read.pairs = 0;
+  StepCost cost = cost_by(kDescribe, read, 1.0);
+  cost.cpu_seconds += kSearchedPair * static_cast<double>(size.first_pairs) /
+                      static_cast<double>(std::max(blocks, std::size_t{1}));
+  return cost;
+}
+
+std::size_t blocks_to_search(const ProjectSize& size) {
+  if (!size.search) return 0;
+  const double own = kSearchedPair * static_cast<double>(size.first_pairs);
+  const double shared = cost_of_search(size, 1).cpu_seconds - own;
+  const auto blocks = static_cast<std::size_t>(
+      std::min(own / std::max(shared, kLeastBlock), static_cast<double>(size.views)));
+  return blocks > 1 ? blocks : 0;
+}
 
 std::size_t blocks_to_refine(const ProjectSize& size) {
   const StepCost all = cost_of(Stage::kRefine, size), none = cost_of(Stage::kRefine, size, 0.0);

@@ -14,11 +14,18 @@ struct StepCost {
 };
 
 /// What one step costs, reading the project and the results of the steps before it included.
+/// Aligning costs what it does alone, searched pairs included.
 /// `share`: of the samples, that the step works on; less than 1 for blocks of refining.
 StepCost cost_of(reconstruction::Stage stage, const ProjectSize& size, double share = 1.0);
 
 /// The same of what `run` does after all stages.
 StepCost cost_of_finish(const ProjectSize& size);
+
+/// What one of `blocks` blocks of the pairs costs that are searched ahead of the alignment.
+StepCost cost_of_search(const ProjectSize& size, std::size_t blocks);
+
+/// In how many blocks the pairs are searched: 0 where none are, or where one process is as fast.
+std::size_t blocks_to_search(const ProjectSize& size);
 
 /// In how many blocks the views are refined: as many as there are views, unless blocks would take
 /// longer to read the project than to refine.

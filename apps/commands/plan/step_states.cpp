@@ -48,6 +48,7 @@ Stage next_stage(std::optional<Stage> reached,
 
 Result<StepStates> find_steps(const std::vector<RangeView>& views,
                               const std::vector<std::vector<std::size_t>>& blocks,
+                              std::size_t pair_blocks,
                               const reconstruction::ReconstructionOptions& options,
                               const std::filesystem::path& output, Context context) {
   const auto cache = reconstruction::private_folder(output) / "cache";
@@ -70,6 +71,12 @@ Result<StepStates> find_steps(const std::vector<RangeView>& views,
   states.first_missing = next_stage(reached.last, options);
   if (states.first_missing == Stage::kMerge && (*units)->counts()["merge"].found > 0)
     states.first_missing = Stage::kPolish;
+  if (states.first_missing == Stage::kAlign)
+    for (std::size_t b = 0; b < pair_blocks; ++b)
+      states.searched.push_back(
+          find({.last = Stage::kAlign, .searched_pairs = registration::PairBlock{b, pair_blocks}},
+               {})
+              .ok());
   if (states.first_missing != Stage::kRefine) return states;
   states.refined.assign(blocks.size(), false);
   if ((*units)->counts()["refine"].found == 0) return states;

@@ -32,10 +32,11 @@ using reconstruction::Stage;
 constexpr Stage kStagesOfSteps[] = {Stage::kAlign,  Stage::kCalibrate,  Stage::kCompare,
                                     Stage::kRefine, Stage::kAlignAgain, Stage::kMerge,
                                     Stage::kPolish};
+constexpr const char* kPairs = "pairs";    // Ahead of aligning: a part of it.
 constexpr const char* kFinish = "finish";  // After all stages: decimation, and what is written.
 
 std::vector<std::string> step_names() {
-  std::vector<std::string> names;
+  std::vector<std::string> names{kPairs};
   for (const Stage stage : kStagesOfSteps) names.push_back(reconstruction::step_name(stage));
   names.emplace_back(kFinish);
   return names;
@@ -47,8 +48,9 @@ struct StepCommand {
   ViewChoice views;
   bool require_inputs = false;
 
-  // Nothing: `finish`.
+  // The stage that the step is, or is a part of. Nothing: `finish`.
   std::optional<Stage> stage() const {
+    if (name == kPairs) return Stage::kAlign;
     for (const Stage stage : kStagesOfSteps)
       if (reconstruction::step_name(stage) == name) return stage;
     return std::nullopt;
@@ -84,12 +86,18 @@ class Step {
 
  private:
   Result<reconstruction::ReconstructionPart> part_of(const std::vector<RangeView>& views) const {
-    auto chosen = chosen_views(command_.views, views);
-    if (!chosen) return chosen.error();
     reconstruction::ReconstructionPart part;
     part.last = stage_;
-    part.refined_views = std::move(*chosen);
     part.find_former = command_.require_inputs;
+    if (command_.name == kPairs) {
+      const auto block = chosen_block(command_.views);
+      if (!block) return block.error();
+      part.searched_pairs = registration::PairBlock{block->index, block->count};
+    } else {
+      auto chosen = chosen_views(command_.views, views);
+      if (!chosen) return chosen.error();
+      part.refined_views = std::move(*chosen);
+    }
     return part;
   }
 
@@ -164,10 +172,12 @@ class Step {
 
 int carry_out_step(const StepCommand& command) {
   const auto stage = command.stage();
-  if (command.views.given() && stage != Stage::kRefine)
+  const bool takes_choice =
+      stage == Stage::kRefine || (command.name == kPairs && !command.views.chooses_views());
+  if (command.views.given() && !takes_choice)
     return fail({ErrorKind::kBadInput, "step " + command.name +
-                                           " works on all views: only refine takes VIEW, --views "
-                                           "and --block"});
+                                           " works on all views: only refine takes VIEW and "
+                                           "--views, only refine and pairs take --block"});
   if (stage) return Step(command, *stage)();
   reconstruction::ReconstructionPart part;
   part.find_former = part.find_last = command.require_inputs;
@@ -183,8 +193,9 @@ void add_step(CLI::App& app, Action& action) {
       "One step of `run`, with the options of `run`; the results go to DIR/.relief, where the next "
       "step and `run` find them");
   sub->add_option("step", command->name,
-                  "align, calibrate, compare, refine, align-again, merge, polish, or finish (what "
-                  "`run` does after the others)")
+                  "pairs (part of align that may be done ahead, in blocks), align, calibrate, "
+                  "compare, refine, align-again, merge, polish, or finish (what `run` does after "
+                  "the others)")
       ->required()
       ->check(CLI::IsMember(step_names()));
   add_run_options(*sub, command->run);

@@ -46,11 +46,21 @@ void add_view_choice(CLI::App& command, ViewChoice& choice) {
                      "Of refine: the views to refine, by name or by index from 0; default: all");
   command.add_option("--views", choice.range, "Of refine: the views of these indices, as 4..7");
   command.add_option("--block", choice.block,
-                     "Of refine: one of several blocks of the views, as 1/4, 2/4, 3/4, 4/4");
+                     "Of refine: one of several blocks of the views, as 1/4, 2/4, 3/4, 4/4; of "
+                     "pairs: one of the pairs of views");
 }
 
-std::vector<std::size_t> block_of(std::size_t count, std::size_t index, std::size_t blocks) {
-  const std::size_t begin = count * index / blocks, end = count * (index + 1) / blocks;
+Result<Block> chosen_block(const ViewChoice& choice) {
+  if (choice.block.empty()) return Block();
+  const auto block = two_numbers(choice.block, "/");
+  if (!block || block->first < 1 || block->first > block->second)
+    return wrong("--block " + choice.block + ": give the block and how many there are, as 2/4");
+  return Block{block->first - 1, block->second};
+}
+
+std::vector<std::size_t> block_of(std::size_t count, const Block& block) {
+  const std::size_t begin = count * block.index / block.count;
+  const std::size_t end = count * (block.index + 1) / block.count;
   std::vector<std::size_t> indices(end - begin);
   std::iota(indices.begin(), indices.end(), begin);
   return indices;
@@ -73,11 +83,9 @@ Result<std::optional<std::vector<std::size_t>>> chosen_views(const ViewChoice& c
     for (std::size_t i = range->first; i <= range->second; ++i) chosen.insert(i);
   }
   if (!choice.block.empty()) {
-    const auto block = two_numbers(choice.block, "/");
-    if (!block || block->first < 1 || block->first > block->second)
-      return wrong("--block " + choice.block + ": give the block and how many there are, as 2/4");
-    for (const std::size_t i : block_of(views.size(), block->first - 1, block->second))
-      chosen.insert(i);
+    const auto block = chosen_block(choice);
+    if (!block) return block.error();
+    for (const std::size_t i : block_of(views.size(), *block)) chosen.insert(i);
   }
   return std::optional(std::vector<std::size_t>(chosen.begin(), chosen.end()));
 }

@@ -37,5 +37,26 @@ TEST(StepCosts, WithoutNormalsNothingIsRefined) {
   EXPECT_EQ(cost_of(Stage::kMerge, size).cpu_seconds, cost_of(Stage::kMerge, kSize).cpu_seconds);
 }
 
+TEST(StepCosts, PairsAreSearchedInBlocksWhereThatIsMostOfTheWork) {
+  // A thousand small views.
+  ProjectSize size{.views = 1000,
+                   .pairs = 12'000,
+                   .first_pairs = 2000,
+                   .pixels = 12e6,
+                   .samples = 10e6,
+                   .search = true};
+  const std::size_t blocks = blocks_to_search(size);
+  EXPECT_GT(blocks, 2);
+  const double one = cost_of_search(size, 1).cpu_seconds;
+  EXPECT_LT(cost_of_search(size, blocks).cpu_seconds, 0.5 * one);
+  EXPECT_LT(one, cost_of(Stage::kAlign, size).cpu_seconds);
+  // Describing large views takes longer.
+  size.samples = 300e6;
+  EXPECT_EQ(blocks_to_search(size), 0);
+  size.samples = 10e6;
+  size.search = false;
+  EXPECT_EQ(blocks_to_search(size), 0);
+}
+
 }  // namespace
 }  // namespace relief

@@ -81,7 +81,8 @@ class Steps : public ::testing::Test {
 };
 
 TEST_F(Steps, OneAfterTheOtherGiveTheBytesOfRun) {
-  for (const Words& words : std::vector<Words>{{"align"},
+  for (const Words& words : std::vector<Words>{{"pairs", "--block", "2/2"},
+                                               {"align"},
                                                {"calibrate"},
                                                {"compare"},
                                                {"refine", "--block", "2/2"},
@@ -174,6 +175,8 @@ TEST_F(Steps, KeepRunsOutAndAreKeptOutByThem) {
 TEST_F(Steps, SayWhatIsWrongWithTheirArguments) {
   EXPECT_EQ(step({"sharpen"}).exit_status, 2);
   EXPECT_THAT(step({"merge", "v001"}).standard_error, HasSubstr("only refine takes VIEW"));
+  EXPECT_THAT(step({"pairs", "v001"}).standard_error, HasSubstr("only refine takes VIEW"));
+  EXPECT_THAT(step({"pairs", "--block", "3/2"}).standard_error, HasSubstr("--block 3/2"));
   EXPECT_THAT(step({"refine", "v999"}).standard_error, HasSubstr("the project has 5 views"));
   EXPECT_THAT(step({"refine", "--views", "3..5"}).standard_error, HasSubstr("indices from 0"));
   EXPECT_THAT(step({"refine", "--block", "0/2"}).standard_error, HasSubstr("--block 0/2"));
@@ -209,6 +212,29 @@ TEST_F(Steps, ArePlannedWithWhatIsThere) {
   EXPECT_EQ(states["polish"], "missing");
   do_step({"polish"});
   EXPECT_EQ(planned_states()["polish"], "done");
+}
+
+TEST_F(Steps, ArePlannedWithBlocksOfPairsWherePosesAreMissing) {
+  const Words ignore{"--poses", "ignore"};
+  const auto planned = [&] {
+    const ProgramRun plan = run_relief({"plan", scan(), "-o", out_ / "run", "--json", "-q",
+                                        "--poses", "ignore", "--pair-blocks", "2"});
+    EXPECT_EQ(plan.exit_status, 0) << plan.standard_error;
+    return json::parse(plan.standard_output)["steps"];
+  };
+  json steps = planned();
+  EXPECT_EQ(steps[0]["name"], "pairs-1");
+  EXPECT_EQ(steps[1]["arguments"], json({"--block", "2/2"}));
+  EXPECT_EQ(steps[1]["state"], "missing");
+  EXPECT_EQ(steps[2]["name"], "align");
+  EXPECT_EQ(steps[2]["after"], json({"pairs-1", "pairs-2"}));
+  do_step({"pairs", "--block", "2/2"}, ignore);
+  steps = planned();
+  EXPECT_EQ(steps[0]["state"], "missing");
+  EXPECT_EQ(steps[1]["state"], "done");
+  do_step({"align"}, ignore);
+  EXPECT_EQ(planned()[0]["state"], "done");
+  EXPECT_EQ(planned_states().count("pairs-1"), 0);
 }
 
 TEST_F(Steps, ArePlannedWithCostsAndTheBuildTheyNeed) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "relief/reconstruction/reconstruct.h"
+#include "relief/registration/search_pairs.h"
 
 namespace relief::reconstruction {
 
@@ -16,6 +17,9 @@ struct ReconstructionPart {
   /// Where `last` is kRefine: only these views are refined, by their indices among the views given.
   /// Those that the alignment left out are passed over. Nothing: all.
   std::optional<std::vector<std::size_t>> refined_views;
+  /// Where `last` is kAlign: only these pairs of views are searched for poses by shape, ahead of
+  /// the alignment: registration::search_pairs. Nothing: the views are aligned.
+  std::optional<registration::PairBlock> searched_pairs;
   /// Units of the stages before `last` must be in the store: none is computed.
   bool find_former = false;
   /// The same of `last` itself: nothing is computed at all.
@@ -34,7 +38,7 @@ std::string step_name(Stage stage);
 ///
 /// The result holds what these stages gave: `views` after kRefine with `refined_views` are these
 /// alone, refined, with `refinements` of the same; `model` is empty before kMerge, and after kMerge
-/// neither polished nor decimated.
+/// neither polished nor decimated. With `searched_pairs` it holds the views as they are given.
 ///
 /// Errors: those of reconstruct(); kBadInput where a unit that must be in the store is missing. The
 /// message names its stage with step_name().
