@@ -39,7 +39,7 @@ class Compare : public ::testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
     const ProgramRun simulated =
-        run_relief({"simulate", "-q", "--views", "6", "--width", "96", "--height", "96",
+        run_relief({"simulate", "-q", "--views", "6", "--width", "64", "--height", "64",
                     "--mesh-divisions", "0", "-o", *folder_ / "scans"});
     ASSERT_EQ(simulated.exit_status, 0) << simulated.standard_error;
     run(a(), {});
