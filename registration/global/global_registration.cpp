@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
+#include <set>
 #include <utility>
 
 #include "registration/global/features/planar_view.h"
@@ -57,11 +59,10 @@ class GlobalRegistration {
     const Pairs pairs = next_round(0);
     Pairs own;
     for (std::size_t k = block.index; k < pairs.size(); k += block.count) own.push_back(pairs[k]);
-    if (!for_hypotheses(own, [](const auto&, const auto&) {})) return interrupted();
-    for (std::size_t i = block.index; i < views_.size(); i += block.count) {
-      if (!go_on("comparing views with themselves")) return interrupted();
-      if (has_points(i)) repeats_itself(i);
-    }
+    std::vector<std::size_t> own_views;
+    for (std::size_t i = block.index; i < views_.size(); i += block.count)
+      if (has_points(i)) own_views.push_back(i);
+    if (!search_pairs(own) || !find_repeats(own_views)) return interrupted();
     return own.size();
   }
 
@@ -135,59 +136,82 @@ class GlobalRegistration {
 
   bool has_points(std::size_t i) const { return views_[i].points.size() > 0; }
 
-  // Calls `visit` with each pair and its hypotheses, in their order. False when asked to stop.
-  template <typename Visit>
-  bool for_hypotheses(const Pairs& pairs, const Visit& visit) {
-    constexpr std::size_t kAtOnce = 8;  // Pairs side by side, between looks at go_on().
-    PairSearchOptions options;
-    options.association = options_.association;
-    for (std::size_t begin = 0; begin < pairs.size(); begin += kAtOnce) {
-      if (!go_on("comparing views")) return false;
-      const std::size_t count = std::min(kAtOnce, pairs.size() - begin);
-      std::vector<std::vector<PoseHypothesis>> found(count);
-      parallel_for(count, 1, [&](std::size_t from, std::size_t to) {
-        for (std::size_t k = from; k < to; ++k)
-          found[k] = units_.search_pair(views_, pairs[begin + k].first, pairs[begin + k].second,
-                                        scale_, options);
+  // Calls `work` with 0 .. count - 1, side by side. False when asked to stop.
+  bool for_each(std::size_t count, std::string_view step,
+                const std::function<void(std::size_t)>& work) const {
+    constexpr std::size_t kAtOnce = 8;  // Between looks at go_on().
+    for (std::size_t begin = 0; begin < count; begin += kAtOnce) {
+      if (!go_on(step)) return false;
+      parallel_for(std::min(kAtOnce, count - begin), 1, [&](std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k) work(begin + k);
       });
-      for (std::size_t k = 0; k < count; ++k) visit(pairs[begin + k], std::move(found[k]));
     }
     return true;
+  }
+
+  using Hypotheses = std::vector<std::vector<PoseHypothesis>>;  // By pair.
+
+  // Of pairs; nothing when asked to stop.
+  std::optional<Hypotheses> search_pairs(const Pairs& pairs) const {
+    PairSearchOptions options;
+    options.association = options_.association;
+    Hypotheses found(pairs.size());
+    const bool done = for_each(pairs.size(), "comparing views", [&](std::size_t k) {
+      found[k] = units_.search_pair(views_, pairs[k].first, pairs[k].second, scale_, options);
+    });
+    return done ? std::optional(std::move(found)) : std::nullopt;
+  }
+
+  bool search(const Pairs& pairs) {
+    auto found = search_pairs(pairs);
+    if (!found) return false;
+    const VerificationThresholds limits = widest_limits();
+    Pairs linked;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const ViewSurface& a = surfaces_[pairs[k].first];
+      const ViewSurface& b = surfaces_[pairs[k].second];
+      std::erase_if((*found)[k], [&](const PoseHypothesis& hypothesis) {
+        return !plausible(hypothesis.evidence, a, b, limits) &&
+               !may_be_right(hypothesis.evidence, a, b, options_.limits);
+      });
+      if (!(*found)[k].empty()) linked.push_back(pairs[k]);
+    }
+    // One of both is enough.
+    std::set<std::size_t> first, second;
+    for (const auto& [a, b] : linked) first.insert(a);
+    if (!find_repeats({first.begin(), first.end()})) return false;
+    for (const auto& [a, b] : linked)
+      if (!*repeats_[a]) second.insert(b);
+    if (!find_repeats({second.begin(), second.end()})) return false;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const auto [a, b] = pairs[k];
+      for (const PoseHypothesis& hypothesis : (*found)[k])
+        links_.push_back(
+            {a, b, hypothesis.b_from_a, hypothesis.evidence, *repeats_[a] || *repeats_[b]});
+    }
+    return true;
+  }
+
+  // False when asked to stop.
+  bool find_repeats(std::vector<std::size_t> views) {
+    std::erase_if(views, [&](std::size_t i) { return repeats_[i].has_value(); });
+    return for_each(views.size(), "comparing views with themselves",
+                    [&](std::size_t k) { repeats_[views[k]] = repeats_itself(views[k]); });
+  }
+
+  // Whether a view fits itself at a second place: so do then others that show the same shape, and
+  // nothing tells at which. Views of flat faces alone fit others that show other faces.
+  bool repeats_itself(std::size_t i) const {
+    VerificationThresholds alone = widest_limits();
+    alone.min_overlap = grouping_.lone_overlap;
+    return is_mostly_planar(surfaces_[i]) ||
+           units_.fits_itself(views_[i], i, scale_, alone, {options_.association, 150, 20});
   }
 
   VerificationThresholds widest_limits() const {
     VerificationThresholds limits = options_.limits;
     limits.max_coherent_rms = std::max(limits.max_coherent_rms, grouping_.confirmed_coherent_rms);
     return limits;
-  }
-
-  bool search(const Pairs& pairs) {
-    const VerificationThresholds limits = widest_limits();
-    const auto add_links = [&](const auto& pair, std::vector<PoseHypothesis> found) {
-      const auto [a, b] = pair;
-      std::erase_if(found, [&, a = a, b = b](const PoseHypothesis& hypothesis) {
-        return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits) &&
-               !may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
-      });
-      if (found.empty()) return;
-      const bool ambiguous = repeats_itself(a) || repeats_itself(b);
-      for (const auto& hypothesis : found)
-        links_.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, ambiguous});
-    };
-    return for_hypotheses(pairs, add_links);
-  }
-
-  // Whether a view fits itself at a second place: so do then others that show the same shape, and
-  // nothing tells at which. Views of flat faces alone fit others that show other faces.
-  bool repeats_itself(std::size_t i) {
-    if (!repeats_[i]) {
-      VerificationThresholds alone = widest_limits();
-      alone.min_overlap = grouping_.lone_overlap;
-      repeats_[i] =
-          is_mostly_planar(surfaces_[i]) ||
-          units_.fits_itself(views_[i], i, scale_, alone, {options_.association, 150, 20});
-    }
-    return *repeats_[i];
   }
 
   // The same as far as it is known without a search.
