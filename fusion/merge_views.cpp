@@ -164,9 +164,10 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
   result.inter_view_stddev = errors.stddev;
   result.range_exponent = errors.exponent;
   const double deviation = std::max(result.view_noise, result.inter_view_stddev);
-  result.truncation = options.truncation > 0.0
-                          ? options.truncation
-                          : std::max(3.0 * result.voxel_size, 4.0 * deviation + result.voxel_size);
+  result.truncation =
+      options.truncation > 0.0
+          ? options.truncation
+          : std::max(3.0 * result.voxel_size, kTruncatedDeviations * deviation + result.voxel_size);
 }
 
 // Per vertex of the mesh, beyond the mesh itself [bytes]. It changes no result.

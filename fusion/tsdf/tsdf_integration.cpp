@@ -82,14 +82,15 @@ void TsdfIntegrator::focus(const Eigen::AlignedBox3d& box) {
     if (view.concerns(box, largest_range_gap(view))) concerned_.push_back(&view);
 }
 
-// Surfaces farther apart than this stay two sheets, so it grows with what views err by.
-double TsdfIntegrator::truncation_at(double relative_stddev) const {
-  return truncation_ * std::max(1.0, relative_stddev);
+// What of it is due to the errors of views grows with them.
+double TsdfIntegrator::truncation_at(const ViewSampler& view, double relative_stddev) const {
+  const double due = std::min(truncation_, kTruncatedDeviations * view.range_errors().stddev);
+  return truncation_ + due * std::max(0.0, relative_stddev - 1.0);
 }
 
 // With a larger one no point is measured.
 double TsdfIntegrator::largest_range_gap(const ViewSampler& view) const {
-  return kGrazingReach * truncation_at(view.largest_relative_stddev());
+  return kGrazingReach * truncation_at(view, view.largest_relative_stddev());
 }
 
 TsdfSample TsdfIntegrator::collect(const Eigen::Vector3d& point) {
@@ -162,7 +163,7 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
   for (const auto& [view, quad, side] : sightings_) {
     const auto seen = view->observe(quad, kFootReach * spacing_);
     if (!seen || (normal && seen->normal.dot(*normal) <= 0.0)) continue;
-    const double truncation = truncation_at(seen->relative_stddev);
+    const double truncation = truncation_at(*view, seen->relative_stddev);
     const double near = tukey_biweight(seen->distance / truncation);
     if (measures(*seen, truncation, spacing_))
       near_.push_back({seen->distance, seen->weight * near, seen->information * near,

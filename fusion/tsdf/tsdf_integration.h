@@ -37,7 +37,8 @@ double tukey_biweight(double relative_distance);
 class TsdfIntegrator {
  public:
   /// Views measure up to `truncation` from their surface, on a lattice of `spacing`. Where a view
-  /// errs more than at the typical range, it measures as much farther: ViewSampler's range errors.
+  /// errs more than at the typical range, by its range errors, it measures farther by as many more
+  /// of its standard deviations as a truncation holds.
   TsdfIntegrator(const std::vector<ViewSampler>& views, double truncation, double spacing)
       : views_(views), truncation_(truncation), spacing_(spacing) {
     for (const ViewSampler& view : views_) concerned_.push_back(&view);
@@ -82,7 +83,7 @@ class TsdfIntegrator {
   };
 
   void drop_far_side();
-  double truncation_at(double relative_stddev) const;
+  double truncation_at(const ViewSampler& view, double relative_stddev) const;
   double largest_range_gap(const ViewSampler& view) const;
 
   const std::vector<ViewSampler>& views_;

@@ -4,6 +4,10 @@
 
 namespace relief::fusion {
 
+/// Standard deviations of single views that a truncation holds: surfaces farther apart than it stay
+/// two sheets.
+inline constexpr double kTruncatedDeviations = 4.0;
+
 /// How the errors of views grow with the distance from their sensors: as a power of it. Sensors
 /// that triangulate have the exponent 2, one of time of flight has one between 0 and 2.
 struct RangeErrors {

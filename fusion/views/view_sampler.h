@@ -100,6 +100,7 @@ class ViewSampler {
   /// From now on weighs observations by these errors: the weight of Observation is divided by the
   /// square of the relative standard deviation. No effect on sensors without a centre.
   void set_range_errors(const RangeErrors& errors);
+  const RangeErrors& range_errors() const { return errors_; }
   /// Of all observations, in units of that at the typical range.
   double largest_relative_stddev() const { return largest_relative_stddev_; }
   /// From the sensor's centre to a point [unit]; 0 where the sensor has none.

@@ -28,6 +28,10 @@ constexpr double kAreaWeight = 0.05;
 // Fraction of hidden points that makes no difference: 2.5 standard errors of 0.2 among kMostPoints.
 constexpr double kAsGood = 0.005;
 
+// Of the points, at either end of the box that the origin must lie outside of. Depth cameras that
+// were tried have strays among a few thousandths.
+constexpr double kOutermost = 0.01;
+
 // The least depth of each cell of a plane, by hashing.
 class DepthCells {
  public:
@@ -212,9 +216,25 @@ JudgedDirection best_direction(DirectionJudge& judge) {
                           judge);
 }
 
-bool origin_may_be_sensor(const std::vector<Eigen::Vector3d>& points) {
+// The box of all but the outermost points in each direction, `part` of them at either end: what a
+// depth camera says of far places scatters over many times the size of the scene.
+Eigen::AlignedBox3d inner_box(const std::vector<Eigen::Vector3d>& points, double part) {
   Eigen::AlignedBox3d box;
-  for (const auto& point : points) box.extend(point);
+  const auto outer =
+      static_cast<std::ptrdiff_t>(std::floor(part * static_cast<double>(points.size())));
+  std::vector<double> places(points.size());
+  for (Eigen::Index axis = 0; axis < 3 && !points.empty(); ++axis) {
+    std::ranges::transform(points, places.begin(), [&](const auto& point) { return point[axis]; });
+    std::ranges::nth_element(places, places.begin() + outer);
+    box.min()[axis] = places[static_cast<std::size_t>(outer)];
+    std::ranges::nth_element(places, places.end() - 1 - outer);
+    box.max()[axis] = *(places.end() - 1 - outer);
+  }
+  return box;
+}
+
+bool origin_may_be_sensor(const std::vector<Eigen::Vector3d>& points) {
+  const Eigen::AlignedBox3d box = inner_box(points, kOutermost);
   return box.exteriorDistance(Eigen::Vector3d::Zero().eval()) > 0.05 * box.diagonal().norm() &&
          rays_from(Eigen::Vector3d::Zero(), points).kind == CloudRays::Kind::kPinhole;
 }

@@ -180,7 +180,7 @@ Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOpti
   if (is_colmap_workspace(folder))
     return read_as("a COLMAP workspace", folder, read_colmap_workspace(folder));
   if (is_rgbd_folder(folder))
-    return read_as("a folder of depth maps with a trajectory", folder,
+    return read_as("a folder of depth maps", folder,
                    read_rgbd_folder(folder, {options.intrinsics, options.depth_scale}));
   const auto content = look_into(folder);
   if (!content) return content.error();

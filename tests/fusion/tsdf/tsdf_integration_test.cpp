@@ -66,6 +66,10 @@ TEST(TsdfSample, ReachesFartherWhereViewsErrMore) {
   EXPECT_FALSE(measured_at(2.2 * kTruncation));
   EXPECT_TRUE(measured_at(-1.8 * kTruncation));
   EXPECT_FALSE(measured_at(-2.2 * kTruncation));
+  // Errors that are small beside the truncation do not matter.
+  samplers[0].set_range_errors({.stddev = 0.01, .typical_range = 0.5 * range, .exponent = 1.0});
+  EXPECT_TRUE(measured_at(0.9 * kTruncation));
+  EXPECT_FALSE(measured_at(1.1 * kTruncation));
   // Half the error.
   samplers[0].set_range_errors({.stddev = 1.0, .typical_range = 2.0 * range, .exponent = 1.0});
   EXPECT_TRUE(measured_at(0.9 * kTruncation));

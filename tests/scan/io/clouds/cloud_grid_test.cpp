@@ -180,6 +180,19 @@ TEST(CloudGrid, TakesTheOriginOfADepthCamera) {
   EXPECT_GT(count_points(grid), cloud.points.size() * 98 / 100);
 }
 
+TEST(CloudGrid, TakesTheOriginOfADepthCameraThatSeesFarStrays) {
+  PointCloudFile cloud = cloud_of(sphere_view(), false);
+  // One in 200, along rays of the camera, up to a hundred times as far.
+  const std::size_t measured = cloud.points.size();
+  for (std::size_t i = 0; i < measured / 200; ++i)
+    cloud.points.push_back(cloud.points[200 * i] *
+                           (2.0 + 98.0 * static_cast<double>(i % 50) / 49.0));
+  const auto grid = value_of(grid_from_cloud(cloud));
+  EXPECT_TRUE(grid.camera->ray(3, 3).origin.isZero());
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("the origin of the frame")));
+  EXPECT_GT(count_points(grid), measured * 98 / 100);
+}
+
 TEST(CloudGrid, FindsTheSideOfASolidObject) {
   const PointCloudFile cloud = cloud_of(sphere_view(), true);
   const auto grid = value_of(grid_from_cloud(cloud));
