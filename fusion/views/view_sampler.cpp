@@ -44,6 +44,15 @@ Grid<float> depths_along(const Eigen::Vector3d& axis, const PagedSurface& surfac
   return depths;
 }
 
+double farthest_range(const PagedSurface& surface) {
+  double squared = 0.0;
+  for (int v = 0; v < surface.marks.height(); ++v)
+    for (int u = 0; u < surface.marks.width(); ++u)
+      if (surface.corner(u, v))
+        squared = std::max(squared, (surface.centre + surface.offset(u, v)).squaredNorm());
+  return std::sqrt(squared);
+}
+
 // Corner k of a quad, row by row.
 template <typename T>
 const T& corner(const PagedGrid<T>& grid, const ViewSampler::Quad& quad, int k) {
@@ -88,22 +97,11 @@ Result<ViewSampler> ViewSampler::create(const RangeView& view, const PagedSurfac
   auto projection = ViewProjection::create(view);
   if (!projection) return projection.error();
   sampler.projection_ = std::move(projection).value();
+  if (sampler.has_centre_) sampler.farthest_range_ = farthest_range(sampler.surface_);
   sampler.depth_axis_ = mean_direction(view, sampler.surface_);
   sampler.depths_ =
       DepthPyramid(depths_along(sampler.depth_axis_, sampler.surface_), options.memory);
   return created;
-}
-
-void ViewSampler::set_range_errors(const RangeErrors& errors) {
-  errors_ = errors;
-  largest_relative_stddev_ = 1.0;
-  if (!has_centre_ || !(errors.exponent > 0.0)) return;
-  double farthest = 0.0;
-  for (int v = 0; v < surface_.marks.height(); ++v)
-    for (int u = 0; u < surface_.marks.width(); ++u)
-      if (surface_.corner(u, v))
-        farthest = std::max(farthest, (surface_.centre + surface_.offset(u, v)).norm());
-  largest_relative_stddev_ = errors_.relative_stddev(farthest);
 }
 
 std::optional<ViewSampler::Quad> ViewSampler::quad_at(const Eigen::Vector3d& point) const {

@@ -99,7 +99,10 @@ class ViewSampler {
 
   /// From now on weighs observations by these errors: the weight of Observation is divided by the
   /// square of the relative standard deviation. No effect on sensors without a centre.
-  void set_range_errors(const RangeErrors& errors);
+  void set_range_errors(const RangeErrors& errors) {
+    errors_ = errors;
+    if (has_centre_) largest_relative_stddev_ = errors.relative_stddev(farthest_range_);
+  }
   const RangeErrors& range_errors() const { return errors_; }
   /// Of all observations, in units of that at the typical range.
   double largest_relative_stddev() const { return largest_relative_stddev_; }
@@ -132,6 +135,7 @@ class ViewSampler {
   bool has_centre_ = false;  // All rays begin at the origin of the view frame.
   RangeErrors errors_;
   double largest_relative_stddev_ = 1.0;
+  double farthest_range_ = 0.0;  // Of the surface, where the sensor has a centre [unit].
   Eigen::Vector3d depth_axis_ = Eigen::Vector3d::UnitZ();  // Mean ray direction, view frame.
   DepthPyramid depths_;  // Of the surface along the axis, from its centre.
 };

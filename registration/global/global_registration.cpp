@@ -62,7 +62,7 @@ class GlobalRegistration {
     std::vector<std::size_t> own_views;
     for (std::size_t i = block.index; i < views_.size(); i += block.count)
       if (has_points(i)) own_views.push_back(i);
-    if (!search_pairs(own) || !find_repeats(own_views)) return interrupted();
+    if (!hypotheses_of(own) || !find_repeats(own_views)) return interrupted();
     return own.size();
   }
 
@@ -124,7 +124,7 @@ class GlobalRegistration {
 
   Pairs next_round(std::size_t round) {
     // The first round is larger, for loops to confirm its links.
-    const std::size_t wanted = (round == 0 ? 2 : 1) * surfaces_.size();
+    const std::size_t wanted = (round == 0 ? kFirstPairsPerView : 1) * surfaces_.size();
     Pairs pairs;
     for (; next_ < ranked_.size() && pairs.size() < wanted; ++next_) {
       const auto [a, b] = ranked_[next_];
@@ -152,7 +152,7 @@ class GlobalRegistration {
   using Hypotheses = std::vector<std::vector<PoseHypothesis>>;  // By pair.
 
   // Of pairs; nothing when asked to stop.
-  std::optional<Hypotheses> search_pairs(const Pairs& pairs) const {
+  std::optional<Hypotheses> hypotheses_of(const Pairs& pairs) const {
     PairSearchOptions options;
     options.association = options_.association;
     Hypotheses found(pairs.size());
@@ -163,7 +163,7 @@ class GlobalRegistration {
   }
 
   bool search(const Pairs& pairs) {
-    auto found = search_pairs(pairs);
+    auto found = hypotheses_of(pairs);
     if (!found) return false;
     const VerificationThresholds limits = widest_limits();
     Pairs linked;

@@ -154,9 +154,9 @@ class Plan {
       } else if (!states->first_missing || (step.stage && *step.stage < *states->first_missing)) {
         step.state = "done";
       } else if (step.stage == states->first_missing) {
-        const bool there = step.search                    ? is_set(states->searched, searched++)
-                           : step.stage == Stage::kRefine ? is_set(states->refined, refined++)
-                                                          : false;
+        // Of steps that are not cut into blocks no states are given.
+        const bool there =
+            step.search ? is_set(states->searched, searched++) : is_set(states->refined, refined++);
         step.state = there ? "done" : "missing";
       } else {
         step.state = "unknown";

@@ -3,13 +3,13 @@
 #include <algorithm>
 
 #include "hybrid/model/view_part.h"
+#include "relief/registration/search_pairs.h"
 
 namespace relief {
 
 namespace {
 
-constexpr std::size_t kPairsPerView = 12;      // As bench/step_costs counts.
-constexpr std::size_t kFirstPairsPerView = 2;  // See registration::search_pairs.
+constexpr std::size_t kPairsPerView = 12;  // As bench/step_costs counts.
 
 }  // namespace
 
@@ -25,7 +25,7 @@ ProjectSize size_of(const std::vector<RangeView>& views, bool ignore_poses) {
   }
   size.pairs = std::min(size.views * (size.views - std::min(size.views, std::size_t{1})) / 2,
                         kPairsPerView * size.views);
-  size.first_pairs = std::min(size.pairs, kFirstPairsPerView * size.views);
+  size.first_pairs = std::min(size.pairs, registration::kFirstPairsPerView * size.views);
   return size;
 }
 

@@ -10,6 +10,9 @@
 
 namespace relief::registration {
 
+/// Pairs of views that are searched first, for each view.
+inline constexpr std::size_t kFirstPairsPerView = 2;
+
 /// One of `count` blocks of a list: every `count`th element, beginning with that of `index`.
 struct PairBlock {
   std::size_t index = 0;  ///< In [0, count).
