@@ -64,7 +64,8 @@ double noise_ratio(const RangeView& view, const RangeNoise& ranges) {
   double squares = 0.0, count = 0.0;
   for (int v = 0; v < view.height(); ++v)
     for (int u = 0; u < view.width(); ++u)
-      if (view.has_sample(u, v)) squares += std::pow(ranges.sigma_at(u, v), 2), count += 1.0;
+      if (view.has_sample(u, v) && ranges.sigma_at(u, v) <= kUselessNoise * ranges.sigma)
+        squares += std::pow(ranges.sigma_at(u, v), 2), count += 1.0;
   return count > 0.0 ? std::max(1.0, std::sqrt(squares / count) / ranges.sigma) : 1.0;
 }
 
@@ -81,13 +82,14 @@ double typical_incidence(const RangeView& view, const Grid<Eigen::Vector3f>& nor
 double typical_step(const RangeView& view, const RangeNoise& noise) {
   if (!noise.quantisation.exists()) return 0.0;
   double squares = 0.0, count = 0.0;
-  for (int v = 0; v < view.height(); v += 4)
-    for (int u = 0; u < view.width(); u += 4)
-      if (view.has_sample(u, v)) {
-        const double length = view.camera.ray(u, v).direction.norm();
-        squares += std::pow(noise.quantisation.step_at(view.range(u, v), length), 2);
-        count += 1.0;
-      }
+  for (int v = 0; v < view.height(); v += 4) {
+    for (int u = 0; u < view.width(); u += 4) {
+      if (!view.has_sample(u, v)) continue;
+      const double length = view.camera.ray(u, v).direction.norm();
+      const double step = noise.quantisation.step_at(view.range(u, v), length);
+      if (step <= kUselessNoise * noise.step) squares += step * step, count += 1.0;
+    }
+  }
   return count > 0.0 ? std::sqrt(squares / count) : 0.0;
 }
 

@@ -50,8 +50,9 @@ class ViewSurface {
   explicit ViewSurface(const RangeView& view, const ViewSurfaceOptions& options = {});
   explicit ViewSurface(const RangeView&& view, const ViewSurfaceOptions& options = {}) = delete;
 
-  /// Grid indices of the usable samples (measured, normal, positive confidence, off the boundary)
-  /// in a scattered order: every prefix is spread over the whole surface.
+  /// Grid indices of the usable samples (measured, normal, positive confidence, off the boundary,
+  /// at most kUselessNoise times the typical noise) in a scattered order: every prefix is spread
+  /// over the whole surface.
   const std::vector<std::uint32_t>& samples() const { return samples_; }
   /// Those between the two margins, scattered too.
   const std::vector<std::uint32_t>& edge_samples() const { return edge_samples_; }
@@ -95,7 +96,7 @@ class ViewSurface {
   /// robustly from third differences, of rounded ranges at least what their steps make; where it
   /// changes over the view, its root mean square.
   double noise() const { return noise_; }
-  /// The same of one sample: larger where it counts for less than the typical one.
+  /// The same of one sample: that of a typical one, and larger where it counts for less.
   double noise_at(const SurfacePoint& sample) const;
   /// Standard deviation of the part of the noise that the rounding of the ranges makes [unit]: all
   /// samples of a terrace share it. 0 where ranges are not rounded.
@@ -121,6 +122,7 @@ class ViewSurface {
                                        const RangeNoise& noise, const Grid<std::uint8_t>& bridged,
                                        const ViewSurfaceOptions& options);
   void select_samples(const Grid<Eigen::Vector3d>& points, const Grid<std::uint8_t>& bridged);
+  bool counts_for_nothing(int u, int v) const;
   SurfacePoint sample(int u, int v) const;
   const NormalSignal& prepared_signal() const;
 

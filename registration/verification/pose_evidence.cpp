@@ -80,6 +80,16 @@ struct SightLines {
   double missing = 0.0;   // Face the target where it saw nothing.
 };
 
+// Standard deviation of the distance of a sample from what the other view sees there [unit]. Errors
+// beyond the noise grow as it does, with the distance from the sensor.
+double stddev_between(const ViewSurface& source, const SurfacePoint& sample,
+                      const ViewSurface& target, const SurfacePoint& seen, double min_stddev) {
+  const double noise = joint_noise(source, target);
+  const double own = std::hypot(std::max(source.noise(), source.noise_at(sample)),
+                                std::max(target.noise(), target.noise_at(seen)));
+  return noise > 0.0 ? own * std::max(1.0, min_stddev / noise) : std::max(own, min_stddev);
+}
+
 SightLines look_along(const ViewSurface& source, const ViewSurface& target,
                       const RigidMotion& target_from_source, double min_stddev) {
   SightLines lines;
@@ -93,8 +103,8 @@ SightLines look_along(const ViewSurface& source, const ViewSurface& target,
     const auto pixel = target.project(point);
     if (!pixel) continue;
     if (const auto seen = target.at(*pixel)) {
-      const double noise = std::hypot(source.noise_at(sample), target.noise_at(*seen));
-      const double margin = finest_search_distance(spacing, std::max(noise, min_stddev));
+      const double margin = finest_search_distance(
+          spacing, stddev_between(source, sample, target, *seen, min_stddev));
       if ((point - seen->point).dot(seen->normal) > margin) lines.in_front += part;
     } else if (target.blank(*pixel)) {
       const Eigen::Vector3d normal = target_from_source.linear() * sample.normal;

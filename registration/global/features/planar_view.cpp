@@ -37,42 +37,59 @@ struct Plane {
   double distance(const Eigen::Vector3d& p) const { return std::abs(normal.dot(p - point)); }
 };
 
-std::vector<SurfacePoint> probes_of(const ViewSurface& view) {
-  std::vector<SurfacePoint> probes;
-  for (std::size_t i = 0; i < std::min(kProbes, view.samples().size()); ++i)
-    probes.push_back(view.sample(view.samples()[i]));
+struct Probe {
+  SurfacePoint at;
+  double tolerance;  // Distance from a plane that it is on, at most [unit].
+};
+
+std::vector<Probe> probes_of(const ViewSurface& view) {
+  std::vector<Probe> probes;
+  for (std::size_t i = 0; i < std::min(kProbes, view.samples().size()); ++i) {
+    const SurfacePoint sample = view.sample(view.samples()[i]);
+    probes.push_back(
+        {sample, kNoiseDeviations * view.noise_at(sample) + kSpacings * view.spacing()});
+  }
   return probes;
 }
 
-std::vector<std::size_t> near(const Plane& plane, const std::vector<SurfacePoint>& points,
-                              double tolerance) {
+// Those that are as far from the plane as so many of their tolerances at most.
+std::vector<std::size_t> near(const Plane& plane, const std::vector<Probe>& probes,
+                              double tolerances) {
   std::vector<std::size_t> found;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (plane.distance(points[i].point) <= tolerance) found.push_back(i);
+  for (std::size_t i = 0; i < probes.size(); ++i)
+    if (plane.distance(probes[i].at.point) <= tolerances * probes[i].tolerance) found.push_back(i);
   return found;
 }
 
-Plane fitted(const std::vector<SurfacePoint>& points, const std::vector<std::size_t>& chosen) {
+Plane fitted(const std::vector<Probe>& probes, const std::vector<std::size_t>& chosen) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const std::size_t i : chosen) mean += points[i].point / static_cast<double>(chosen.size());
+  double weights = 0.0;
+  const auto weight = [&](std::size_t i) { return 1.0 / std::pow(probes[i].tolerance, 2); };
+  for (const std::size_t i : chosen) {
+    mean += weight(i) * probes[i].at.point;
+    weights += weight(i);
+  }
+  mean /= weights;
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const std::size_t i : chosen)
-    scatter += (points[i].point - mean) * (points[i].point - mean).transpose();
+  for (const std::size_t i : chosen) {
+    const Eigen::Vector3d offset = probes[i].at.point - mean;
+    scatter += weight(i) * offset * offset.transpose();
+  }
   return {mean, eigen_decomposition(scatter).eigenvectors().col(0)};
 }
 
 // The points of the plane that most of them are on. pcl::SACSegmentation takes twelve times as long
 // for it, 74 ms a view, and prints.
-std::vector<std::size_t> largest_face(const std::vector<SurfacePoint>& points, double tolerance) {
+std::vector<std::size_t> largest_face(const std::vector<Probe>& probes) {
   std::vector<std::size_t> largest;
-  for (std::size_t seed = 0; seed < std::min(kSeeds, points.size()); ++seed) {
-    Plane plane{points[seed].point, points[seed].normal};
-    double reach = kFirstTolerance * tolerance;
-    auto face = near(plane, points, reach);
+  for (std::size_t seed = 0; seed < std::min(kSeeds, probes.size()); ++seed) {
+    Plane plane{probes[seed].at.point, probes[seed].at.normal};
+    double reach = kFirstTolerance;
+    auto face = near(plane, probes, reach);
     for (int fit = 0; fit < kFits && face.size() >= 3; ++fit) {
-      plane = fitted(points, face);
-      reach = std::max(tolerance, 0.5 * reach);
-      face = near(plane, points, reach);
+      plane = fitted(probes, face);
+      reach = std::max(1.0, 0.5 * reach);
+      face = near(plane, probes, reach);
     }
     if (face.size() > largest.size()) largest = std::move(face);
   }
@@ -82,16 +99,15 @@ std::vector<std::size_t> largest_face(const std::vector<SurfacePoint>& points, d
 }  // namespace
 
 double planar_fraction(const ViewSurface& view, int planes) {
-  auto points = probes_of(view);
-  const std::size_t all = points.size();
+  auto probes = probes_of(view);
+  const std::size_t all = probes.size();
   if (all == 0) return 0.0;
-  const double tolerance = kNoiseDeviations * view.noise() + kSpacings * view.spacing();
-  for (int k = 0; k < planes && !points.empty(); ++k) {
-    const auto face = largest_face(points, tolerance);
+  for (int k = 0; k < planes && !probes.empty(); ++k) {
+    const auto face = largest_face(probes);
     for (auto i = face.rbegin(); i != face.rend(); ++i)
-      points.erase(points.begin() + static_cast<std::ptrdiff_t>(*i));
+      probes.erase(probes.begin() + static_cast<std::ptrdiff_t>(*i));
   }
-  return 1.0 - static_cast<double>(points.size()) / static_cast<double>(all);
+  return 1.0 - static_cast<double>(probes.size()) / static_cast<double>(all);
 }
 
 bool is_mostly_planar(const ViewSurface& view) {

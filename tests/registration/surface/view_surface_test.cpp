@@ -1,6 +1,7 @@
 #include "registration/surface/view_surface.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -109,6 +110,28 @@ TEST(ViewSurface, MeasuresTheNoiseOfAView) {
     EXPECT_LT(surface.noise(), 1.1 * sigma);
     EXPECT_GT(surface.noise(), 0.6 * sigma);
   }
+}
+
+// Depth cameras of two eyes round the inverse of the range.
+void round_inverse_ranges(RangeView& view, double step) {
+  for (double& range : view.range) range = 1.0 / (std::round(1.0 / range / step) * step);
+}
+
+TEST(ViewSurface, IsOfTheSizeAndNoiseOfMostSamplesWhereSomeAreFarAway) {
+  RangeView near = testing::render(testing::plane({0, 0, 1000}, {0.3, 0.1, -1}), kCamera);
+  testing::add_range_noise(near, 0.5, 1);
+  RangeView with_far = near;
+  for (int v = 0; v < 60; ++v)
+    for (int u = 0; u < 16; ++u) with_far.range(u, v) = 25000.0 + 150.0 * u + 40.0 * v;
+  for (RangeView* view : {&near, &with_far}) round_inverse_ranges(*view, 1e-6);  // 1 mm at 1 m.
+  const ViewSurface alone(near), surface(with_far);
+  EXPECT_LT(surface.radius(), 1.1 * alone.radius());
+  EXPECT_LT(surface.noise(), 2.0 * alone.noise());
+  EXPECT_LT(surface.rounding(), 2.0 * alone.rounding());
+  EXPECT_GT(surface.samples().size(), (80u - 16u - 12u) * (60u - 12u));
+  for (const std::uint32_t i : surface.samples()) EXPECT_LT(surface.sample(i).point.z(), 2000.0);
+  // What lies before it stands in space seen empty.
+  EXPECT_TRUE(surface.at({6.5, 30.0}).has_value());
 }
 
 TEST(ViewSurface, EveryPrefixOfTheSamplesCoversTheSurface) {

@@ -53,6 +53,21 @@ TEST_F(PoseVerificationTest, TheOneWrongViewIsRefutedAndNoOther) {
   }
 }
 
+// A wall seen from afar, by a sensor whose errors grow with the square of the distance.
+TEST_F(PoseVerificationTest, TheWrongViewIsRefutedWhereAPartOfAllViewsIsFarAway) {
+  auto before_wall = views();
+  for (RangeView& view : before_wall) {
+    for (int v = 0; v < 12; ++v)
+      for (int u = 0; u < view.width(); ++u) view.range(u, v) = 9000.0 + 30.0 * u + 50.0 * v;
+    for (double& range : view.range) range = 1.0 / (std::round(1.0 / range / 5e-6) * 5e-6);
+  }
+  auto poses = testing::poses_of(views());
+  poses[3] = poses[3] * Eigen::Translation3d(0, 0, -8);  // Five spacings towards its sensor.
+  const auto verified = verify(before_wall, poses);
+  for (std::size_t i = 0; i < views().size(); ++i)
+    EXPECT_EQ(verified.views[i].refuted, i == 3) << i;
+}
+
 TEST_F(PoseVerificationTest, FixedViewsAreNeverRefuted) {
   auto poses = testing::poses_of(views());
   poses[2] = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()) * poses[2];
