@@ -31,8 +31,6 @@ constexpr double kLeastNormalLimit = 0.12;
 // within 40 degrees to be compared at all, by 0.35 to 0.39.
 constexpr double kCandidateNormalLimit = 0.2;
 constexpr double kLeastCoherentLimit = 0.12;  // [sample spacings]; general is 0.2.
-// A triangle may close by chance; more links that close loops tell the errors of the views.
-constexpr std::size_t kTellingLinks = 4;
 // Pairs at poses of chains, and links that loops confirm, may deviate by so many times what the
 // better quarter of the pairs of views does: more than links that stand alone, with 1.5.
 constexpr double kConfirmedExcess = 1.75;
@@ -124,6 +122,16 @@ bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<P
   return true;
 }
 
+// The median of the links' sample spacings [unit]; infinite without links.
+double typical_spacing(const std::vector<ViewSurface>& surfaces,
+                       const std::vector<const PoseLink*>& links) {
+  std::vector<double> spacings;
+  for (const PoseLink* link : links)
+    spacings.push_back(coarser_spacing(surfaces[link->a], surfaces[link->b]));
+  return spacings.empty() ? std::numeric_limits<double>::infinity()
+                          : quantile(std::move(spacings), 0.5);
+}
+
 LinkLimits with_loop_confirmed(LinkLimits limits, const VerificationThresholds& general) {
   limits.loop_confirmed = limits.confirmed;
   limits.loop_confirmed.max_free_space_violation =
@@ -184,8 +192,12 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
   LinkLimits wide{follow(surfaces, all, options.largest_excess, open),
                   follow(surfaces, all, kConfirmedExcess, open),
                   {}};
-  wide.confirmed.max_coherent_rms =
-      std::max(wide.confirmed.max_coherent_rms, options.confirmed_coherent_rms);
+  // Errors beyond the noise are smooth: neighbours share them.
+  const double shared = options.judge.min_stddev / typical_spacing(surfaces, all);
+  wide.lone.max_coherent_rms =
+      std::max(wide.lone.max_coherent_rms, options.largest_excess * shared);
+  wide.confirmed.max_coherent_rms = std::max(
+      {wide.confirmed.max_coherent_rms, options.confirmed_coherent_rms, kConfirmedExcess * shared});
   if (follow_losses(surfaces, links, loops, wide.confirmed)) {
     wide.lone.max_missing_coverage = wide.confirmed.max_missing_coverage;
     wide.lone.max_free_space_violation = wide.confirmed.max_free_space_violation;

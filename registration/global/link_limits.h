@@ -10,6 +10,8 @@ namespace relief::registration {
 
 /// One loop may close by chance (docs/results.md, Global registration).
 inline constexpr int kTellingLoops = 2;
+/// Links that close loops: a triangle may close by chance; more tell the errors of the views.
+inline constexpr std::size_t kTellingLinks = 4;
 
 /// For each link how many views c confirm it by two others: a - c - b leads to the same pose.
 std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,

@@ -105,7 +105,7 @@ std::vector<PoseHypothesis> verify_hypotheses(const CoarseView& a, const CoarseV
   std::vector<PoseHypothesis> hypotheses;
   for (const auto& pose : promising(*a.surface, *b.surface, motions, reach, options.candidates)) {
     const auto refined =
-        refine_hypothesis(*a.surface, *b.surface, pose.b_from_a, reach, options.association);
+        refine_hypothesis(*a.surface, *b.surface, pose.b_from_a, reach, options.judge);
     const bool known =
         std::any_of(hypotheses.begin(), hypotheses.end(), [&](const PoseHypothesis& other) {
           return same_pose(*a.surface, refined.b_from_a, other.b_from_a, reach);
@@ -132,9 +132,9 @@ CoarseView prepare_coarse_view(const ViewSurface& surface, const CoarseScale& sc
 
 PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
                                  const RigidMotion& b_from_a, double search_distance,
-                                 Association association) {
+                                 const JudgeOptions& judge) {
   IcpOptions icp;
-  icp.association = association;
+  icp.association = judge.association;
   icp.correspondences = kQuickCorrespondences;
   icp.search_distance = search_distance;
   icp.tolerance = 0.05;
@@ -143,8 +143,6 @@ PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
   icp.final_samples = 0;
   const IcpResult fit = align_pair(a, b, b_from_a, icp);
   PoseHypothesis hypothesis{fit.target_from_source, {}};
-  JudgeOptions judge;
-  judge.association = association;
   if (fit.usable()) hypothesis.evidence = judge_pose(a, b, fit.target_from_source, judge);
   return hypothesis;
 }

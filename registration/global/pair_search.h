@@ -27,7 +27,7 @@ struct PoseHypothesis {
 };
 
 struct PairSearchOptions {
-  Association association = Association::kAuto;
+  JudgeOptions judge;  ///< Its association is that of ICP as well.
   /// Sets of consistent matches that are looked at, at most; > 0. Bounds the time.
   int seeds = 60;
   /// Poses that ICP refines, at most; > 0. Bounds the time.
@@ -46,10 +46,10 @@ std::vector<PoseHypothesis> search_pair(const CoarseView& a, const CoarseView& b
 bool fits_itself(const CoarseView& view, const CoarseScale& scale,
                  const VerificationThresholds& limits, const PairSearchOptions& options = {});
 
-/// A starting pose refined by a quick ICP and judged.
+/// A starting pose refined by a quick ICP, with the association of `judge`, and judged.
 PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
                                  const RigidMotion& b_from_a, double search_distance,
-                                 Association association = Association::kAuto);
+                                 const JudgeOptions& judge = {});
 
 /// Whether two relative poses of a view put its points at the same places, to `tolerance` [unit].
 bool same_pose(const ViewSurface& view, const RigidMotion& x, const RigidMotion& y,

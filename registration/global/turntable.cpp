@@ -86,11 +86,11 @@ void keep_promising(const ViewSurface& view, const ViewSurface& reference,
 class TurntableSearch {
  public:
   TurntableSearch(const std::vector<ViewSurface>& surfaces, const ViewGroups& groups,
-                  const VerificationThresholds& limits, Association association)
+                  const VerificationThresholds& limits, const JudgeOptions& judge)
       : surfaces_(surfaces),
         groups_(groups),
         limits_(limits),
-        association_(association),
+        judge_(judge),
         steps_(surfaces.size()) {}
 
   std::vector<PoseLink> links() {
@@ -135,7 +135,7 @@ class TurntableSearch {
     std::vector<PoseHypothesis> found(starts.size());
     parallel_for(starts.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
-        found[k] = refine_hypothesis(view, reference, starts[k], reach, association_);
+        found[k] = refine_hypothesis(view, reference, starts[k], reach, judge_);
     });
     const PoseHypothesis* best = nullptr;
     for (const PoseHypothesis& hypothesis : found) {
@@ -151,7 +151,7 @@ class TurntableSearch {
   const std::vector<ViewSurface>& surfaces_;
   const ViewGroups& groups_;
   const VerificationThresholds& limits_;
-  Association association_;
+  const JudgeOptions& judge_;
   std::vector<std::optional<RigidMotion>> steps_;  // From each view to the next, where known.
   std::vector<PoseLink> links_;
 };
@@ -161,8 +161,8 @@ class TurntableSearch {
 std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
                                       const ViewGroups& groups,
                                       const VerificationThresholds& limits,
-                                      Association association) {
-  return TurntableSearch(surfaces, groups, limits, association).links();
+                                      const JudgeOptions& judge) {
+  return TurntableSearch(surfaces, groups, limits, judge).links();
 }
 
 }  // namespace relief::registration

@@ -17,6 +17,6 @@ namespace relief::registration {
 std::vector<PoseLink> turntable_links(const std::vector<ViewSurface>& surfaces,
                                       const ViewGroups& groups,
                                       const VerificationThresholds& limits,
-                                      Association association);
+                                      const JudgeOptions& judge);
 
 }  // namespace relief::registration

@@ -44,8 +44,9 @@ static void hash_into(ContentHash& hash, const CoarseScale& scale) {
 }
 
 static void hash_into(ContentHash& hash, const PairSearchOptions& options) {
-  const auto& [association, seeds, candidates] = options;
-  hash.add(association, seeds, candidates);
+  const auto& [judge, seeds, candidates] = options;
+  const auto& [association, probes, max_normal_angle_deg, min_stddev] = judge;
+  hash.add(association, probes, max_normal_angle_deg, min_stddev, seeds, candidates);
 }
 
 static void hash_into(ContentHash& hash, const VerificationThresholds& limits) {

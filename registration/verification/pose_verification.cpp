@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "registration/pairwise/robust.h"
-#include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/view_graph.h"
+#include "registration/verification/common_errors.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -20,8 +20,6 @@ constexpr int kJudgedPairsOfAView = 6;
 // However bad a sensor is, pairs that deviate by more than so many times the general limits confirm
 // nothing: 5 x 0.2 spacings of coherent residual are one, where wrong poses settle.
 constexpr double kWidest = 5.0;
-constexpr double kBetterQuantile = 0.25;     // Of pairs: right while a quarter of them are.
-constexpr double kUnexplainedStddevs = 1.5;  // [deviations of the noise]
 // Stray samples, flying pixels and moving parts stand in space seen empty at right poses as well:
 // of the samples that can be compared, fewer than these. [fraction] Scenes of `relief_coarse_runs`
 // have 5 % of stray samples at most.
@@ -35,6 +33,7 @@ struct Judged {
   bool fit_known = false;  // Whether all of the evidence was looked at, or sight lines alone.
   bool confirms = false, violates_free_space = false;
   bool fits_but_for_coherence = false;  // All but its coherent residual is within the limits.
+  bool slides = false;                  // It fits at other poses as well.
 };
 
 std::vector<Judged> pairs_to_judge(const std::vector<ViewSurface>& surfaces,
@@ -79,22 +78,12 @@ void judge(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMoti
   });
 }
 
-// What the better pairs deviate by, where that is more than the noise of single samples explains
-// and matters; 0 elsewhere [unit]. Sensors that smooth their ranges err by many times that noise.
-double common_stddev(const std::vector<ViewSurface>& surfaces, const std::vector<Judged>& pairs) {
-  std::vector<double> rms, noise, spacing;
-  for (const Judged& pair : pairs) {
-    if (!pair.fit_known) continue;
-    const ViewSurface &a = surfaces[pair.a], &b = surfaces[pair.b];
-    rms.push_back(pair.evidence.rms);
-    noise.push_back(joint_noise(a, b));
-    spacing.push_back(coarser_spacing(a, b));
-  }
-  if (rms.empty()) return 0.0;
-  const double common = quantile(std::move(rms), kBetterQuantile);
-  const bool explained = common <= kUnexplainedStddevs * quantile(std::move(noise), 0.5);
-  const bool matters = finest_search_distance(0.0, common) > quantile(std::move(spacing), 0.5);
-  return explained || !matters ? 0.0 : common;
+double common_stddev_of(const std::vector<ViewSurface>& surfaces,
+                        const std::vector<Judged>& pairs) {
+  std::vector<PairDeviation> deviations;
+  for (const Judged& pair : pairs)
+    if (pair.fit_known) deviations.push_back({pair.a, pair.b, pair.evidence.rms});
+  return common_stddev(surfaces, deviations);
 }
 
 // The limits, widened to what the pairs of these views have in common.
@@ -191,7 +180,7 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
   JudgeOptions judging;
   judging.association = options.association;
   judge(surfaces, world_from_view, judging, pairs);
-  judging.min_stddev = common_stddev(surfaces, pairs);
+  judging.min_stddev = common_stddev_of(surfaces, pairs);
   if (judging.min_stddev > 0.0) judge(surfaces, world_from_view, judging, pairs);
   decide(surfaces, options.limits, pairs);
 

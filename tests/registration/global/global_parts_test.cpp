@@ -246,7 +246,7 @@ TEST(TurntableLinks, GoOnWithTheStepsThatAreKnownAndCloseLoops) {
     groups.group_from_view[i] = views[i].world_from_view;
   }
   std::map<std::pair<std::size_t, std::size_t>, int> found;
-  for (const PoseLink& link : turntable_links(of_views, groups, {}, Association::kAuto)) {
+  for (const PoseLink& link : turntable_links(of_views, groups, {}, {})) {
     const RigidMotion truth =
         views[link.b].world_from_view.inverse() * views[link.a].world_from_view;
     const ViewSurface& view = of_views[link.a];
