@@ -39,12 +39,14 @@ double PairSupport::support(std::size_t i, std::size_t j, const RigidMotion& i_f
       violates_free_space(evidence, limits) || evidence.overlap >= options_.limits.min_overlap;
   if (!denies) return std::min(0.0, support_of(evidence));
   const double reach = kSamePlaceRadii * std::min(source.radius(), target.radius());
-  auto settled = refine_hypothesis(source, target, i_from_j, reach, options_.judge.association);
+  auto settled = refine_hypothesis(source, target, i_from_j, reach, options_.judge);
   if (settled.evidence.overlap <= 0.0) settled.evidence = evidence;  // Nothing was fitted.
   if (!same_place(source, settled.b_from_a, i_from_j))
     return -std::numeric_limits<double>::infinity();
   if (plausible(settled.evidence, source, target, limits)) return support_of(settled.evidence);
-  return -penalty(settled.evidence, source, target, limits);
+  // Where two views settle alone may be worse than where the others have them.
+  return -std::min(penalty(settled.evidence, source, target, limits),
+                   penalty(evidence, source, target, limits));
 }
 
 // Pairs of which too much is absent speak a little against a way.
