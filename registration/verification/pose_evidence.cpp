@@ -74,6 +74,11 @@ constexpr double kLost = 0.02;     // and that the other sensor may have lost: 3
 // as far apart. Smaller expects what sensors lose at grazing angles, larger ignores more of a view.
 constexpr double kFacing = 0.6;
 
+// The normals of two views of a plane differ by r (RMS); those of one of them lean along each of
+// two directions by r / 2, which makes an eigenvalue of r^2 / 4. Twice that, for shapes that hold a
+// little.
+constexpr double kNoiseConstraints = 0.5;
+
 // What the line of sight from the target to samples of the source tells, as fractions of them.
 struct SightLines {
   double in_front = 0.0;  // Would have hidden what the target saw.
@@ -191,6 +196,11 @@ bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const V
   return beyond_rounding(evidence.local_rms, a, b) > limits.max_coherent_rms;
 }
 
+bool may_slide(const PoseEvidence& evidence) {
+  return evidence.degenerate ||
+         evidence.least_constraint < kNoiseConstraints * evidence.normal_rms * evidence.normal_rms;
+}
+
 double relative_coherent_rms(const PoseEvidence& evidence, const ViewSurface& a,
                              const ViewSurface& b) {
   return beyond_rounding(evidence.coherent_rms, a, b);
@@ -256,7 +266,8 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
   evidence.coherent_rms = coherent_rms(points, distances, band(a, b, kNoiseReach, kCoherenceReach));
   evidence.local_rms = coherent_rms(points, distances, band(a, b, 0.0, 1.0));
   const double threshold = eigenvalue_threshold(std::max(a.normal_noise(), b.normal_noise()));
-  evidence.degenerate = analyse_constraints(shared).eigenvalues[0] < threshold;
+  evidence.least_constraint = analyse_constraints(shared).eigenvalues[0];
+  evidence.degenerate = evidence.least_constraint < threshold;
   return evidence;
 }
 

@@ -28,6 +28,9 @@ struct PoseEvidence {
   double missing = 0.0;
   /// The same as a fraction of the samples that overlap or are missing.
   double missing_coverage = 0.0;
+  /// The least eigenvalue of the constraints of the shared surface (equation R5): how firmly it
+  /// holds the motion that it holds least.
+  double least_constraint = 0.0;
   /// Whether the shared surface leaves a rigid motion undetermined (equation R5).
   bool degenerate = false;
 };
@@ -83,6 +86,10 @@ bool violates_free_space(const PoseEvidence& evidence, const VerificationThresho
 /// Whether a sensor should have seen more of the other view than shadows and losses explain. This
 /// alone does not refute a pose, but it takes more than one such pair to believe it.
 bool misses_coverage(const PoseEvidence& evidence, const VerificationThresholds& limits = {});
+
+/// Whether the two views may slide on what they share, as on a common floor: the normals differ
+/// between the views by as much as the least constraint of the shared surface comes from.
+bool may_slide(const PoseEvidence& evidence);
 
 /// The RMS of the evidence in units of what noise and sampling of the two views explain.
 double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b);

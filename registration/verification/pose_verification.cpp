@@ -24,6 +24,9 @@ constexpr double kWidest = 5.0;
 // of the samples that can be compared, fewer than these. [fraction] Scenes of `relief_coarse_runs`
 // have 5 % of stray samples at most.
 constexpr double kStrays = 0.1;
+// The same of pairs that may slide on what they share: that they overlap says nothing then, and at
+// wrong poses there is rarely less than a twentieth (VerificationThresholds).
+constexpr double kSlidingStrays = 0.05;
 constexpr double kFewestStrays = 0.01;  // Of all samples of a view: 5 of the 500 looked at.
 
 // One pair of views at the poses that are judged.
@@ -123,13 +126,17 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
   without_coherence.max_coherent_rms = std::numeric_limits<double>::infinity();
   const double strays = std::max(kStrays, limits.max_free_space_violation);
   for (Judged& pair : pairs) {
+    pair.slides = pair.fit_known && may_slide(pair.evidence);
     pair.violates_free_space =
-        pair.evidence.free_space_violation > strays && pair.evidence.in_front > kFewestStrays;
+        pair.evidence.free_space_violation > (pair.slides ? kSlidingStrays : strays) &&
+        pair.evidence.in_front > kFewestStrays;
     const auto within = [&](const VerificationThresholds& bounds) {
       return pair.fit_known && plausible(pair.evidence, surfaces[pair.a], surfaces[pair.b], bounds);
     };
-    pair.confirms = within(limits);
-    pair.fits_but_for_coherence = !pair.confirms && within(without_coherence);
+    const bool stands_free =
+        !pair.slides || pair.evidence.free_space_violation <= general.max_free_space_violation;
+    pair.confirms = within(limits) && stands_free;
+    pair.fits_but_for_coherence = !pair.confirms && !pair.slides && within(without_coherence);
   }
 }
 
@@ -143,7 +150,7 @@ std::vector<ViewVerification> tally(std::size_t views, const std::vector<Judged>
     for (const auto& [view, other] : {std::pair{pair.a, pair.b}, std::pair{pair.b, pair.a}}) {
       if (refuted[other]) continue;
       if (pair.evidence.overlap >= kCountingOverlap) result[view].overlaps = true;
-      if (pair.confirms) result[view].support += pair.evidence.overlap;
+      if (pair.confirms && !pair.slides) result[view].support += pair.evidence.overlap;
       if (pair.fits_but_for_coherence) result[view].misfit_support += pair.evidence.overlap;
       if (pair.violates_free_space) result[view].violation += pair.evidence.in_front;
     }
