@@ -28,9 +28,9 @@ struct PoseEvidence {
   double missing = 0.0;
   /// The same as a fraction of the samples that overlap or are missing.
   double missing_coverage = 0.0;
-  /// The least eigenvalue of the constraints of the shared surface (equation R5): how firmly it
-  /// holds the motion that it holds least.
-  double least_constraint = 0.0;
+  /// Fraction of the shared samples that are on one plane: its errors and their noise explain how
+  /// far from it they are.
+  double planar_fraction = 0.0;
   /// Whether the shared surface leaves a rigid motion undetermined (equation R5).
   bool degenerate = false;
 };
@@ -87,8 +87,7 @@ bool violates_free_space(const PoseEvidence& evidence, const VerificationThresho
 /// alone does not refute a pose, but it takes more than one such pair to believe it.
 bool misses_coverage(const PoseEvidence& evidence, const VerificationThresholds& limits = {});
 
-/// Whether the two views may slide on what they share, as on a common floor: the normals differ
-/// between the views by as much as the least constraint of the shared surface comes from.
+/// Whether the two views may slide on what they share, as on a common floor: it is one plane.
 bool may_slide(const PoseEvidence& evidence);
 
 /// The RMS of the evidence in units of what noise and sampling of the two views explain.

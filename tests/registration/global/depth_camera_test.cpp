@@ -17,8 +17,9 @@ testing::Surface room() {
       testing::plane({0, 600, 0}, {0, -1, 0}),
       testing::plane({0, 0, 25000}, {0, 0, -1}),
   };
-  const double places[][4] = {{-700, 1500, 250, 480}, {150, 1900, 180, 500}, {800, 2300, 300, 450},
-                              {-250, 2700, 320, 400}, {1500, 2000, 220, 520}, {2100, 2900, 400, 380},
+  const double places[][4] = {{-700, 1500, 250, 480}, {150, 1900, 180, 500},
+                              {800, 2300, 300, 450},  {-250, 2700, 320, 400},
+                              {1500, 2000, 220, 520}, {2100, 2900, 400, 380},
                               {1300, 3200, 260, 470}, {-1200, 2400, 350, 350}};
   for (const auto& [x, z, radius, y] : places)
     parts.push_back(testing::sphere({x, y, z}, 1.4 * radius));
@@ -70,7 +71,8 @@ void expect_no_wrong_pose(const std::vector<RangeView>& truth, const Alignment& 
     estimate.push_back(alignment.views[i].world_from_view);
   }
   EXPECT_GE(placed.size(), at_least);
-  for (const double error : testing::mean_displacements(placed, estimate, testing::poses_of(placed)))
+  for (const double error :
+       testing::mean_displacements(placed, estimate, testing::poses_of(placed)))
     EXPECT_LT(error, 60.0);
 }
 
