@@ -40,6 +40,7 @@ set(RELIEF_UNSANITIZED_TESTS
   Closing.ASphereSeenByOneView*
   Closing.ASphereSeenFromOneSide*
   CloudGrid.RealScansAsText*
+  DepthCamera.ViewsOfARoom*
   ErrorSpectrum.OfAWave*
   Evaluate.FitsTheResult*
   FairFill.LargeRegionsComeToRest*
