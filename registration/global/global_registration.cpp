@@ -11,8 +11,6 @@
 #include "registration/global/link_limits.h"
 #include "registration/global/pair_search.h"
 #include "registration/global/turntable.h"
-#include "registration/pairwise/robust.h"
-#include "registration/verification/common_errors.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -20,10 +18,6 @@ namespace relief::registration {
 namespace {
 
 constexpr std::size_t kSearchInFull = 300;  // Pairs of 25 views; bounds the time.
-
-// Wrong poses misfit in proportion to the size of the views: by a spacing and more on an object of
-// a hundred spacings, which is 2 % of its radius. Errors of a quarter of that are told from them.
-constexpr double kTolerableRadii = 0.005;
 
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
@@ -169,61 +163,39 @@ class GlobalRegistration {
 
   // Errors of a sensor beyond its noise are in all pairs: links that close loops tell them, and
   // from then on they are expected of all. False when asked to stop.
-  bool judge_by_common_errors(const Pairs& pairs, Hypotheses& found) {
-    double& stddev = grouping_.judge.min_stddev;
-    if (stddev > 0.0) return true;
-    const double common = common_stddev(surfaces_, deviations_in_loops(pairs, found));
-    if (common == 0.0 || common > kTolerableRadii * typical_radius()) return true;
-    stddev = common;
-    judge_again(links_);
-    return for_each(pairs.size(), "judging poses", [&](std::size_t k) {
-      const auto [a, b] = pairs[k];
-      for (PoseHypothesis& hypothesis : found[k])
-        if (hypothesis.evidence.overlap > 0.0)
-          hypothesis.evidence =
-              judge_pose(surfaces_[a], surfaces_[b], hypothesis.b_from_a, grouping_.judge);
-    });
+  bool expect_common_errors(const Pairs& pairs, Hypotheses& found) {
+    JudgeOptions& judge = grouping_.judge;
+    if (judge.min_stddev > 0.0) return true;
+    judge.min_stddev = stddev_of_loops(surfaces_, links_of(pairs, found));
+    if (judge.min_stddev == 0.0) return true;
+    return for_each(links_.size(), "judging poses",
+                    [&](std::size_t k) {
+                      PoseLink& link = links_[k];
+                      link.evidence =
+                          judge_pose(surfaces_[link.a], surfaces_[link.b], link.b_from_a, judge);
+                    }) &&
+           for_each(pairs.size(), "judging poses", [&](std::size_t k) {
+             const auto [a, b] = pairs[k];
+             for (PoseHypothesis& hypothesis : found[k])
+               if (hypothesis.evidence.overlap > 0.0)
+                 hypothesis.evidence =
+                     judge_pose(surfaces_[a], surfaces_[b], hypothesis.b_from_a, judge);
+           });
   }
 
-  // Of the best pose of each pair that loops confirm; none where too few do.
-  std::vector<PairDeviation> deviations_in_loops(const Pairs& pairs,
-                                                 const Hypotheses& found) const {
+  std::vector<PoseLink> links_of(const Pairs& pairs, const Hypotheses& found) const {
     std::vector<PoseLink> links;
     for (std::size_t k = 0; k < pairs.size(); ++k)
       for (const PoseHypothesis& hypothesis : found[k])
         if (hypothesis.evidence.overlap >= options_.limits.min_overlap)
           links.push_back(
               {pairs[k].first, pairs[k].second, hypothesis.b_from_a, hypothesis.evidence, false});
-    const std::vector<int> loops = count_loops(surfaces_, links);
-    std::vector<PairDeviation> deviations;
-    for (std::size_t k = 0; k < links.size(); ++k) {
-      const auto& [a, b, unused, evidence, ambiguous] = links[k];
-      const bool known =
-          !deviations.empty() && deviations.back().a == a && deviations.back().b == b;
-      if (loops[k] > 0 && !known) deviations.push_back({a, b, evidence.rms});
-    }
-    if (deviations.size() < kTellingLinks) deviations.clear();
-    return deviations;
-  }
-
-  double typical_radius() const {
-    std::vector<double> radii;
-    for (const ViewSurface& surface : surfaces_)
-      if (!surface.samples().empty()) radii.push_back(surface.radius());
-    return quantile(std::move(radii), 0.5);
-  }
-
-  void judge_again(std::vector<PoseLink>& links) const {
-    parallel_for(links.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k)
-        links[k].evidence = judge_pose(surfaces_[links[k].a], surfaces_[links[k].b],
-                                       links[k].b_from_a, grouping_.judge);
-    });
+    return links;
   }
 
   bool search(const Pairs& pairs) {
     auto found = hypotheses_of(pairs);
-    if (!found || !judge_by_common_errors(pairs, *found)) return false;
+    if (!found || !expect_common_errors(pairs, *found)) return false;
     const VerificationThresholds limits = widest_limits();
     Pairs linked;
     for (std::size_t k = 0; k < pairs.size(); ++k) {

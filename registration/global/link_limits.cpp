@@ -9,6 +9,7 @@
 
 #include "registration/global/pair_search.h"
 #include "registration/pairwise/robust.h"
+#include "registration/verification/common_errors.h"
 
 namespace relief::registration {
 
@@ -31,6 +32,11 @@ constexpr double kLeastNormalLimit = 0.12;
 // within 40 degrees to be compared at all, by 0.35 to 0.39.
 constexpr double kCandidateNormalLimit = 0.2;
 constexpr double kLeastCoherentLimit = 0.12;  // [sample spacings]; general is 0.2.
+// A triangle may close by chance; more links that close loops tell the errors of the views.
+constexpr std::size_t kTellingLinks = 4;
+// Wrong poses misfit in proportion to the size of the views: by a spacing and more on an object of
+// a hundred spacings, which is 2 % of its radius. Errors of a quarter of that are told from them.
+constexpr double kTolerableRadii = 0.005;
 // Pairs at poses of chains, and links that loops confirm, may deviate by so many times what the
 // better quarter of the pairs of views does: more than links that stand alone, with 1.5.
 constexpr double kConfirmedExcess = 1.75;
@@ -178,6 +184,23 @@ bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const View
   limits.max_coherent_rms = std::max(kWidestCoherent * general.max_coherent_rms,
                                      kWarpDeviations * joint_noise(a, b) / coarser_spacing(a, b));
   return plausible(evidence, a, b, limits);
+}
+
+double stddev_of_loops(const std::vector<ViewSurface>& surfaces,
+                       const std::vector<PoseLink>& links) {
+  const std::vector<int> loops = count_loops(surfaces, links);
+  std::vector<PairDeviation> pairs;
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    const auto& [a, b, unused, evidence, ambiguous] = links[k];
+    const bool known = !pairs.empty() && pairs.back().a == a && pairs.back().b == b;
+    if (loops[k] > 0 && !known) pairs.push_back({a, b, evidence.rms});
+  }
+  if (pairs.size() < kTellingLinks) return 0.0;
+  std::vector<double> radii;
+  for (const ViewSurface& surface : surfaces)
+    if (!surface.samples().empty()) radii.push_back(surface.radius());
+  const double stddev = common_stddev(surfaces, pairs);
+  return stddev <= kTolerableRadii * quantile(std::move(radii), 0.5) ? stddev : 0.0;
 }
 
 LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,

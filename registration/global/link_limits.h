@@ -10,8 +10,6 @@ namespace relief::registration {
 
 /// One loop may close by chance (docs/results.md, Global registration).
 inline constexpr int kTellingLoops = 2;
-/// Links that close loops: a triangle may close by chance; more tell the errors of the views.
-inline constexpr std::size_t kTellingLinks = 4;
 
 /// For each link how many views c confirm it by two others: a - c - b leads to the same pose.
 std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
@@ -30,6 +28,12 @@ struct LinkLimits {
 /// a calibration move surfaces apart, but hardly turn their normals nor stand in space seen empty.
 bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
                   const VerificationThresholds& general);
+
+/// common_stddev() of the pairs of views whose links close loops, each by its first one that does;
+/// links of a pair follow each other. 0 where these are fewer than four, and where errors are more
+/// than half a percent of the views' radius: wrong poses of small things misfit by as little.
+double stddev_of_loops(const std::vector<ViewSurface>& surfaces,
+                       const std::vector<PoseLink>& links);
 
 /// Fits the limits to the links of a project. Errors of a sensor are in all of its pairs: links
 /// that close loops with each other show how large they are, and the limits follow. A link that

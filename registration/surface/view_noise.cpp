@@ -64,7 +64,7 @@ double noise_ratio(const RangeView& view, const RangeNoise& ranges) {
   double squares = 0.0, count = 0.0;
   for (int v = 0; v < view.height(); ++v)
     for (int u = 0; u < view.width(); ++u)
-      if (view.has_sample(u, v) && ranges.sigma_at(u, v) <= kUselessNoise * ranges.sigma)
+      if (view.has_sample(u, v) && ranges.sigma_at(u, v) <= kLargestNoiseRatio * ranges.sigma)
         squares += std::pow(ranges.sigma_at(u, v), 2), count += 1.0;
   return count > 0.0 ? std::max(1.0, std::sqrt(squares / count) / ranges.sigma) : 1.0;
 }
@@ -87,7 +87,7 @@ double typical_step(const RangeView& view, const RangeNoise& noise) {
       if (!view.has_sample(u, v)) continue;
       const double length = view.camera.ray(u, v).direction.norm();
       const double step = noise.quantisation.step_at(view.range(u, v), length);
-      if (step <= kUselessNoise * noise.step) squares += step * step, count += 1.0;
+      if (step <= kLargestNoiseRatio * noise.step) squares += step * step, count += 1.0;
     }
   }
   return count > 0.0 ? std::sqrt(squares / count) : 0.0;

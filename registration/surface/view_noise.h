@@ -12,7 +12,7 @@ namespace relief::registration {
 /// Samples with so many times the noise of a typical one count for less than a hundredth of it in
 /// alignment. Depth cameras return ranges at ten times the distance that they are made for, with a
 /// hundred times the noise.
-inline constexpr double kUselessNoise = 10.0;
+inline constexpr double kLargestNoiseRatio = 10.0;
 
 /// Standard deviation of the white noise of positions along the normal [unit], robustly from third
 /// differences of the range along rows and columns; 0 where there are none.
@@ -23,14 +23,14 @@ double position_noise(const RangeView& view, const ConnectedGrid& grid);
 double slope_noise(double noise, double spacing, int radius);
 
 /// The root mean square of the noise over the view, relative to that of a typical sample; >= 1.
-/// Samples with more than kUselessNoise times the typical noise are left out.
+/// Samples with more than kLargestNoiseRatio times the typical noise are left out.
 double noise_ratio(const RangeView& view, const RangeNoise& noise);
 
 /// How much of a step along the ray a surface moves along its normal: the median over samples.
 double typical_incidence(const RangeView& view, const Grid<Eigen::Vector3f>& normals);
 
 /// The step of the ranges along the rays [unit], root mean square over the samples but those with
-/// more than kUselessNoise times the typical one; 0 where they are not rounded.
+/// more than kLargestNoiseRatio times the typical one; 0 where they are not rounded.
 double typical_step(const RangeView& view, const RangeNoise& noise);
 
 }  // namespace relief::registration

@@ -180,7 +180,7 @@ void ViewSurface::select_samples(const Grid<Eigen::Vector3d>& points,
                                  const Grid<std::uint8_t>& bridged) {
   surface_.for_each_sample([&](int u, int v) {
     const std::size_t index = points.index(u, v);
-    if ((!bridged.empty() && bridged[index]) || counts_for_nothing(u, v)) return;
+    if ((!bridged.empty() && bridged[index]) || is_too_noisy(u, v)) return;
     const bool inner = surface_.boundary_distance(u, v) >= inner_margin_;
     (inner ? samples_ : edge_samples_).push_back(static_cast<std::uint32_t>(index));
     if (inner) mean_normal_ += surface_.normal(u, v);
@@ -198,8 +198,8 @@ void ViewSurface::select_samples(const Grid<Eigen::Vector3d>& points,
 }
 
 // Whether its noise leaves a sample less than a hundredth of the weight of a typical one.
-bool ViewSurface::counts_for_nothing(int u, int v) const {
-  return surface_.weight(u, v) * kUselessNoise * kUselessNoise <
+bool ViewSurface::is_too_noisy(int u, int v) const {
+  return surface_.weight(u, v) * kLargestNoiseRatio * kLargestNoiseRatio <
          std::min(1.0f, view().confidence_at(u, v));
 }
 

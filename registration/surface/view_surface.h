@@ -51,8 +51,8 @@ class ViewSurface {
   explicit ViewSurface(const RangeView&& view, const ViewSurfaceOptions& options = {}) = delete;
 
   /// Grid indices of the usable samples (measured, normal, positive confidence, off the boundary,
-  /// at most kUselessNoise times the typical noise) in a scattered order: every prefix is spread
-  /// over the whole surface.
+  /// at most kLargestNoiseRatio times the typical noise) in a scattered order: every prefix is
+  /// spread over the whole surface.
   const std::vector<std::uint32_t>& samples() const { return samples_; }
   /// Those between the two margins, scattered too.
   const std::vector<std::uint32_t>& edge_samples() const { return edge_samples_; }
@@ -122,7 +122,7 @@ class ViewSurface {
                                        const RangeNoise& noise, const Grid<std::uint8_t>& bridged,
                                        const ViewSurfaceOptions& options);
   void select_samples(const Grid<Eigen::Vector3d>& points, const Grid<std::uint8_t>& bridged);
-  bool counts_for_nothing(int u, int v) const;
+  bool is_too_noisy(int u, int v) const;
   SurfacePoint sample(int u, int v) const;
   const NormalSignal& prepared_signal() const;
 

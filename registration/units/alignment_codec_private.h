@@ -78,9 +78,9 @@ void serialize(Archive& archive, JointRefinement& refined) {
 template <class Archive>
 void serialize(Archive& archive, PoseEvidence& evidence) {
   auto& [overlap, rms, coherent_rms, local_rms, normal_rms, in_front, free_space_violation, missing,
-         missing_coverage, planar_fraction, degenerate] = evidence;
+         missing_coverage, degenerate] = evidence;
   archive(overlap, rms, coherent_rms, local_rms, normal_rms, in_front, free_space_violation,
-          missing, missing_coverage, planar_fraction, degenerate);
+          missing, missing_coverage, degenerate);
 }
 
 template <class Archive>

@@ -77,7 +77,7 @@ constexpr double kFacing = 0.6;
 
 // Of what two views share. A right pose of a room has more than a tenth beside its largest plane,
 // and a wrong one less, which meets by chance (docs/results.md).
-constexpr double kPlanar = 0.9;
+constexpr double kPlanarFraction = 0.9;
 constexpr std::size_t kPlaneProbes = 300;  // Bounds the time. 0.9 is told to 0.02.
 
 // What the line of sight from the target to samples of the source tells, as fractions of them.
@@ -155,17 +155,23 @@ struct MutualSighting {
   Correspondences in_b, in_a;  // Of samples of a, and of b.
 };
 
-MutualSighting look_both_ways(const ViewSurface& a, const ViewSurface& b,
-                              const RigidMotion& b_from_a, int probes, const JudgeOptions& options,
-                              PoseEvidence& evidence) {
-  const double margin = finest_search_distance(coarser_spacing(a, b),
-                                               std::max(joint_noise(a, b), options.min_stddev));
+// Samples that two views share.
+CorrespondenceOptions shared_samples(const ViewSurface& a, const ViewSurface& b, int probes,
+                                     const JudgeOptions& options) {
   CorrespondenceOptions search;
   search.count = probes;
   search.tries = 1;
-  search.max_distance = margin;
+  search.max_distance = finest_search_distance(coarser_spacing(a, b),
+                                               std::max(joint_noise(a, b), options.min_stddev));
   search.max_normal_angle_deg = options.max_normal_angle_deg;
   search.association = options.association;
+  return search;
+}
+
+MutualSighting look_both_ways(const ViewSurface& a, const ViewSurface& b,
+                              const RigidMotion& b_from_a, int probes, const JudgeOptions& options,
+                              PoseEvidence& evidence) {
+  const CorrespondenceOptions search = shared_samples(a, b, probes, options);
   MutualSighting seen{find_correspondences(a, b, b_from_a, search),
                       find_correspondences(b, a, b_from_a.inverse(), search)};
   evidence.overlap = 0.5 * (seen.in_b.overlap() + seen.in_a.overlap());
@@ -173,21 +179,6 @@ MutualSighting look_both_ways(const ViewSurface& a, const ViewSurface& b,
   note_sight_lines(look_along(b, a, b_from_a.inverse(), options.min_stddev), seen.in_a.overlap(),
                    evidence);
   return seen;
-}
-
-// Of the samples of a that b saw.
-double planar_fraction(const Correspondences& in_b, const ViewSurface& a, const ViewSurface& b,
-                       double min_stddev) {
-  std::vector<PlaneProbe> probes;
-  const std::size_t step = 1 + in_b.items.size() / kPlaneProbes;
-  for (std::size_t i = 0; i < in_b.items.size(); i += step) {
-    const auto& c = in_b.items[i];
-    probes.push_back(
-        {c.target.point, c.target.normal,
-         plane_tolerance(stddev_between(a, c.source, b, c.target, min_stddev), b.spacing())});
-  }
-  if (probes.empty()) return 0.0;
-  return static_cast<double>(largest_plane(probes).size()) / static_cast<double>(probes.size());
 }
 
 double root_mean_square(const std::vector<double>& values) {
@@ -211,8 +202,6 @@ bool misfits_locally(const PoseEvidence& evidence, const ViewSurface& a, const V
                      const VerificationThresholds& limits) {
   return beyond_rounding(evidence.local_rms, a, b) > limits.max_coherent_rms;
 }
-
-bool may_slide(const PoseEvidence& evidence) { return evidence.planar_fraction >= kPlanar; }
 
 double relative_coherent_rms(const PoseEvidence& evidence, const ViewSurface& a,
                              const ViewSurface& b) {
@@ -278,10 +267,24 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
   const Eigen::Matrix3Xd points = points_of(shared);
   evidence.coherent_rms = coherent_rms(points, distances, band(a, b, kNoiseReach, kCoherenceReach));
   evidence.local_rms = coherent_rms(points, distances, band(a, b, 0.0, 1.0));
-  evidence.planar_fraction = planar_fraction(in_b, a, b, options.min_stddev);
   const double threshold = eigenvalue_threshold(std::max(a.normal_noise(), b.normal_noise()));
   evidence.degenerate = analyse_constraints(shared).eigenvalues[0] < threshold;
   return evidence;
+}
+
+bool shares_one_plane(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
+                      const JudgeOptions& options) {
+  const auto shared =
+      find_correspondences(a, b, b_from_a, shared_samples(a, b, options.probes, options)).items;
+  std::vector<PlaneProbe> probes;
+  for (std::size_t i = 0; i < shared.size(); i += 1 + shared.size() / kPlaneProbes) {
+    const auto& [point, normal, unused, pixel] = shared[i].target;
+    const double stddev =
+        stddev_between(a, shared[i].source, b, shared[i].target, options.min_stddev);
+    probes.push_back({point, normal, plane_tolerance(stddev, b.spacing())});
+  }
+  return !probes.empty() && static_cast<double>(largest_plane(probes).size()) >=
+                                kPlanarFraction * static_cast<double>(probes.size());
 }
 
 }  // namespace relief::registration

@@ -28,9 +28,6 @@ struct PoseEvidence {
   double missing = 0.0;
   /// The same as a fraction of the samples that overlap or are missing.
   double missing_coverage = 0.0;
-  /// Fraction of the shared samples that are on one plane: its errors and their noise explain how
-  /// far from it they are.
-  double planar_fraction = 0.0;
   /// Whether the shared surface leaves a rigid motion undetermined (equation R5).
   bool degenerate = false;
 };
@@ -87,9 +84,6 @@ bool violates_free_space(const PoseEvidence& evidence, const VerificationThresho
 /// alone does not refute a pose, but it takes more than one such pair to believe it.
 bool misses_coverage(const PoseEvidence& evidence, const VerificationThresholds& limits = {});
 
-/// Whether the two views may slide on what they share, as on a common floor: it is one plane.
-bool may_slide(const PoseEvidence& evidence);
-
 /// The RMS of the evidence in units of what noise and sampling of the two views explain.
 double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b);
 
@@ -121,6 +115,11 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
 /// else of the evidence stays zero. Takes a tenth of the time of judge_pose().
 PoseEvidence judge_free_space(const ViewSurface& a, const ViewSurface& b,
                               const RigidMotion& b_from_a, const JudgeOptions& options = {});
+
+/// Whether nine tenths of the samples that two views share are on one plane, as far as errors
+/// explain: then they fit at all poses that move the plane in itself.
+bool shares_one_plane(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
+                      const JudgeOptions& options = {});
 
 /// A pose that is at best right to `reach` [unit] in a number that can be had many thousand times a
 /// second: the fraction of `probes` samples of each view that lie within `reach` of the other's

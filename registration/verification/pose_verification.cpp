@@ -24,9 +24,9 @@ constexpr double kWidest = 5.0;
 // of the samples that can be compared, fewer than these. [fraction] Scenes of `relief_coarse_runs`
 // have 5 % of stray samples at most.
 constexpr double kStrays = 0.1;
-// The same of pairs that may slide on what they share: that they overlap says nothing then, and at
-// wrong poses there is rarely less than a twentieth (VerificationThresholds).
-constexpr double kSlidingStrays = 0.05;
+// Stray samples of pairs that share one plane alone, in the same unit: the overlap of such pairs
+// says nothing, and at wrong poses there is rarely less than a twentieth (VerificationThresholds).
+constexpr double kPlanarStrays = 0.05;
 constexpr double kFewestStrays = 0.01;  // Of all samples of a view: 5 of the 500 looked at.
 
 // One pair of views at the poses that are judged.
@@ -36,7 +36,7 @@ struct Judged {
   bool fit_known = false;  // Whether all of the evidence was looked at, or sight lines alone.
   bool confirms = false, violates_free_space = false;
   bool fits_but_for_coherence = false;  // All but its coherent residual is within the limits.
-  bool slides = false;                  // It fits at other poses as well.
+  bool planar = false;                  // It fits wherever its plane is moved in itself.
 };
 
 std::vector<Judged> pairs_to_judge(const std::vector<ViewSurface>& surfaces,
@@ -77,6 +77,19 @@ void judge(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMoti
       Judged& pair = pairs[chosen[i]];
       pair.evidence = judge_pose(surfaces[pair.a], surfaces[pair.b], relative(pair), judging);
       pair.fit_known = true;
+    }
+  });
+}
+
+void find_planar_pairs(const std::vector<ViewSurface>& surfaces,
+                       const std::vector<RigidMotion>& poses, const JudgeOptions& judging,
+                       std::vector<Judged>& pairs) {
+  parallel_for(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      Judged& pair = pairs[k];
+      pair.planar =
+          pair.fit_known && shares_one_plane(surfaces[pair.a], surfaces[pair.b],
+                                             poses[pair.b].inverse() * poses[pair.a], judging);
     }
   });
 }
@@ -126,17 +139,16 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
   without_coherence.max_coherent_rms = std::numeric_limits<double>::infinity();
   const double strays = std::max(kStrays, limits.max_free_space_violation);
   for (Judged& pair : pairs) {
-    pair.slides = pair.fit_known && may_slide(pair.evidence);
     pair.violates_free_space =
-        pair.evidence.free_space_violation > (pair.slides ? kSlidingStrays : strays) &&
+        pair.evidence.free_space_violation > (pair.planar ? kPlanarStrays : strays) &&
         pair.evidence.in_front > kFewestStrays;
     const auto within = [&](const VerificationThresholds& bounds) {
       return pair.fit_known && plausible(pair.evidence, surfaces[pair.a], surfaces[pair.b], bounds);
     };
-    const bool stands_free =
-        !pair.slides || pair.evidence.free_space_violation <= general.max_free_space_violation;
-    pair.confirms = within(limits) && stands_free;
-    pair.fits_but_for_coherence = !pair.confirms && !pair.slides && within(without_coherence);
+    const bool leaves_space_free =
+        !pair.planar || pair.evidence.free_space_violation <= general.max_free_space_violation;
+    pair.confirms = within(limits) && leaves_space_free;
+    pair.fits_but_for_coherence = !pair.confirms && !pair.planar && within(without_coherence);
   }
 }
 
@@ -150,7 +162,7 @@ std::vector<ViewVerification> tally(std::size_t views, const std::vector<Judged>
     for (const auto& [view, other] : {std::pair{pair.a, pair.b}, std::pair{pair.b, pair.a}}) {
       if (refuted[other]) continue;
       if (pair.evidence.overlap >= kCountingOverlap) result[view].overlaps = true;
-      if (pair.confirms && !pair.slides) result[view].support += pair.evidence.overlap;
+      if (pair.confirms && !pair.planar) result[view].support += pair.evidence.overlap;
       if (pair.fits_but_for_coherence) result[view].misfit_support += pair.evidence.overlap;
       if (pair.violates_free_space) result[view].violation += pair.evidence.in_front;
     }
@@ -189,6 +201,7 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
   judge(surfaces, world_from_view, judging, pairs);
   judging.min_stddev = common_stddev_of(surfaces, pairs);
   if (judging.min_stddev > 0.0) judge(surfaces, world_from_view, judging, pairs);
+  find_planar_pairs(surfaces, world_from_view, judging, pairs);
   decide(surfaces, options.limits, pairs);
 
   const std::size_t views = surfaces.size();

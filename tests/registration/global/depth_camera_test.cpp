@@ -76,25 +76,24 @@ void expect_no_wrong_pose(const std::vector<RangeView>& truth, const Alignment& 
     EXPECT_LT(error, 60.0);
 }
 
-TEST(DepthCamera, ViewsOfARoomFindEachOtherAndFarWallsHideNoErrors) {
+// From poses that are all the same.
+void expect_all_found(PoseKind pose) {
   const auto truth = views_of_robot();
   auto views = truth;
   for (RangeView& view : views) {
-    view.pose = PoseKind::kAbsent;
+    view.pose = pose;
     view.world_from_view = RigidMotion::Identity();
   }
   expect_no_wrong_pose(truth, value_of(align_views(views)), 6);
 }
 
+TEST(DepthCamera, ViewsOfARoomFindEachOtherAndFarWallsHideNoErrors) {
+  expect_all_found(PoseKind::kAbsent);
+}
+
 // All share the floor, on which they slide.
 TEST(DepthCamera, GuessesThatAreAllTheSameAreNotKeptForACommonFloor) {
-  const auto truth = views_of_robot();
-  auto views = truth;
-  for (RangeView& view : views) {
-    view.pose = PoseKind::kGuess;
-    view.world_from_view = RigidMotion::Identity();
-  }
-  expect_no_wrong_pose(truth, value_of(align_views(views)), 6);
+  expect_all_found(PoseKind::kGuess);
 }
 
 }  // namespace
