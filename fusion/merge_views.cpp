@@ -144,6 +144,7 @@ void count_samples(const std::vector<ViewSampler>& views, MergeResult& result) {
   for (const ViewSampler& view : views) {
     result.flying_samples += view.flying();
     result.filled_samples += view.filled();
+    result.noisy_samples += view.noisy();
   }
 }
 

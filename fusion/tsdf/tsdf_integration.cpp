@@ -44,7 +44,7 @@ constexpr double kAmongRays = 0.25;  // [pixels]
 
 bool measures(const Observation& seen, double truncation, double spacing) {
   const double depth = std::min(truncation, std::max(seen.matter_depth, kLeastDepth * spacing));
-  return seen.distance < truncation && seen.distance > -depth &&
+  return !seen.noisy && seen.distance < truncation && seen.distance > -depth &&
          seen.range_gap < kGrazingReach * truncation;
 }
 

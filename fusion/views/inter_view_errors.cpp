@@ -82,8 +82,8 @@ std::vector<Difference> differences(const ViewSampler& view, std::size_t index,
     const auto quad = view.quad_on_ray_of(point.position);
     if (!quad || view.side(*quad, 2.0 * farthest) != ViewSampler::Side::kNear) continue;
     const auto seen = view.observe(*quad, farthest);
-    if (seen && seen->border >= kInside && seen->normal.dot(point.normal) > kSameSurface &&
-        std::abs(seen->distance) < farthest)
+    if (seen && !seen->noisy && seen->border >= kInside &&
+        seen->normal.dot(point.normal) > kSameSurface && std::abs(seen->distance) < farthest)
       found.push_back({.range = std::sqrt(point.range * view.range_of(point.position)),
                        .distance = std::abs(seen->distance)});
   }

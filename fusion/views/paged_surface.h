@@ -22,8 +22,10 @@ struct SurfacePixel {
 
 /// What a sample is part of.
 enum SurfaceMark : std::uint8_t {
-  kQuad = 1,    ///< This, the right, the lower and the lower right sample are one surface.
-  kCorner = 2,  ///< The sample belongs to some quad.
+  kQuad = 1,            ///< This, the right, the lower and the lower right sample are one surface.
+  kCorner = 2,          ///< The sample belongs to some quad.
+  kNoisyQuad = 4,       ///< A quad with a noisy sample: it tells only which space is empty.
+  kMeasuredCorner = 8,  ///< The sample belongs to some quad that tells where the surface is.
 };
 
 struct PagedSurfaceOptions {
@@ -50,9 +52,14 @@ struct PagedSurface {
   PagedArray<std::array<float, 3>> scattered;
   std::size_t flying = 0;  ///< Samples left out as flying_samples tells.
   std::size_t filled = 0;  ///< Samples interpolated in small gaps: fill_small_gaps.
+  /// Samples whose noise along the normal is more than the spacing and kLargestNoiseRatio times the
+  /// typical noise.
+  std::size_t noisy = 0;
 
   bool quad(int u, int v) const { return marks(u, v) & kQuad; }
   bool corner(int u, int v) const { return marks(u, v) & kCorner; }
+  bool noisy_quad(int u, int v) const { return marks(u, v) & kNoisyQuad; }
+  bool measured_corner(int u, int v) const { return marks(u, v) & kMeasuredCorner; }
   /// The place of a sample, relative to the centre.
   Eigen::Vector3d offset(int u, int v) const {
     return Eigen::Map<const Eigen::Vector3f>(pixels(u, v).point.data()).cast<double>();

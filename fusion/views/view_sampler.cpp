@@ -48,7 +48,7 @@ double farthest_range(const PagedSurface& surface) {
   double squared = 0.0;
   for (int v = 0; v < surface.marks.height(); ++v)
     for (int u = 0; u < surface.marks.width(); ++u)
-      if (surface.corner(u, v))
+      if (surface.measured_corner(u, v))
         squared = std::max(squared, (surface.centre + surface.offset(u, v)).squaredNorm());
   return std::sqrt(squared);
 }
@@ -159,6 +159,7 @@ std::optional<Observation> ViewSampler::observe(const Quad& quad, double foot_re
   if (!patch) return std::nullopt;
   const auto& [surface, border] = *patch;
   Observation seen;
+  seen.noisy = surface_.noisy_quad(quad.corners.u, quad.corners.v);
   seen.distance = surface.distance(point);
   if (has_centre_)
     seen.relative_stddev = errors_.relative_stddev((surface.origin + surface.chord).norm());

@@ -33,6 +33,9 @@ struct Observation {
   /// How far behind the surface there is matter as far as the view can tell [unit]: little next to
   /// a silhouette, where the object turns away.
   double matter_depth = 0.0;
+  /// The samples are too noisy to tell where the surface is: only that the space before it is
+  /// empty.
+  bool noisy = false;
   double border = 0.0;     ///< Distance to the silhouette [pixels], interpolated.
   double range_gap = 0.0;  ///< Distance to where the point's ray meets the surface [unit].
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Of the surface, unit, world frame.
@@ -80,12 +83,12 @@ class ViewSampler {
   /// Where the view looks, in the world, of length 1.
   Eigen::Vector3d direction() const { return world_from_view_.linear() * depth_axis_; }
 
-  /// Calls `visit` with the corners of all quads, world frame, row by row.
+  /// Calls `visit` with the corners of all quads but the noisy ones, world frame, row by row.
   template <typename Visit>
   void for_surface_points(const Visit& visit) const {
     for (int v = 0; v < surface_.marks.height(); ++v)
       for (int u = 0; u < surface_.marks.width(); ++u)
-        if (surface_.corner(u, v))
+        if (surface_.measured_corner(u, v))
           visit(Eigen::Vector3d(world_from_view_ * (surface_.centre + surface_.offset(u, v))));
   }
   /// Calls `visit` with the measured samples that belong to no quad, world frame: single ones, and
@@ -121,6 +124,7 @@ class ViewSampler {
   double noise() const { return surface_.noise; }         ///< See PagedSurface.
   std::size_t flying() const { return surface_.flying; }  ///< See PagedSurface.
   std::size_t filled() const { return surface_.filled; }  ///< See PagedSurface.
+  std::size_t noisy() const { return surface_.noisy; }    ///< See PagedSurface.
 
  private:
   struct Patch;

@@ -64,7 +64,7 @@ double noise_ratio(const RangeView& view, const RangeNoise& ranges) {
   double squares = 0.0, count = 0.0;
   for (int v = 0; v < view.height(); ++v)
     for (int u = 0; u < view.width(); ++u)
-      if (view.has_sample(u, v) && ranges.sigma_at(u, v) <= kLargestNoiseRatio * ranges.sigma)
+      if (view.has_sample(u, v) && !ranges.is_too_noisy(u, v))
         squares += std::pow(ranges.sigma_at(u, v), 2), count += 1.0;
   return count > 0.0 ? std::max(1.0, std::sqrt(squares / count) / ranges.sigma) : 1.0;
 }

@@ -9,11 +9,6 @@
 
 namespace relief::registration {
 
-/// Samples with so many times the noise of a typical one count for less than a hundredth of it in
-/// alignment. Depth cameras return ranges at ten times the distance that they are made for, with a
-/// hundred times the noise.
-inline constexpr double kLargestNoiseRatio = 10.0;
-
 /// Standard deviation of the white noise of positions along the normal [unit], robustly from third
 /// differences of the range along rows and columns; 0 where there are none.
 double position_noise(const RangeView& view, const ConnectedGrid& grid);

@@ -9,6 +9,11 @@
 
 namespace relief {
 
+/// Samples with so many times the noise of a typical one count for less than a hundredth of it:
+/// they tell which space is empty, not where a surface is. Depth cameras return ranges at ten times
+/// the distance that they are made for, with a hundred times the noise.
+inline constexpr double kLargestNoiseRatio = 10.0;
+
 /// The errors of a view's ranges from sample to sample, estimated from the ranges alone. Smooth
 /// errors and errors that many neighbouring samples share are not seen.
 struct RangeNoise {
@@ -26,6 +31,8 @@ struct RangeNoise {
   /// Whether ranges are rounded by more than their noise: then errors of neighbours are alike.
   bool rounded() const { return step > sigma; }
   double sigma_at(int u, int v) const { return map.empty() ? sigma : double{map(u, v)}; }
+  /// Whether a sample has more than kLargestNoiseRatio times the typical noise.
+  bool is_too_noisy(int u, int v) const { return sigma_at(u, v) > kLargestNoiseRatio * sigma; }
 };
 
 /// Robust: a tenth of wild samples, occlusion edges and missing samples do no harm. Needs

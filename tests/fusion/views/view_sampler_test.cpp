@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "fusion/tsdf/tsdf_integration.h"
 #include "fusion/views/paged_surface.h"
 #include "tests/fusion/scenes.h"
 #include "tests/support/geometry_matchers.h"
@@ -200,6 +201,60 @@ TEST(ViewSampler, KnownDeviationsTakeThePlaceOfConfidence) {
   const PagedSurface surface = surface_of(view, options);
   EXPECT_NEAR(surface.pixels(30, 30).weight / plain, 4.0 / 0.5, 0.05);
   EXPECT_NEAR(surface.pixels(20, 20).weight / plain, 1.0, 0.05) << "unknown there";
+}
+
+// A depth camera before a board, with a wall at fifteen times its distance in the right third. The
+// noise grows with the square of the range.
+RangeView board_before_a_far_wall() {
+  const Camera camera = Camera::pinhole(120, 90, {150.0, 150.0, 59.5, 44.5});
+  RangeView view = render(testing::plane({0, 0, 0}, {0, 0, 1}), camera,
+                          testing::look_at({0, 0, 200}, {0, 0, 0}, Eigen::Vector3d::UnitY()));
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  for (int v = 0; v < 90; ++v) {
+    for (int u = 0; u < 120; ++u) {
+      if (u >= 80) view.range(u, v) *= 15.0;
+      view.range(u, v) += 0.1 * normal(random) * std::pow(view.range(u, v) / 200.0, 2);
+    }
+  }
+  return view;
+}
+
+TEST(ViewSampler, FarSamplesOfMuchNoiseTellOnlyWhichSpaceIsEmpty) {
+  const RangeView view = board_before_a_far_wall();
+  const ViewSampler sampler = sampler_of(view);
+  EXPECT_NEAR(static_cast<double>(sampler.noisy()), 40.0 * 90.0, 0.1 * 40.0 * 90.0);
+  Eigen::AlignedBox3d measured;
+  sampler.for_surface_points([&](const Eigen::Vector3d& p) { measured.extend(p); });
+  EXPECT_LT(std::abs(measured.min().z()), 10.0);
+  sampler.for_scattered_samples(
+      [&](const Eigen::Vector3d& p) { EXPECT_LT(std::abs(p.z()), 10.0); });
+
+  const RigidMotion& pose = view.world_from_view;
+  const Camera& camera = view.camera;
+  const auto before_wall = sampler.observe(pose * camera.ray(100, 45).at(300.0), 0.0);
+  ASSERT_TRUE(before_wall);
+  EXPECT_TRUE(before_wall->noisy);
+  EXPECT_GT(before_wall->clearance, 10.0);
+  const auto before_board = sampler.observe(pose * camera.ray(40, 45).at(190.0), 0.0);
+  ASSERT_TRUE(before_board);
+  EXPECT_FALSE(before_board->noisy);
+
+  std::vector<ViewSampler> views;
+  views.push_back(sampler_of(view));
+  TsdfIntegrator integrator(views, 300.0, 1.0);
+  EXPECT_FALSE(integrator.collect(pose * camera.ray(100, 45).at(2990.0)).measured);
+  EXPECT_TRUE(integrator.collect(pose * camera.ray(40, 45).at(199.0)).measured);
+}
+
+TEST(ViewSampler, KnownDeviationsTellFarSamplesOfMuchNoise) {
+  RangeView view = board_before_a_far_wall();
+  view.deviation = Grid<float>(120, 90, 0.1f);
+  EXPECT_EQ(sampler_of(view).noisy(), 0u);
+  for (int v = 20; v < 30; ++v) view.deviation(100, v) = 1.1f;
+  EXPECT_EQ(sampler_of(view).noisy(), 0u) << "less than the spacing of 1.3";
+  for (int v = 20; v < 30; ++v) view.deviation(100, v) = 1.6f;
+  EXPECT_EQ(sampler_of(view).noisy(), 10u);
 }
 
 TEST(ViewSampler, MeasuresTheNoise) {

@@ -54,6 +54,9 @@ struct MergeSummary {
   double range_exponent = 0.0;
   std::size_t flying_samples = 0;  ///< Taken away: they hang in the air between surfaces.
   std::size_t filled_samples = 0;  ///< Interpolated in small gaps of the views.
+  /// With more noise than the sample spacing and ten times the typical noise of their view, such as
+  /// those of far walls: they tell only which space is empty.
+  std::size_t noisy_samples = 0;
   /// Blocks of 8 x 8 x 8 voxels where the field that closes the surface had not come to rest; 0: it
   /// had everywhere. A note tells.
   std::size_t moving_blocks = 0;
