@@ -146,6 +146,10 @@ void count_samples(const std::vector<ViewSampler>& views, MergeResult& result) {
     result.filled_samples += view.filled();
     result.noisy_samples += view.noisy();
   }
+  if (result.noisy_samples > 0)
+    result.notes.push_back(std::to_string(result.noisy_samples) +
+                           " samples are far noisier than the others, and than their spacing: they "
+                           "tell which space is empty, not where the surface is");
 }
 
 // Refined views hold detail that a lattice as coarse as the samples blurs; in raw views there is
