@@ -35,7 +35,7 @@ Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& opt
   hybrid::PolishOptions polish = *options.polish;
   if (!(polish.normals.max_distance > 0.0)) polish.normals.max_distance = model.merged.truncation;
   auto polished = polish_or_find(hashes, model.mesh, views, polish, context.of(Stage::kPolish),
-                                 context.in_place_of_computing(Stage::kPolish));
+                                 context.missing_unit_error(Stage::kPolish));
   if (!polished) return polished.error();
   model.polished = *polished;
   if (polished->rounds == 0) return {};
@@ -116,7 +116,7 @@ Result<Model> build_model_in(const StageContext& stages, const std::vector<Range
   return run_in(stages.context, [&] {
     const ViewHashes hashes = stages.context.store ? hashes_of_views(views) : ViewHashes();
     return finish(merge_or_find(hashes, views, options.merge, stages.of(Stage::kMerge),
-                                stages.in_place_of_computing(Stage::kMerge)),
+                                stages.missing_unit_error(Stage::kMerge)),
                   all, options, stages, hashes);
   });
 }

@@ -46,12 +46,12 @@ class Reconstructor {
     if (part_.last == Stage::kAlign && part_.searched_pairs) {
       const auto searched =
           search_or_find(result_.views, options_.align, *part_.searched_pairs,
-                         stages_.of(Stage::kAlign), stages_.in_place_of_computing(Stage::kAlign));
+                         stages_.of(Stage::kAlign), stages_.missing_unit_error(Stage::kAlign));
       return searched ? Result<void>{} : searched.error();
     }
     auto alignment =
         align_or_find("align", result_.views, options_.align, stages_.of(Stage::kAlign),
-                      stages_.in_place_of_computing(Stage::kAlign));
+                      stages_.missing_unit_error(Stage::kAlign));
     if (!alignment) return alignment.error();
     registration::apply_alignment(*alignment, result_.views);
     if (auto told = tell(callbacks_.aligned, *alignment); !told) return told;
@@ -63,7 +63,7 @@ class Reconstructor {
     if (has_stage(Stage::kCalibrate, options_)) {
       auto calibration = calibrate_or_find(result_.views, result_.first_alignment, options_.align,
                                            options_.calibration, stages_.of(Stage::kCalibrate),
-                                           stages_.in_place_of_computing(Stage::kCalibrate));
+                                           stages_.missing_unit_error(Stage::kCalibrate));
       if (!calibration) return calibration.error();
       registration::apply_calibration(*calibration, result_.views);
       result_.calibration = std::move(*calibration);
@@ -99,7 +99,7 @@ class Reconstructor {
     compare.correct = options_.contradicted == ContradictedRanges::kCorrect;
     auto found =
         weigh_or_find(remaining_pairs(), compare, result_.views, stages_.of(Stage::kCompare),
-                      stages_.in_place_of_computing(Stage::kCompare));
+                      stages_.missing_unit_error(Stage::kCompare));
     if (!found) return found.error();
     result_.consistency = std::move(*found);
     return tell(callbacks_.compared, result_.consistency, result_.views);
@@ -114,9 +114,10 @@ class Reconstructor {
   }
 
   Result<void> refine() {
-    if (part_.last == Stage::kRefine && part_.refined_views) take_chosen(*part_.refined_views);
+    if (part_.last == Stage::kRefine && part_.refined_views)
+      keep_chosen_views(*part_.refined_views);
     auto refined = refine_or_find(result_.views, options_.refine, stages_.of(Stage::kRefine),
-                                  stages_.in_place_of_computing(Stage::kRefine));
+                                  stages_.missing_unit_error(Stage::kRefine));
     if (!refined) return refined.error();
     for (std::size_t i = 0; i < refined->size(); ++i) {
       hybrid::RefinedView& view = (*refined)[i];
@@ -127,7 +128,7 @@ class Reconstructor {
   }
 
   // Of the views that are left, those with an index in `chosen` among the views given.
-  void take_chosen(const std::vector<std::size_t>& chosen) {
+  void keep_chosen_views(const std::vector<std::size_t>& chosen) {
     std::vector<RangeView> taken;
     for (std::size_t i = 0, next = 0; i < result_.first_alignment.views.size(); ++i) {
       if (!result_.first_alignment.views[i].aligned) continue;
@@ -150,7 +151,7 @@ class Reconstructor {
       options.surface.normals = registration::NormalSource::kMeasured;
       auto alignment =
           align_or_find("align_again", result_.views, options, stages_.of(Stage::kAlignAgain),
-                        stages_.in_place_of_computing(Stage::kAlignAgain));
+                        stages_.missing_unit_error(Stage::kAlignAgain));
       if (!alignment) return alignment.error();
       const AlignmentGain gain =
           compare_alignments(result_.first_alignment, *alignment, result_.views);

@@ -25,7 +25,7 @@ struct StageContext {
   }
 
   /// What the stage ends with instead of computing a unit that is not in the store.
-  InPlaceOfComputing in_place_of_computing(Stage stage) const {
+  MissingUnitError missing_unit_error(Stage stage) const {
     const bool only_find = stage < part.last ? part.find_former : part.find_last;
     if (!only_find) return std::nullopt;
     return Error{ErrorKind::kBadInput,

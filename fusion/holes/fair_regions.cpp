@@ -6,8 +6,8 @@
 #include <unordered_set>
 #include <utility>
 
+#include "fusion/holes/border_bend.h"
 #include "fusion/holes/filled_regions.h"
-#include "fusion/holes/region_arrival.h"
 #include "fusion/holes/rest_curvature.h"
 #include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
@@ -233,14 +233,12 @@ void FairRegions::prepare(FairRegion& region, const std::vector<ViewSampler>& vi
                           const FairFillOptions& options) const {
   TsdfIntegrator collector(views, options.truncation, options.voxel_size);
   const double behind = behind_border(mesh_, region);
-  const Arrival arrival =
-      behind > kCurved ? arrival_at(rings(), region, options.voxel_size) : Arrival();
-  region.curved =
-      seen_from_one_side(views) && arrival.known && arrival.on_sphere >= kRound * arrival.turn;
-  const bool ends_walls = arrival.known && !region.curved && behind > kBehind &&
-                          arrival.turn > std::acos(kSharp) &&
-                          arrival.carried < kCarried * arrival.turn;
-  const Eigen::Vector3d lid = ends_walls ? arrival.facing : Eigen::Vector3d::Zero();
+  const BorderBend bend =
+      behind > kCurved ? bend_at_border(rings(), region, options.voxel_size) : BorderBend();
+  region.curved = seen_from_one_side(views) && bend.known && bend.on_sphere >= kRound * bend.turn;
+  const bool ends_walls = bend.known && !region.curved && behind > kBehind &&
+                          bend.turn > std::acos(kSharp) && bend.carried < kCarried * bend.turn;
+  const Eigen::Vector3d lid = ends_walls ? bend.facing : Eigen::Vector3d::Zero();
   if (region.curved) add_approach(rings(), region);
   for (PlateVertex& free : region.vertices) {
     const int ring = rings_[free.vertex];
@@ -264,7 +262,7 @@ void FairRegions::prepare(FairRegion& region, const std::vector<ViewSampler>& vi
     if (!lid.isZero()) cosine = std::min(cosine, lid.dot(normals_.at(free.vertex)));
     free.stiffness = stiffness_of(cosine);
   }
-  if (region.curved) let_rest(rings(), options.voxel_size, region);
+  if (region.curved) set_rest_curvature(rings(), options.voxel_size, region);
 }
 
 }  // namespace relief::fusion

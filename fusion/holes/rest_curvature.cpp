@@ -112,7 +112,7 @@ void bend_to(const TriangleMesh& mesh, const FacesAround& around, const Eigen::V
   for (PlateVertex& vertex : region.border) set(vertex);
 }
 
-void let_rest(const MeshRings& of, double voxel, FairRegion& region) {
+void set_rest_curvature(const MeshRings& of, double voxel, FairRegion& region) {
   const std::vector<std::uint32_t> vertices = region.with_approach();
   const std::unordered_map<std::uint32_t, int> depths = depths_in(of, region);
   std::vector<std::uint8_t> known;

@@ -25,6 +25,6 @@ void bend_to(const TriangleMesh& mesh, const FacesAround& around, const Eigen::V
 
 /// Lets a curved region rest, far from what was measured, as the mesh has it, and near by as its
 /// surroundings do. `voxel`: length of the edges of the mesh [unit].
-void let_rest(const MeshRings& of, double voxel, FairRegion& region);
+void set_rest_curvature(const MeshRings& of, double voxel, FairRegion& region);
 
 }  // namespace relief::fusion

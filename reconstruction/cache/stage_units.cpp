@@ -88,7 +88,7 @@ Result<KeptComparison> compare(const std::vector<registration::PairFit>& pairs,
 
 // Computes, or gives the error in place of it.
 template <typename Compute>
-auto unless(const InPlaceOfComputing& error, Compute compute) {
+auto unless(const MissingUnitError& error, Compute compute) {
   return [&error, compute]() -> decltype(compute()) {
     if (error) return *error;
     return compute();
@@ -101,7 +101,7 @@ Result<registration::Alignment> align_or_find(std::string_view kind,
                                               const std::vector<RangeView>& views,
                                               const registration::AlignOptions& options,
                                               const Context& context,
-                                              const InPlaceOfComputing& otherwise) {
+                                              const MissingUnitError& otherwise) {
   return find_or_compute<registration::Alignment>(
       context.store, [&] { return unit_key(kind, hashes_of_views(views), options); },
       unless(otherwise, [&] { return registration::align_views(views, options, context); }));
@@ -110,7 +110,7 @@ Result<registration::Alignment> align_or_find(std::string_view kind,
 Result<std::size_t> search_or_find(const std::vector<RangeView>& views,
                                    const registration::AlignOptions& options,
                                    const registration::PairBlock& block, const Context& context,
-                                   const InPlaceOfComputing& otherwise) {
+                                   const MissingUnitError& otherwise) {
   return find_or_compute<std::size_t>(
       context.store,
       [&] { return unit_key("pairs", hashes_of_views(views), options, block.index, block.count); },
@@ -121,7 +121,7 @@ Result<std::size_t> search_or_find(const std::vector<RangeView>& views,
 Result<registration::SensorCalibration> calibrate_or_find(
     const std::vector<RangeView>& views, const registration::Alignment& aligned,
     const registration::AlignOptions& align, const registration::CalibrationOptions& options,
-    const Context& context, const InPlaceOfComputing& otherwise) {
+    const Context& context, const MissingUnitError& otherwise) {
   return find_or_compute<registration::SensorCalibration>(
       context.store,
       [&] {
@@ -137,7 +137,7 @@ Result<std::vector<ViewConsistency>> weigh_or_find(const std::vector<registratio
                                                    const CrossViewOptions& options,
                                                    std::vector<RangeView>& views,
                                                    const Context& context,
-                                                   const InPlaceOfComputing& otherwise) {
+                                                   const MissingUnitError& otherwise) {
   if (context.store == nullptr && !otherwise)
     return weigh_by_consistency(pairs, options, views, context);
   bool computed = false;
@@ -162,7 +162,7 @@ Result<std::vector<ViewConsistency>> weigh_or_find(const std::vector<registratio
 Result<std::vector<hybrid::RefinedView>> refine_or_find(const std::vector<RangeView>& views,
                                                         const hybrid::RefineOptions& options,
                                                         const Context& context,
-                                                        const InPlaceOfComputing& otherwise) {
+                                                        const MissingUnitError& otherwise) {
   if (context.store == nullptr && !otherwise) return hybrid::refine_views(views, options, context);
   const auto refine = [&](const RangeView& view, const hybrid::RefineOptions& view_options,
                           const Context& view_context) -> Result<hybrid::RefinedView> {
@@ -192,7 +192,7 @@ Result<fusion::MergeResult> merge_or_find(const std::vector<std::string>& hashes
                                           const std::vector<RangeView>& views,
                                           const fusion::MergeOptions& options,
                                           const Context& context,
-                                          const InPlaceOfComputing& otherwise) {
+                                          const MissingUnitError& otherwise) {
   return find_or_compute<fusion::MergeResult>(
       context.store, [&] { return unit_key("merge", hashes, options); },
       unless(otherwise, [&] { return fusion::merge_views(views, options, context); }));
@@ -203,7 +203,7 @@ Result<hybrid::PolishedMesh> polish_or_find(const std::vector<std::string>& hash
                                             const std::vector<RangeView>& views,
                                             const hybrid::PolishOptions& options,
                                             const Context& context,
-                                            const InPlaceOfComputing& otherwise) {
+                                            const MissingUnitError& otherwise) {
   return find_or_compute<hybrid::PolishedMesh>(
       context.store, [&] { return unit_key("polish", mesh, hashes, options); },
       unless(otherwise, [&] { return hybrid::polish_mesh(mesh, views, options, context); }));

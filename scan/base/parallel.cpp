@@ -71,7 +71,7 @@ bool run_until_stopped(const Context& context, const std::function<void()>& work
   return true;
 }
 
-void end_if_stopped() { throw_if_stopped(loop_state); }
+void throw_if_stop_requested() { throw_if_stopped(loop_state); }
 
 void release_freed_memory() {
 #ifdef __GLIBC__

@@ -18,7 +18,7 @@ void parallel_for(std::size_t count, std::size_t grain,
 
 /// Ends the computation of the enclosing run_in() when somebody asked it to stop, as each piece of
 /// a loop above does. For long work on one thread, at least once in about a tenth of a second.
-void end_if_stopped();
+void throw_if_stop_requested();
 
 /// Gives memory that loops' threads have freed, which the C library keeps for each of them, back to
 /// the system as far as it can. Worth it after loops that made large parts of a result.

@@ -57,7 +57,7 @@ std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
   std::partial_sum(end.begin(), end.end(), end.begin());
   std::vector<HalfEdge> sides(end.back());
   visit([&](const HalfEdge& side) { sides[end[side.low]++] = side; });
-  end_if_stopped();
+  throw_if_stop_requested();
   auto begin = sides.begin();
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const auto last = sides.begin() + end[v];
@@ -77,7 +77,7 @@ void join_fans(const HalfEdge& a, const HalfEdge& b, bool same_direction, Disjoi
 
 void count_edges(const TriangleMesh& mesh, DisjointSets& fans, MeshCheck& check) {
   const std::vector<HalfEdge> sides = sorted_half_edges(mesh);
-  end_if_stopped();
+  throw_if_stop_requested();
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
     while (end < sides.size() && sides[end].same_edge(sides[begin])) ++end;
     ++check.edges;
@@ -158,11 +158,12 @@ MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options) 
   check.faces = mesh.faces.size();
   assert(checked->faces.size() <= 0xffffffffu / 3);
   DisjointSets fans(3 * checked->faces.size());
-  end_if_stopped();  // Between passes: each takes tenths of a second for millions of faces.
+  throw_if_stop_requested();  // Between passes: each takes tenths of a second for millions of
+                              // faces.
   count_edges(*checked, fans, check);
-  end_if_stopped();
+  throw_if_stop_requested();
   count_vertices(*checked, fans, check);
-  end_if_stopped();
+  throw_if_stop_requested();
   check.duplicate_vertices = duplicate_vertices(*checked);
   for (std::size_t f = 0; f < checked->faces.size(); ++f)
     check.degenerate_faces += degenerate(*checked, f);

@@ -17,7 +17,7 @@ Result<Value> find_or_compute(UnitStore* store, const MakeKey& make_key, const C
   if (store == nullptr) return compute();
   const UnitKey key = make_key();
   if (auto content = store->find(key)) {
-    end_if_stopped();
+    throw_if_stop_requested();
     if (auto value = decode_unit<Value>(std::move(*content))) return std::move(*value);
   }
   Result<Value> computed = compute();

@@ -99,7 +99,7 @@ Result<void> write_bytes(const fs::path& path, const fs::path& target, std::stri
   FileDescriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC | create, 0666));
   if (!file.is_open()) return write_error(path, "create the file", errno);
   while (!content.empty()) {
-    end_if_stopped();
+    throw_if_stop_requested();
     if (!write_some(file, std::min(kPiece, content.size()), content))
       return write_error(path, "write", errno);
     if (!content.empty()) (void)::fdatasync(file.get());  // Errors are known once all is flushed.

@@ -90,14 +90,14 @@ TEST(RunIn, EndsWorkThatAsks) {
   int steps = 0;
   const auto result = run_in({.threads = 1, .stop = source.get_token()}, [&]() -> Result<int> {
     for (; steps < 1000; ++steps) {
-      end_if_stopped();
+      throw_if_stop_requested();
       if (steps == 10) source.request_stop();
     }
     return steps;
   });
   EXPECT_THAT(result, HasError(ErrorKind::kInterrupted));
   EXPECT_EQ(steps, 11);
-  end_if_stopped();  // Nobody asked outside.
+  throw_if_stop_requested();  // Nobody asked outside.
 }
 
 TEST(RunIn, StopsWhatIsCalledWithAContextOfItsOwn) {

@@ -1,4 +1,4 @@
-#include "fusion/holes/region_arrival.h"
+#include "fusion/holes/border_bend.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,36 +52,35 @@ double behind_border(const TriangleMesh& mesh, const FairRegion& region) {
   return behind / away;
 }
 
-Arrival arrival_at(const MeshRings& of, const FairRegion& region, double voxel) {
-  Arrival arrival;
+BorderBend bend_at_border(const MeshRings& of, const FairRegion& region, double voxel) {
+  BorderBend bend;
   double area = 0.0;  // Of the filled faces, six times.
   for (const PlateVertex& free : region.vertices) {
     if (!of.mesh.filled[free.vertex]) continue;
     of.around.visit(free.vertex, [&](std::uint32_t f) {
-      arrival.facing += face_cross(of.mesh, f);
+      bend.facing += face_cross(of.mesh, f);
       area += face_cross(of.mesh, f).norm();
     });
   }
-  arrival.facing.normalize();
+  bend.facing.normalize();
   const auto mean_turn = [&](const std::vector<std::uint32_t>& ring) {
     double sum = 0.0;
     for (const std::uint32_t v : ring)
-      sum +=
-          std::acos(std::clamp(of.mesh.normals[v].cast<double>().dot(arrival.facing), -1.0, 1.0));
+      sum += std::acos(std::clamp(of.mesh.normals[v].cast<double>().dot(bend.facing), -1.0, 1.0));
     return sum / static_cast<double>(ring.size());
   };
   std::vector<std::uint32_t> ring;
   for (const PlateVertex& held : region.border) ring.push_back(held.vertex);
-  arrival.turn = mean_turn(ring);
+  bend.turn = mean_turn(ring);
   for (int k = 0; k < kApproachRings && !ring.empty(); ++k) ring = ring_beyond(of, ring);
-  if (ring.empty()) return arrival;
-  const double rate = (mean_turn(ring) - arrival.turn) / (kApproachRings * voxel);
+  if (ring.empty()) return bend;
+  const double rate = (mean_turn(ring) - bend.turn) / (kApproachRings * voxel);
   const double half_way = std::sqrt(area / (6.0 * std::numbers::pi));
-  arrival.carried = rate * half_way;  // Equation (F8).
-  arrival.on_sphere = rate * std::min(half_way, half_width(region)) * arrival.turn /
-                      std::max(std::sin(arrival.turn), kLeastSine);
-  arrival.known = true;
-  return arrival;
+  bend.carried = rate * half_way;  // Equation (F8).
+  bend.on_sphere = rate * std::min(half_way, half_width(region)) * bend.turn /
+                   std::max(std::sin(bend.turn), kLeastSine);
+  bend.known = true;
+  return bend;
 }
 
 void add_approach(const MeshRings& of, FairRegion& region) {

@@ -12,7 +12,7 @@ namespace relief::fusion {
 inline constexpr int kApproachRings = 6;
 
 /// How the surface arrives at a region's border, and has to turn across it.
-struct Arrival {
+struct BorderBend {
   bool known = false;
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();  ///< The direction that the region faces.
   double turn = 0.0;                                 ///< From the border to there [rad].
@@ -25,7 +25,7 @@ struct Arrival {
 double behind_border(const TriangleMesh& mesh, const FairRegion& region);
 
 /// `voxel`: length of the edges of the mesh [unit].
-Arrival arrival_at(const MeshRings& of, const FairRegion& region, double voxel);
+BorderBend bend_at_border(const MeshRings& of, const FairRegion& region, double voxel);
 
 /// Adds the rings beyond the border, but for the last, to `region.approach`.
 void add_approach(const MeshRings& of, FairRegion& region);
