@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 #include "fusion/holes/plates/thin_plate.h"
@@ -14,11 +15,15 @@ namespace relief::fusion {
 namespace {
 
 // Per vertex of the mesh, and besides per vertex without a measured colour [bytes].
-constexpr std::size_t kVertex = 24, kUnknown = 40;
+constexpr std::size_t kVertex = 36, kUnknown = 40;
 
 // Sweeps of relaxation. Bounds the time: they smooth over about sqrt(3 / 4 * 60) = 7 edges.
 // Colours, unlike surfaces, need not be harmonic to the last digit.
 constexpr int kSweeps = 60;
+
+// Vertices that are relaxed one after the other. Between such parts, which threads share, colours
+// are those of the sweep before: the result depends on this number, but not on that of threads.
+constexpr std::size_t kPart = 8192;
 
 // Colours of vertices, and which of them are known.
 struct Painting {
@@ -60,11 +65,15 @@ class Spreading {
         painting_.colour[ring[k]] = means[k];
         painting_.known[ring[k]] = 1;
       }
-      order_.insert(order_.end(), ring.begin(), ring.end());
+      spread_.insert(spread_.end(), ring.begin(), ring.end());
     }
+    // Vertices of near indices are near each other, and in memory.
+    std::sort(spread_.begin(), spread_.end());
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
-      for (const std::uint32_t v : order_) painting_.colour[v] = mean_around(v);
-      std::reverse(order_.begin(), order_.end());
+      before_ = painting_.colour;
+      parallel_for(spread_.size(), kPart, [&](std::size_t begin, std::size_t end) {
+        relax(std::span(spread_).subspan(begin, end - begin), sweep % 2 == 0);
+      });
     }
   }
 
@@ -83,6 +92,15 @@ class Spreading {
     });
   }
 
+  // The vertices after this one in its faces: on a closed surface each neighbour is one once.
+  template <typename Visit>
+  void visit_followers(std::uint32_t v, const Visit& visit) const {
+    around_.visit(v, [&](std::uint32_t f) {
+      const TriangleMesh::Face& face = mesh_.faces[f];
+      visit(face[0] == v ? face[1] : face[1] == v ? face[2] : face[0]);
+    });
+  }
+
   Eigen::Vector3f mean_around(std::uint32_t v) const {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     int count = 0;
@@ -92,6 +110,21 @@ class Spreading {
       ++count;
     });
     return count > 0 ? Eigen::Vector3f(sum / static_cast<float>(count)) : sum;
+  }
+
+  // One sweep over a part of the vertices, in either direction.
+  void relax(std::span<const std::uint32_t> part, bool forward) {
+    const std::uint32_t first = part.front(), last = part.back();
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      const std::uint32_t v = part[forward ? k : part.size() - 1 - k];
+      Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+      int count = 0;
+      visit_followers(v, [&](std::uint32_t w) {
+        sum += w < first || w > last ? before_[w] : painting_.colour[w];
+        ++count;
+      });
+      painting_.colour[v] = sum / static_cast<float>(count);
+    }
   }
 
   std::vector<std::uint32_t> first_ring() const {
@@ -118,8 +151,9 @@ class Spreading {
 
   const TriangleMesh& mesh_;
   Painting& painting_;
-  FacesAround around_;  // Of vertices whose colour is unknown at first.
-  std::vector<std::uint32_t> order_;
+  FacesAround around_;                   // Of vertices whose colour is unknown at first.
+  std::vector<std::uint32_t> spread_;    // The vertices that colours were spread to.
+  std::vector<Eigen::Vector3f> before_;  // The colours before a sweep.
 };
 
 Colour rounded(const Eigen::Vector3f& colour) {
