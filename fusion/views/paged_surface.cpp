@@ -111,21 +111,21 @@ void place_quads(const RangeSurface& range, const Grid<std::uint8_t>& noisy, Mem
 }
 
 // 1 for the noisy samples, see PagedSurface. Precise scanners have samples of ten times the typical
-// noise, too, that still place a surface far better than closing would; so do grazing rays.
-Grid<std::uint8_t> noisy_samples(const RangeView& view, const Grid<Eigen::Vector3f>& normals,
-                                 const RangeNoise& noise, double spacing) {
+// noise, too, that still place a surface far better than closing would; so do grazing rays. Normals
+// that are estimated from noisy ranges are noise themselves: the noise along the ray counts there.
+Grid<std::uint8_t> noisy_samples(const RangeView& view, const RangeNoise& noise, double spacing) {
   const double known = median_deviation(view);
   const double most = std::max(kLargestNoiseRatio * (known > 0.0 ? known : noise.sigma), spacing);
-  const auto along_normal = [&](int u, int v) {
+  const auto stddev = [&](int u, int v) {
     const double along_ray = known > 0.0 ? view.deviation_at(u, v) : noise.sigma_at(u, v);
-    if (!(along_ray > most) || !normals(u, v).allFinite()) return along_ray;
-    return along_ray *
-           std::abs(view.camera.ray(u, v).direction.normalized().dot(normals(u, v).cast<double>()));
+    if (!(along_ray > most) || !view.has_normal(u, v)) return along_ray;
+    return along_ray * std::abs(view.camera.ray(u, v).direction.normalized().dot(
+                           view.normals(u, v).cast<double>()));
   };
   Grid<std::uint8_t> noisy(view.width(), view.height(), 0);
   for (int v = 0; v < view.height(); ++v)
     for (int u = 0; u < view.width(); ++u)
-      noisy(u, v) = view.has_sample(u, v) && along_normal(u, v) > most;
+      noisy(u, v) = view.has_sample(u, v) && stddev(u, v) > most;
   return noisy;
 }
 
@@ -174,7 +174,7 @@ PagedSurface surface_of(const RangeView& measured, const PagedSurfaceOptions& op
   const RangeSurface range(view, grid, normals,
                            observation_weights(view, grid, normals, options.weights));
   surface.spacing = range.spacing();
-  const Grid<std::uint8_t> noisy = noisy_samples(view, normals, noise, surface.spacing);
+  const Grid<std::uint8_t> noisy = noisy_samples(view, noise, surface.spacing);
   surface.noisy = static_cast<std::size_t>(std::count(noisy.begin(), noisy.end(), 1));
   place_quads(range, noisy, options.memory, surface);
 

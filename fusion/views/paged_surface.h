@@ -52,8 +52,8 @@ struct PagedSurface {
   PagedArray<std::array<float, 3>> scattered;
   std::size_t flying = 0;  ///< Samples left out as flying_samples tells.
   std::size_t filled = 0;  ///< Samples interpolated in small gaps: fill_small_gaps.
-  /// Samples whose noise along the normal is more than the spacing and kLargestNoiseRatio times the
-  /// typical noise.
+  /// Samples whose noise is more than the spacing and kLargestNoiseRatio times the typical noise:
+  /// along the measured normal, else along the ray.
   std::size_t noisy = 0;
 
   bool quad(int u, int v) const { return marks(u, v) & kQuad; }
