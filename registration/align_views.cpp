@@ -1,9 +1,12 @@
 #include "relief/registration/align_views.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <sstream>
 #include <utility>
 
+#include "registration/pairwise/robust.h"
 #include "registration/prepared_views.h"
 #include "registration/verification/given_poses.h"
 
@@ -44,6 +47,23 @@ std::vector<bool> find_misfits(const std::vector<bool>& found_by_shape,
   for (std::size_t i = 0; i < roles.size(); ++i)
     misfits[i] = paired[i] && !fits[i] && roles[i] == ViewRole::kFree && found_by_shape[i];
   return misfits;
+}
+
+// Units of scans differ by ten at least: mm, cm, m. Samples so many times as far apart as those of
+// a typical view, or as near, are of another unit, unless other views confirm them.
+constexpr double kOtherUnit = 9.0;
+
+// What the spacing of each view is in that of a typical one.
+std::vector<double> relative_spacings(const std::vector<ViewSurface>& surfaces) {
+  std::vector<double> spacings;
+  for (const ViewSurface& surface : surfaces)
+    if (!surface.samples().empty()) spacings.push_back(surface.spacing());
+  const double typical = spacings.empty() ? 0.0 : quantile(std::move(spacings), 0.5);
+  std::vector<double> relative;
+  for (const ViewSurface& surface : surfaces)
+    relative.push_back(typical > 0.0 && !surface.samples().empty() ? surface.spacing() / typical
+                                                                   : 1.0);
+  return relative;
 }
 
 // One alignment on its way from surfaces to a report.
@@ -118,13 +138,15 @@ class Aligning {
     Alignment result;
     result.notes = starts_.notes;
     const std::size_t main = main_group(verified_, roles_);
+    relative_spacings_ = relative_spacings(surfaces_);
     for (std::size_t i = 0; i < views_.size(); ++i) {
       ViewReport view;
       view.name = views_[i].name;
       view.world_from_view = refined_.world_from_view[i];
       view.pose_std = refined_.pose_std[i];
       view.pose_covariance = refined_.pose_covariance[i];
-      view.aligned = starts_.in_main_frame[i] && roles_[i] != ViewRole::kExcluded;
+      view.aligned =
+          starts_.in_main_frame[i] && roles_[i] != ViewRole::kExcluded && !has_other_unit(i);
       const bool confirmed =
           verified_.group[i] == main || views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
       view.status = !view.aligned ? PoseStatus::kLeftOut
@@ -177,14 +199,33 @@ class Aligning {
     return "it deviates from the views that it overlaps by more than other pairs do";
   }
 
+  // Where two views differ, either may be wrong.
+  bool has_other_unit(std::size_t i) const {
+    const double relative = relative_spacings_[i];
+    return views_.size() > 2 && roles_[i] == ViewRole::kFree && !verified_.views[i].overlaps &&
+           starting_.given != GivenPoses::kTrust &&
+           (relative > kOtherUnit || relative < 1.0 / kOtherUnit);
+  }
+
   std::string reason_left_out(std::size_t i) const {
     if (surfaces_[i].samples().empty())
       return "it has no usable samples: none lies off all boundaries with a surface normal";
+    if (has_other_unit(i)) return reason_other_unit(relative_spacings_[i]);
     if (!starts_.world_from_view[i]) return starts_.reasons[i];
     if (roles_[i] == ViewRole::kExcluded)
       return "it fits none of the views that it seems to overlap; give a better guess or remove it";
     return "no pose was found at which its group fits the main group; it is aligned only to " +
            names_of_group(refined_.group, i);
+  }
+
+  static std::string reason_other_unit(double relative_spacing) {
+    const bool farther = relative_spacing > 1.0;
+    std::ostringstream reason;
+    reason << "it overlaps no other view, and its samples are "
+           << std::lround(farther ? relative_spacing : 1.0 / relative_spacing) << " times as "
+           << (farther ? "far apart" : "near each other")
+           << " as those of a typical view: check its unit or depth scale";
+    return reason.str();
   }
 
   const std::vector<RangeView>& views_;
@@ -198,6 +239,7 @@ class Aligning {
   std::vector<ViewRole> roles_;
   JointRefinement refined_;
   PoseVerification verified_;
+  std::vector<double> relative_spacings_;
 };
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
+#include <string>
 
 #include <Eigen/Geometry>
 
@@ -196,6 +198,25 @@ bool room_for_unit(std::size_t blocks_near_samples, const MemoryLimit* memory) {
   return memory == nullptr || memory->has_room(kBlock * blocks_near_samples);
 }
 
+// Names the widest view: most often one is of another unit, or has a stray sample far away.
+Error too_many_voxels(const std::vector<ViewSampler>& views, const ClosedFieldOptions& options) {
+  double widest = 0.0;
+  std::string name;
+  for (const ViewSampler& view : views) {
+    evict_pages(options.memory, view.bytes());
+    Eigen::AlignedBox3d box;
+    view.for_surface_points([&](const Eigen::Vector3d& p) { box.extend(p); });
+    if (box.isEmpty() || box.sizes().maxCoeff() <= widest) continue;
+    widest = box.sizes().maxCoeff();
+    name = view.name();
+  }
+  std::ostringstream message;
+  message << "the voxel size " << options.voxel_size
+          << " is too small for what the views span; the widest, `" << name << "`, spans " << widest
+          << ": check its unit and pose, or use a larger voxel size";
+  return {ErrorKind::kUnsolvable, message.str()};
+}
+
 // solve_level() as a unit of work.
 Result<FieldLevel> level_or_find(const std::vector<ViewSampler>& views, const FieldDomain& domain,
                                  int level, std::vector<NodeKey> near_samples,
@@ -223,8 +244,7 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
                                          const Progress& progress) {
   const FieldDomain domain = domain_of(views, options.voxel_size, options.truncation,
                                        options.coarse_cells, options.memory);
-  if (!domain.has_keys())
-    return Error{ErrorKind::kUnsolvable, "the voxel size is too small for the size of the object"};
+  if (!domain.has_keys()) return too_many_voxels(views, options);
 
   std::vector<std::vector<NodeKey>> near_samples{
       blocks_near(views, domain.finest, 2.0 * options.voxel_size, options.memory)};

@@ -87,6 +87,7 @@ struct ViewSampler::Patch {
 Result<ViewSampler> ViewSampler::create(const RangeView& view, const PagedSurfaceOptions& options) {
   Result<ViewSampler> created = ViewSampler();
   ViewSampler& sampler = *created;
+  sampler.name_ = view.name;
   sampler.world_from_view_ = view.world_from_view;
   sampler.view_from_world_ = view.world_from_view.inverse();
   sampler.surface_ = surface_of(view, options);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include <Eigen/Geometry>
 
@@ -120,6 +121,7 @@ class ViewSampler {
            surface_.colours.size() * sizeof(Colour);
   }
 
+  const std::string& name() const { return name_; }
   double spacing() const { return surface_.spacing; }     ///< See PagedSurface.
   double noise() const { return surface_.noise; }         ///< See PagedSurface.
   std::size_t flying() const { return surface_.flying; }  ///< See PagedSurface.
@@ -131,6 +133,7 @@ class ViewSampler {
   std::optional<Quad> quad_at(const Eigen::Vector3d& point) const;
   std::optional<Patch> patch_on(const Quad& quad) const;
 
+  std::string name_;
   ViewProjection projection_;
   RigidMotion view_from_world_ = RigidMotion::Identity();
   RigidMotion world_from_view_ = RigidMotion::Identity();

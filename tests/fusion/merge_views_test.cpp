@@ -272,6 +272,14 @@ TEST(MergeViews, SaysWhatIsWrongWithItsInput) {
   EXPECT_THAT(merge_views(views), HasError(ErrorKind::kUnsolvable));
 }
 
+TEST(MergeViews, NamesTheViewThatIsTooLargeForTheVoxels) {
+  auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 5, 40, 50.0);
+  views[3].name = "in micrometres";
+  for (int v = 0; v < views[3].height(); ++v)
+    for (int u = 0; u < views[3].width(); ++u) views[3].range(u, v) *= 1e5;
+  EXPECT_THAT(merge_views(views), HasError(ErrorKind::kUnsolvable, "`in micrometres`, spans"));
+}
+
 TEST(MergeViews, CanBeInterrupted) {
   const auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 2, 40, 50.0);
   for (const double until : {0.0, 0.5, 0.87}) {

@@ -27,7 +27,7 @@ enum class RefinementTermination {
 enum class PoseStatus {
   kVerified,    ///< Other views confirm it.
   kUnverified,  ///< It is the given pose, refined where views overlap it; nothing confirms it.
-  kLeftOut,     ///< None is known, or the given one is refuted.
+  kLeftOut,     ///< None is known, the given one is refuted, or the view is of another unit.
 };
 
 /// What became of one view.
