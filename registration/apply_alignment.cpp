@@ -9,9 +9,13 @@ void apply_alignment(const Alignment& alignment, std::vector<RangeView>& views) 
   assert(alignment.views.size() == views.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
     const ViewReport& report = alignment.views[i];
-    if (!report.aligned) continue;
-    views[i].world_from_view = report.world_from_view;
-    if (views[i].pose == PoseKind::kAbsent) views[i].pose = PoseKind::kGuess;
+    RangeView& view = views[i];
+    if (!report.aligned) {
+      if (view.pose == PoseKind::kGuess) view.pose = PoseKind::kAbsent;
+      continue;
+    }
+    view.world_from_view = report.world_from_view;
+    if (view.pose == PoseKind::kAbsent) view.pose = PoseKind::kGuess;
   }
 }
 

@@ -108,7 +108,7 @@ std::string_view to_string(SolverStage stage);
 
 /// Gives `views`, those that were aligned and in the same order, the poses found. An aligned view
 /// that had no pose has a guess from then on, so that merging takes it; a known pose stays known.
-/// Views that were not aligned stay as they are.
+/// Views that were not aligned have no guess from then on: it is refuted, or of another frame.
 void apply_alignment(const Alignment& alignment, std::vector<RangeView>& views);
 
 }  // namespace relief::registration
