@@ -17,6 +17,7 @@ struct CloudDirection {
   double hidden_fraction = 0.0;  ///< Of the points, that others hide or whose normals are averted.
   std::string side;              ///< What the side follows from, for the user.
   bool side_known = true;        ///< False where nothing tells on which side the sensor is.
+  bool around_origin = false;    ///< Whether the points lie all around the origin of the frame.
 };
 
 /// The points of a cloud that a search looks at: all, or an even choice of at most `most`.
@@ -33,7 +34,8 @@ double nearest_spacing(const std::vector<Eigen::Vector3d>& points);
 ///
 /// Rays from the origin of the frame are preferred where the points lie in front of it within a
 /// pinhole's field of view and hide each other no more than in the best direction: depth cameras
-/// leave their clouds so.
+/// leave their clouds so. So are they where the points lie all around the origin and hide each
+/// other less than along any direction, as from a scanner that stands in its surroundings.
 CloudDirection find_direction(const PointCloudFile& cloud);
 
 /// The fraction of the points that lie behind others on these rays, or whose normals are averted.

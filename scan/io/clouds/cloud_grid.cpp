@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <numbers>
 
 #include "relief/scan/range_view.h"
 #include "scan/io/clouds/cloud_direction.h"
@@ -42,7 +43,8 @@ struct ChosenRays {
   CloudRays rays;
   std::string note;
   bool side_known = true;
-  bool by_normals = false;  // Stored ones, not those of faces.
+  bool by_normals = false;     // Stored ones, not those of faces.
+  bool around_origin = false;  // The points lie all around the origin, which is not taken.
 };
 
 std::string rays_text(const CloudRays& rays) {
@@ -61,7 +63,8 @@ ChosenRays choose_rays(const PointCloudFile& cloud, const CloudGridOptions& opti
   const CloudDirection found = find_direction(cloud);
   return {found.rays,
           "no viewpoint is given; taken as seen " + rays_text(found.rays) + " (" + found.side + ")",
-          found.side_known, found.side_known && !cloud.normals.empty() && cloud.facing.empty()};
+          found.side_known, found.side_known && !cloud.normals.empty() && cloud.facing.empty(),
+          found.around_origin && found.rays.kind == CloudRays::Kind::kParallel};
 }
 
 // Puts points into the cells of a lattice.
@@ -79,6 +82,10 @@ class CloudCells {
     auto lattice = fit_lattice(at, rays_.kind != CloudRays::Kind::kSpherical);
     if (!lattice) return lattice.error();
     lattice_ = *lattice;
+    if (rays_.kind == CloudRays::Kind::kSpherical) {
+      end_at_poles();
+      close_turn();
+    }
     return {};
   }
 
@@ -133,6 +140,26 @@ class CloudCells {
   std::size_t outside() const { return outside_; }
 
  private:
+  // A row beyond a pole would look to the other side.
+  void end_at_poles() {
+    constexpr double kPole = 0.5 * std::numbers::pi;
+    const double step = lattice_.step_v.y();
+    const double before = std::max(0.0, std::ceil((-kPole - lattice_.origin.y()) / step));
+    lattice_.origin += before * lattice_.step_v;
+    const double last = std::floor((kPole - lattice_.origin.y()) / step);
+    lattice_.height = std::max(
+        2, std::min(lattice_.height - static_cast<int>(before), static_cast<int>(last) + 1));
+  }
+
+  // Columns of a lattice that goes all round divide a turn: none looks where another does.
+  void close_turn() {
+    constexpr double kTurn = 2.0 * std::numbers::pi;
+    if ((lattice_.width - 1) * lattice_.step_u.x() < kTurn) return;
+    lattice_.width = std::max(2, static_cast<int>(std::lround(kTurn / lattice_.step_u.x())));
+    lattice_.step_u *= kTurn / (lattice_.width * lattice_.step_u.x());
+    goes_round_ = true;
+  }
+
   struct Place {
     std::int32_t u = 0, v = 0;
     float off_u = 0.0f, off_v = 0.0f;  // From the middle of the cell, in steps.
@@ -146,13 +173,14 @@ class CloudCells {
     places_.resize(projected_.size());
     for (std::size_t i = 0; i < projected_.size(); ++i) {
       const Eigen::Vector2d at = inverse * (projected_[i].head<2>() - lattice_.origin);
-      const Eigen::Vector2d cell(std::round(at.x()), std::round(at.y()));
+      Eigen::Vector2d cell(std::round(at.x()), std::round(at.y()));
+      const Eigen::Vector2f off = (at - cell).cast<float>();
+      if (goes_round_) cell.x() -= lattice_.width * std::floor(cell.x() / lattice_.width);
       if (!(cell.x() >= 0 && cell.y() >= 0 && cell.x() < lattice_.width &&
             cell.y() < lattice_.height)) {
         ++outside_;
         continue;
       }
-      const Eigen::Vector2f off = (at - cell).cast<float>();
       places_[i] = {static_cast<std::int32_t>(cell.x()), static_cast<std::int32_t>(cell.y()),
                     off.x(), off.y()};
       order_.push_back(static_cast<std::uint32_t>(i));
@@ -240,6 +268,7 @@ class CloudCells {
   const PointCloudFile& cloud_;
   CloudRays rays_;
   CloudLattice lattice_;
+  bool goes_round_ = false;  // The column after the last one is the first.
   std::vector<Eigen::Vector3d> projected_;
   std::vector<Place> places_;
   std::vector<std::uint32_t> order_;  // Points inside the lattice, cell by cell.
@@ -336,6 +365,10 @@ Result<GridFile> lattice_from_cloud(PointCloudFile& cloud, const CloudGridOption
                     "viewpoint if this is the back");
   else if (!chosen.note.empty())
     notes.push_back(chosen.note);
+  if (chosen.around_origin)
+    notes.push_back(
+        "the points lie all around the origin of the frame: if the sensor stood there, give the "
+        "viewpoint 0 0 0");
   if (chosen.by_normals && outlines_speak_against(*grid, chosen.rays))
     notes.push_back(
         "the outlines turn towards that side: it is the inside of a surface, or the normals are "

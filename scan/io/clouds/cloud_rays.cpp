@@ -12,7 +12,9 @@ namespace {
 // [rad] A plane across the view stretches places by 1 / cos^2 there, 2.4 at 50 degrees (4 at 60);
 // wider clouds get even angles.
 constexpr double kPinholeHalfAngle = 50.0 * std::numbers::pi / 180.0;
-constexpr int kSeamSectors = 72;  // Of 5 degrees each.
+constexpr int kSectors = 72;  // Of 5 degrees each.
+// Sectors with points, of all. A view of anything but its surroundings leaves half of them empty.
+constexpr double kAllAround = 0.95;
 
 // x right and y down of a picture seen along `forward`, upright with respect to `up`.
 Eigen::Matrix3d upright_axes(const Eigen::Vector3d& forward, const Eigen::Vector3d& up) {
@@ -28,21 +30,29 @@ Eigen::Matrix3d picture_axes(const Eigen::Vector3d& forward) {
   return upright_axes(forward, along_y ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY());
 }
 
+constexpr double kSector = 2.0 * std::numbers::pi / kSectors;
+
+// Points in each sector of azimuths, about +z through the viewpoint.
+std::array<std::size_t, kSectors> points_in_sectors(const Eigen::Vector3d& viewpoint,
+                                                    const std::vector<Eigen::Vector3d>& points) {
+  std::array<std::size_t, kSectors> counts{};
+  for (const auto& point : points) {
+    const double azimuth = std::atan2(point.y() - viewpoint.y(), point.x() - viewpoint.x());
+    const int sector = static_cast<int>(std::floor(azimuth / kSector)) + kSectors;
+    ++counts[static_cast<std::size_t>(sector % kSectors)];
+  }
+  return counts;
+}
+
 // The azimuth opposite to the sectors with the fewest points.
 double middle_azimuth(const Eigen::Vector3d& viewpoint,
                       const std::vector<Eigen::Vector3d>& points) {
-  std::array<std::size_t, kSeamSectors> counts{};
-  constexpr double kSector = 2.0 * std::numbers::pi / kSeamSectors;
-  for (const auto& point : points) {
-    const double azimuth = std::atan2(point.y() - viewpoint.y(), point.x() - viewpoint.x());
-    const int sector = static_cast<int>(std::floor(azimuth / kSector)) + kSeamSectors;
-    ++counts[static_cast<std::size_t>(sector % kSeamSectors)];
-  }
+  const auto counts = points_in_sectors(viewpoint, points);
   // The middle of the longest run of sectors that hold the least.
   const std::size_t least = *std::min_element(counts.begin(), counts.end());
   int best = 0, longest = 0, run = 0;
-  for (int i = 0; i < 2 * kSeamSectors && run < kSeamSectors; ++i) {
-    run = counts[static_cast<std::size_t>(i % kSeamSectors)] == least ? run + 1 : 0;
+  for (int i = 0; i < 2 * kSectors && run < kSectors; ++i) {
+    run = counts[static_cast<std::size_t>(i % kSectors)] == least ? run + 1 : 0;
     if (run > longest) longest = run, best = i;
   }
   const double seam = (best + 1 - 0.5 * longest) * kSector;
@@ -116,6 +126,12 @@ CloudRays rays_from(const Eigen::Vector3d& viewpoint, const std::vector<Eigen::V
     if ((point - viewpoint).stableNormalized().dot(forward) < std::cos(kPinholeHalfAngle))
       return spherical_rays(viewpoint, points);
   return {CloudRays::Kind::kPinhole, viewpoint, picture_axes(forward)};
+}
+
+bool surround(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& place) {
+  const auto counts = points_in_sectors(place, points);
+  return static_cast<double>(std::count(counts.begin(), counts.end(), 0u)) <=
+         (1.0 - kAllAround) * kSectors;
 }
 
 Camera camera_of(const CloudRays& rays, const CloudLattice& lattice, double nearest,

@@ -39,6 +39,9 @@ CloudRays parallel_rays(const Eigen::Vector3d& direction, const Eigen::Vector3d&
 /// their mean direction, else a spherical one about +z whose seam lies where the fewest points are.
 CloudRays rays_from(const Eigen::Vector3d& viewpoint, const std::vector<Eigen::Vector3d>& points);
 
+/// Whether the points lie all around a place: in all but a twentieth of the directions about +z.
+bool surround(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& place);
+
 /// A regular grid in the plane of the rays' coordinates: place (u, v) is
 /// origin + u step_u + v step_v.
 struct CloudLattice {

@@ -96,7 +96,7 @@ GridCamera camera_through_points(const Grid<Eigen::Vector3d>& points, const Came
   }
   result.exact_model =
       model.model() != Camera::Model::kRayTable && largest <= kOnRay * median_spacing(points);
-  if (model.model() == Camera::Model::kSpherical) {
+  if (model.spherical_projection()) {
     add_spherical_camera(points, model, result);
     return result;
   }

@@ -283,19 +283,29 @@ TEST(CloudGrid, CountsPointsThatShareARay) {
   EXPECT_THAT(grid.notes, Contains("1 of 901 points share a ray with another and are left out"));
 }
 
-TEST(CloudGrid, SeesARoomAllRound) {
-  // Walls, floor and ceiling of a box around the origin, by even angles.
+constexpr double kRoomStep = std::numbers::pi / 180.0;
+
+// Walls, floor and ceiling of a box around the origin, by angles that are even but for `jitter`
+// [steps].
+PointCloudFile room_around_origin(double jitter) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> off(-jitter, jitter);
   PointCloudFile cloud;
-  const double step = std::numbers::pi / 180.0;
   for (int row = -60; row <= 60; ++row) {
     for (int column = 0; column < 360; ++column) {
-      const double azimuth = column * step, elevation = row * step;
+      const double azimuth = (column + off(random)) * kRoomStep;
+      const double elevation = (row + off(random)) * kRoomStep;
       const Eigen::Vector3d d(std::cos(elevation) * std::cos(azimuth),
                               std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
       cloud.points.push_back(d * std::min({3.0 / std::abs(d.x()), 2.0 / std::abs(d.y()),
                                            d.z() == 0.0 ? 1e9 : 1.5 / std::abs(d.z())}));
     }
   }
+  return cloud;
+}
+
+TEST(CloudGrid, SeesARoomAllRound) {
+  const PointCloudFile cloud = room_around_origin(0.0);
   CloudGridOptions options;
   options.viewpoint = Eigen::Vector3d::Zero();
   const auto grid = value_of(grid_from_cloud(cloud, options));
@@ -306,9 +316,43 @@ TEST(CloudGrid, SeesARoomAllRound) {
     for (int u = 0; u < grid.points.width(); u += 7) {
       if (!grid.points(u, v).allFinite()) continue;
       const Eigen::Vector3d direction = grid.points(u, v).normalized();
-      ASSERT_GT(grid.camera->ray(u, v).direction.dot(direction), std::cos(2.0 * step));
+      ASSERT_GT(grid.camera->ray(u, v).direction.dot(direction), std::cos(2.0 * kRoomStep));
     }
   }
+}
+
+// Points that lie beside the middles of their cells, as those of thinned scans do, keep a
+// projection all the same: without one, views cannot be merged.
+TEST(CloudGrid, ProjectsIntoARoomOfIrregularPoints) {
+  CloudGridOptions options;
+  options.viewpoint = Eigen::Vector3d::Zero();
+  const auto grid = value_of(grid_from_cloud(room_around_origin(0.4), options));
+  const auto view = value_of(view_from_grid(grid, grid.camera));
+  ASSERT_TRUE(view.camera.can_project());
+  for (int v = 2; v < view.height(); v += 9) {
+    for (int u = 2; u < view.width(); u += 9) {
+      if (!view.has_sample(u, v)) continue;
+      const auto pixel = view.camera.project(view.point(u, v));
+      ASSERT_TRUE(pixel);
+      EXPECT_LT((*pixel - Eigen::Vector2d(u, v)).lpNorm<Eigen::Infinity>(), 1.6);
+    }
+  }
+}
+
+TEST(CloudGrid, TakesTheOriginOfAScannerInItsSurroundings) {
+  const auto grid = value_of(grid_from_cloud(room_around_origin(0.4)));
+  EXPECT_TRUE(grid.camera->spherical_projection());
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("all around which the points lie")));
+}
+
+// A cap round the axis of the origin, seen from above: nothing is hidden along parallel rays.
+TEST(CloudGrid, SaysThatPointsLieAroundTheOriginOfAnObject) {
+  PointCloudFile cloud = room_around_origin(0.4);
+  for (auto& point : cloud.points) point.normalize();
+  std::erase_if(cloud.points, [](const auto& point) { return point.z() < 0.5; });
+  const auto grid = value_of(grid_from_cloud(cloud));
+  EXPECT_EQ(grid.camera->model(), Camera::Model::kOrthographic);
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("give the viewpoint 0 0 0")));
 }
 
 TEST(CloudGrid, IrregularPointsStayConnected) {
