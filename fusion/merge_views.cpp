@@ -44,6 +44,7 @@ struct SampleQuality {
 
 struct Inputs {
   SampleQuality quality;
+  std::size_t samples = 0;          // Of all views.
   std::vector<std::string> hashes;  // Of the views, where units are kept.
 };
 
@@ -56,6 +57,7 @@ Result<Inputs> look_at(const ViewSource& views, bool hashed, MemoryLimit* memory
     if (!view) return view.error();
     const double known = median_deviation(**view);
     if (known > 0.0) medians.push_back(known);
+    inputs.samples += (*view)->sample_count();
     quality.refined |= (*view)->samples == SampleOrigin::kRefined;
     if (hashed) inputs.hashes.push_back(hash_of_view(**view));
     if (const auto kept = check(memory); !kept) return kept.error();
@@ -140,13 +142,18 @@ class Preparation {
   std::size_t without_pose_ = 0;
 };
 
-void count_samples(const std::vector<ViewSampler>& views, MergeResult& result) {
+// Of all samples: worth a note.
+constexpr double kManyNoisy = 0.01;
+
+// `samples`: of all views.
+void count_samples(const std::vector<ViewSampler>& views, std::size_t samples,
+                   MergeResult& result) {
   for (const ViewSampler& view : views) {
     result.flying_samples += view.flying();
     result.filled_samples += view.filled();
     result.noisy_samples += view.noisy();
   }
-  if (result.noisy_samples > 0)
+  if (static_cast<double>(result.noisy_samples) > kManyNoisy * static_cast<double>(samples))
     result.notes.push_back(std::to_string(result.noisy_samples) +
                            " samples are far noisier than the others, and than their spacing: they "
                            "tell which space is empty, not where the surface is");
@@ -239,7 +246,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   auto samplers = prepare(views, result.notes);
   if (!samplers) return samplers.error();
   release_freed_memory();
-  count_samples(*samplers, result);
+  count_samples(*samplers, inputs->samples, result);
   RangeErrors errors = inter_view_errors(*samplers);
   if (quality.deviation > 0.0) errors.exponent = 0.0;  // Views know theirs.
   for (ViewSampler& sampler : *samplers) sampler.set_range_errors(errors);
