@@ -204,15 +204,15 @@ TEST(AlignViews, ReportsViewsThatOverlapNothing) {
 TEST(AlignViews, LeavesOutAViewOfAnotherUnitUnlessItsPoseIsTrusted) {
   for (const double factor : {1e3, 1e-3}) {
     auto views = disturbed_ring();
-    for (int v = 0; v < views[2].height(); ++v)
-      for (int u = 0; u < views[2].width(); ++u) views[2].range(u, v) *= factor;
+    views.resize(4);
+    for (double& range : views[3].range) range *= factor;
     AlignOptions options;
     const auto aligned = value_of(align_views(views, options));
     for (std::size_t i = 0; i < views.size(); ++i)
-      EXPECT_EQ(aligned.views[i].status, i == 2 ? PoseStatus::kLeftOut : PoseStatus::kVerified);
-    EXPECT_THAT(aligned.views[2].reason,
+      EXPECT_EQ(aligned.views[i].status, i == 3 ? PoseStatus::kLeftOut : PoseStatus::kVerified);
+    EXPECT_THAT(aligned.views[3].reason,
                 HasSubstr(factor > 1.0 ? "times as far apart" : "times as near"));
-    EXPECT_THAT(aligned.views[2].reason, HasSubstr("check its unit"));
+    EXPECT_THAT(aligned.views[3].reason, HasSubstr("check its unit"));
     options.starting_poses.given = GivenPoses::kTrust;
     EXPECT_TRUE(value_of(align_views(views, options)).complete());
   }
