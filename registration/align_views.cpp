@@ -76,7 +76,8 @@ class Aligning {
         starting_(options.starting_poses),
         refinement_(options.refinement),
         units_(units),
-        progress_(progress) {}
+        progress_(progress),
+        relative_spacings_(relative_spacings(surfaces)) {}
 
   Result<Alignment> run() {
     auto given = refine_given_poses(surfaces_, views_, starting_, refinement_, progress_, units_);
@@ -138,7 +139,6 @@ class Aligning {
     Alignment result;
     result.notes = starts_.notes;
     const std::size_t main = main_group(verified_, roles_);
-    relative_spacings_ = relative_spacings(surfaces_);
     for (std::size_t i = 0; i < views_.size(); ++i) {
       ViewReport view;
       view.name = views_[i].name;
@@ -234,12 +234,12 @@ class Aligning {
   JointRefinementOptions refinement_;
   const AlignUnits& units_;
   const Progress& progress_;
+  const std::vector<double> relative_spacings_;
   StartingPoses starts_;
   std::vector<RigidMotion> poses_;
   std::vector<ViewRole> roles_;
   JointRefinement refined_;
   PoseVerification verified_;
-  std::vector<double> relative_spacings_;
 };
 
 }  // namespace

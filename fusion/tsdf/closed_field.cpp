@@ -204,10 +204,10 @@ Error too_many_voxels(const std::vector<ViewSampler>& views, const ClosedFieldOp
   std::string name;
   for (const ViewSampler& view : views) {
     evict_pages(options.memory, view.bytes());
-    Eigen::AlignedBox3d box;
-    view.for_surface_points([&](const Eigen::Vector3d& p) { box.extend(p); });
-    if (box.isEmpty() || box.sizes().maxCoeff() <= widest) continue;
-    widest = box.sizes().maxCoeff();
+    const Eigen::AlignedBox3d box = view.bounds();
+    const double width = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+    if (width <= widest) continue;
+    widest = width;
     name = view.name();
   }
   std::ostringstream message;

@@ -22,7 +22,7 @@ Eigen::AlignedBox3d bounds_of(const std::vector<ViewSampler>& views, MemoryLimit
   Eigen::AlignedBox3d box;
   for (const ViewSampler& view : views) {
     evict_pages(memory, view.bytes());
-    view.for_surface_points([&](const Eigen::Vector3d& p) { box.extend(p); });
+    box.extend(view.bounds());
   }
   return box;
 }

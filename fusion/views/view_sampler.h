@@ -92,6 +92,12 @@ class ViewSampler {
         if (surface_.measured_corner(u, v))
           visit(Eigen::Vector3d(world_from_view_ * (surface_.centre + surface_.offset(u, v))));
   }
+  /// Of these corners, world frame; empty when there are none.
+  Eigen::AlignedBox3d bounds() const {
+    Eigen::AlignedBox3d box;
+    for_surface_points([&](const Eigen::Vector3d& point) { box.extend(point); });
+    return box;
+  }
   /// Calls `visit` with the measured samples that belong to no quad, world frame: single ones, and
   /// patches too small for a surface.
   template <typename Visit>

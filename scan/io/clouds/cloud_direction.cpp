@@ -285,7 +285,7 @@ CloudDirection find_direction(const PointCloudFile& cloud) {
     const CloudRays rays = rays_from(Eigen::Vector3d::Zero(), cloud.points);
     const double hidden = judge.score(rays).hidden;
     if (hidden < best.score.hidden)
-      return {rays, hidden, "the origin of the frame, all around which the points lie", true, true};
+      return {rays, hidden, "the origin of the frame, all around which the points lie"};
   }
   const CloudRays rays = parallel_rays(best.direction, judge.centre());
   if (judge.has_normals())

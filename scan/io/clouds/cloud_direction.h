@@ -17,7 +17,8 @@ struct CloudDirection {
   double hidden_fraction = 0.0;  ///< Of the points, that others hide or whose normals are averted.
   std::string side;              ///< What the side follows from, for the user.
   bool side_known = true;        ///< False where nothing tells on which side the sensor is.
-  bool around_origin = false;    ///< Whether the points lie all around the origin of the frame.
+  /// Whether the points lie all around the origin of the frame and are not seen from it here.
+  bool around_origin = false;
 };
 
 /// The points of a cloud that a search looks at: all, or an even choice of at most `most`.

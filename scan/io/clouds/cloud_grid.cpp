@@ -44,7 +44,7 @@ struct ChosenRays {
   std::string note;
   bool side_known = true;
   bool by_normals = false;     // Stored ones, not those of faces.
-  bool around_origin = false;  // The points lie all around the origin, which is not taken.
+  bool around_origin = false;  // See CloudDirection.
 };
 
 std::string rays_text(const CloudRays& rays) {
@@ -64,7 +64,7 @@ ChosenRays choose_rays(const PointCloudFile& cloud, const CloudGridOptions& opti
   return {found.rays,
           "no viewpoint is given; taken as seen " + rays_text(found.rays) + " (" + found.side + ")",
           found.side_known, found.side_known && !cloud.normals.empty() && cloud.facing.empty(),
-          found.around_origin && found.rays.kind == CloudRays::Kind::kParallel};
+          found.around_origin};
 }
 
 // Puts points into the cells of a lattice.
