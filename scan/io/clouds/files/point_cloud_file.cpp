@@ -28,31 +28,40 @@ bool is_mesh_ending(const std::string& ending) {
   return is_one_of(ending, {".obj", ".stl", ".vtp"});
 }
 
-// Drops what is not finite and says so.
-Result<PointCloudFile> finite_points(PointCloudFile cloud, const std::filesystem::path& path) {
+// Keeps the points for which keep(point) is true, with all that is known of them. Returns how many
+// are left out.
+template <typename Keep>
+std::size_t keep_points(PointCloudFile& cloud, const Keep& keep) {
   const std::size_t count = cloud.points.size();
-  std::size_t kept = 0;
-  const auto keep = [&](auto& values, std::size_t i) {
-    if (!values.empty()) values[kept] = values[i];
-  };
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!cloud.points[i].allFinite()) continue;
-    keep(cloud.points, i);
-    keep(cloud.normals, i);
-    keep(cloud.colours, i);
-    keep(cloud.facing, i);
-    ++kept;
-  }
-  if (kept == 0) return bad_input(path, "no point with finite coordinates in the file");
-  if (kept == count) return cloud;
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < count; ++i)
+    if (keep(cloud.points[i])) chosen.push_back(i);
   const auto shorten = [&](auto& values) {
-    if (!values.empty()) values.resize(kept);
+    if (values.empty()) return;
+    for (std::size_t k = 0; k < chosen.size(); ++k) values[k] = values[chosen[k]];
+    values.resize(chosen.size());
   };
   shorten(cloud.points);
   shorten(cloud.normals);
   shorten(cloud.colours);
   shorten(cloud.facing);
-  cloud.notes.push_back(std::to_string(count - kept) + " points that are not finite are left out");
+  return count - chosen.size();
+}
+
+// Drops what is not finite, and points at the origin where several are: many programs write these
+// where nothing was measured. Corners of a mesh may meet there.
+Result<PointCloudFile> measured_points(PointCloudFile cloud, const std::filesystem::path& path) {
+  const auto note = [&](std::size_t count, const char* what) {
+    if (count > 0) cloud.notes.push_back(std::to_string(count) + what);
+  };
+  note(keep_points(cloud, [](const Eigen::Vector3d& point) { return point.allFinite(); }),
+       " points that are not finite are left out");
+  const auto at_origin = [](const Eigen::Vector3d& point) { return point.isZero(0.0); };
+  if (cloud.facing.empty() &&
+      std::count_if(cloud.points.begin(), cloud.points.end(), at_origin) > 1)
+    note(keep_points(cloud, [&](const Eigen::Vector3d& point) { return !at_origin(point); }),
+         " points at the origin are taken for missing samples");
+  if (cloud.points.empty()) return bad_input(path, "no point of the file is finite and measured");
   return cloud;
 }
 
@@ -141,8 +150,8 @@ PointCloudFile cloud_of_grid(const GridFile& grid) {
 
 Result<PointCloudFile> read_point_cloud(const std::filesystem::path& path) {
   const std::string ending = lower_ending(path);
-  if (is_text_ending(ending)) return read_text_cloud(path);
   auto cloud = [&]() -> Result<PointCloudFile> {
+    if (is_text_ending(ending)) return read_text_cloud(path);
     if (ending == ".pcd") return read_pcd_cloud(path);
     if (ending == ".ply") return read_ply_cloud(path);
     if (is_mesh_ending(ending)) return read_mesh_cloud(path);
@@ -151,7 +160,7 @@ Result<PointCloudFile> read_point_cloud(const std::filesystem::path& path) {
                                ".obj, .stl or .vtp");
   }();
   if (!cloud) return cloud;
-  return finite_points(*std::move(cloud), path);
+  return measured_points(*std::move(cloud), path);
 }
 
 }  // namespace relief

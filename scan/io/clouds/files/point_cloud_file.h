@@ -33,8 +33,9 @@ struct PointCloudFile {
 /// - `.pcd`: points of a PCD, organized or not; its VIEWPOINT is the pose;
 /// - `.ply`: the vertices of a cloud or of a mesh, with `nx ny nz` and `red green blue`;
 /// - `.obj .stl .vtp`: the vertices of a mesh; equal corners of an STL are one point.
-/// Points that are not finite are left out, and `notes` says how many. Errors (kBadInput) name the
-/// file and the place in it; a file without a point is one.
+/// Points that are not finite are left out, as are several at the origin, which many programs write
+/// where nothing was measured. `notes` say how many. Errors (kBadInput) name the file and the place
+/// in it; a file without a point is one.
 Result<PointCloudFile> read_point_cloud(const std::filesystem::path& path);
 
 /// Whether read_point_cloud knows the ending of `path`.

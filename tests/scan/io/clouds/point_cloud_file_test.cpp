@@ -205,6 +205,18 @@ TEST(PointCloudFile, ReadsPlyClouds) {
   EXPECT_THAT(cloud.facing, IsEmpty());
 }
 
+TEST(PointCloudFile, LeavesOutSeveralPointsAtTheOrigin) {
+  const TemporaryFolder folder;
+  const auto several =
+      value_of(read_point_cloud(folder.write("several.xyz", "0 0 0\n1 2 3\n0 0 0\n0 0 1\n")));
+  EXPECT_THAT(several.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 0, 1)));
+  EXPECT_THAT(several.notes, ElementsAre("2 points at the origin are taken for missing samples"));
+  const auto one = value_of(read_point_cloud(folder.write("one.xyz", "0 0 0\n1 2 3\n")));
+  EXPECT_THAT(one.points, ElementsAre(Eigen::Vector3d::Zero(), Eigen::Vector3d(1, 2, 3)));
+  EXPECT_THAT(read_point_cloud(folder.write("none.xyz", "0 0 0\n0 0 0\n")),
+              HasError("none.xyz: no point of the file is finite and measured"));
+}
+
 TriangleMesh square() {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
