@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstdint>
 #include <functional>
 #include <set>
 #include <utility>
@@ -41,10 +42,8 @@ class GlobalRegistration {
     regroup();
     if (!complete() && !search_by_shape()) return interrupted();
     if (!complete()) {
-      for (auto& link : turntable_links(surfaces_, groups_, options_.limits, grouping_.judge)) {
-        link.ambiguous = looks_repeated(link.a) || looks_repeated(link.b);
-        links_.push_back(std::move(link));
-      }
+      for (const auto& link : turntable_links(surfaces_, groups_, options_.limits, grouping_.judge))
+        add_with_alternatives(link);
       regroup();
     }
     note_best_rejected();
@@ -106,11 +105,14 @@ class GlobalRegistration {
   bool describe_views() {
     scale_ = coarse_scale(surfaces_);
     views_.resize(surfaces_.size());
-    repeats_.assign(surfaces_.size(), std::nullopt);
+    onto_itself_.assign(surfaces_.size(), std::nullopt);
     if (!go_on("describing views")) return false;
     parallel_for(views_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         views_[i] = prepare_coarse_view(surfaces_[i], scale_);
+    });
+    mostly_planar_ = parallel_map<std::uint8_t>(surfaces_.size(), [&](std::size_t i) {
+      return std::uint8_t{is_mostly_planar(surfaces_[i])};
     });
     std::vector<const LocalFeatures*> features;
     for (const auto& view : views_) features.push_back(&view.features);
@@ -196,62 +198,95 @@ class GlobalRegistration {
   bool search(const Pairs& pairs) {
     auto found = hypotheses_of(pairs);
     if (!found || !expect_common_errors(pairs, *found)) return false;
-    const VerificationThresholds limits = widest_limits();
     Pairs linked;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const ViewSurface& a = surfaces_[pairs[k].first];
-      const ViewSurface& b = surfaces_[pairs[k].second];
       std::erase_if((*found)[k], [&](const PoseHypothesis& hypothesis) {
-        return !plausible(hypothesis.evidence, a, b, limits) &&
-               !may_be_right(hypothesis.evidence, a, b, options_.limits);
+        return !worth_a_link(hypothesis, pairs[k].first, pairs[k].second);
       });
       if (!(*found)[k].empty()) linked.push_back(pairs[k]);
     }
-    // One of both is enough.
-    std::set<std::size_t> first, second;
-    for (const auto& [a, b] : linked) first.insert(a);
-    if (!find_repeats({first.begin(), first.end()})) return false;
-    for (const auto& [a, b] : linked)
-      if (!*repeats_[a]) second.insert(b);
-    if (!find_repeats({second.begin(), second.end()})) return false;
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const auto [a, b] = pairs[k];
-      for (const PoseHypothesis& hypothesis : (*found)[k])
-        links_.push_back(
-            {a, b, hypothesis.b_from_a, hypothesis.evidence, *repeats_[a] || *repeats_[b]});
-    }
-    return true;
+    std::set<std::size_t> linked_views;
+    for (const auto& [a, b] : linked) linked_views.insert({a, b});
+    if (!find_repeats({linked_views.begin(), linked_views.end()})) return false;
+    return add_links(pairs, *found);
   }
 
   // False when asked to stop.
   bool find_repeats(std::vector<std::size_t> views) {
-    std::erase_if(views, [&](std::size_t i) { return repeats_[i].has_value(); });
+    std::erase_if(views, [&](std::size_t i) { return onto_itself_[i].has_value(); });
     return for_each(views.size(), "comparing views with themselves",
-                    [&](std::size_t k) { repeats_[views[k]] = repeats_itself(views[k]); });
+                    [&](std::size_t k) { onto_itself_[views[k]] = motions_onto_itself(views[k]); });
   }
 
-  // Whether a view fits itself at a second place: so do then others that show the same shape, and
-  // nothing tells at which. Views of flat faces alone fit others that show other faces.
-  bool repeats_itself(std::size_t i) const {
+  // A view that fits itself at a second place fits others that show the same shape at two, too.
+  std::vector<RigidMotion> motions_onto_itself(std::size_t i) const {
+    if (mostly_planar_[i]) return {};  // Joins nothing anyway.
     VerificationThresholds alone = widest_limits();
     alone.min_overlap = grouping_.lone_overlap;
     PairSearchOptions search;
     search.judge.association = options_.association;
     search.seeds = 150;
     search.candidates = 20;
-    return is_mostly_planar(surfaces_[i]) ||
-           units_.fits_itself(views_[i], i, scale_, alone, search);
+    return units_.motions_onto_itself(views_[i], i, scale_, alone, search);
+  }
+
+  // False when asked to stop.
+  bool add_links(const Pairs& pairs, const Hypotheses& found) {
+    std::vector<std::vector<PoseLink>> links(pairs.size());
+    if (!for_each(pairs.size(), "judging poses",
+                  [&](std::size_t k) { links[k] = links_of_pair(pairs[k], found[k]); }))
+      return false;
+    for (const auto& of_pair : links) links_.insert(links_.end(), of_pair.begin(), of_pair.end());
+    return true;
+  }
+
+  // With the alternatives of the best.
+  std::vector<PoseLink> links_of_pair(const std::pair<std::size_t, std::size_t>& pair,
+                                      const std::vector<PoseHypothesis>& found) const {
+    const auto [a, b] = pair;
+    std::vector<PoseLink> links;
+    const auto add = [&](const PoseHypothesis& hypothesis) {
+      links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, is_flat(a, b)});
+    };
+    for (const PoseHypothesis& hypothesis : found) add(hypothesis);
+    if (!found.empty())
+      for (const PoseHypothesis& other : alternatives(a, b, found.front().b_from_a)) add(other);
+    return links;
+  }
+
+  // Those that are believed as little as links must be.
+  std::vector<PoseHypothesis> alternatives(std::size_t a, std::size_t b,
+                                           const RigidMotion& b_from_a) const {
+    static const std::vector<RigidMotion> none;
+    const auto onto_itself = [&](std::size_t i) -> const std::vector<RigidMotion>& {
+      return i < onto_itself_.size() && onto_itself_[i] ? *onto_itself_[i] : none;
+    };
+    auto poses = alternative_poses(surfaces_[a], surfaces_[b], b_from_a, onto_itself(a),
+                                   onto_itself(b), scale_, grouping_.judge);
+    std::erase_if(poses, [&](const PoseHypothesis& pose) { return !worth_a_link(pose, a, b); });
+    return poses;
+  }
+
+  bool worth_a_link(const PoseHypothesis& hypothesis, std::size_t a, std::size_t b) const {
+    return plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], widest_limits()) ||
+           may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
+  }
+
+  void add_with_alternatives(PoseLink link) {
+    link.flat = is_flat(link.a, link.b);
+    links_.push_back(link);
+    for (const auto& [motion, evidence] : alternatives(link.a, link.b, link.b_from_a))
+      links_.push_back({link.a, link.b, motion, evidence, link.flat});
+  }
+
+  bool is_flat(std::size_t a, std::size_t b) const {
+    return mostly_planar_[a] || mostly_planar_[b];
   }
 
   VerificationThresholds widest_limits() const {
     VerificationThresholds limits = options_.limits;
     limits.max_coherent_rms = std::max(limits.max_coherent_rms, grouping_.confirmed_coherent_rms);
     return limits;
-  }
-
-  // The same as far as it is known without a search.
-  bool looks_repeated(std::size_t i) const {
-    return i < repeats_.size() && repeats_[i] ? *repeats_[i] : is_mostly_planar(surfaces_[i]);
   }
 
   bool go_on(std::string_view step) const {
@@ -272,7 +307,9 @@ class GlobalRegistration {
   Pairs ranked_;          // The most promising pairs of views first.
   std::size_t next_ = 0;  // Of them, to be searched.
   std::vector<PoseLink> links_;
-  std::vector<std::optional<bool>> repeats_;  // Whether views fit themselves, where it matters.
+  std::vector<std::uint8_t> mostly_planar_;  // 1 for such views: see planar_view.h.
+  // See pair_search.h; of views that have links.
+  std::vector<std::optional<std::vector<RigidMotion>>> onto_itself_;
   ViewGroups groups_;
 };
 

@@ -30,6 +30,9 @@ constexpr std::size_t kLeastConsensus = 4;
 // Of rough_agreement(): half of the 0.15 that links must overlap, 3.6 deviations above none.
 constexpr double kLeastAgreement = 0.08;
 constexpr int kQuickCorrespondences = 250;  // Bounds the time.
+// Of alternative_poses(); bounds the time. Of a shape in a row the nearest few tell that it
+// repeats.
+constexpr int kAlternatives = 6;
 
 struct RoughPose {
   RigidMotion b_from_a = RigidMotion::Identity();
@@ -95,20 +98,16 @@ std::vector<RoughPose> promising(const ViewSurface& a, const ViewSurface& b,
   return kept;
 }
 
-// The poses that matches lead to, refined and judged, the best overlap first.
-std::vector<PoseHypothesis> verify_hypotheses(const CoarseView& a, const CoarseView& b,
-                                              const std::vector<FeatureMatch>& matches,
-                                              const CoarseScale& scale,
-                                              const PairSearchOptions& options) {
-  const auto motions = consistent_motions(a, b, matches, scale.cell, options.seeds);
-  const double reach = kReach * scale.cell;
+// The most promising of many poses, refined and judged, the best overlap first.
+std::vector<PoseHypothesis> verify_motions(const ViewSurface& a, const ViewSurface& b,
+                                           const std::vector<RigidMotion>& motions, double reach,
+                                           int most, const JudgeOptions& judge) {
   std::vector<PoseHypothesis> hypotheses;
-  for (const auto& pose : promising(*a.surface, *b.surface, motions, reach, options.candidates)) {
-    const auto refined =
-        refine_hypothesis(*a.surface, *b.surface, pose.b_from_a, reach, options.judge);
+  for (const auto& pose : promising(a, b, motions, reach, most)) {
+    const auto refined = refine_hypothesis(a, b, pose.b_from_a, reach, judge);
     const bool known =
         std::any_of(hypotheses.begin(), hypotheses.end(), [&](const PoseHypothesis& other) {
-          return same_pose(*a.surface, refined.b_from_a, other.b_from_a, reach);
+          return same_pose(a, refined.b_from_a, other.b_from_a, reach);
         });
     if (!known) hypotheses.push_back(refined);
   }
@@ -117,6 +116,16 @@ std::vector<PoseHypothesis> verify_hypotheses(const CoarseView& a, const CoarseV
                      return x.evidence.overlap > y.evidence.overlap;
                    });
   return hypotheses;
+}
+
+// The poses that matches lead to.
+std::vector<PoseHypothesis> verify_matches(const CoarseView& a, const CoarseView& b,
+                                           const std::vector<FeatureMatch>& matches,
+                                           const CoarseScale& scale,
+                                           const PairSearchOptions& options) {
+  return verify_motions(*a.surface, *b.surface,
+                        consistent_motions(a, b, matches, scale.cell, options.seeds),
+                        kReach * scale.cell, options.candidates, options.judge);
 }
 
 }  // namespace
@@ -157,23 +166,51 @@ bool same_pose(const ViewSurface& view, const RigidMotion& x, const RigidMotion&
 std::vector<PoseHypothesis> search_pair(const CoarseView& a, const CoarseView& b,
                                         const CoarseScale& scale,
                                         const PairSearchOptions& options) {
-  return verify_hypotheses(a, b, match_features(a.features, b.features), scale, options);
+  return verify_matches(a, b, match_features(a.features, b.features), scale, options);
 }
 
-bool fits_itself(const CoarseView& view, const CoarseScale& scale,
-                 const VerificationThresholds& limits, const PairSearchOptions& options) {
+std::vector<RigidMotion> motions_onto_itself(const CoarseView& view, const CoarseScale& scale,
+                                             const VerificationThresholds& limits,
+                                             const PairSearchOptions& options) {
   FeatureMatchOptions elsewhere;
   elsewhere.own_points = &view.points.points;
   elsewhere.least_shift = kLeastDistance * scale.cell;
+  const ViewSurface& surface = *view.surface;
   const auto matches = match_features(view.features, view.features, elsewhere);
-  const auto hypotheses = verify_hypotheses(view, view, matches, scale, options);
-  return std::any_of(hypotheses.begin(), hypotheses.end(), [&](const PoseHypothesis& hypothesis) {
-    return plausible(hypothesis.evidence, *view.surface, *view.surface, limits) &&
-           !misses_coverage(hypothesis.evidence, limits) &&
-           !misfits_locally(hypothesis.evidence, *view.surface, *view.surface, limits) &&
-           !same_pose(*view.surface, hypothesis.b_from_a, RigidMotion::Identity(),
-                      kReach * scale.cell);
-  });
+  std::vector<RigidMotion> motions;
+  const auto add = [&](const RigidMotion& motion) {
+    const bool known = std::any_of(motions.begin(), motions.end(), [&](const RigidMotion& other) {
+      return same_pose(surface, motion, other, kReach * scale.cell);
+    });
+    if (!known) motions.push_back(motion);
+  };
+  for (const auto& [motion, evidence] : verify_matches(view, view, matches, scale, options)) {
+    if (!plausible(evidence, surface, surface, limits) || misses_coverage(evidence, limits) ||
+        misfits_locally(evidence, surface, surface, limits) ||
+        same_pose(surface, motion, RigidMotion::Identity(), kReach * scale.cell))
+      continue;
+    add(motion);
+    add(motion.inverse());
+  }
+  return motions;
+}
+
+std::vector<PoseHypothesis> alternative_poses(const ViewSurface& a, const ViewSurface& b,
+                                              const RigidMotion& b_from_a,
+                                              const std::vector<RigidMotion>& a_onto_itself,
+                                              const std::vector<RigidMotion>& b_onto_itself,
+                                              const CoarseScale& scale, const JudgeOptions& judge) {
+  const double reach = kReach * scale.cell;
+  const auto is_given = [&](const RigidMotion& motion) {
+    return same_pose(a, motion, b_from_a, reach);
+  };
+  std::vector<RigidMotion> motions;
+  for (const RigidMotion& motion : a_onto_itself) motions.push_back(b_from_a * motion);
+  for (const RigidMotion& motion : b_onto_itself) motions.push_back(motion * b_from_a);
+  std::erase_if(motions, is_given);
+  auto poses = verify_motions(a, b, motions, reach, kAlternatives, judge);
+  std::erase_if(poses, [&](const PoseHypothesis& pose) { return is_given(pose.b_from_a); });
+  return poses;
 }
 
 }  // namespace relief::registration

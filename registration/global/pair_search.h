@@ -41,10 +41,21 @@ std::vector<PoseHypothesis> search_pair(const CoarseView& a, const CoarseView& b
                                         const CoarseScale& scale,
                                         const PairSearchOptions& options = {});
 
-/// Whether some motion other than standing still maps a view onto itself as well as `limits` ask,
-/// as of symmetric and plain shapes.
-bool fits_itself(const CoarseView& view, const CoarseScale& scale,
-                 const VerificationThresholds& limits, const PairSearchOptions& options = {});
+/// The motions other than standing still that map a view onto itself as well as `limits` ask, with
+/// their inverses, the best overlap first: of symmetric and plain shapes, and of those that repeat.
+std::vector<RigidMotion> motions_onto_itself(const CoarseView& view, const CoarseScale& scale,
+                                             const VerificationThresholds& limits,
+                                             const PairSearchOptions& options = {});
+
+/// The other relative poses of two views that follow where one of them shows the same shape twice:
+/// its samples may as well be those of the second place. From the motions that map each view onto
+/// itself; refined by ICP and judged, the best overlap first.
+std::vector<PoseHypothesis> alternative_poses(const ViewSurface& a, const ViewSurface& b,
+                                              const RigidMotion& b_from_a,
+                                              const std::vector<RigidMotion>& a_onto_itself,
+                                              const std::vector<RigidMotion>& b_onto_itself,
+                                              const CoarseScale& scale,
+                                              const JudgeOptions& judge = {});
 
 /// A starting pose refined by a quick ICP, with the association of `judge`, and judged.
 PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,

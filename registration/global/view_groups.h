@@ -16,8 +16,8 @@ struct PoseLink {
   std::size_t a = 0, b = 0;
   RigidMotion b_from_a = RigidMotion::Identity();
   PoseEvidence evidence;
-  /// A view of it fits itself at a second place, and so perhaps the other view at a second pose.
-  bool ambiguous = false;
+  /// A view of it shows flat faces alone: it fits others that show other faces, too.
+  bool flat = false;
 };
 
 /// With these numbers `relief_coarse_runs` places no view of 200 difficult scenes wrongly

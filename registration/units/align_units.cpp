@@ -87,12 +87,15 @@ std::vector<PoseHypothesis> AlignUnits::search_pair(const std::vector<CoarseView
       .value();
 }
 
-bool AlignUnits::fits_itself(const CoarseView& view, std::size_t i, const CoarseScale& scale,
-                             const VerificationThresholds& limits,
-                             const PairSearchOptions& options) const {
-  return find_or_compute<bool>(
-             store_, [&] { return unit_key("symmetry", surfaces_[i], scale, limits, options); },
-             [&] { return Result(registration::fits_itself(view, scale, limits, options)); })
+std::vector<RigidMotion> AlignUnits::motions_onto_itself(const CoarseView& view, std::size_t i,
+                                                         const CoarseScale& scale,
+                                                         const VerificationThresholds& limits,
+                                                         const PairSearchOptions& options) const {
+  return find_or_compute<std::vector<RigidMotion>>(
+             store_, [&] { return unit_key("onto itself", surfaces_[i], scale, limits, options); },
+             [&] {
+               return Result(registration::motions_onto_itself(view, scale, limits, options));
+             })
       .value();
 }
 

@@ -2,11 +2,15 @@
 // others.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "registration/global/features/planar_view.h"
+#include "registration/global/pair_search.h"
 #include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/support/result_matchers.h"
@@ -108,6 +112,76 @@ TEST(PlanarShapes, SidesOfACubeAQuarterTurnApartAreNotForced) {
 // Views that show other sides of much the same lengths.
 TEST(PlanarShapes, NeighbouringSidesOfABoxAreNotForced) {
   expect_none_aligned_and_all_told_why(views_without_poses(surface_of(box), 3, 1.2, 140.0));
+}
+
+// A wall whose relief repeats every 60 along x.
+double repeated_wall(const Eigen::Vector3d& p) {
+  const double phase = 2.0 * std::numbers::pi * p.x() / 60.0;
+  const double height = 4.0 * std::sin(phase + p.z() / 17.0) +
+                        3.0 * std::sin(2.0 * phase - p.z() / 11.0 + 1.0) +
+                        2.5 * std::sin(3.0 * phase + p.z() / 7.0 + 2.0);
+  return 0.4 * (height - p.y());  // It rises by 1.8 at most.
+}
+
+// Each shows 100 of it, from almost the same place.
+std::vector<RangeView> views_of_the_repeated_wall() {
+  const Camera camera = Camera::pinhole(100, 100, {200, 200, 49.5, 49.5});
+  std::vector<RangeView> views;
+  for (const auto& [x, z] : {std::pair(0.0, 0.0), std::pair(2.0, 5.0), std::pair(-1.0, 9.0)}) {
+    views.push_back(testing::render(surface_of(repeated_wall), camera,
+                                    testing::look_at({x + 8.0, -200.0, z}, {x, 0.0, z})));
+    views.back().pose = PoseKind::kAbsent;
+    testing::add_range_noise(views.back(), 0.3, static_cast<std::uint32_t>(views.size()));
+  }
+  return views;
+}
+
+CoarseScale scale_of(const ViewSurface& surface) {
+  return {surface.radius(), 3.0 * surface.spacing()};
+}
+
+TEST(RepeatedShape, FitsItselfAndOthersAtTheSecondPlace) {
+  const auto views = views_of_the_repeated_wall();
+  const ViewSurface a(views[0]), b(views[1]);
+  const CoarseScale scale = scale_of(a);
+  VerificationThresholds limits;
+  limits.min_overlap = 0.3;
+  const auto motions =
+      motions_onto_itself(prepare_coarse_view(a, scale), scale, limits, {.seeds = 150});
+  const auto shift = [&](double by) {
+    const RigidMotion along(Eigen::Translation3d(by, 0.0, 0.0));
+    return RigidMotion(views[0].world_from_view.inverse() * along * views[0].world_from_view);
+  };
+  const auto is_at = [&](const RigidMotion& place) {
+    return ::testing::Truly([&, place](const RigidMotion& motion) {
+      return same_pose(a, motion, place, 2.0 * scale.cell);
+    });
+  };
+  EXPECT_THAT(motions, ::testing::UnorderedElementsAre(is_at(shift(60.0)), is_at(shift(-60.0))));
+
+  const RigidMotion truth = views[1].world_from_view.inverse() * views[0].world_from_view;
+  const auto others = alternative_poses(a, b, truth, motions, {}, scale);
+  ASSERT_EQ(others.size(), 2u);
+  for (const PoseHypothesis& other : others) {
+    EXPECT_FALSE(same_pose(a, other.b_from_a, truth, 20.0));
+    EXPECT_TRUE(same_pose(a, other.b_from_a, truth * shift(60.0), 2.0 * scale.cell) ||
+                same_pose(a, other.b_from_a, truth * shift(-60.0), 2.0 * scale.cell));
+  }
+}
+
+// At the right poses the views share almost all of what they see, at the others less than half.
+TEST(RepeatedShape, IsAlignedWhereOtherPosesExplainLess) {
+  const auto truth = views_of_the_repeated_wall();
+  auto views = truth;
+  for (RangeView& view : views) view.world_from_view = RigidMotion::Identity();
+  const auto aligned = value_of(align_views(views));
+  ASSERT_TRUE(aligned.complete());
+  for (std::size_t i = 1; i < views.size(); ++i) {
+    const RigidMotion found =
+        aligned.views[i].world_from_view.inverse() * aligned.views[0].world_from_view;
+    const RigidMotion expected = truth[i].world_from_view.inverse() * truth[0].world_from_view;
+    EXPECT_TRUE(same_pose(ViewSurface(views[0]), found, expected, 0.5)) << i;
+  }
 }
 
 TEST(PlanarView, KnowsFlatFaces) {
