@@ -30,28 +30,30 @@ bool same_place(const ViewSurface& view, const RigidMotion& x, const RigidMotion
 
 double PairSupport::support(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const {
   const ViewSurface &target = surfaces_[i], &source = surfaces_[j];
-  VerificationThresholds limits =
-      has_link_at(i, j, i_from_j) ? limits_.loop_confirmed : limits_.confirmed;
+  const bool linked = has_link_at(i, j, i_from_j);
+  VerificationThresholds limits = linked ? limits_.loop_confirmed : limits_.confirmed;
   limits.min_overlap = kCountingOverlap;
   const PoseEvidence evidence = judge_pose(source, target, i_from_j, options_.judge);
-  if (plausible(evidence, source, target, limits)) return support_of(evidence);
+  if (plausible(evidence, source, target, limits)) return support_of(evidence, linked);
   const bool denies =
       violates_free_space(evidence, limits) || evidence.overlap >= options_.limits.min_overlap;
-  if (!denies) return std::min(0.0, support_of(evidence));
+  if (!denies) return std::min(0.0, support_of(evidence, linked));
   const double reach = kSamePlaceRadii * std::min(source.radius(), target.radius());
   auto settled = refine_hypothesis(source, target, i_from_j, reach, options_.judge);
   if (settled.evidence.overlap <= 0.0) settled.evidence = evidence;  // Nothing was fitted.
   if (!same_place(source, settled.b_from_a, i_from_j))
     return -std::numeric_limits<double>::infinity();
-  if (plausible(settled.evidence, source, target, limits)) return support_of(settled.evidence);
+  if (plausible(settled.evidence, source, target, limits))
+    return support_of(settled.evidence, linked);
   // Where two views settle alone may be worse than where the others have them.
   return -std::min(penalty(settled.evidence, source, target, limits),
                    penalty(evidence, source, target, limits));
 }
 
-// Pairs of which too much is absent speak a little against a way.
-double PairSupport::support_of(const PoseEvidence& evidence) const {
-  if (!misses_coverage(evidence, limits_.confirmed)) return evidence.overlap;
+// Pairs of which too much is absent speak a little against a way, unless they were found at it: two
+// ways to one pose agree hardly ever by chance, and clouds are often cut.
+double PairSupport::support_of(const PoseEvidence& evidence, bool linked) const {
+  if (linked || !misses_coverage(evidence, limits_.confirmed)) return evidence.overlap;
   return -evidence.missing;
 }
 

@@ -29,7 +29,7 @@ class PairSupport {
   double support(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const;
 
  private:
-  double support_of(const PoseEvidence& evidence) const;
+  double support_of(const PoseEvidence& evidence, bool linked) const;
   bool has_link_at(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const;
 
   const std::vector<ViewSurface>& surfaces_;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "registration/global/pair_support.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief::registration {
@@ -71,6 +72,25 @@ TEST(ViewGroups, StayApartWhereMostPairsDeny) {
   RigidTangent error = RigidTangent::Zero();
   error[0] = 0.1;
   EXPECT_FALSE(join_halves(views, motion_from_tangent(error)).all_in_one());
+}
+
+// Clouds are often cut: the one view misses much that it should have seen. That speaks against a
+// pose, unless the pair by itself was found there.
+TEST(PairSupport, CoverageIsNotMissedWhereAPairWasFoundByItself) {
+  auto views = six_neighbours();
+  views.resize(2);
+  RangeView& cut = views[1];
+  for (int v = 0; v < cut.height() / 2; ++v)
+    for (int u = 0; u < cut.width(); ++u) cut.range(u, v) = kNoSample;
+  const std::vector<ViewSurface> surfaces = surfaces_of(views);
+  const RigidMotion truth = views[0].world_from_view.inverse() * cut.world_from_view;
+  const PoseLink link{1, 0, truth, judge_pose(surfaces[1], surfaces[0], truth)};
+  ASSERT_TRUE(plausible(link.evidence, surfaces[1], surfaces[0]));
+  ASSERT_TRUE(misses_coverage(link.evidence));
+  const ViewGroupOptions options;
+  const std::vector<PoseLink> none, found{link};
+  EXPECT_LT(PairSupport(surfaces, none, {}, options).support(0, 1, truth), 0.0);
+  EXPECT_EQ(PairSupport(surfaces, found, {}, options).support(0, 1, truth), link.evidence.overlap);
 }
 
 }  // namespace
