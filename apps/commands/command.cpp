@@ -87,6 +87,9 @@ void add_reading_options(CLI::App& command, ReadProjectOptions& options) {
       ->expected(3);
   command.add_flag("--ignore-viewpoint", options.ignore_viewpoints,
                    "Do not take the poses that files of scans tell (PCD, PTX, E57)");
+  command.add_flag("--shared-frame", options.shared_frame,
+                   "Files of scans without poses are all in one frame, which is where alignment "
+                   "starts");
 }
 
 void add_background_option(CLI::App& command, ProjectInput& input) {

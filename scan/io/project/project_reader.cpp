@@ -1,10 +1,14 @@
+#include <algorithm>
 #include <atomic>
 #include <optional>
 #include <thread>
 
+#include <Eigen/Core>
+
 #include "relief/io/project_io.h"
 #include "scan/base/parallel.h"
 #include "scan/base/system/system_memory.h"
+#include "scan/io/files/io_error.h"
 #include "scan/io/project/view_loader.h"
 #include "scan/io/project/view_spec.h"
 
@@ -46,6 +50,33 @@ Result<std::vector<std::string>> settle_normals(std::vector<LoadedView>& views) 
   return std::move(choice->notes);
 }
 
+// Whether scans without poses were seen from sides that no one sensor's frame holds: more than a
+// quarter turn apart. Only of those seen along parallel rays: others have a viewpoint of their own.
+bool seem_to_share_a_frame(const std::vector<RangeView>& views) {
+  std::vector<Eigen::Vector3d> directions;
+  for (const RangeView& view : views) {
+    const Eigen::Vector3d middle =
+        view.camera.ray(view.width() / 2, view.height() / 2).direction.normalized();
+    const bool parallel = middle.isApprox(view.camera.ray(0, 0).direction.normalized(), 1e-6);
+    if (view.pose == PoseKind::kAbsent && parallel) directions.push_back(middle);
+  }
+  for (const auto& first : directions)
+    for (const auto& second : directions)
+      if (first.dot(second) < 0.0) return true;
+  return false;
+}
+
+Result<void> check_shared_frame(const ProjectSpec& spec, const ReadProjectOptions& options,
+                                const std::filesystem::path& path) {
+  const bool used = std::any_of(spec.views.begin(), spec.views.end(), [](const ViewSpec& view) {
+    return view.grid_options.shared_frame;
+  });
+  if (!options.shared_frame || used) return {};
+  return bad_input(path,
+                   "--shared-frame is for files of points and meshes without poses; a scan.json "
+                   "tells the pose of a view by world_from_view");
+}
+
 }  // namespace
 
 Result<ScanProject> read_project(const std::filesystem::path& path,
@@ -53,6 +84,7 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
   return run_in(context, [&]() -> Result<ScanProject> {
     auto spec = read_project_spec(path, options);
     if (!spec) return spec.error();
+    if (const auto used = check_shared_frame(*spec, options, path); !used) return used.error();
     std::atomic<bool> interrupted{false};
     LoadedViews loaded = load_views(spec->views, options, context.progress, interrupted);
     ScanProject project;
@@ -71,6 +103,10 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
       for (auto& note : view.notes) project.notes.push_back(std::move(note));
     }
     project.notes.insert(project.notes.end(), notes->begin(), notes->end());
+    if (seem_to_share_a_frame(project.views))
+      project.notes.push_back(
+          "the scans have no poses, but were seen from sides that are more than 90 degrees apart: "
+          "if they lie in one frame, as after an alignment elsewhere, give --shared-frame");
     return project;
   });
 }

@@ -70,7 +70,7 @@ Result<void> add_scans(const fs::path& file, const ReadProjectOptions& options,
     ViewSpec view;
     view.name = *count > 1 ? stem + "-" + std::to_string(scan + 1) : stem;
     view.grid = file;
-    view.grid_options = {scan, options.viewpoint, options.ignore_viewpoints};
+    view.grid_options = {scan, options.viewpoint, options.ignore_viewpoints, options.shared_frame};
     if (*pose) {
       view.world_from_view = **pose;
       view.pose = PoseKind::kGuess;

@@ -157,8 +157,9 @@ Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& l
   loaded.view.range = std::move(fitted.range);
   loaded.view.confidence = std::move(grid->confidence);
   loaded.view.colours = std::move(grid->colours);
-  if (grid->world_from_view && spec.pose == PoseKind::kAbsent) {
-    loaded.view.world_from_view = *grid->world_from_view;
+  const bool has_pose = grid->world_from_view || spec.grid_options.shared_frame;
+  if (has_pose && spec.pose == PoseKind::kAbsent) {
+    loaded.view.world_from_view = grid->world_from_view.value_or(RigidMotion::Identity());
     loaded.view.pose = PoseKind::kGuess;
   }
   if (!grid->normals.empty() && !spec.normals)

@@ -117,6 +117,42 @@ TEST(ScanFile, PosesOfFilesCanBeIgnored) {
   EXPECT_EQ(project.views[0].pose, PoseKind::kAbsent);
 }
 
+// The same ball in one frame, from two sides.
+TEST(ScanFile, FilesWithoutPosesCanShareAFrame) {
+  const TemporaryFolder folder;
+  const auto write_half = [&](const char* name, double side) {
+    std::string text;
+    for (int i = 0; i < 40; ++i) {
+      for (int j = 0; j < 40; ++j) {
+        const double x = 0.04 * (i - 19.5), y = 0.04 * (j - 19.5);
+        if (x * x + y * y < 0.6)
+          text += std::to_string(5.0 + x) + " " + std::to_string(y) + " " +
+                  std::to_string(side * std::sqrt(1.0 - x * x - y * y)) + "\n";
+      }
+    }
+    folder.write(name, text);
+  };
+  write_half("front.xyz", 1.0);
+  write_half("back.xyz", -1.0);
+  const auto unknown = value_of(read_project(folder.path()));
+  EXPECT_THAT(unknown.notes, ::testing::Contains(::testing::HasSubstr("give --shared-frame")));
+  const auto shared = value_of(read_project(folder.path(), {.shared_frame = true}));
+  ASSERT_EQ(shared.views.size(), 2u);
+  for (const RangeView& view : shared.views) {
+    EXPECT_EQ(view.pose, PoseKind::kGuess);
+    EXPECT_TRUE(view.world_from_view.isApprox(RigidMotion::Identity(), 0.0));
+  }
+  EXPECT_THAT(shared.notes,
+              ::testing::Not(::testing::Contains(::testing::HasSubstr("--shared-frame"))));
+}
+
+TEST(ScanFile, ASharedFrameNeedsFilesOfScans) {
+  const TemporaryFolder folder;
+  ASSERT_THAT(write_project({{ball_view("a", 1.0)}}, "mm", folder.path()), IsOk());
+  EXPECT_THAT(read_project(folder.path(), {.shared_frame = true}),
+              HasError("--shared-frame is for files of points"));
+}
+
 TEST(ScanFile, KindFollowsFromTheHeader) {
   const TemporaryFolder folder;
   const RangeView view = ball_view("a", 0.0);

@@ -29,6 +29,9 @@ struct ReadProjectOptions {
   /// Poses that files of scans tell are not taken: the VIEWPOINT of PCD, the matrix of PTX, the
   /// pose of E57. Some programs write a frame there, not a pose.
   bool ignore_viewpoints = false;
+  /// Points and meshes without poses are all in one frame, as after an alignment elsewhere: it is
+  /// their starting pose. Else nothing is known of the frames of separate files.
+  bool shared_frame = false;
   /// What all views may take [bytes]: a small file can hold a large image, and many views can name
   /// it. 0: the memory that is free.
   std::size_t memory = 0;
