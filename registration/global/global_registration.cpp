@@ -43,7 +43,7 @@ class GlobalRegistration {
     if (!complete() && !search_by_shape()) return interrupted();
     if (!complete()) {
       for (const auto& link : turntable_links(surfaces_, groups_, options_.limits, grouping_.judge))
-        add_with_alternatives(link);
+        add_links(links_of_pair({link.a, link.b}, {{link.b_from_a, link.evidence}}));
       regroup();
     }
     note_best_rejected();
@@ -208,7 +208,7 @@ class GlobalRegistration {
     std::set<std::size_t> linked_views;
     for (const auto& [a, b] : linked) linked_views.insert({a, b});
     if (!find_repeats({linked_views.begin(), linked_views.end()})) return false;
-    return add_links(pairs, *found);
+    return link_pairs(pairs, *found);
   }
 
   // False when asked to stop.
@@ -231,13 +231,17 @@ class GlobalRegistration {
   }
 
   // False when asked to stop.
-  bool add_links(const Pairs& pairs, const Hypotheses& found) {
+  bool link_pairs(const Pairs& pairs, const Hypotheses& found) {
     std::vector<std::vector<PoseLink>> links(pairs.size());
     if (!for_each(pairs.size(), "judging poses",
                   [&](std::size_t k) { links[k] = links_of_pair(pairs[k], found[k]); }))
       return false;
-    for (const auto& of_pair : links) links_.insert(links_.end(), of_pair.begin(), of_pair.end());
+    for (const auto& of_pair : links) add_links(of_pair);
     return true;
+  }
+
+  void add_links(const std::vector<PoseLink>& links) {
+    links_.insert(links_.end(), links.begin(), links.end());
   }
 
   // With the alternatives of the best.
@@ -270,13 +274,6 @@ class GlobalRegistration {
   bool worth_a_link(const PoseHypothesis& hypothesis, std::size_t a, std::size_t b) const {
     return plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], widest_limits()) ||
            may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
-  }
-
-  void add_with_alternatives(PoseLink link) {
-    link.flat = is_flat(link.a, link.b);
-    links_.push_back(link);
-    for (const auto& [motion, evidence] : alternatives(link.a, link.b, link.b_from_a))
-      links_.push_back({link.a, link.b, motion, evidence, link.flat});
   }
 
   bool is_flat(std::size_t a, std::size_t b) const {
