@@ -60,7 +60,7 @@ class GlobalRegistration {
     std::vector<std::size_t> own_views;
     for (std::size_t i = block.index; i < views_.size(); i += block.count)
       if (has_points(i)) own_views.push_back(i);
-    if (!hypotheses_of(own) || !find_repeats(own_views)) return interrupted();
+    if (!hypotheses_of(own) || !find_symmetries(own_views)) return interrupted();
     return own.size();
   }
 
@@ -105,7 +105,7 @@ class GlobalRegistration {
   bool describe_views() {
     scale_ = coarse_scale(surfaces_);
     views_.resize(surfaces_.size());
-    onto_itself_.assign(surfaces_.size(), std::nullopt);
+    symmetries_.assign(surfaces_.size(), std::nullopt);
     if (!go_on("describing views")) return false;
     parallel_for(views_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
@@ -201,25 +201,25 @@ class GlobalRegistration {
     Pairs linked;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       std::erase_if((*found)[k], [&](const PoseHypothesis& hypothesis) {
-        return !worth_a_link(hypothesis, pairs[k].first, pairs[k].second);
+        return !is_link_candidate(hypothesis, pairs[k].first, pairs[k].second);
       });
       if (!(*found)[k].empty()) linked.push_back(pairs[k]);
     }
     std::set<std::size_t> linked_views;
     for (const auto& [a, b] : linked) linked_views.insert({a, b});
-    if (!find_repeats({linked_views.begin(), linked_views.end()})) return false;
+    if (!find_symmetries({linked_views.begin(), linked_views.end()})) return false;
     return link_pairs(pairs, *found);
   }
 
   // False when asked to stop.
-  bool find_repeats(std::vector<std::size_t> views) {
-    std::erase_if(views, [&](std::size_t i) { return onto_itself_[i].has_value(); });
+  bool find_symmetries(std::vector<std::size_t> views) {
+    std::erase_if(views, [&](std::size_t i) { return symmetries_[i].has_value(); });
     return for_each(views.size(), "comparing views with themselves",
-                    [&](std::size_t k) { onto_itself_[views[k]] = motions_onto_itself(views[k]); });
+                    [&](std::size_t k) { symmetries_[views[k]] = partial_symmetries(views[k]); });
   }
 
-  // A view that fits itself at a second place fits others that show the same shape at two, too.
-  std::vector<RigidMotion> motions_onto_itself(std::size_t i) const {
+  // A view that fits itself at a second place fits other views at a second pose, too.
+  std::vector<RigidMotion> partial_symmetries(std::size_t i) const {
     if (mostly_planar_[i]) return {};  // Joins nothing anyway.
     VerificationThresholds alone = widest_limits();
     alone.min_overlap = grouping_.lone_overlap;
@@ -227,7 +227,7 @@ class GlobalRegistration {
     search.judge.association = options_.association;
     search.seeds = 150;
     search.candidates = 20;
-    return units_.motions_onto_itself(views_[i], i, scale_, alone, search);
+    return units_.partial_symmetries(views_[i], i, scale_, alone, search);
   }
 
   // False when asked to stop.
@@ -244,7 +244,7 @@ class GlobalRegistration {
     links_.insert(links_.end(), links.begin(), links.end());
   }
 
-  // With the alternatives of the best.
+  // Those found, and the alternatives of the best one.
   std::vector<PoseLink> links_of_pair(const std::pair<std::size_t, std::size_t>& pair,
                                       const std::vector<PoseHypothesis>& found) const {
     const auto [a, b] = pair;
@@ -258,20 +258,21 @@ class GlobalRegistration {
     return links;
   }
 
-  // Those that are believed as little as links must be.
+  // Other poses that partial symmetries of the two views lead to.
   std::vector<PoseHypothesis> alternatives(std::size_t a, std::size_t b,
                                            const RigidMotion& b_from_a) const {
     static const std::vector<RigidMotion> none;
-    const auto onto_itself = [&](std::size_t i) -> const std::vector<RigidMotion>& {
-      return i < onto_itself_.size() && onto_itself_[i] ? *onto_itself_[i] : none;
+    const auto symmetries_of = [&](std::size_t i) -> const std::vector<RigidMotion>& {
+      return i < symmetries_.size() && symmetries_[i] ? *symmetries_[i] : none;
     };
-    auto poses = alternative_poses(surfaces_[a], surfaces_[b], b_from_a, onto_itself(a),
-                                   onto_itself(b), scale_, grouping_.judge);
-    std::erase_if(poses, [&](const PoseHypothesis& pose) { return !worth_a_link(pose, a, b); });
+    auto poses = alternative_poses(surfaces_[a], surfaces_[b], b_from_a, symmetries_of(a),
+                                   symmetries_of(b), scale_, grouping_.judge);
+    std::erase_if(poses,
+                  [&](const PoseHypothesis& pose) { return !is_link_candidate(pose, a, b); });
     return poses;
   }
 
-  bool worth_a_link(const PoseHypothesis& hypothesis, std::size_t a, std::size_t b) const {
+  bool is_link_candidate(const PoseHypothesis& hypothesis, std::size_t a, std::size_t b) const {
     return plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], widest_limits()) ||
            may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
   }
@@ -305,8 +306,8 @@ class GlobalRegistration {
   std::size_t next_ = 0;  // Of them, to be searched.
   std::vector<PoseLink> links_;
   std::vector<std::uint8_t> mostly_planar_;  // 1 for such views: see planar_view.h.
-  // See pair_search.h; of views that have links.
-  std::vector<std::optional<std::vector<RigidMotion>>> onto_itself_;
+  // Partial symmetries of the views that have links.
+  std::vector<std::optional<std::vector<RigidMotion>>> symmetries_;
   ViewGroups groups_;
 };
 

@@ -30,8 +30,8 @@ constexpr std::size_t kLeastConsensus = 4;
 // Of rough_agreement(): half of the 0.15 that links must overlap, 3.6 deviations above none.
 constexpr double kLeastAgreement = 0.08;
 constexpr int kQuickCorrespondences = 250;  // Bounds the time.
-// Of alternative_poses(); bounds the time. Of a shape in a row the nearest few tell that it
-// repeats.
+// Of alternative_poses(); bounds the time. A shape that repeats in a row has more, and a few tell
+// it.
 constexpr int kAlternatives = 6;
 
 struct RoughPose {
@@ -169,9 +169,9 @@ std::vector<PoseHypothesis> search_pair(const CoarseView& a, const CoarseView& b
   return verify_matches(a, b, match_features(a.features, b.features), scale, options);
 }
 
-std::vector<RigidMotion> motions_onto_itself(const CoarseView& view, const CoarseScale& scale,
-                                             const VerificationThresholds& limits,
-                                             const PairSearchOptions& options) {
+std::vector<RigidMotion> partial_symmetries(const CoarseView& view, const CoarseScale& scale,
+                                            const VerificationThresholds& limits,
+                                            const PairSearchOptions& options) {
   FeatureMatchOptions elsewhere;
   elsewhere.own_points = &view.points.points;
   elsewhere.least_shift = kLeastDistance * scale.cell;
@@ -197,16 +197,16 @@ std::vector<RigidMotion> motions_onto_itself(const CoarseView& view, const Coars
 
 std::vector<PoseHypothesis> alternative_poses(const ViewSurface& a, const ViewSurface& b,
                                               const RigidMotion& b_from_a,
-                                              const std::vector<RigidMotion>& a_onto_itself,
-                                              const std::vector<RigidMotion>& b_onto_itself,
+                                              const std::vector<RigidMotion>& a_symmetries,
+                                              const std::vector<RigidMotion>& b_symmetries,
                                               const CoarseScale& scale, const JudgeOptions& judge) {
   const double reach = kReach * scale.cell;
   const auto is_given = [&](const RigidMotion& motion) {
     return same_pose(a, motion, b_from_a, reach);
   };
   std::vector<RigidMotion> motions;
-  for (const RigidMotion& motion : a_onto_itself) motions.push_back(b_from_a * motion);
-  for (const RigidMotion& motion : b_onto_itself) motions.push_back(motion * b_from_a);
+  for (const RigidMotion& motion : a_symmetries) motions.push_back(b_from_a * motion);
+  for (const RigidMotion& motion : b_symmetries) motions.push_back(motion * b_from_a);
   std::erase_if(motions, is_given);
   auto poses = verify_motions(a, b, motions, reach, kAlternatives, judge);
   std::erase_if(poses, [&](const PoseHypothesis& pose) { return is_given(pose.b_from_a); });

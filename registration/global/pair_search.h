@@ -41,19 +41,20 @@ std::vector<PoseHypothesis> search_pair(const CoarseView& a, const CoarseView& b
                                         const CoarseScale& scale,
                                         const PairSearchOptions& options = {});
 
-/// The motions other than standing still that map a view onto itself as well as `limits` ask, with
-/// their inverses, the best overlap first: of symmetric and plain shapes, and of those that repeat.
-std::vector<RigidMotion> motions_onto_itself(const CoarseView& view, const CoarseScale& scale,
-                                             const VerificationThresholds& limits,
-                                             const PairSearchOptions& options = {});
+/// The motions but the identity that map a view onto itself as well as `limits` ask, with their
+/// inverses, the best overlap first: partial symmetries (Mitra, Guibas and Pauly 2006), as of
+/// bowls, plain shapes and facades.
+std::vector<RigidMotion> partial_symmetries(const CoarseView& view, const CoarseScale& scale,
+                                            const VerificationThresholds& limits,
+                                            const PairSearchOptions& options = {});
 
-/// The other relative poses of two views that follow where one of them shows the same shape twice:
-/// its samples may as well be those of the second place. From the motions that map each view onto
-/// itself; refined by ICP and judged, the best overlap first.
+/// The other relative poses of two views that follow from the partial symmetries of either: the
+/// samples of a symmetric view may as well be those of the second place. Refined by ICP and judged,
+/// the best overlap first.
 std::vector<PoseHypothesis> alternative_poses(const ViewSurface& a, const ViewSurface& b,
                                               const RigidMotion& b_from_a,
-                                              const std::vector<RigidMotion>& a_onto_itself,
-                                              const std::vector<RigidMotion>& b_onto_itself,
+                                              const std::vector<RigidMotion>& a_symmetries,
+                                              const std::vector<RigidMotion>& b_symmetries,
                                               const CoarseScale& scale,
                                               const JudgeOptions& judge = {});
 

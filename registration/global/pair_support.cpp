@@ -50,8 +50,8 @@ double PairSupport::support(std::size_t i, std::size_t j, const RigidMotion& i_f
                    penalty(evidence, source, target, limits));
 }
 
-// Pairs of which too much is absent speak a little against a way, unless they were found at it: two
-// ways to one pose agree hardly ever by chance, and clouds are often cut.
+// Missing coverage counts against a pose, unless the search of this pair found the same pose: a
+// search and a chain of other links hardly ever agree by chance, and clouds are often cut.
 double PairSupport::support_of(const PoseEvidence& evidence, bool linked) const {
   if (linked || !misses_coverage(evidence, limits_.confirmed)) return evidence.overlap;
   return -evidence.missing;

@@ -87,15 +87,14 @@ std::vector<PoseHypothesis> AlignUnits::search_pair(const std::vector<CoarseView
       .value();
 }
 
-std::vector<RigidMotion> AlignUnits::motions_onto_itself(const CoarseView& view, std::size_t i,
-                                                         const CoarseScale& scale,
-                                                         const VerificationThresholds& limits,
-                                                         const PairSearchOptions& options) const {
+std::vector<RigidMotion> AlignUnits::partial_symmetries(const CoarseView& view, std::size_t i,
+                                                        const CoarseScale& scale,
+                                                        const VerificationThresholds& limits,
+                                                        const PairSearchOptions& options) const {
   return find_or_compute<std::vector<RigidMotion>>(
-             store_, [&] { return unit_key("onto itself", surfaces_[i], scale, limits, options); },
-             [&] {
-               return Result(registration::motions_onto_itself(view, scale, limits, options));
-             })
+             store_,
+             [&] { return unit_key("partial symmetries", surfaces_[i], scale, limits, options); },
+             [&] { return Result(registration::partial_symmetries(view, scale, limits, options)); })
       .value();
 }
 

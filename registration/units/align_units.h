@@ -41,11 +41,11 @@ class AlignUnits {
                                           std::size_t b, const CoarseScale& scale,
                                           const PairSearchOptions& options) const;
 
-  /// registration::motions_onto_itself of the view i.
-  std::vector<RigidMotion> motions_onto_itself(const CoarseView& view, std::size_t i,
-                                               const CoarseScale& scale,
-                                               const VerificationThresholds& limits,
-                                               const PairSearchOptions& options) const;
+  /// registration::partial_symmetries of the view i.
+  std::vector<RigidMotion> partial_symmetries(const CoarseView& view, std::size_t i,
+                                              const CoarseScale& scale,
+                                              const VerificationThresholds& limits,
+                                              const PairSearchOptions& options) const;
 
  private:
   UnitStore* store_ = nullptr;

@@ -67,8 +67,8 @@ struct GridOptions {
   /// Where the sensor stood, in the file's frame; for points without a grid. Else it is found.
   std::optional<Eigen::Vector3d> viewpoint;
   bool ignore_pose = false;  ///< The pose that the file tells is not taken.
-  bool shared_frame =
-      false;  ///< Where nothing tells a pose, the file's frame is that of the others.
+  /// Files that tell no pose are all in one frame: their pose is the identity, a guess.
+  bool shared_frame = false;
 };
 
 /// One view as a project describes it, before its data is read. File names are resolved.

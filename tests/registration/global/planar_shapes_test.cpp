@@ -147,7 +147,7 @@ TEST(RepeatedShape, FitsItselfAndOthersAtTheSecondPlace) {
   VerificationThresholds limits;
   limits.min_overlap = 0.3;
   const auto motions =
-      motions_onto_itself(prepare_coarse_view(a, scale), scale, limits, {.seeds = 150});
+      partial_symmetries(prepare_coarse_view(a, scale), scale, limits, {.seeds = 150});
   const auto shift = [&](double by) {
     const RigidMotion along(Eigen::Translation3d(by, 0.0, 0.0));
     return RigidMotion(views[0].world_from_view.inverse() * along * views[0].world_from_view);
