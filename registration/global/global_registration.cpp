@@ -198,15 +198,12 @@ class GlobalRegistration {
   bool search(const Pairs& pairs) {
     auto found = hypotheses_of(pairs);
     if (!found || !expect_common_errors(pairs, *found)) return false;
-    Pairs linked;
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      std::erase_if((*found)[k], [&](const PoseHypothesis& hypothesis) {
-        return !is_link_candidate(hypothesis, pairs[k].first, pairs[k].second);
-      });
-      if (!(*found)[k].empty()) linked.push_back(pairs[k]);
-    }
     std::set<std::size_t> linked_views;
-    for (const auto& [a, b] : linked) linked_views.insert({a, b});
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const auto& [a, b] = pairs[k];
+      keep_link_candidates(a, b, (*found)[k]);
+      if (!(*found)[k].empty()) linked_views.insert({a, b});
+    }
     if (!find_symmetries({linked_views.begin(), linked_views.end()})) return false;
     return link_pairs(pairs, *found);
   }
@@ -248,9 +245,10 @@ class GlobalRegistration {
   std::vector<PoseLink> links_of_pair(const std::pair<std::size_t, std::size_t>& pair,
                                       const std::vector<PoseHypothesis>& found) const {
     const auto [a, b] = pair;
+    const bool mostly_planar = mostly_planar_[a] || mostly_planar_[b];
     std::vector<PoseLink> links;
     const auto add = [&](const PoseHypothesis& hypothesis) {
-      links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, is_flat(a, b)});
+      links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, mostly_planar});
     };
     for (const PoseHypothesis& hypothesis : found) add(hypothesis);
     if (!found.empty())
@@ -261,24 +259,22 @@ class GlobalRegistration {
   // Other poses that partial symmetries of the two views lead to.
   std::vector<PoseHypothesis> alternatives(std::size_t a, std::size_t b,
                                            const RigidMotion& b_from_a) const {
-    static const std::vector<RigidMotion> none;
-    const auto symmetries_of = [&](std::size_t i) -> const std::vector<RigidMotion>& {
-      return i < symmetries_.size() && symmetries_[i] ? *symmetries_[i] : none;
+    const auto symmetries = [&](std::size_t i) {
+      return symmetries_[i].value_or(std::vector<RigidMotion>{});
     };
-    auto poses = alternative_poses(surfaces_[a], surfaces_[b], b_from_a, symmetries_of(a),
-                                   symmetries_of(b), scale_, grouping_.judge);
-    std::erase_if(poses,
-                  [&](const PoseHypothesis& pose) { return !is_link_candidate(pose, a, b); });
+    auto poses = alternative_poses(surfaces_[a], surfaces_[b], b_from_a, symmetries(a),
+                                   symmetries(b), scale_, grouping_.judge);
+    keep_link_candidates(a, b, poses);
     return poses;
   }
 
-  bool is_link_candidate(const PoseHypothesis& hypothesis, std::size_t a, std::size_t b) const {
-    return plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], widest_limits()) ||
-           may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
-  }
-
-  bool is_flat(std::size_t a, std::size_t b) const {
-    return mostly_planar_[a] || mostly_planar_[b];
+  void keep_link_candidates(std::size_t a, std::size_t b,
+                            std::vector<PoseHypothesis>& hypotheses) const {
+    const VerificationThresholds limits = widest_limits();
+    std::erase_if(hypotheses, [&](const PoseHypothesis& hypothesis) {
+      return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits) &&
+             !may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
+    });
   }
 
   VerificationThresholds widest_limits() const {

@@ -191,7 +191,7 @@ double stddev_of_loops(const std::vector<ViewSurface>& surfaces,
   const std::vector<int> loops = count_loops(surfaces, links);
   std::vector<PairDeviation> pairs;
   for (std::size_t k = 0; k < links.size(); ++k) {
-    const auto& [a, b, unused, evidence, flat] = links[k];
+    const auto& [a, b, unused, evidence, planar] = links[k];
     const bool known = !pairs.empty() && pairs.back().a == a && pairs.back().b == b;
     if (loops[k] > 0 && !known) pairs.push_back({a, b, evidence.rms});
   }

@@ -16,7 +16,7 @@ namespace relief::registration {
 namespace {
 
 // Whether the two views could as well lie otherwise.
-bool undetermined(const PoseLink& link) { return link.evidence.degenerate || link.flat; }
+bool undetermined(const PoseLink& link) { return link.evidence.degenerate || link.mostly_planar; }
 
 // Best supported first, without those that are not believed: these confirm no others either.
 // `loops_of_all`: of all links.

@@ -16,8 +16,8 @@ struct PoseLink {
   std::size_t a = 0, b = 0;
   RigidMotion b_from_a = RigidMotion::Identity();
   PoseEvidence evidence;
-  /// A view of it shows flat faces alone: it fits others that show other faces, too.
-  bool flat = false;
+  /// A view of it is mostly planar: it fits views that show other flat faces, too.
+  bool mostly_planar = false;
 };
 
 /// With these numbers `relief_coarse_runs` places no view of 200 difficult scenes wrongly
