@@ -1,10 +1,8 @@
 #include "scan/io/grids/grid_file.h"
 
-#include <algorithm>
 #include <fstream>
 #include <string>
 
-#include "relief/scan/range_view.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
 
@@ -26,16 +24,6 @@ bool is_grid_file(const std::filesystem::path& path) {
     if (line.starts_with("end_header")) return false;
   }
   return false;
-}
-
-void invalidate_points_at_origin(GridFile& grid) {
-  const auto at_origin = [](const Eigen::Vector3d& point) { return point.isZero(0.0); };
-  const auto count = std::count_if(grid.points.begin(), grid.points.end(), at_origin);
-  if (count < 2) return;
-  for (Eigen::Vector3d& point : grid.points)
-    if (at_origin(point)) point.setConstant(kNoSample);
-  grid.notes.push_back(std::to_string(count) +
-                       " points at the origin are taken for missing samples");
 }
 
 Result<GridFile> read_grid_file(const std::filesystem::path& path) {

@@ -26,8 +26,8 @@ struct GridFile {
 };
 
 /// Reads an organized grid: .ply with `range_grid` or with one vertex per grid place, organized
-/// .pcd. Points that are not finite are no samples; nor are several points at the origin, which
-/// stand for missing ones. A note tells of these. Errors are kBadInput.
+/// .pcd. Points that are not finite are no samples, nor are those that stand for missing ones, of
+/// which notes tell: see missing_points.h. Errors are kBadInput.
 Result<GridFile> read_grid_file(const std::filesystem::path& path);
 
 /// The same for each format.
@@ -36,10 +36,6 @@ Result<GridFile> read_pcd_grid(const std::filesystem::path& path);
 
 /// The points of a PCD of any shape: one that is not organized is a grid of one row.
 Result<GridFile> read_pcd_points(const std::filesystem::path& path);
-
-/// Several points at exactly the origin stand for missing samples, since a surface has but one
-/// point there: they become NaN, and a note counts them.
-void invalidate_points_at_origin(GridFile& grid);
 
 /// Whether the header of a file says that it is such a grid.
 bool is_grid_file(const std::filesystem::path& path);

@@ -20,6 +20,7 @@
 #include "scan/io/files/io_error.h"
 #include "scan/io/grids/grid_file.h"
 #include "scan/io/grids/grid_view.h"
+#include "scan/io/grids/missing_points.h"
 #include "scan/io/grids/pcd_header.h"
 
 namespace relief {
@@ -192,7 +193,7 @@ Result<GridFile> grid_from_cloud(const PcdCloud& from, const std::filesystem::pa
     if (confidence) grid.confidence[i] = static_cast<float>(value_at(from, i, *confidence));
     if (colour) grid.colours[i] = colour_at(from, i, *colour);
   }
-  invalidate_points_at_origin(grid);
+  grid.notes = invalidate_missing_points({grid.points.begin(), grid.points.end()});
   return grid;
 }
 

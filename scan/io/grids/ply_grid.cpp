@@ -9,6 +9,7 @@
 #include "scan/io/files/ply_columns.h"
 #include "scan/io/files/ply_file.h"
 #include "scan/io/grids/grid_file.h"
+#include "scan/io/grids/missing_points.h"
 #include "scan/io/images/image_limits.h"
 
 namespace relief {
@@ -117,7 +118,7 @@ Result<GridFile> read_ply_grid(const std::filesystem::path& path) {
     if (!colour) return colour.error();
     grid.colours[i] = *colour;
   }
-  invalidate_points_at_origin(grid);
+  grid.notes = invalidate_missing_points({grid.points.begin(), grid.points.end()});
   return grid;
 }
 

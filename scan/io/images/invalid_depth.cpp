@@ -7,14 +7,14 @@
 
 namespace relief {
 
-double invalid_depth_value(const Image& depth) {
-  constexpr double kShare = 0.01;    // Of the pixels with values: far beyond chance.
+double invalid_depth_value(std::span<const float> depths) {
+  constexpr double kShare = 0.01;    // Of the depths above 0: far beyond chance.
   constexpr double kNearest = 0.25;  // Of the largest value: where other depths may be.
   constexpr double kNone = std::numeric_limits<double>::infinity();
   double largest = 0.0, next = 0.0;
   std::size_t shared = 0, known = 0;
-  for (const float sample : depth.samples) {
-    const double value = sample;
+  for (const float depth : depths) {
+    const double value = depth;
     if (!(value > 0.0) || !std::isfinite(value)) continue;
     ++known;
     if (value > largest) {
@@ -29,7 +29,7 @@ double invalid_depth_value(const Image& depth) {
   }
   const bool apart = next > 0.0 && next < kNearest * largest;
   const bool often = static_cast<double>(shared) > kShare * static_cast<double>(known);
-  return apart && often ? largest : kNone;
+  return apart && often && shared > 1 ? largest : kNone;
 }
 
 }  // namespace relief

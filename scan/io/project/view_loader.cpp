@@ -97,7 +97,7 @@ Result<void> load_depth(const ViewSpec& spec, MemoryBudget& memory, LoadedView& 
   RangeView& view = loaded.view;
   view.camera = camera_of(*spec.camera, width, height, nullptr);
   view.range = Grid<double>(width, height, kNoSample);
-  const double missing = invalid_depth_value(*image);
+  const double missing = invalid_depth_value(image->samples);
   if (std::isfinite(missing)) {
     std::ostringstream note;
     note << "view " << spec.name << ": the value " << missing

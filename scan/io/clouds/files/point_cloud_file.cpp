@@ -11,6 +11,7 @@
 #include "scan/io/files/io_error.h"
 #include "scan/io/files/ply_columns.h"
 #include "scan/io/files/ply_file.h"
+#include "scan/io/grids/missing_points.h"
 
 namespace relief {
 
@@ -28,14 +29,12 @@ bool is_mesh_ending(const std::string& ending) {
   return is_one_of(ending, {".obj", ".stl", ".vtp"});
 }
 
-// Keeps the points for which keep(point) is true, with all that is known of them. Returns how many
-// are left out.
-template <typename Keep>
-std::size_t keep_points(PointCloudFile& cloud, const Keep& keep) {
+// Keeps the points that are finite, with all that is known of them. Returns how many are left out.
+std::size_t keep_finite_points(PointCloudFile& cloud) {
   const std::size_t count = cloud.points.size();
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < count; ++i)
-    if (keep(cloud.points[i])) chosen.push_back(i);
+    if (cloud.points[i].allFinite()) chosen.push_back(i);
   const auto shorten = [&](auto& values) {
     if (values.empty()) return;
     for (std::size_t k = 0; k < chosen.size(); ++k) values[k] = values[chosen[k]];
@@ -48,19 +47,16 @@ std::size_t keep_points(PointCloudFile& cloud, const Keep& keep) {
   return count - chosen.size();
 }
 
-// Drops what is not finite, and points at the origin where several are: many programs write these
-// where nothing was measured. Corners of a mesh may meet there.
+// Drops what is not finite, and points that stand for missing samples. Corners of a mesh may meet
+// at the origin.
 Result<PointCloudFile> measured_points(PointCloudFile cloud, const std::filesystem::path& path) {
-  const auto note = [&](std::size_t count, const char* what) {
-    if (count > 0) cloud.notes.push_back(std::to_string(count) + what);
-  };
-  note(keep_points(cloud, [](const Eigen::Vector3d& point) { return point.allFinite(); }),
-       " points that are not finite are left out");
-  const auto at_origin = [](const Eigen::Vector3d& point) { return point.isZero(0.0); };
-  if (cloud.facing.empty() &&
-      std::count_if(cloud.points.begin(), cloud.points.end(), at_origin) > 1)
-    note(keep_points(cloud, [&](const Eigen::Vector3d& point) { return !at_origin(point); }),
-         " points at the origin are taken for missing samples");
+  if (const std::size_t count = keep_finite_points(cloud); count > 0)
+    cloud.notes.push_back(std::to_string(count) + " points that are not finite are left out");
+  if (cloud.facing.empty()) {
+    for (std::string& note : invalidate_missing_points(cloud.points))
+      cloud.notes.push_back(std::move(note));
+    keep_finite_points(cloud);
+  }
   if (cloud.points.empty()) return bad_input(path, "no point of the file is finite and measured");
   return cloud;
 }

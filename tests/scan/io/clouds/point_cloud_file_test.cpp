@@ -217,6 +217,22 @@ TEST(PointCloudFile, LeavesOutSeveralPointsAtTheOrigin) {
               HasError("none.xyz: no point of the file is finite and measured"));
 }
 
+TEST(PointCloudFile, LeavesOutPointsAtAnInvalidDepth) {
+  const TemporaryFolder folder;
+  // As a depth camera writes 65535 mm: on many rays, at one depth.
+  const auto cloud = value_of(read_point_cloud(
+      folder.write("camera.xyz", "1 2 3\n-17.9 8 65.535004\n0 1 2.5\n16.8 -20 65.535004\n")));
+  EXPECT_THAT(cloud.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 1, 2.5)));
+  EXPECT_THAT(cloud.notes, ElementsAre("2 points at the depth 65.535, far behind all others, are "
+                                       "taken for missing samples"));
+  const auto behind = value_of(read_point_cloud(
+      folder.write("opengl.xyz", "1 2 -3\n-17.9 8 -65.535\n0 1 -2.5\n16.8 -20 -65.535\n")));
+  EXPECT_EQ(behind.points.size(), 2u);
+  const auto wall =
+      value_of(read_point_cloud(folder.write("wall.xyz", "1 2 3\n-5 8 9\n0 1 2.5\n6 -2 9\n")));
+  EXPECT_EQ(wall.points.size(), 4u) << "others are within a quarter";
+}
+
 TriangleMesh square() {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};

@@ -66,6 +66,18 @@ TEST(PcdGrid, SeveralPointsAtTheOriginAreMissingSamples) {
   EXPECT_THAT(one.notes, ::testing::IsEmpty());
 }
 
+TEST(PcdGrid, PointsAtAnInvalidDepthAreMissingSamples) {
+  const TemporaryFolder folder;
+  const std::string far = "1 0 9.999 0 0 -1\n", point = "0 1 2 0 0 -1\n";
+  const auto grid = value_of(read_grid_file(
+      folder.write("a.pcd", header(kSize, "ascii") + far + point + point + far + point + point)));
+  EXPECT_FALSE(grid.points(0, 0).allFinite());
+  EXPECT_FALSE(grid.points(0, 1).allFinite());
+  EXPECT_TRUE(grid.points(1, 1).allFinite());
+  EXPECT_THAT(grid.notes,
+              ::testing::ElementsAre(::testing::HasSubstr("2 points at the depth 9.999")));
+}
+
 // As LZF keeps what it cannot shorten: up to 32 bytes behind their number less one.
 std::string compressed(const std::string& bytes) {
   std::string packed;

@@ -1,0 +1,55 @@
+#include "scan/io/grids/missing_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "relief/scan/range_view.h"
+#include "scan/io/images/invalid_depth.h"
+
+namespace relief {
+
+namespace {
+
+// In the precision of most files, which rounds equal depths alike.
+float depth_of(const Eigen::Vector3d& point) { return static_cast<float>(std::abs(point.z())); }
+
+float invalid_depth_of(std::span<const Eigen::Vector3d> points) {
+  std::vector<float> depths(points.size());
+  std::ranges::transform(points, depths.begin(), depth_of);
+  return static_cast<float>(invalid_depth_value(depths));
+}
+
+// Returns how many points are gone.
+template <typename Missing>
+std::size_t invalidate_if(std::span<Eigen::Vector3d> points, const Missing& missing) {
+  std::size_t count = 0;
+  for (Eigen::Vector3d& point : points) {
+    if (!missing(point)) continue;
+    point.setConstant(kNoSample);
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<std::string> invalidate_missing_points(std::span<Eigen::Vector3d> points) {
+  std::vector<std::string> notes;
+  const auto at_origin = [](const Eigen::Vector3d& point) { return point.isZero(0.0); };
+  if (std::ranges::count_if(points, at_origin) > 1)
+    notes.push_back(std::to_string(invalidate_if(points, at_origin)) +
+                    " points at the origin are taken for missing samples");
+  const float invalid = invalid_depth_of(points);
+  if (std::isfinite(invalid)) {
+    const std::size_t count =
+        invalidate_if(points, [&](const Eigen::Vector3d& p) { return depth_of(p) == invalid; });
+    std::ostringstream note;
+    note << count << " points at the depth " << invalid
+         << ", far behind all others, are taken for missing samples";
+    notes.push_back(note.str());
+  }
+  return notes;
+}
+
+}  // namespace relief

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace relief {
+
+/// Points that stand for missing samples become NaN: several at exactly the origin, since a surface
+/// has but one point there, and those at the depth (the size of z) that invalid_depth_value()
+/// names, which depth cameras write as 65.535. Returns a note for the user for each kind.
+std::vector<std::string> invalidate_missing_points(std::span<Eigen::Vector3d> points);
+
+}  // namespace relief
