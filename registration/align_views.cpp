@@ -147,8 +147,8 @@ class Aligning {
       view.pose_covariance = refined_.pose_covariance[i];
       view.aligned =
           starts_.in_main_frame[i] && roles_[i] != ViewRole::kExcluded && !has_other_unit(i);
-      const bool confirmed =
-          verified_.group[i] == main || views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
+      const bool confirmed = (verified_.group[i] == main && !contradicted(i)) ||
+                             views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
       view.status = !view.aligned ? PoseStatus::kLeftOut
                     : confirmed   ? PoseStatus::kVerified
                                   : PoseStatus::kUnverified;
@@ -165,6 +165,11 @@ class Aligning {
     result.solves = std::move(refined_.solves);
     result.loops = std::move(refined_.loops);
     return result;
+  }
+
+  // Whether more speaks against the pose than confirms it: what only allows the pose keeps it.
+  bool contradicted(std::size_t i) const {
+    return verified_.views[i].violation > verified_.views[i].support;
   }
 
   void note_moves(const CheckedPoses& checked, Alignment& result) const {

@@ -34,9 +34,8 @@ struct Judged {
   std::size_t a = 0, b = 0;
   PoseEvidence evidence;
   bool fit_known = false;  // Whether all of the evidence was looked at, or sight lines alone.
-  bool confirms = false, violates_free_space = false;
-  bool fits_but_for_coherence = false;  // All but its coherent residual is within the limits.
-  bool planar = false;                  // It fits wherever its plane is moved in itself.
+  bool confirms = false, allows = false, violates_free_space = false;
+  bool planar = false;  // It fits wherever its plane is moved in itself.
 };
 
 std::vector<Judged> pairs_to_judge(const std::vector<ViewSurface>& surfaces,
@@ -135,9 +134,10 @@ VerificationThresholds limits_of_views(const std::vector<ViewSurface>& surfaces,
 void decide(const std::vector<ViewSurface>& surfaces, const VerificationThresholds& general,
             std::vector<Judged>& pairs) {
   const VerificationThresholds limits = limits_of_views(surfaces, pairs, general);
-  VerificationThresholds without_coherence = limits;
-  without_coherence.max_coherent_rms = std::numeric_limits<double>::infinity();
   const double strays = std::max(kStrays, limits.max_free_space_violation);
+  VerificationThresholds nearly = limits;
+  nearly.max_coherent_rms = std::numeric_limits<double>::infinity();
+  nearly.max_free_space_violation = strays;
   for (Judged& pair : pairs) {
     pair.violates_free_space =
         pair.evidence.free_space_violation > (pair.planar ? kPlanarStrays : strays) &&
@@ -148,7 +148,7 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
     const bool leaves_space_free =
         !pair.planar || pair.evidence.free_space_violation <= general.max_free_space_violation;
     pair.confirms = within(limits) && leaves_space_free;
-    pair.fits_but_for_coherence = !pair.confirms && !pair.planar && within(without_coherence);
+    pair.allows = pair.confirms || (!pair.planar && within(nearly));
   }
 }
 
@@ -162,8 +162,10 @@ std::vector<ViewVerification> tally(std::size_t views, const std::vector<Judged>
     for (const auto& [view, other] : {std::pair{pair.a, pair.b}, std::pair{pair.b, pair.a}}) {
       if (refuted[other]) continue;
       if (pair.evidence.overlap >= kCountingOverlap) result[view].overlaps = true;
-      if (pair.confirms && !pair.planar) result[view].support += pair.evidence.overlap;
-      if (pair.fits_but_for_coherence) result[view].misfit_support += pair.evidence.overlap;
+      if (pair.confirms && !pair.planar)
+        result[view].support += pair.evidence.overlap;
+      else if (pair.allows)
+        result[view].weak_support += pair.evidence.overlap;
       if (pair.violates_free_space) result[view].violation += pair.evidence.in_front;
     }
   }
@@ -178,7 +180,7 @@ std::size_t most_contradicted(const std::vector<ViewVerification>& tallied,
   double excess = 0.0;
   for (std::size_t i = 0; i < tallied.size(); ++i) {
     if (refuted[i] || roles[i] != ViewRole::kFree) continue;
-    const double against = tallied[i].violation - tallied[i].support - tallied[i].misfit_support;
+    const double against = tallied[i].violation - tallied[i].support - tallied[i].weak_support;
     // Of two views with the same against them the first one stays.
     if (tallied[i].violation > 0.0 && against > 0.0 && against >= excess) {
       worst = i;

@@ -19,9 +19,10 @@ struct PoseVerificationOptions {
 /// What the other views say of one view's pose.
 struct ViewVerification {
   double support = 0.0;  ///< Sum of overlaps with views that confirm the pose.
-  /// Sum of overlaps with views that fit as well, but for a misfit that neighbouring samples share:
-  /// the pose may be wrong by it, or the calibrations of the sensors.
-  double misfit_support = 0.0;
+  /// Sum of overlaps with views that allow the pose, but do not confirm it. They fit but for stray
+  /// samples, or for a misfit that neighbouring samples share: the pose may be wrong by it, or the
+  /// calibrations of the sensors. Or they fit on one plane alone.
+  double weak_support = 0.0;
   /// Sum over views that contradict the pose of the fraction of samples in space seen empty.
   double violation = 0.0;
   bool overlaps = false;  ///< Whether any view overlaps it at all.

@@ -244,7 +244,8 @@ std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const Ch
                 " with another view"
           : "no pose was found that can be believed: " +
                 describe_rejected(*placed.best_rejected[view], view, views, surfaces);
-  return why + found + "; add a view between or give a guess in world_from_view";
+  return why + found + "; add a view between or give a guess in world_from_view" +
+         (why.empty() ? "" : ", or keep its pose with --poses trust");
 }
 
 // Whether all views with samples are in one group as they are.

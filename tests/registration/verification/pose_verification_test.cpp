@@ -120,6 +120,49 @@ TEST_F(SmoothErrorsTest, HideNoViewThatIsFarOff) {
     EXPECT_EQ(verified.views[i].refuted, i == 3) << i;
 }
 
+// Views from above of a floor, each half a view beside the one before.
+class FloorTest : public PoseVerificationTest {
+ protected:
+  static constexpr int kWidth = 100, kHeight = 60;
+
+  static std::vector<RangeView> floor() {
+    std::vector<RangeView> views(4);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      views[i].camera =
+          Camera::orthographic(kWidth, kHeight, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
+      views[i].range = Grid<double>(kWidth, kHeight, 200.0);
+      views[i].world_from_view = Eigen::Translation3d(50.0 * static_cast<double>(i), 0, 0);
+    }
+    return views;
+  }
+
+  // A part of a view stands in front of the floor: the columns from `first`.
+  static void raise(RangeView& view, int first) {
+    for (int v = 10; v < 50; ++v)
+      for (int u = first; u < first + 20; ++u) view.range(u, v) = 180.0;
+  }
+
+  static std::vector<bool> refuted(const std::vector<RangeView>& views) {
+    const auto verified = verify(views, testing::poses_of(views));
+    std::vector<bool> result;
+    for (const ViewVerification& view : verified.views) result.push_back(view.refuted);
+    return result;
+  }
+};
+
+TEST_F(FloorTest, AViewThatOneAllowsStaysThoughAnotherContradictsIt) {
+  auto views = floor();
+  raise(views[1], 70);  // Where view 2 sees the floor, and view 0 nothing.
+  EXPECT_EQ(refuted(views), std::vector<bool>({false, false, false, false}));
+}
+
+TEST_F(FloorTest, AViewThatAllContradictIsRefuted) {
+  auto views = floor();
+  raise(views[1], 15);
+  raise(views[1], 70);
+  EXPECT_EQ(refuted(views), std::vector<bool>({false, true, false, false}));
+}
+
 TEST_F(PoseVerificationTest, ViewsThatMeetNothingAreNeitherConfirmedNorRefuted) {
   auto poses = testing::poses_of(views());
   poses[5] = Eigen::Translation3d(1e4, 0, 0) * poses[5];
