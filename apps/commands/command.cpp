@@ -74,8 +74,9 @@ void add_reading_options(CLI::App& command, ReadProjectOptions& options) {
       ->delimiter(',')
       ->expected(4);
   command
-      .add_option("--depth-scale", options.depth_scale,
-                  "Steps of such a depth map to the unit, as 1000 or 5000 to the metre")
+      .add_option(
+          "--depth-scale", options.depth_scale,
+          "Steps of such a depth map to the metre, as 1000 or 5000, or metres of a step, as 0.001")
       ->check(positive_number());
   command
       .add_option_function<std::vector<double>>(

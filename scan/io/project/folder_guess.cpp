@@ -12,6 +12,7 @@
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/json/spec_json_private.h"
 #include "scan/io/workspaces/middlebury_par.h"
+#include "scan/io/workspaces/rgbd/calibration.h"
 
 namespace relief {
 
@@ -186,7 +187,7 @@ ViewSpec guessed_view(const std::string& name, const std::vector<NamedImage>& im
     switch (image.role) {
       case ImageRole::kDepth:
         view.depth = DepthSpec{image.file, 1.0, false};
-        if (options.depth_scale) view.depth->scale = 1.0 / *options.depth_scale;
+        if (options.depth_scale) view.depth->scale = metres_per_step(*options.depth_scale);
         break;
       case ImageRole::kNormals:
         view.normals = NormalSpec{image.file, {}, {}, {}};

@@ -12,11 +12,15 @@
 
 namespace relief {
 
+/// The length of a step of a depth map [m] by its scale: values per metre, as 1000, or below 1 the
+/// metres of a value, as the 0.001 of RealSense. No sensor has steps of more than a metre.
+inline double metres_per_step(double scale) { return scale < 1.0 ? scale : 1.0 / scale; }
+
 /// What a calibration file of an RGB-D camera says.
 struct Calibration {
   std::optional<PinholeIntrinsics> intrinsics;  ///< Integer coordinates are pixel centres.
   std::optional<ImageSize> size;                ///< Of the images they belong to.
-  std::optional<double> depth_scale;            ///< Values of the depth map per unit, as 1000.
+  std::optional<double> depth_scale;            ///< As for metres_per_step().
   std::vector<std::string> notes;
 };
 

@@ -134,7 +134,7 @@ bool can_be_intrinsics(const PinholeIntrinsics& k) {
 struct RgbdSetting {
   std::optional<PinholeIntrinsics> intrinsics;
   std::optional<ImageSize> size;
-  double depth_scale = 0.0;
+  double depth_step = 0.0;  // [m]
 };
 
 Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found,
@@ -161,7 +161,7 @@ Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found
                      "depth maps without a scale: give --depth-scale 1000 when their values are "
                      "millimetres (5000 in TUM's files, 1 for metres), or put a line 'depth_scale "
                      "1000' into the calibration file");
-  setting.depth_scale = *scale;
+  setting.depth_step = metres_per_step(*scale);
   return setting;
 }
 
@@ -199,7 +199,7 @@ Result<void> add_frame(const fs::path& folder, const RgbdFrame& frame,
   view.name =
       free_view_name(frame.name, [&](const std::string& name) { return names.contains(name); });
   names.insert(view.name);
-  view.depth = DepthSpec{frame.depth, 1.0 / setting.depth_scale, false};
+  view.depth = DepthSpec{frame.depth, setting.depth_step, false};
   view.camera = *camera;
   if (frame.colour && colours_fit(frame))
     view.colour = ImageFile{*frame.colour};

@@ -12,7 +12,7 @@ namespace relief {
 /// What the files of an RGB-D camera may not tell.
 struct RgbdOptions {
   std::optional<PinholeIntrinsics> intrinsics;  ///< Goes before a calibration file.
-  std::optional<double> depth_scale;            ///< Values of the depth maps per metre, as 1000.
+  std::optional<double> depth_scale;            ///< See metres_per_step().
 };
 
 /// Whether a folder holds depth maps in one of the layouts that read_rgbd_folder() knows.

@@ -137,6 +137,8 @@ TEST(FolderGuess, DepthMapsAreReadByTheIntrinsicsGiven) {
   EXPECT_NEAR(project.views[0].range(3, 2), 1.005, 1e-9);
   const Ray ray = project.views[0].camera.ray(5, 4);
   EXPECT_TRUE(ray.direction.normalized().isApprox(Eigen::Vector3d::UnitZ()));
+  options.depth_scale = 0.001;  // Metres of a value.
+  EXPECT_NEAR(value_of(read_project(folder / "depth", options)).views[0].range(3, 2), 1.005, 1e-9);
 }
 
 // Some programs write the largest number where nothing was measured.

@@ -139,6 +139,12 @@ TEST(CalibrationText, HasManyForms) {
   EXPECT_THAT(distorted->notes, Contains(HasSubstr("line 1 are not applied")));
 }
 
+TEST(DepthScale, CountsStepsOfAMetreOrMetresOfAStep) {
+  EXPECT_EQ(metres_per_step(1000.0), 0.001);
+  EXPECT_EQ(metres_per_step(0.00025), 0.00025);
+  EXPECT_EQ(metres_per_step(1.0), 1.0);
+}
+
 TEST(CalibrationText, ErrorsNameTheLine) {
   const auto parse = [](const std::string& text) { return parse_calibration_text(text, "c.txt"); };
   EXPECT_THAT(parse("1 2 3\n"), HasError("c.txt: line 1: expected 'fx fy cx cy'"));

@@ -21,8 +21,8 @@ struct ReadProjectOptions {
   std::filesystem::path fc_file;
   /// Of the depth maps of a folder without a scan.json, in place of its calibration file.
   std::optional<PinholeIntrinsics> intrinsics;
-  /// How many steps of such a depth map are one unit, as 1000 for millimetres where the unit is the
-  /// metre.
+  /// How many steps of such a depth map are a metre, as 1000; below 1 how many metres a step is, as
+  /// 0.001.
   std::optional<double> depth_scale;
   /// Where the sensor stood, in the frame of points without a grid [unit]. Unset: it is found.
   std::optional<Eigen::Vector3d> viewpoint;
