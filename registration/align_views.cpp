@@ -93,7 +93,7 @@ class Aligning {
     } else if (const auto done = refine_all(); !done) {
       return done.error();
     }
-    return report(given->checked);
+    return report(given->checked, given->convention);
   }
 
  private:
@@ -135,9 +135,13 @@ class Aligning {
     return {};
   }
 
-  Alignment report(const CheckedPoses& checked) {
+  Alignment report(const CheckedPoses& checked, const PoseConvention& convention) {
     Alignment result;
     result.notes = starts_.notes;
+    if (!convention.as_given())
+      result.notes.push_back("the given poses are taken as " + convention.describe() +
+                             ": so they bring the views together, and as world_from_view they do "
+                             "not; --poses trust takes them as they are");
     const std::size_t main = main_group(verified_, roles_);
     for (std::size_t i = 0; i < views_.size(); ++i) {
       ViewReport view;

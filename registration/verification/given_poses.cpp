@@ -30,6 +30,18 @@ void join_groups(const std::vector<bool>& together, std::vector<std::size_t>& gr
     if (joined[g]) g = first;
 }
 
+// Guesses alone may be meant in another convention.
+PoseConvention convention_of(const std::vector<ViewSurface>& surfaces,
+                             const std::vector<RigidMotion>& poses,
+                             const std::vector<ViewRole>& roles, bool trust) {
+  std::vector<bool> given;
+  for (const ViewRole role : roles) {
+    if (trust || role == ViewRole::kFixed) return {};
+    given.push_back(role == ViewRole::kFree);
+  }
+  return find_pose_convention(surfaces, poses, given);
+}
+
 CheckedPoses settle(const std::vector<ViewRole>& roles, const std::vector<bool>& refuted,
                     const JointRefinement& refined, const PoseVerification& verified, bool trust) {
   CheckedPoses checked;
@@ -64,6 +76,9 @@ Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& sur
   const bool trust = options.given == GivenPoses::kTrust;
   std::vector<RigidMotion> poses;
   for (const RangeView& view : views) poses.push_back(view.world_from_view);
+  const PoseConvention convention = convention_of(surfaces, poses, roles, trust);
+  if (!convention.as_given())
+    for (RigidMotion& pose : poses) pose = convention.world_from_view(pose);
   std::vector<bool> refuted(views.size(), false);
   for (;;) {
     auto refined = units.refine_jointly(surfaces, poses, roles, refinement, progress);
@@ -80,7 +95,8 @@ Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& sur
     }
     if (changed) continue;
     CheckedPoses checked = settle(roles, refuted, *refined, verified, trust);
-    return RefinedGivenPoses{std::move(checked), std::move(*refined), std::move(verified)};
+    return RefinedGivenPoses{std::move(checked), std::move(*refined), std::move(verified),
+                             convention};
   }
 }
 

@@ -5,6 +5,7 @@
 #include "registration/posegraph/joint_refinement.h"
 #include "registration/surface/view_surface.h"
 #include "registration/units/align_units.h"
+#include "registration/verification/pose_convention.h"
 #include "registration/verification/pose_verification.h"
 #include "registration/verification/starting_poses.h"
 #include "relief/scan/context.h"
@@ -19,10 +20,12 @@ struct RefinedGivenPoses {
   CheckedPoses checked;
   JointRefinement refined;    ///< Of the given poses that were not refuted.
   PoseVerification verified;  ///< Of the same, at the refined poses.
+  PoseConvention convention;  ///< In which the given poses were taken.
 };
 
-/// Refines the given poses jointly and verifies them; views that the others refute are taken out,
-/// unless the user trusts them, and the rest is refined again without them. The only error is
+/// Refines the given poses jointly, in the convention in which they bring the views together
+/// (exact and trusted ones as they are), and verifies them; views that the others refute are taken
+/// out, unless the user trusts them, and the rest is refined again without them. The only error is
 /// kInterrupted.
 Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& surfaces,
                                              const std::vector<RangeView>& views,
