@@ -11,7 +11,8 @@ namespace relief::registration {
 
 namespace {
 
-constexpr std::size_t kMostViews = 12;  // Compared with all others: bounds the time. Tells 0.3 from 0.
+constexpr std::size_t kMostViews =
+    12;  // Compared with all others: bounds the time. Tells 0.3 from 0.
 // How far guesses may be off [radii of a view], a turn of 3 degrees. More takes the wrong way round
 // a turntable for the right one.
 constexpr double kReachRadii = 0.05;
@@ -44,8 +45,9 @@ class Togetherness {
   }
 
   double of(const std::vector<RigidMotion>& world_from_view) const {
-    const auto best = parallel_map<double>(
-        compared_.size(), [&](std::size_t k) { return best_agreement(compared_[k], world_from_view); });
+    const auto best = parallel_map<double>(compared_.size(), [&](std::size_t k) {
+      return best_agreement(compared_[k], world_from_view);
+    });
     double sum = 0.0;
     for (const double agreement : best) sum += agreement;
     return compared_.empty() ? 0.0 : sum / static_cast<double>(compared_.size());

@@ -94,6 +94,9 @@ void add_workspaces(const CorpusFolder& corpus) {
   add("open3d_trajectory",
       R"({"parameters": [{"extrinsic": [1,0,0,0, 0,1,0,0, 0,0,1,0, 1,2,3,1], "intrinsic":
       {"width": 4, "height": 3, "intrinsic_matrix": [5,0,0, 0,5,0, 2,1,1]}}]})");
+  add("nerf_transforms",
+      R"({"fl_x": 5, "w": 4, "h": 3, "frames": [{"depth_path": "a.png", "transform_matrix": )"
+      "[[1,0,0,1], [0,1,0,2], [0,0,1,3], [0,0,0,1]]}]}");
   add("open3d_camera", R"({"width": 4, "height": 3, "intrinsic_matrix": [5,0,0, 0,5,0, 2,1,1]})");
   add("calibration", "fx 5\nfy -5\ncx 5\ncy 5\ndepth_scale 1000\n");
   add("matrix", kRows);

@@ -10,6 +10,7 @@
 #include "scan/io/workspaces/middlebury_par.h"
 #include "scan/io/workspaces/pose_beside.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/nerf_transforms.h"
 #include "scan/io/workspaces/rgbd/trajectories.h"
 
 namespace relief::testing {
@@ -30,8 +31,12 @@ inline void parse_mlp(std::string_view content) {
   (void)parse_meshlab_mlp(std::string(content), "fuzz");
 }
 
+inline void parse_transforms(std::string_view content) {
+  (void)parse_nerf_transforms(content, "fuzz");
+}
+
 /// The first byte of an input, as an index, selects the parser.
-inline constexpr std::array<WorkspaceParser, 17> kWorkspaceParsers = {
+inline constexpr std::array<WorkspaceParser, 18> kWorkspaceParsers = {
     {{"colmap_array", parse_with<decode_colmap_array>},
      {"colmap_cameras_bin", parse_with<parse_colmap_cameras_bin>},
      {"colmap_images_bin", parse_with<parse_colmap_images_bin>},
@@ -48,6 +53,7 @@ inline constexpr std::array<WorkspaceParser, 17> kWorkspaceParsers = {
      {"calibration", parse_with<parse_calibration_text>},
      {"matrix", parse_with<parse_matrix_text>},
      {"middlebury", parse_with<parse_middlebury_par>},
-     {"mlp", parse_mlp}}};
+     {"mlp", parse_mlp},
+     {"nerf_transforms", parse_transforms}}};
 
 }  // namespace relief::testing

@@ -14,6 +14,7 @@
 #include "scan/io/workspaces/colmap/colmap_workspace.h"
 #include "scan/io/workspaces/meshlab_mlp.h"
 #include "scan/io/workspaces/pose_beside.h"
+#include "scan/io/workspaces/rgbd/nerf_transforms.h"
 #include "scan/io/workspaces/rgbd/rgbd_folder.h"
 
 namespace relief {
@@ -94,9 +95,12 @@ Result<ProjectSpec> spec_of_scans(const std::vector<fs::path>& files,
   return project;
 }
 
-Result<ProjectSpec> parse_project(const std::string& text, const fs::path& path) {
+Result<ProjectSpec> parse_project(const std::string& text, const fs::path& path,
+                                  const RgbdOptions& options) {
   const std::string ending = lower_ending(path);
-  if (ending == ".json") return parse_scan_json(text, path);
+  if (ending == ".json")
+    return looks_like_nerf_transforms(text) ? parse_nerf_transforms(text, path, options)
+                                            : parse_scan_json(text, path);
   auto project = ending == ".aln"   ? parse_meshlab_aln(text, path)
                  : ending == ".mlp" ? parse_meshlab_mlp(text, path)
                                     : parse_stanford_conf(text, path);
@@ -109,7 +113,7 @@ Result<ProjectSpec> spec_of_file(const fs::path& path, const ReadProjectOptions&
   if (is_project_file(path)) {
     auto text = read_file(path);
     if (!text) return text.error();
-    return parse_project(*text, path);
+    return parse_project(*text, path, {options.intrinsics, options.depth_scale});
   }
   if (has_scan_ending(path)) return spec_of_scans({path}, options);
   return why_no_project(path);
@@ -177,6 +181,9 @@ Error no_project_in(const fs::path& folder) {
 Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOptions& options) {
   std::error_code code;
   if (fs::exists(folder / "scan.json", code)) return spec_of_file(folder / "scan.json", options);
+  if (is_nerf_folder(folder))
+    return read_as("the frames of transforms.json", folder,
+                   spec_of_file(folder / "transforms.json", options));
   if (is_colmap_workspace(folder))
     return read_as("a COLMAP workspace", folder, read_colmap_workspace(folder));
   if (is_rgbd_folder(folder))

@@ -34,8 +34,7 @@ class PoseConventionTest : public ::testing::Test {
   // What a program writes whose poses are meant in this convention.
   static RigidMotion written(const PoseConvention& convention, const RigidMotion& world_from_view) {
     RigidMotion pose = world_from_view;
-    if (convention.opengl_axes)
-      pose = pose * Eigen::AngleAxisd(EIGEN_PI, Eigen::Vector3d::UnitX());
+    if (convention.opengl_axes) pose = pose * Eigen::AngleAxisd(EIGEN_PI, Eigen::Vector3d::UnitX());
     if (convention.inverse) pose = pose.inverse();
     pose.translation() /= convention.unit;
     return pose;
@@ -65,9 +64,12 @@ TEST_F(PoseConventionTest, NoUnitPutsAllViewsAtOnePlace) {
 }
 
 TEST_F(PoseConventionTest, OthersAreFound) {
-  for (const PoseConvention& convention : {PoseConvention{1.0, true, false}, {1.0, false, true},
-                                           {1.0, true, true}, {1000.0, false, false},
-                                           {0.001, true, false}, {0.001, false, true}}) {
+  for (const PoseConvention& convention : {PoseConvention{1.0, true, false},
+                                           {1.0, false, true},
+                                           {1.0, true, true},
+                                           {1000.0, false, false},
+                                           {0.001, true, false},
+                                           {0.001, false, true}}) {
     std::vector<RigidMotion> poses;
     for (const RigidMotion& pose : testing::poses_of(views()))
       poses.push_back(written(convention, pose));
@@ -87,8 +89,10 @@ TEST_F(PoseConventionTest, AlignmentTellsOfIt) {
   EXPECT_THAT(alignment->notes, Contains(HasSubstr("taken as view_from_world")));
   const RigidMotion moved =
       alignment->views[3].world_from_view * views()[3].world_from_view.inverse();
-  EXPECT_LT((moved * views()[3].world_from_view.translation() -
-             views()[3].world_from_view.translation()).norm(), 2.0);
+  EXPECT_LT(
+      (moved * views()[3].world_from_view.translation() - views()[3].world_from_view.translation())
+          .norm(),
+      2.0);
   AlignOptions trusting;
   trusting.starting_poses.given = GivenPoses::kTrust;
   const auto trusted = align_views(given, trusting);

@@ -1,13 +1,18 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
+
+#include "relief/scan/result.h"
+#include "scan/io/files/io_error.h"
 
 namespace relief {
 
@@ -133,5 +138,20 @@ class JsonObject {
   std::string place_;
   std::set<std::string> used_;
 };
+
+/// Runs a reader of a document; what is wrong with it becomes an error with the file.
+template <typename T, typename Read>
+Result<T> read_json(std::string_view text, const std::filesystem::path& path, const Read& read) {
+  try {
+    const nlohmann::json document = nlohmann::json::parse(text);
+    return read(document);
+  } catch (const nlohmann::json::parse_error& error) {
+    return bad_input(path, "byte " + std::to_string(error.byte) + ": not valid JSON here");
+  } catch (const JsonError& error) {
+    return bad_input(path, error.what());
+  } catch (const nlohmann::json::exception& error) {
+    return bad_input(path, error.what());
+  }
+}
 
 }  // namespace relief

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scan/io/files/io_error.h"
 #include "scan/io/project/json/json_object_private.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/rgbd/trajectories.h"
@@ -53,21 +52,6 @@ TrajectoryPose pose_of_json(JsonObject parameters) {
   return pose;
 }
 
-// Runs a reader of a document; what is wrong with it becomes an error with the file.
-template <typename T, typename Read>
-Result<T> read_open3d(std::string_view text, const fs::path& path, const Read& read) {
-  try {
-    const json document = json::parse(text);
-    return read(document);
-  } catch (const json::parse_error& error) {
-    return bad_input(path, "byte " + std::to_string(error.byte) + ": not valid JSON here");
-  } catch (const JsonError& error) {
-    return bad_input(path, error.what());
-  } catch (const json::exception& error) {
-    return bad_input(path, error.what());
-  }
-}
-
 }  // namespace
 
 bool looks_like_open3d_camera(std::string_view text) {
@@ -80,7 +64,7 @@ bool looks_like_open3d_trajectory(std::string_view text) {
 }
 
 Result<Calibration> parse_open3d_camera(std::string_view text, const fs::path& path) {
-  return read_open3d<Calibration>(text, path, [](const json& document) {
+  return read_json<Calibration>(text, path, [](const json& document) {
     JsonObject camera(document, "");
     Calibration calibration;
     calibration.intrinsics = intrinsics_of_json(camera);
@@ -91,7 +75,7 @@ Result<Calibration> parse_open3d_camera(std::string_view text, const fs::path& p
 }
 
 Result<Trajectory> parse_open3d_trajectory(std::string_view text, const fs::path& path) {
-  return read_open3d<Trajectory>(text, path, [](const json& document) {
+  return read_json<Trajectory>(text, path, [](const json& document) {
     JsonObject root(document, "");
     const bool is_list = root.has("parameters");
     Trajectory trajectory;
