@@ -23,10 +23,10 @@ struct RefinedGivenPoses {
   PoseConvention convention;  ///< In which the given poses were taken.
 };
 
-/// Refines the given poses jointly, in the convention in which they bring the views together
-/// (exact and trusted ones as they are), and verifies them; views that the others refute are taken
-/// out, unless the user trusts them, and the rest is refined again without them. The only error is
-/// kInterrupted.
+/// Refines the given poses jointly and verifies them; views that the others refute are taken out,
+/// unless the user trusts them, and the rest is refined again without them. Guesses are taken in
+/// the convention of find_pose_convention() where more views confirm each other then. The only
+/// error is kInterrupted.
 Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& surfaces,
                                              const std::vector<RangeView>& views,
                                              const StartingPoseOptions& options,

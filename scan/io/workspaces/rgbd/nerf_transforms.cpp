@@ -46,7 +46,8 @@ std::optional<double> number_of(JsonObject& frame, JsonObject& all, const char* 
 }
 
 // Of the images, whose size may differ from that of the depth maps.
-PinholeIntrinsics image_intrinsics(JsonObject& frame, JsonObject& all, double width, double height) {
+PinholeIntrinsics image_intrinsics(JsonObject& frame, JsonObject& all, double width,
+                                   double height) {
   const auto angle = number_of(frame, all, "camera_angle_x");
   auto fx = number_of(frame, all, "fl_x");
   if (!fx && angle) fx = 0.5 * width / std::tan(0.5 * *angle);
@@ -126,9 +127,8 @@ class Frames {
     const auto depth = depth_of(frame, folder_);
     if (!depth) return;
     ViewSpec view;
-    view.name = free_view_name(depth->stem().string(), [&](const std::string& name) {
-      return names_.contains(name);
-    });
+    view.name = free_view_name(depth->stem().string(),
+                               [&](const std::string& name) { return names_.contains(name); });
     names_.insert(view.name);
     view.depth = DepthSpec{*depth, step_, false};
     view.camera = camera_of(frame, all_, *depth, options_);
@@ -178,9 +178,8 @@ bool is_nerf_folder(const fs::path& folder) {
 
 Result<ProjectSpec> parse_nerf_transforms(std::string_view text, const fs::path& path,
                                           const RgbdOptions& options) {
-  return read_json<ProjectSpec>(text, path, [&](const json& document) {
-    return Frames(document, path, options).read();
-  });
+  return read_json<ProjectSpec>(
+      text, path, [&](const json& document) { return Frames(document, path, options).read(); });
 }
 
 }  // namespace relief

@@ -14,8 +14,8 @@ namespace relief {
 namespace {
 
 using ::testing::Contains;
-using ::testing::HasSubstr;
 using testing::HasError;
+using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 using testing::value_of;
 
@@ -84,7 +84,8 @@ TEST_F(NerfTransformsTest, OptionsAndTheFileTellTheScale) {
 }
 
 TEST_F(NerfTransformsTest, TheFieldOfViewTellsTheFocalLength) {
-  const auto project = value_of(read_project(write(R"("camera_angle_x": 1.5707963267948966)", frame("a"))));
+  const auto project =
+      value_of(read_project(write(R"("camera_angle_x": 1.5707963267948966)", frame("a"))));
   EXPECT_NEAR(project.views[0].camera.ray(19, 0).direction.x(), 9.5 / 10.0, 1e-9);
 }
 
@@ -121,9 +122,8 @@ TEST_F(NerfTransformsTest, DamagedFilesEndInErrorsOrViews) {
 
 // A similarity, as some programs write it: its scale is in the last number.
 TEST_F(NerfTransformsTest, MatricesMayBeTimesANumber) {
-  const auto path = write(
-      all_, R"({"depth_path": "depth/a.png", "transform_matrix": )"
-            R"([[2, 0, 0, 2], [0, 2, 0, 4], [0, 0, 2, 6], [0, 0, 0, 2]]})");
+  const auto path = write(all_, R"({"depth_path": "depth/a.png", "transform_matrix": )"
+                                R"([[2, 0, 0, 2], [0, 2, 0, 4], [0, 0, 2, 6], [0, 0, 0, 2]]})");
   const auto project = value_of(read_project(path));
   EXPECT_TRUE(project.views[0].world_from_view.translation().isApprox(Eigen::Vector3d(1, 2, 3)));
 }
