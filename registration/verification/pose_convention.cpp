@@ -28,10 +28,10 @@ std::vector<PoseConvention> all_conventions() {
   return all;
 }
 
-// The mean over views of their agreement with the other view that they fit best, in [-2, 1].
-class Togetherness {
+// The mean over views of their agreement with the other view that they fit best, in [0, 1].
+class Agreement {
  public:
-  Togetherness(const std::vector<ViewSurface>& surfaces, const std::vector<bool>& given)
+  Agreement(const std::vector<ViewSurface>& surfaces, const std::vector<bool>& given)
       : surfaces_(surfaces) {
     std::vector<double> radii;
     for (std::size_t i = 0; i < surfaces.size(); ++i)
@@ -44,7 +44,7 @@ class Togetherness {
     for (std::size_t k = 0; k < views_.size(); k += stride) compared_.push_back(views_[k]);
   }
 
-  double of(const std::vector<RigidMotion>& world_from_view) const {
+  double operator()(const std::vector<RigidMotion>& world_from_view) const {
     const auto best = parallel_map<double>(compared_.size(), [&](std::size_t k) {
       return best_agreement(compared_[k], world_from_view);
     });
@@ -98,15 +98,15 @@ PoseConvention find_pose_convention(const std::vector<ViewSurface>& surfaces,
                                     const std::vector<RigidMotion>& poses,
                                     const std::vector<bool>& given) {
   assert(surfaces.size() == poses.size() && surfaces.size() == given.size());
-  const Togetherness together(surfaces, given);
+  const Agreement agreement_in(surfaces, given);
   PoseConvention best;
-  double agreement = together.of(poses), wanted = agreement + kClearlyBetter;
+  double agreement = agreement_in(poses), wanted = agreement + kClearlyBetter;
   for (const PoseConvention& other : all_conventions()) {
     if (wanted >= 1.0 || other.as_given()) continue;
     std::vector<RigidMotion> world_from_view;
     for (const RigidMotion& pose : poses) world_from_view.push_back(other.world_from_view(pose));
-    if (other.unit != 1.0 && together.at_one_place(world_from_view)) continue;
-    agreement = together.of(world_from_view);
+    if (other.unit != 1.0 && agreement_in.at_one_place(world_from_view)) continue;
+    agreement = agreement_in(world_from_view);
     if (agreement <= wanted) continue;
     wanted = agreement;
     best = other;

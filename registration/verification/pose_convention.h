@@ -22,8 +22,8 @@ struct PoseConvention {
 };
 
 /// The convention in which the given poses bring the views together; as given, unless another one
-/// is clearly better. A view is together with others by the part of its samples that lies near the
-/// surface of the other view that it fits best (rough_agreement()), so poses may be guesses.
+/// is clearly better. Views agree by the part of the samples of each that lies near the surface of
+/// the view that it fits best (rough_agreement()), so poses may be guesses.
 /// `given`: of the views whose poses count.
 PoseConvention find_pose_convention(const std::vector<ViewSurface>& surfaces,
                                     const std::vector<RigidMotion>& poses,
