@@ -17,7 +17,7 @@ struct PoseConvention {
   bool as_given() const { return unit == 1.0 && !inverse && !opengl_axes; }
   /// world_from_view of a pose in this convention.
   RigidMotion world_from_view(RigidMotion pose) const;
-  /// In words, as `view_from_world with OpenGL axes`.
+  /// In words, as `view_from_world with the axes of OpenGL`.
   std::string describe() const;
 };
 
