@@ -220,6 +220,14 @@ std::string describe_rejected(const PoseLink& link, std::size_t view,
          percent(evidence.overlap) + ", " + text + seen_empty;
 }
 
+std::string describe_ambiguity(const AmbiguousPair& pair, const std::string& other) {
+  if (pair.second_overlap == 0.0)
+    return "shares " + percent(pair.overlap) + " with " + other +
+           ", but only shapes that fit at other poses, too, as flat or round ones";
+  return "fits " + other + " in more ways than one (overlaps " + percent(pair.overlap) + " and " +
+         percent(pair.second_overlap) + "), its shape is symmetric or too plain";
+}
+
 std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const CheckedPoses& checked,
                             const std::vector<RangeView>& views,
                             const std::vector<ViewSurface>& surfaces,
@@ -228,9 +236,8 @@ std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const Ch
     if (placed.group[pair.a] != placed.group[view] && placed.group[pair.b] != placed.group[view])
       continue;
     const std::size_t other = placed.group[pair.a] == placed.group[view] ? pair.b : pair.a;
-    return "it is ambiguous: it fits " + views[other].name + " in more ways than one (overlaps " +
-           percent(pair.overlap) + " and " + percent(pair.second_overlap) +
-           "), its shape is symmetric or too plain; give a guess in world_from_view";
+    return "it is ambiguous: it " + describe_ambiguity(pair, views[other].name) +
+           "; give a guess in world_from_view";
   }
   std::string why;
   if (checked.refuted[view])
