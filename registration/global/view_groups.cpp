@@ -202,7 +202,7 @@ class Joining {
         groups_.ambiguous.push_back(
             {best.a, best.b, best.evidence.overlap, hypotheses[1].link.evidence.overlap});
       else if (undetermined(best))
-        groups_.ambiguous.push_back({best.a, best.b, best.evidence.overlap, 0.0});
+        groups_.ambiguous.push_back({best.a, best.b, best.evidence.overlap, std::nullopt});
     }
   }
 

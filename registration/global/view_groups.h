@@ -41,9 +41,10 @@ struct ViewGroupOptions {
 /// Two views that belong together, but in more ways than one.
 struct AmbiguousPair {
   std::size_t a = 0, b = 0;
-  /// Of the two best ways. The second is 0 where what the views share leaves the one way open:
-  /// flat faces, or a degenerate direction.
-  double overlap = 0.0, second_overlap = 0.0;
+  double overlap = 0.0;  ///< Of the best way.
+  /// Of the second best. Nothing where what the views share leaves the one way open: flat faces, or
+  /// a degenerate direction.
+  std::optional<double> second_overlap;
 };
 
 struct ViewGroups {

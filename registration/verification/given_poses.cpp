@@ -59,49 +59,32 @@ CheckedPoses settle(const std::vector<ViewRole>& roles, const std::vector<bool>&
 }
 
 // Refines and verifies; views that are refuted are taken out, and the rest is refined again.
-class GivenPoseRefinement {
- public:
-  GivenPoseRefinement(const std::vector<ViewSurface>& surfaces, const std::vector<ViewRole>& roles,
-                      const StartingPoseOptions& options, const JointRefinementOptions& refinement,
-                      const Progress& progress, const AlignUnits& units)
-      : surfaces_(surfaces),
-        given_roles_(roles),
-        options_(options),
-        refinement_(refinement),
-        progress_(progress),
-        units_(units) {}
-
-  Result<RefinedGivenPoses> run(const std::vector<RigidMotion>& poses) const {
-    const bool trust = options_.given == GivenPoses::kTrust;
-    std::vector<ViewRole> roles = given_roles_;
-    std::vector<bool> refuted(roles.size(), false);
-    for (;;) {
-      auto refined = units_.refine_jointly(surfaces_, poses, roles, refinement_, progress_);
-      if (!refined) return refined.error();
-      if (!report_progress(progress_, 0.0, "verifying poses"))
-        return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-      auto verified =
-          verify_poses(surfaces_, refined->world_from_view, roles, verification_options(options_));
-      bool changed = false;
-      for (std::size_t i = 0; i < roles.size() && !trust; ++i) {
-        if (!verified.views[i].refuted) continue;
-        refuted[i] = changed = true;
-        roles[i] = ViewRole::kExcluded;
-      }
-      if (changed) continue;
-      CheckedPoses checked = settle(roles, refuted, *refined, verified, trust);
-      return RefinedGivenPoses{std::move(checked), std::move(*refined), std::move(verified), {}};
+Result<RefinedGivenPoses> refine_and_verify(const std::vector<ViewSurface>& surfaces,
+                                            const std::vector<RigidMotion>& poses,
+                                            std::vector<ViewRole> roles,
+                                            const StartingPoseOptions& options,
+                                            const JointRefinementOptions& refinement,
+                                            const Progress& progress, const AlignUnits& units) {
+  const bool trust = options.given == GivenPoses::kTrust;
+  std::vector<bool> refuted(roles.size(), false);
+  for (;;) {
+    auto refined = units.refine_jointly(surfaces, poses, roles, refinement, progress);
+    if (!refined) return refined.error();
+    if (!report_progress(progress, 0.0, "verifying poses"))
+      return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
+    auto verified =
+        verify_poses(surfaces, refined->world_from_view, roles, verification_options(options));
+    bool changed = false;
+    for (std::size_t i = 0; i < roles.size() && !trust; ++i) {
+      if (!verified.views[i].refuted) continue;
+      refuted[i] = changed = true;
+      roles[i] = ViewRole::kExcluded;
     }
+    if (changed) continue;
+    CheckedPoses checked = settle(roles, refuted, *refined, verified, trust);
+    return RefinedGivenPoses{std::move(checked), std::move(*refined), std::move(verified), {}};
   }
-
- private:
-  const std::vector<ViewSurface>& surfaces_;
-  const std::vector<ViewRole>& given_roles_;
-  const StartingPoseOptions& options_;
-  const JointRefinementOptions& refinement_;
-  const Progress& progress_;
-  const AlignUnits& units_;
-};
+}
 
 // Views of the largest group that confirm each other.
 std::size_t most_confirmed(const RefinedGivenPoses& poses) {
@@ -127,19 +110,21 @@ Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& sur
   const auto roles = roles_of(views, options.given);
   std::vector<RigidMotion> poses;
   for (const RangeView& view : views) poses.push_back(view.world_from_view);
-  const GivenPoseRefinement refining(surfaces, roles, options, refinement, progress, units);
+  const auto refine = [&](const std::vector<RigidMotion>& from) {
+    return refine_and_verify(surfaces, from, roles, options, refinement, progress, units);
+  };
   const PoseConvention convention =
       convention_of(surfaces, poses, roles, options.given == GivenPoses::kTrust);
-  if (convention.as_given()) return refining.run(poses);
+  if (convention.as_given()) return refine(poses);
   std::vector<RigidMotion> converted;
   for (const RigidMotion& pose : poses) converted.push_back(convention.world_from_view(pose));
-  auto other = refining.run(converted);
+  auto other = refine(converted);
   if (!other) return other;
   other->convention = convention;
   const auto all =
       static_cast<std::size_t>(std::count(roles.begin(), roles.end(), ViewRole::kFree));
   if (most_confirmed(*other) == all) return other;
-  auto given = refining.run(poses);
+  auto given = refine(poses);
   return given && most_confirmed(*other) > most_confirmed(*given) ? other : given;
 }
 

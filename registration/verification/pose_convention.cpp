@@ -11,8 +11,8 @@ namespace relief::registration {
 
 namespace {
 
-constexpr std::size_t kMostViews =
-    12;  // Compared with all others: bounds the time. Tells 0.3 from 0.
+// Views that are compared with all others. Bounds the time, and tells a mean of 0.3 from one of 0.
+constexpr std::size_t kMostViews = 12;
 // How far guesses may be off [radii of a view], a turn of 3 degrees. More takes the wrong way round
 // a turntable for the right one.
 constexpr double kReachRadii = 0.05;

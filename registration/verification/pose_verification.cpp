@@ -135,9 +135,9 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
             std::vector<Judged>& pairs) {
   const VerificationThresholds limits = limits_of_views(surfaces, pairs, general);
   const double strays = std::max(kStrays, limits.max_free_space_violation);
-  VerificationThresholds nearly = limits;
-  nearly.max_coherent_rms = std::numeric_limits<double>::infinity();
-  nearly.max_free_space_violation = strays;
+  VerificationThresholds allowed = limits;
+  allowed.max_coherent_rms = std::numeric_limits<double>::infinity();
+  allowed.max_free_space_violation = strays;
   for (Judged& pair : pairs) {
     pair.violates_free_space =
         pair.evidence.free_space_violation > (pair.planar ? kPlanarStrays : strays) &&
@@ -148,7 +148,7 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
     const bool leaves_space_free =
         !pair.planar || pair.evidence.free_space_violation <= general.max_free_space_violation;
     pair.confirms = within(limits) && leaves_space_free;
-    pair.allows = pair.confirms || (!pair.planar && within(nearly));
+    pair.allows = pair.confirms || (!pair.planar && within(allowed));
   }
 }
 

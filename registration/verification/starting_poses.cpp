@@ -221,11 +221,11 @@ std::string describe_rejected(const PoseLink& link, std::size_t view,
 }
 
 std::string describe_ambiguity(const AmbiguousPair& pair, const std::string& other) {
-  if (pair.second_overlap == 0.0)
+  if (!pair.second_overlap)
     return "shares " + percent(pair.overlap) + " with " + other +
            ", but only shapes that fit at other poses, too, as flat or round ones";
   return "fits " + other + " in more ways than one (overlaps " + percent(pair.overlap) + " and " +
-         percent(pair.second_overlap) + "), its shape is symmetric or too plain";
+         percent(*pair.second_overlap) + "), its shape is symmetric or too plain";
 }
 
 std::string reason_unplaced(std::size_t view, const ViewGroups& placed, const CheckedPoses& checked,
