@@ -162,6 +162,11 @@ bool same_calibration(const Calibration& a, const Calibration& b) {
 
 }  // namespace
 
+bool can_be_intrinsics(const PinholeIntrinsics& k) {
+  const auto usable = [](double focal) { return std::isfinite(focal) && focal != 0.0; };
+  return usable(k.fx) && usable(k.fy) && std::isfinite(k.cx) && std::isfinite(k.cy);
+}
+
 bool has_calibration_name(const fs::path& path) {
   if (lower_ending(path) == ".json") return true;
   const std::string stem = path.stem().string();

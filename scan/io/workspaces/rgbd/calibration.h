@@ -16,6 +16,10 @@ namespace relief {
 /// metres of a value, as the 0.001 of RealSense. No sensor has steps of more than a metre.
 inline double metres_per_step(double scale) { return scale < 1.0 ? scale : 1.0 / scale; }
 
+/// Whether the numbers are finite and the focal lengths other than 0. A negative fy is one of
+/// mirrored images.
+bool can_be_intrinsics(const PinholeIntrinsics& intrinsics);
+
 /// What a calibration file of an RGB-D camera says.
 struct Calibration {
   std::optional<PinholeIntrinsics> intrinsics;  ///< Integer coordinates are pixel centres.

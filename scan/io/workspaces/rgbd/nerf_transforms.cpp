@@ -51,7 +51,7 @@ PinholeIntrinsics image_intrinsics(JsonObject& frame, JsonObject& all, double wi
   const auto angle = number_of(frame, all, "camera_angle_x");
   auto fx = number_of(frame, all, "fl_x");
   if (!fx && angle) fx = 0.5 * width / std::tan(0.5 * *angle);
-  if (!fx || !(*fx > 0.0))
+  if (!fx)
     throw JsonError(frame.place("fl_x") +
                     ": missing, for all frames as well; give --intrinsics FX FY CX CY");
   return {*fx, number_of(frame, all, "fl_y").value_or(*fx),
@@ -67,6 +67,8 @@ CameraSpec camera_of(JsonObject& frame, JsonObject& all, const fs::path& depth,
   camera.width = size->width;
   camera.height = size->height;
   if (options.intrinsics) {
+    if (!can_be_intrinsics(*options.intrinsics))
+      throw JsonError("the focal lengths FX and FY of --intrinsics must not be 0");
     camera.intrinsics = *options.intrinsics;
     return camera;
   }
@@ -75,6 +77,9 @@ CameraSpec camera_of(JsonObject& frame, JsonObject& all, const fs::path& depth,
   const PinholeIntrinsics image = image_intrinsics(frame, all, width, height);
   const double x = size->width / width, y = size->height / height;
   camera.intrinsics = {x * image.fx, y * image.fy, x * image.cx - 0.5, y * image.cy - 0.5};
+  if (!can_be_intrinsics(camera.intrinsics))
+    throw JsonError(frame.place("fl_x") +
+                    ": no camera, or of all frames; fl_x, fl_y, w and h must not be 0");
   return camera;
 }
 

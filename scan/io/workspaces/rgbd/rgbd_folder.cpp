@@ -1,7 +1,6 @@
 #include "scan/io/workspaces/rgbd/rgbd_folder.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
 
@@ -123,11 +122,6 @@ Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& fo
   if (!trajectory) return trajectory.error();
   notes.push_back("poses from " + (*file)->path.string());
   return assign_poses(*trajectory, (*file)->path, found.frames);
-}
-
-bool can_be_intrinsics(const PinholeIntrinsics& k) {
-  const auto usable = [](double focal) { return std::isfinite(focal) && focal != 0.0; };
-  return usable(k.fx) && usable(k.fy) && std::isfinite(k.cx) && std::isfinite(k.cy);
 }
 
 // What holds for all frames of a folder.

@@ -104,6 +104,9 @@ TEST_F(NerfTransformsTest, ErrorsNameThePlace) {
   EXPECT_THAT(error(all_, std::string("{") + kPose + "}"),
               HasError("transforms.json: frames: none names a depth map"));
   EXPECT_THAT(error("\"w\": 40", frame("a")), HasError("frames[0].fl_x: missing"));
+  for (const char* zero : {"\"fl_x\": 0", "\"fl_x\": 60, \"fl_y\": 0", "\"fl_x\": 60, \"w\": 0",
+                           "\"camera_angle_x\": 0"})
+    EXPECT_THAT(error(zero, frame("a")), HasError("frames[0].fl_x: no camera")) << zero;
   EXPECT_THAT(error(all_, R"({"depth_file_path": "depth/a.png", "transform_matrix": [1]})"),
               HasError("frames[0].transform_matrix: expected four rows"));
   EXPECT_THAT(error(all_, R"({"depth_file_path": 5, "transform_matrix": [1]})"),
