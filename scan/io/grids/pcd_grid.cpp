@@ -107,7 +107,8 @@ bool unpack(std::ifstream& file, PcdCloud& to) {
   std::vector<std::uint8_t> compressed(sizes[0]);
   std::vector<std::uint8_t>& values = to.cloud.data;
   const auto size = static_cast<unsigned int>(values.size());
-  if (sizes[1] != values.size() || !read_bytes(file, compressed) ||
+  // PCL reads a first byte even where there is none.
+  if (sizes[0] == 0 || sizes[1] != values.size() || !read_bytes(file, compressed) ||
       pcl::lzfDecompress(compressed.data(), sizes[0], values.data(), size) != size)
     return false;
   to.by_field = true;

@@ -233,6 +233,7 @@ TEST(PcdGrid, HoldsCompressedSizesAgainstTheFile) {
   const LimitedMemory limit(std::size_t{1} << 30);
   EXPECT_THAT(error(41, 144), HasError("41 compressed bytes promised, 40 left"));
   EXPECT_THAT(error(40, 4000000000u), HasError("4000000000 bytes for 6 points of 24"));
+  EXPECT_THAT(error(0, 144), HasError("damaged or truncated PCD"));
 }
 
 TEST(PcdGrid, NamesTheLineOfABadHeader) {
