@@ -14,6 +14,7 @@
 #include "registration/calibration/estimation/fold_system.h"
 #include "registration/calibration/estimation/pose_inflation.h"
 #include "registration/calibration/model/error_model.h"
+#include "registration/calibration/pairwise_fit.h"
 #include "registration/calibration/selection/held_out.h"
 #include "registration/calibration/selection/left_out_views.h"
 #include "registration/calibration/selection/term_selection.h"
@@ -84,6 +85,7 @@ class Calibrating {
       if (result_.iterations == 0) start();
       if (result_.iterations == 0) select(sums);
       if (model_.choices.empty()) break;
+      if (result_.iterations == 0) fit_before_ = fit_of(corrected_, poses_, pairs_);
       moving = step(sums);
       ++result_.iterations;
       if (moving && result_.iterations < kMostIterations) continue;
@@ -95,7 +97,7 @@ class Calibrating {
     if (const auto corrected = correct(true); !corrected) return corrected.error();
     if (const auto aligned = align(); !aligned) return aligned.error();
     if (!result_.alignment.solved() ||
-        !fits_better(corrected_, result_.alignment, aligned_, pairs_))
+        !fits_better(fit_of(corrected_, result_.alignment.world_from_view(), pairs_), fit_before_))
       return nothing_found();
     return std::move(result_);
   }
@@ -224,6 +226,7 @@ class Calibrating {
   std::vector<RigidMotion> poses_;
   CorrectedViews corrected_;
   ErrorModel model_;
+  PairwiseFit fit_before_;  // Of the views as given.
   std::vector<RigidTangent> inflation_;
   std::vector<SolverSummary> solves_;
   double unconfirmed_gain_ = 0.0;

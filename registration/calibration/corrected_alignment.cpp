@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "registration/calibration/pairwise_fit.h"
 #include "registration/posegraph/joint_refinement.h"
 
 namespace relief::registration {
@@ -11,12 +10,6 @@ namespace {
 
 // Part of the overlap that must stay: chance and the borders of views take less than a twentieth.
 constexpr double kLeastOverlap = 0.95;
-
-PairwiseFit fit_of(const std::vector<ViewSurface>& surfaces, const Alignment& alignment,
-                   const std::vector<ViewPair>& pairs, const AlignOptions& align) {
-  return measure_fit(surfaces, alignment.world_from_view(), pairs,
-                     finest_search(surfaces, align.refinement));
-}
 
 }  // namespace
 
@@ -49,14 +42,14 @@ Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& 
   return alignment;
 }
 
-bool fits_better(CorrectedViews& views, const Alignment& corrected, const Alignment& given,
-                 const std::vector<ViewPair>& pairs) {
-  const PairwiseFit after = fit_of(views.surfaces(), corrected, pairs, views.align());
-  views.drop_surfaces();
-  std::vector<ViewSurface> surfaces;
-  for (const RangeView& view : views.given()) surfaces.emplace_back(view, views.align().surface);
-  const PairwiseFit before = fit_of(surfaces, given, pairs, views.align());
-  return after.overlap >= kLeastOverlap * before.overlap && after.distance < before.distance;
+PairwiseFit fit_of(const CorrectedViews& views, const std::vector<RigidMotion>& world_from_view,
+                   const std::vector<ViewPair>& pairs) {
+  return measure_fit(views.surfaces(), world_from_view, pairs,
+                     finest_search(views.surfaces(), views.align().refinement));
+}
+
+bool fits_better(const PairwiseFit& now, const PairwiseFit& before) {
+  return now.overlap >= kLeastOverlap * before.overlap && now.distance < before.distance;
 }
 
 }  // namespace relief::registration

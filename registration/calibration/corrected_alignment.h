@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "registration/calibration/corrected_views.h"
+#include "registration/calibration/pairwise_fit.h"
 #include "registration/posegraph/view_graph.h"
 #include "relief/registration/align_views.h"
 #include "relief/scan/result.h"
@@ -17,10 +18,13 @@ Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& 
                                   const std::vector<RigidMotion>& start,
                                   const std::vector<RigidTangent>& inflation);
 
-/// Whether the views as corrected fit each other better than as given, by the same measure:
-/// distances along the lines of sight, which no motion of the surfaces makes shorter by turning
-/// them away, and overlap that stays. Drops the surfaces of `views`.
-bool fits_better(CorrectedViews& views, const Alignment& corrected, const Alignment& given,
-                 const std::vector<ViewPair>& pairs);
+/// How well the views fit each other with the errors that are taken out, at such poses.
+PairwiseFit fit_of(const CorrectedViews& views, const std::vector<RigidMotion>& world_from_view,
+                   const std::vector<ViewPair>& pairs);
+
+/// Whether views fit each other better than before by the same measure: distances along the lines
+/// of sight, which no motion of the surfaces makes shorter by turning them away, and overlap that
+/// stays.
+bool fits_better(const PairwiseFit& now, const PairwiseFit& before);
 
 }  // namespace relief::registration

@@ -48,7 +48,8 @@ Result<void> CorrectedViews::correct(const ErrorModel& model, bool with_normals,
   for (std::size_t i = 0; i < given_.size(); ++i) {
     if (!report(static_cast<double>(i) / static_cast<double>(given_.size())))
       return Error{ErrorKind::kInterrupted, "calibration was interrupted"};
-    surfaces_.emplace_back(views_[i], options);
+    if (!noise_[i]) noise_[i] = estimate_range_noise(given_[i]);
+    surfaces_.emplace_back(views_[i], *noise_[i], options);
   }
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
+#include "scan/grid/range_noise.h"
 
 namespace relief::registration {
 
@@ -31,7 +33,7 @@ class CorrectedViews {
 
   /// `given` and `sensors` outlive this.
   CorrectedViews(const std::vector<RangeView>& given, const Sensors& sensors, AlignOptions align)
-      : given_(given), sensors_(sensors), align_(std::move(align)) {}
+      : given_(given), sensors_(sensors), align_(std::move(align)), noise_(given.size()) {}
 
   /// Takes the errors of `model` out of the views. Without normals the surfaces have no signal to
   /// align normal maps by. Error: kInterrupted.
@@ -40,9 +42,6 @@ class CorrectedViews {
   /// What the correspondences of the pairs say at such poses, from `samples` of the source at most.
   std::vector<PairSums> sum(const std::vector<RigidMotion>& world_from_view,
                             const std::vector<ViewPair>& pairs, std::size_t samples);
-
-  /// Frees the memory of the surfaces.
-  void drop_surfaces() { surfaces_.clear(); }
 
   const std::vector<RangeView>& given() const { return given_; }
   const std::vector<ViewSurface>& surfaces() const { return surfaces_; }
@@ -54,6 +53,7 @@ class CorrectedViews {
   const std::vector<RangeView>& given_;
   const Sensors& sensors_;
   const AlignOptions align_;
+  std::vector<std::optional<RangeNoise>> noise_;  // Of the views given, once it is known.
   std::vector<RangeView> views_;
   std::vector<ViewSurface> surfaces_;
   CalibratedViews calibrated_;

@@ -73,9 +73,12 @@ double terrace_slope(double rounding, double spacing, int radius) {
 }  // namespace
 
 ViewSurface::ViewSurface(const RangeView& given, const ViewSurfaceOptions& options)
+    : ViewSurface(given, estimate_range_noise(given), options) {}
+
+ViewSurface::ViewSurface(const RangeView& given, const RangeNoise& noise,
+                         const ViewSurfaceOptions& options)
     : inner_margin_(options.boundary_margin) {
   assert(options.boundary_margin >= 1 && options.final_margin >= 1);
-  const RangeNoise noise = estimate_range_noise(given);
   ConnectedGrid grid = connect_grid(given, noise);
   Grid<std::uint8_t> bridged;
   const RangeView& view = bridge_gaps(given, noise, grid, bridged);

@@ -16,6 +16,7 @@
 #include "relief/scan/discontinuities.h"
 #include "relief/scan/range_view.h"
 #include "scan/grid/connected_grid.h"
+#include "scan/grid/range_noise.h"
 #include "scan/surface/range_surface.h"
 
 namespace relief::registration {
@@ -48,7 +49,13 @@ class ViewSurface {
   /// The view outlives the surface with its grids unchanged: ranges are copied only where small
   /// gaps would take half of its usable samples; these gaps are bridged (see bridge_small_gaps).
   explicit ViewSurface(const RangeView& view, const ViewSurfaceOptions& options = {});
+  /// The same with `noise` in place of what estimate_range_noise() finds. Views that a calibration
+  /// has corrected keep the noise of those given, and its steps, which their ranges show no more.
+  ViewSurface(const RangeView& view, const RangeNoise& noise,
+              const ViewSurfaceOptions& options = {});
   explicit ViewSurface(const RangeView&& view, const ViewSurfaceOptions& options = {}) = delete;
+  ViewSurface(const RangeView&& view, const RangeNoise& noise,
+              const ViewSurfaceOptions& options = {}) = delete;
 
   /// Grid indices of the usable samples (measured, normal, positive confidence, off the boundary,
   /// at most kLargestNoiseRatio times the typical noise) in a scattered order: every prefix is

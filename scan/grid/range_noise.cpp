@@ -177,7 +177,10 @@ class TiledNoise {
 
   // Whether the squares show next to none of the noise: some sensors interpolate along one
   // direction.
-  bool sees_nothing(double sigma) const { return sigma < kSeesNothing * sigma_of(louder_lines()); }
+  bool sees_nothing(double sigma) const {
+    return sigma <
+           kSeesNothing * std::max(sigma_of(Stencil::kAlongRows), sigma_of(Stencil::kAlongColumns));
+  }
   Stencil louder_lines() const {
     return sigma_of(Stencil::kAlongRows) >= sigma_of(Stencil::kAlongColumns)
                ? Stencil::kAlongRows

@@ -134,6 +134,22 @@ TEST(ViewSurface, IsOfTheSizeAndNoiseOfMostSamplesWhereSomeAreFarAway) {
   EXPECT_TRUE(surface.at({6.5, 30.0}).has_value());
 }
 
+TEST(ViewSurface, KeepsTheRoundingOfARangeThatWasCorrected) {
+  const RangeView given = [] {
+    RangeView view = testing::render(testing::plane({0, 0, 1000}, {0.3, 0.1, -1}), kCamera);
+    round_inverse_ranges(view, 2e-5);  // 20 mm at 1 m.
+    return view;
+  }();
+  RangeView corrected = given;
+  for (int v = 0; v < given.height(); ++v)
+    for (int u = 0; u < given.width(); ++u) corrected.range(u, v) *= 1.0 + 1e-4 * u - 7e-5 * v;
+  const ViewSurface of_given(given), anew(corrected);
+  const ViewSurface kept(corrected, estimate_range_noise(given));
+  EXPECT_GT(of_given.rounding(), 0.0);
+  EXPECT_EQ(anew.rounding(), 0.0);
+  EXPECT_NEAR(kept.rounding(), of_given.rounding(), 0.05 * of_given.rounding());
+}
+
 TEST(ViewSurface, EveryPrefixOfTheSamplesCoversTheSurface) {
   const RangeView view = testing::render(testing::plane({0, 0, 10}, {0, 0, -1}), kCamera);
   const ViewSurface surface(view);
