@@ -52,4 +52,10 @@ std::vector<std::string> invalidate_missing_points(std::span<Eigen::Vector3d> po
   return notes;
 }
 
+bool hold_directions(std::span<const Eigen::Vector3f> normals) {
+  return std::ranges::any_of(normals, [](const Eigen::Vector3f& normal) {
+    return normal.allFinite() && !normal.isZero(0.0f);
+  });
+}
+
 }  // namespace relief

@@ -8,6 +8,7 @@
 #include "scan/io/files/io_error.h"
 #include "scan/io/grids/cameras/camera_fit.h"
 #include "scan/io/grids/cameras/grid_camera.h"
+#include "scan/io/grids/missing_points.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/images/invalid_depth.h"
 #include "scan/io/normals/normal_map.h"
@@ -162,8 +163,11 @@ Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& l
     loaded.view.world_from_view = grid->world_from_view.value_or(RigidMotion::Identity());
     loaded.view.pose = PoseKind::kGuess;
   }
-  if (!grid->normals.empty() && !spec.normals)
+  if (grid->normals.empty() || spec.normals) return {};
+  if (hold_directions({grid->normals.begin(), grid->normals.end()}))
     loaded.normals = StoredNormals{std::move(grid->normals), {}, {}};
+  else
+    loaded.notes.push_back("view " + spec.name + ": " + kZeroNormalsNote);
   return {};
 }
 

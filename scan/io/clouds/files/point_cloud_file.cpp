@@ -58,6 +58,10 @@ Result<PointCloudFile> measured_points(PointCloudFile cloud, const std::filesyst
     keep_finite_points(cloud);
   }
   if (cloud.points.empty()) return bad_input(path, "no point of the file is finite and measured");
+  if (!cloud.normals.empty() && !hold_directions(cloud.normals)) {
+    cloud.normals.clear();
+    cloud.notes.emplace_back(kZeroNormalsNote);
+  }
   return cloud;
 }
 

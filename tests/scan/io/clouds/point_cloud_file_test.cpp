@@ -217,6 +217,18 @@ TEST(PointCloudFile, LeavesOutSeveralPointsAtTheOrigin) {
               HasError("none.xyz: no point of the file is finite and measured"));
 }
 
+TEST(PointCloudFile, LeavesOutNormalsThatAreAllZero) {
+  const TemporaryFolder folder;
+  const std::string header = "x y z nx ny nz\n";
+  const auto zero =
+      value_of(read_point_cloud(folder.write("zero.xyz", header + "1 2 3 0 0 0\n4 5 6 0 0 0\n")));
+  EXPECT_THAT(zero.normals, IsEmpty());
+  EXPECT_THAT(zero.notes, ElementsAre("the normals of the file are all zero: not used"));
+  const auto some =
+      value_of(read_point_cloud(folder.write("some.xyz", header + "1 2 3 0 0 0\n4 5 6 0 0 1\n")));
+  EXPECT_EQ(some.normals.size(), 2u);
+}
+
 TEST(PointCloudFile, LeavesOutPointsAtAnInvalidDepth) {
   const TemporaryFolder folder;
   // As a depth camera writes 65535 mm: on many rays, at one depth.
