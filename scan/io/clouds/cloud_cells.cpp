@@ -22,7 +22,8 @@ constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
 
 }  // namespace
 
-CloudCells::CloudCells(const PointCloudFile& cloud, const CloudRays& rays) : cloud_(cloud), rays_(rays) {
+CloudCells::CloudCells(const PointCloudFile& cloud, const CloudRays& rays)
+    : cloud_(cloud), rays_(rays) {
   projected_.reserve(cloud.points.size());
   for (const auto& point : cloud.points) projected_.push_back(rays.project(point));
 }
@@ -58,8 +59,8 @@ void CloudCells::place_points() {
 GridFile CloudCells::grid() const {
   const Eigen::Vector3f no_normal = Eigen::Vector3f::Constant(static_cast<float>(kNoSample));
   GridFile file;
-  file.points = Grid<Eigen::Vector3d>(lattice_.width, lattice_.height,
-                                      Eigen::Vector3d::Constant(kNoSample));
+  file.points =
+      Grid<Eigen::Vector3d>(lattice_.width, lattice_.height, Eigen::Vector3d::Constant(kNoSample));
   if (!cloud_.normals.empty())
     file.normals = Grid<Eigen::Vector3f>(lattice_.width, lattice_.height, no_normal);
   if (!cloud_.colours.empty()) file.colours = Grid<Colour>(lattice_.width, lattice_.height);
@@ -82,10 +83,8 @@ std::size_t CloudCells::kept() const {
       std::count_if(owner_.begin(), owner_.end(), [](std::uint32_t p) { return p != kFree; }));
 }
 double CloudCells::spacing(double distance) const {
-  return rays_.scale(std::abs(distance)) *
-         std::max(lattice_.step_u.norm(), lattice_.step_v.norm());
+  return rays_.scale(std::abs(distance)) * std::max(lattice_.step_u.norm(), lattice_.step_v.norm());
 }
-
 
 // A row beyond a pole would look to the other side.
 void CloudCells::end_at_poles() {
@@ -94,8 +93,8 @@ void CloudCells::end_at_poles() {
   const double before = std::max(0.0, std::ceil((-kPole - lattice_.origin.y()) / step));
   lattice_.origin += before * lattice_.step_v;
   const double last = std::floor((kPole - lattice_.origin.y()) / step);
-  lattice_.height = std::max(
-      2, std::min(lattice_.height - static_cast<int>(before), static_cast<int>(last) + 1));
+  lattice_.height =
+      std::max(2, std::min(lattice_.height - static_cast<int>(before), static_cast<int>(last) + 1));
 }
 
 // Columns of a lattice that goes all round divide a turn: none looks where another does.
@@ -123,8 +122,8 @@ void CloudCells::find_places() {
       ++outside_;
       continue;
     }
-    places_[i] = {static_cast<std::int32_t>(cell.x()), static_cast<std::int32_t>(cell.y()),
-                  off.x(), off.y()};
+    places_[i] = {static_cast<std::int32_t>(cell.x()), static_cast<std::int32_t>(cell.y()), off.x(),
+                  off.y()};
     order_.push_back(static_cast<std::uint32_t>(i));
   }
   std::stable_sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -146,10 +145,10 @@ float CloudCells::off_centre(std::uint32_t point) const {
 }
 
 // The point of the nearest surface that is closest to the middle; the others are crowded out.
-void CloudCells::place_cell(std::size_t begin, std::size_t end, std::vector<std::uint32_t>& crowded) {
+void CloudCells::place_cell(std::size_t begin, std::size_t end,
+                            std::vector<std::uint32_t>& crowded) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = begin; i < end; ++i)
-    nearest = std::min(nearest, projected_[order_[i]].z());
+  for (std::size_t i = begin; i < end; ++i) nearest = std::min(nearest, projected_[order_[i]].z());
   const double limit = nearest + kSameSurface * spacing(nearest);
   std::uint32_t best = kFree;
   for (std::size_t i = begin; i < end; ++i) {

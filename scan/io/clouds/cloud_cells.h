@@ -29,10 +29,10 @@ class CloudCells {
   /// The largest distance between neighbouring places at a distance from the sensor [unit].
   double spacing(double distance) const;
 
-  std::size_t kept() const;                           ///< Points that have a cell.
-  std::size_t shared() const { return shared_; }      ///< Without one as another has it.
-  std::size_t hidden() const { return hidden_; }      ///< Behind others.
-  std::size_t outside() const { return outside_; }    ///< Beyond the lattice.
+  std::size_t kept() const;                         ///< Points that have a cell.
+  std::size_t shared() const { return shared_; }    ///< Without one as another has it.
+  std::size_t hidden() const { return hidden_; }    ///< Behind others.
+  std::size_t outside() const { return outside_; }  ///< Beyond the lattice.
 
  private:
   struct Place {

@@ -154,8 +154,8 @@ double lost_part(const GridFile& grid, const PointCloudFile& cloud) {
 }
 
 // The cloud on rays from the origin of its frame, if these are the rays of its sensor: nearly every
-// point has one of its own, unlike on the rays of `found`. Faces and normals that look away from the
-// origin speak against it.
+// point has one of its own, unlike on the rays of `found`. Faces and normals that look away from
+// the origin speak against it.
 std::optional<GridFile> seen_from_origin(const PointCloudFile& cloud, const GridFile& found) {
   const double lost = lost_part(found, cloud);
   if (lost <= kLostFromSensor) return std::nullopt;

@@ -21,7 +21,9 @@ struct CloudGridOptions {
 /// cell. Points stay exactly as they are. The grid's `camera` is that of the rays: perspective from
 /// a viewpoint (a ray table with a pinhole's projection; with a spherical one about z where the
 /// field of view is 100 degrees or more, which is missing if the viewpoint is not the origin), or
-/// orthographic along a direction that is given or found (see find_direction).
+/// orthographic along a direction that is given or found (see find_direction). Where nothing is
+/// given, rays from the origin are taken in place of a direction that is found if nearly every
+/// point has a ray of its own there, as a sensor measures one point along each.
 ///
 /// Where points share a cell, those up to 3 spacings behind the nearest one are on its surface: the
 /// one closest to the middle stays, the others go to a free cell beside it on their own side, or

@@ -27,7 +27,9 @@ namespace relief {
 namespace {
 
 using ::testing::Contains;
+using ::testing::Each;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::TemporaryFolder;
 
 std::size_t count_points(const GridFile& grid) {
@@ -347,12 +349,40 @@ TEST(CloudGrid, TakesTheOriginOfAScannerInItsSurroundings) {
 
 // A cap round the axis of the origin, seen from above: nothing is hidden along parallel rays.
 TEST(CloudGrid, SaysThatPointsLieAroundTheOriginOfAnObject) {
-  PointCloudFile cloud = room_around_origin(0.4);
-  for (auto& point : cloud.points) point.normalize();
-  std::erase_if(cloud.points, [](const auto& point) { return point.z() < 0.5; });
+  PointCloudFile cloud;
+  for (double x = -0.85; x <= 0.85; x += 0.01)
+    for (double y = -0.85; y <= 0.85; y += 0.01)
+      if (x * x + y * y < 0.75) cloud.points.emplace_back(x, y, std::sqrt(1.0 - x * x - y * y));
   const auto grid = value_of(grid_from_cloud(cloud));
   EXPECT_EQ(grid.camera->model(), Camera::Model::kOrthographic);
   EXPECT_THAT(grid.notes, Contains(HasSubstr("give the viewpoint 0 0 0")));
+}
+
+// Three walls, floor and ceiling at one end of a room: hardly anything is hidden from far off.
+PointCloudFile end_of_room() {
+  PointCloudFile cloud = room_around_origin(0.05);
+  std::erase_if(cloud.points, [](const auto& point) { return point.x() < -0.3; });
+  return cloud;
+}
+
+TEST(CloudGrid, TakesTheOriginFromWhichEachPointHasARayOfItsOwn) {
+  const auto grid = value_of(grid_from_cloud(end_of_room()));
+  EXPECT_TRUE(grid.camera->spherical_projection());
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("each point has a ray of its own")));
+}
+
+TEST(CloudGrid, DoesNotTakeAnOriginThatNormalsLookAwayFrom) {
+  PointCloudFile cloud = end_of_room();
+  for (const auto& point : cloud.points) cloud.normals.push_back(point.normalized().cast<float>());
+  const auto grid = value_of(grid_from_cloud(cloud));
+  EXPECT_EQ(grid.camera->model(), Camera::Model::kOrthographic);
+}
+
+TEST(CloudGrid, DoesNotTakeAnOriginThatIsNotTheSensor) {
+  PointCloudFile cloud = end_of_room();
+  for (auto& point : cloud.points) point -= Eigen::Vector3d(1.0, -0.5, 0.4);
+  EXPECT_THAT(value_of(grid_from_cloud(cloud)).notes,
+              Each(Not(HasSubstr("each point has a ray of its own"))));
 }
 
 TEST(CloudGrid, IrregularPointsStayConnected) {
