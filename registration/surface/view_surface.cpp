@@ -70,6 +70,23 @@ double terrace_slope(double rounding, double spacing, int radius) {
   return spacing > 0.0 ? rounding / (spacing * radius) : 0.0;
 }
 
+// Whether a sample hangs together with no neighbour, as single wrong ranges inside a surface do.
+bool is_stray(const RangeView& view, const GridEdges& edges, int u, int v) {
+  return view.has_sample(u, v) && !edges.connected(u, v, 1, 0) && !edges.connected(u, v, -1, 0) &&
+         !edges.connected(u, v, 0, 1) && !edges.connected(u, v, 0, -1);
+}
+
+// The ranges of a view with gaps in place of its strays.
+RangeView without_strays(const RangeView& view, const GridEdges& edges) {
+  RangeView rest;
+  rest.camera = view.camera;
+  rest.range = view.range;
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      if (is_stray(view, edges, u, v)) rest.range(u, v) = kNoSample;
+  return rest;
+}
+
 }  // namespace
 
 ViewSurface::ViewSurface(const RangeView& given, const ViewSurfaceOptions& options)
@@ -101,7 +118,7 @@ ViewSurface::ViewSurface(const RangeView& given, const RangeNoise& noise,
 // The view given, or filled_.
 const RangeView& ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise,
                                           ConnectedGrid& grid, Grid<std::uint8_t>& bridged) {
-  BridgedRange filled = bridge_small_gaps(view, {.sigma = noise.sigma});
+  BridgedRange filled = bridge_small_gaps(without_strays(view, grid.edges), {.sigma = noise.sigma});
   // Each bridged sample has about four measured ones beside it.
   if (4.0 * static_cast<double>(filled.bridged_count) <
       kFewBesideGaps * static_cast<double>(view.sample_count()))

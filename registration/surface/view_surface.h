@@ -47,7 +47,8 @@ struct SignalPoint {
 class ViewSurface {
  public:
   /// The view outlives the surface with its grids unchanged: ranges are copied only where small
-  /// gaps would take half of its usable samples; these gaps are bridged (see bridge_small_gaps).
+  /// gaps, or samples that hang together with no neighbour, would take half of its usable samples;
+  /// these places are bridged (see bridge_small_gaps).
   explicit ViewSurface(const RangeView& view, const ViewSurfaceOptions& options = {});
   /// The same with `noise` in place of what estimate_range_noise() finds. Views that a calibration
   /// has corrected keep the noise of those given, and its steps, which their ranges show no more.
