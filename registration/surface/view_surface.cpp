@@ -127,6 +127,8 @@ const RangeView& ViewSurface::bridge_gaps(const RangeView& view, const RangeNois
   whole.name = view.name;
   whole.camera = view.camera;
   whole.range = std::move(filled.range);
+  for (std::size_t i = 0; i < whole.range.size(); ++i)  // Strays beyond any surface.
+    if (std::isnan(whole.range[i])) whole.range[i] = view.range[i];
   whole.normals = view.normals;
   whole.confidence = view.confidence;
   whole.deviation = view.deviation;
