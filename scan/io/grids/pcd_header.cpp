@@ -76,7 +76,10 @@ class PcdHeaderReader {
   }
 
   void count_fields(std::string_view line) {
-    while (!next_word(line).empty()) ++header_.fields;
+    for (std::string_view name = next_word(line); !name.empty(); name = next_word(line)) {
+      ++header_.fields;
+      header_.has_position |= name == "x";
+    }
   }
 
   Result<void> parse_counts(std::string_view line, std::vector<std::size_t>& values) {

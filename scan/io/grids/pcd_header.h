@@ -14,6 +14,7 @@ struct PcdHeader {
   std::size_t width = 0, height = 0;  ///< Places of the grid; `height` 1: not organized.
   std::size_t points = 0;
   std::size_t fields = 0;
+  bool has_position = false;  ///< There is a field x: PCL also writes files of normals alone.
   std::size_t values_per_point = 0;  ///< Numbers of a point in an ASCII file.
   std::size_t point_bytes = 0;       ///< Of a point in memory and in a binary file.
   Data data = Data::kAscii;

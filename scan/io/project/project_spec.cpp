@@ -6,6 +6,7 @@
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/grids/pcd_header.h"
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/folder_guess.h"
 #include "scan/io/project/no_project.h"
@@ -123,7 +124,14 @@ Result<ProjectSpec> spec_of_file(const fs::path& path, const ReadProjectOptions&
 struct FolderContent {
   std::vector<fs::path> projects;  // .conf, .aln and .mlp
   std::vector<fs::path> grids, points;
+  std::vector<std::string> notes;  // On files that are skipped.
 };
+
+bool is_pcd_without_points(const fs::path& path) {
+  if (lower_ending(path) != ".pcd") return false;
+  const auto header = read_pcd_header(path, /*organized=*/false);
+  return header && !header->has_position;
+}
 
 // Text files that may be anything (.txt, .csv) count as points only where they are named.
 bool is_surely_points(const fs::path& path) {
@@ -140,12 +148,18 @@ Result<FolderContent> look_into(const fs::path& folder) {
       if (lower_ending(path) != ".json") content.projects.push_back(path);
       continue;
     }
+    if (is_pcd_without_points(path)) {
+      content.notes.push_back("skipped " + path.string() +
+                              ": it holds no points, for want of a field x");
+      continue;
+    }
     const ScanFileKind kind = kind_of_scan_file(path);
     if (kind == ScanFileKind::kGrid || kind == ScanFileKind::kScans) content.grids.push_back(path);
     if (kind == ScanFileKind::kPoints && is_surely_points(path)) content.points.push_back(path);
   }
   if (code) return bad_input(folder, "cannot list the folder: " + code.message());
   for (auto* files : {&content.projects, &content.grids, &content.points}) sort_naturally(*files);
+  std::ranges::sort(content.notes);
   return content;
 }
 
@@ -199,6 +213,8 @@ Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOpti
     return no_project_in(folder);
   }
   auto project = spec_of_scans(content->grids.empty() ? content->points : content->grids, options);
+  if (project)
+    project->notes.insert(project->notes.end(), content->notes.begin(), content->notes.end());
   if (project && !content->projects.empty()) {
     std::string names;
     for (const fs::path& path : content->projects) names += " " + path.filename().string();

@@ -201,6 +201,23 @@ TEST(ScanFile, AFolderOfPointsIsAProject) {
   EXPECT_THAT(project.notes, ::testing::Contains(HasSubstr("points and meshes without")));
 }
 
+// As pcl_normal_estimation and its like write normals, without their points.
+TEST(ScanFile, AFolderMayHoldPcdsWithoutPoints) {
+  const TemporaryFolder folder;
+  const auto pcd = [](const std::string& fields, const std::string& values) {
+    return "VERSION 0.7\nFIELDS " + fields +
+           "\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\n"
+           "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n" +
+           values;
+  };
+  folder.write("a.pcd", pcd("x y z", "1 2 3\n4 5 6\n"));
+  folder.write("a_normal.pcd", pcd("normal_x normal_y normal_z", "0 0 1\n0 0 1\n"));
+  const auto project = value_of(read_project(folder.path()));
+  ASSERT_EQ(project.views.size(), 1u);
+  EXPECT_EQ(project.views[0].name, "a");
+  EXPECT_THAT(project.notes, Contains(HasSubstr("a_normal.pcd: it holds no points")));
+}
+
 TEST(ScanFile, GridsGoBeforePoints) {
   const TemporaryFolder folder;
   folder.write("a.ply", encode_ply_grid(ball_view("a", 0.0)));
