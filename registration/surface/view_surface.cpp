@@ -9,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include "registration/surface/bridged_view.h"
 #include "registration/surface/sample_weights.h"
 #include "registration/surface/unbiased_normals.h"
 #include "registration/surface/view_noise.h"
@@ -17,7 +18,6 @@
 #include "scan/grid/connected_grid.h"
 #include "scan/grid/grid_normals.h"
 #include "scan/grid/range_noise.h"
-#include "scan/grid/small_gaps.h"
 
 namespace relief::registration {
 
@@ -34,13 +34,6 @@ constexpr int kLargestTerraceRadius = 8;
 // Noise of more than this part of a step dithers the rounding: its errors are white then, and are
 // in the noise already. Means of rounded ranges err by exp(-2 pi^2 / 4) / pi = 0.002 steps at most.
 constexpr double kDither = 0.5;
-// Gaps are bridged where more of the samples than this lie beside one. Fewer mean that one in a
-// hundred is bridged. Two pixels round each take 24 % of the samples at most: less than
-// kLostToGaps.
-constexpr double kFewBesideGaps = 0.04;
-// That is, if the gaps would otherwise take so large a part of the samples: gaps that the shape
-// makes at creases and edges are better left open.
-constexpr double kLostToGaps = 0.5;
 constexpr int kBlankReach = 2;  // [pixels] of (R15)
 
 // Sorts indices by the upper half of what they scatter to, without a random generator.
@@ -70,23 +63,6 @@ double terrace_slope(double rounding, double spacing, int radius) {
   return spacing > 0.0 ? rounding / (spacing * radius) : 0.0;
 }
 
-// Whether a sample hangs together with no neighbour, as single wrong ranges inside a surface do.
-bool is_stray(const RangeView& view, const GridEdges& edges, int u, int v) {
-  return view.has_sample(u, v) && !edges.connected(u, v, 1, 0) && !edges.connected(u, v, -1, 0) &&
-         !edges.connected(u, v, 0, 1) && !edges.connected(u, v, 0, -1);
-}
-
-// The ranges of a view with gaps in place of its strays.
-RangeView without_strays(const RangeView& view, const GridEdges& edges) {
-  RangeView rest;
-  rest.camera = view.camera;
-  rest.range = view.range;
-  for (int v = 0; v < view.height(); ++v)
-    for (int u = 0; u < view.width(); ++u)
-      if (is_stray(view, edges, u, v)) rest.range(u, v) = kNoSample;
-  return rest;
-}
-
 }  // namespace
 
 ViewSurface::ViewSurface(const RangeView& given, const ViewSurfaceOptions& options)
@@ -98,7 +74,12 @@ ViewSurface::ViewSurface(const RangeView& given, const RangeNoise& noise,
   assert(options.boundary_margin >= 1 && options.final_margin >= 1);
   ConnectedGrid grid = connect_grid(given, noise);
   Grid<std::uint8_t> bridged;
-  const RangeView& view = bridge_gaps(given, noise, grid, bridged);
+  if (auto filled = bridge_gaps(given, noise, grid, inner_margin_)) {
+    filled_ = std::make_unique<const RangeView>(std::move(filled->view));
+    grid = std::move(filled->grid);
+    bridged = std::move(filled->bridged);
+  }
+  const RangeView& view = filled_ ? *filled_ : given;
   const auto normals = smooth_normals(view, grid, noise, bridged, options);
   const bool geometric = options.normals == NormalSource::kGeometric;
   surface_ =
@@ -113,40 +94,6 @@ ViewSurface::ViewSurface(const RangeView& given, const RangeNoise& noise,
   for (std::size_t i = 0; i < samples_.size(); ++i)
     points.col(static_cast<Eigen::Index>(i)) = sample(samples_[i]).point;
   index_ = std::make_unique<NeighbourIndex>(points);
-}
-
-// The view given, or filled_.
-const RangeView& ViewSurface::bridge_gaps(const RangeView& view, const RangeNoise& noise,
-                                          ConnectedGrid& grid, Grid<std::uint8_t>& bridged) {
-  BridgedRange filled = bridge_small_gaps(without_strays(view, grid.edges), {.sigma = noise.sigma});
-  // Each bridged sample has about four measured ones beside it.
-  if (4.0 * static_cast<double>(filled.bridged_count) <
-      kFewBesideGaps * static_cast<double>(view.sample_count()))
-    return view;
-  RangeView whole;
-  whole.name = view.name;
-  whole.camera = view.camera;
-  whole.range = std::move(filled.range);
-  for (std::size_t i = 0; i < whole.range.size(); ++i)  // Strays beyond any surface.
-    if (std::isnan(whole.range[i])) whole.range[i] = view.range[i];
-  whole.normals = view.normals;
-  whole.confidence = view.confidence;
-  whole.deviation = view.deviation;
-  whole.samples = view.samples;
-  for (std::size_t i = 0; i < whole.confidence.size(); ++i)
-    if (filled.bridged[i]) whole.confidence[i] = 1.0f;
-  ConnectedGrid connected = connect_grid(whole);
-  const auto inner = [&](const ConnectedGrid& of) {
-    double count = 0.0;
-    for (std::size_t i = 0; i < of.boundary.size(); ++i)
-      count += !filled.bridged[i] && of.boundary[i] >= inner_margin_ ? 1.0 : 0.0;
-    return count;
-  };
-  if (inner(grid) > (1.0 - kLostToGaps) * inner(connected)) return view;
-  grid = std::move(connected);
-  bridged = std::move(filled.bridged);
-  filled_ = std::make_unique<const RangeView>(std::move(whole));
-  return *filled_;
 }
 
 // Finds the noise of the view as well, which the window of the normals depends on.

@@ -48,7 +48,7 @@ class ViewSurface {
  public:
   /// The view outlives the surface with its grids unchanged: ranges are copied only where small
   /// gaps, or samples that hang together with no neighbour, would take half of its usable samples;
-  /// these places are bridged (see bridge_small_gaps).
+  /// these places are bridged (see bridge_gaps).
   explicit ViewSurface(const RangeView& view, const ViewSurfaceOptions& options = {});
   /// The same with `noise` in place of what estimate_range_noise() finds. Views that a calibration
   /// has corrected keep the noise of those given, and its steps, which their ranges show no more.
@@ -124,8 +124,6 @@ class ViewSurface {
  private:
   const RangeView& view() const { return surface_.view(); }
   int margin(SurfacePart part) const { return part == SurfacePart::kInner ? inner_margin_ : 0; }
-  const RangeView& bridge_gaps(const RangeView& view, const RangeNoise& noise, ConnectedGrid& grid,
-                               Grid<std::uint8_t>& bridged);
   Grid<Eigen::Vector3f> smooth_normals(const RangeView& view, const ConnectedGrid& grid,
                                        const RangeNoise& noise, const Grid<std::uint8_t>& bridged,
                                        const ViewSurfaceOptions& options);
