@@ -36,11 +36,12 @@ RangeView without_strays(const RangeView& view, const GridEdges& edges) {
 }
 
 // The view with those ranges, and its own where these are none: strays beyond any surface.
-RangeView with_ranges(const RangeView& view, const BridgedRange& filled) {
+RangeView with_ranges(const RangeView& view, Grid<double> ranges,
+                      const Grid<std::uint8_t>& bridged) {
   RangeView whole;
   whole.name = view.name;
   whole.camera = view.camera;
-  whole.range = filled.range;
+  whole.range = std::move(ranges);
   for (std::size_t i = 0; i < whole.range.size(); ++i)
     if (std::isnan(whole.range[i])) whole.range[i] = view.range[i];
   whole.normals = view.normals;
@@ -48,7 +49,7 @@ RangeView with_ranges(const RangeView& view, const BridgedRange& filled) {
   whole.deviation = view.deviation;
   whole.samples = view.samples;
   for (std::size_t i = 0; i < whole.confidence.size(); ++i)
-    if (filled.bridged[i]) whole.confidence[i] = 1.0f;
+    if (bridged[i]) whole.confidence[i] = 1.0f;
   return whole;
 }
 
@@ -61,7 +62,7 @@ std::optional<BridgedView> bridge_gaps(const RangeView& view, const RangeNoise& 
   if (4.0 * static_cast<double>(filled.bridged_count) <
       kFewBesideGaps * static_cast<double>(view.sample_count()))
     return std::nullopt;
-  BridgedView result{with_ranges(view, filled), {}, {}};
+  BridgedView result{with_ranges(view, std::move(filled.range), filled.bridged), {}, {}};
   result.grid = connect_grid(result.view);
   const auto inner = [&](const ConnectedGrid& of) {
     double count = 0.0;

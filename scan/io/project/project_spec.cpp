@@ -6,7 +6,6 @@
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/grids/pcd_header.h"
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/folder_guess.h"
 #include "scan/io/project/no_project.h"
@@ -127,12 +126,6 @@ struct FolderContent {
   std::vector<std::string> notes;  // On files that are skipped.
 };
 
-bool is_pcd_without_points(const fs::path& path) {
-  if (lower_ending(path) != ".pcd") return false;
-  const auto header = read_pcd_header(path, /*organized=*/false);
-  return header && !header->has_position;
-}
-
 // Text files that may be anything (.txt, .csv) count as points only where they are named.
 bool is_surely_points(const fs::path& path) {
   const std::string ending = lower_ending(path);
@@ -148,12 +141,10 @@ Result<FolderContent> look_into(const fs::path& folder) {
       if (lower_ending(path) != ".json") content.projects.push_back(path);
       continue;
     }
-    if (is_pcd_without_points(path)) {
+    const ScanFileKind kind = kind_of_scan_file(path);
+    if (kind == ScanFileKind::kOther)
       content.notes.push_back("skipped " + path.string() +
                               ": it holds no points, for want of a field x");
-      continue;
-    }
-    const ScanFileKind kind = kind_of_scan_file(path);
     if (kind == ScanFileKind::kGrid || kind == ScanFileKind::kScans) content.grids.push_back(path);
     if (kind == ScanFileKind::kPoints && is_surely_points(path)) content.points.push_back(path);
   }

@@ -94,6 +94,7 @@ Result<GridFile> read_any(const fs::path& path, const GridOptions& options) {
     case ScanFileKind::kGrid:
       return read_grid_file(path);
     case ScanFileKind::kPoints:
+    case ScanFileKind::kOther:  // The reader says what is missing.
       return grid_of(read_point_cloud(path), path, options);
     default:
       return bad_input(path, "unknown scan format '" + path.extension().string() +
@@ -114,6 +115,7 @@ ScanFileKind kind_of_scan_file(const fs::path& path) {
   if (ending == ".pcd") {
     // What cannot be read is left to the reader of grids, which says why.
     const auto header = read_pcd_header(path, /*organized=*/false);
+    if (header && !header->has_position) return ScanFileKind::kOther;
     const bool grid = !header || (header->height > 1 && header->width > 1);
     return grid ? ScanFileKind::kGrid : ScanFileKind::kPoints;
   }

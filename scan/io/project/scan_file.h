@@ -17,6 +17,7 @@ enum class ScanFileKind {
   kGrid,    ///< Points on the sensor's grid: a range-grid .ply, an organized .pcd.
   kScans,   ///< One scan or several, each with or without a grid: .ptx, .e57.
   kPoints,  ///< Points or a mesh without a grid.
+  kOther,   ///< A .pcd without points, as of normals alone.
   kNone,    ///< The ending is not that of a file of scans.
 };
 ScanFileKind kind_of_scan_file(const std::filesystem::path& path);
