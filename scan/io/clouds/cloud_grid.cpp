@@ -25,6 +25,9 @@ constexpr double kAgainstNormals = -0.2;
 // along each: of clouds that were tried up to 0.7 %. On rays from another place they lie at random,
 // and 24 % or more were lost.
 constexpr double kLostFromSensor = 0.05;
+// Of a turning scanner that stands among the points: its rings of rays are uneven, and up to 12 %
+// were lost.
+constexpr double kLostAround = 0.15;
 constexpr double kManyHidden = 0.2;  // Fraction of points that is worth a warning, no more.
 
 std::string cloud_vector_text(const Eigen::Vector3d& vector) {
@@ -154,14 +157,17 @@ double lost_part(const GridFile& grid, const PointCloudFile& cloud) {
 }
 
 // The cloud on rays from the origin of its frame, if these are the rays of its sensor: nearly every
-// point has one of its own, unlike on the rays of `found`. Faces and normals that look away from
-// the origin speak against it.
-std::optional<GridFile> seen_from_origin(const PointCloudFile& cloud, const GridFile& found) {
-  const double lost = lost_part(found, cloud);
+// point has one of its own, unlike on the rays of `found`, if these have a grid at all. Faces and
+// normals that look away from the origin speak against it.
+std::optional<GridFile> seen_from_origin(const PointCloudFile& cloud,
+                                         const Result<GridFile>& found) {
+  const double lost = found ? lost_part(*found, cloud) : 1.0;
   if (lost <= kLostFromSensor) return std::nullopt;
+  const double most =
+      surround(cloud.points, Eigen::Vector3d::Zero()) ? kLostAround : kLostFromSensor;
   const CloudRays rays = rays_from(Eigen::Vector3d::Zero(), cloud.points);
   auto grid = grid_on_rays(cloud, rays, true);
-  if (!grid || lost_part(*grid, cloud) > std::min(kLostFromSensor, 0.5 * lost)) return std::nullopt;
+  if (!grid || lost_part(*grid, cloud) > std::min(most, 0.5 * lost)) return std::nullopt;
   const bool has_sides = !cloud.facing.empty() || !cloud.normals.empty();
   if (has_sides && hidden_fraction(cloud, rays) > kManyHidden) return std::nullopt;
   grid->notes.insert(grid->notes.begin(),
@@ -173,9 +179,9 @@ std::optional<GridFile> seen_from_origin(const PointCloudFile& cloud, const Grid
 Result<GridFile> lattice_from_cloud(PointCloudFile& cloud, const CloudGridOptions& options) {
   const ChosenRays chosen = choose_rays(cloud, options);
   auto grid = grid_on_rays(cloud, chosen.rays, chosen.side_known);
-  if (!grid) return grid;
   if (chosen.found && chosen.rays.kind == CloudRays::Kind::kParallel)
-    if (auto from_origin = seen_from_origin(cloud, *grid)) return *std::move(from_origin);
+    if (auto from_origin = seen_from_origin(cloud, grid)) return *std::move(from_origin);
+  if (!grid) return grid;
   std::vector<std::string> notes;
   if (!chosen.side_known)
     notes.push_back("no viewpoint is given; taken as seen along " +

@@ -12,7 +12,10 @@ namespace {
 // [rad] A plane across the view stretches places by 1 / cos^2 there, 2.4 at 50 degrees (4 at 60);
 // wider clouds get even angles.
 constexpr double kPinholeHalfAngle = 50.0 * std::numbers::pi / 180.0;
-constexpr int kSectors = 72;  // Of 5 degrees each.
+// Of a few strays. Beyond 75 degrees a place on the plane is 3.7 times as far out as the middle's.
+constexpr double kStrayHalfAngle = 75.0 * std::numbers::pi / 180.0;
+constexpr double kStrays = 0.001;  // Of the points.
+constexpr int kSectors = 72;       // Of 5 degrees each.
 // Sectors with points, of all. A view of anything but its surroundings leaves half of them empty.
 constexpr double kAllAround = 0.95;
 
@@ -64,6 +67,18 @@ CloudRays spherical_rays(const Eigen::Vector3d& viewpoint,
   const double middle = middle_azimuth(viewpoint, points);
   const Eigen::Vector3d forward(std::cos(middle), std::sin(middle), 0.0);
   return {CloudRays::Kind::kSpherical, viewpoint, upright_axes(forward, Eigen::Vector3d::UnitZ())};
+}
+
+// Whether a pinhole picture along `forward` holds the points, but for a few strays.
+bool lie_in_cone(const Eigen::Vector3d& viewpoint, const Eigen::Vector3d& forward,
+                 const std::vector<Eigen::Vector3d>& points) {
+  std::size_t strays = 0;
+  for (const auto& point : points) {
+    const double cosine = (point - viewpoint).stableNormalized().dot(forward);
+    if (cosine < std::cos(kStrayHalfAngle)) return false;
+    if (cosine < std::cos(kPinholeHalfAngle)) ++strays;
+  }
+  return static_cast<double>(strays) <= kStrays * static_cast<double>(points.size());
 }
 
 // A projection that is a ratio of affine functions, for parallel and pinhole rays.
@@ -119,19 +134,21 @@ CloudRays parallel_rays(const Eigen::Vector3d& direction, const Eigen::Vector3d&
 CloudRays rays_from(const Eigen::Vector3d& viewpoint, const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& point : points) mean += (point - viewpoint).stableNormalized();
+  const Eigen::Vector3d along_z(0.0, 0.0, std::copysign(1.0, mean.z()));
+  if (lie_in_cone(viewpoint, along_z, points))
+    return {CloudRays::Kind::kPinhole, viewpoint, picture_axes(along_z)};
   if (!(mean.norm() > 1e-6 * static_cast<double>(points.size())))
     return spherical_rays(viewpoint, points);
   const Eigen::Vector3d forward = mean.normalized();
-  for (const auto& point : points)
-    if ((point - viewpoint).stableNormalized().dot(forward) < std::cos(kPinholeHalfAngle))
-      return spherical_rays(viewpoint, points);
+  if (!lie_in_cone(viewpoint, forward, points)) return spherical_rays(viewpoint, points);
   return {CloudRays::Kind::kPinhole, viewpoint, picture_axes(forward)};
 }
 
 bool surround(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& place) {
   const auto counts = points_in_sectors(place, points);
   return static_cast<double>(std::count(counts.begin(), counts.end(), 0u)) <=
-         (1.0 - kAllAround) * kSectors;
+             (1.0 - kAllAround) * kSectors &&
+         rays_from(place, points).kind == CloudRays::Kind::kSpherical;
 }
 
 Camera camera_of(const CloudRays& rays, const CloudLattice& lattice, double nearest,
@@ -145,10 +162,14 @@ Camera camera_of(const CloudRays& rays, const CloudLattice& lattice, double near
                                 in_space(lattice.step_u), in_space(lattice.step_v),
                                 rays.axes.col(2));
   }
+  // Ranges of a pinhole picture are depths, which is what cameras round.
+  const bool depths = rays.kind == CloudRays::Kind::kPinhole;
   Grid<Ray> table(lattice.width, lattice.height);
   for (int v = 0; v < lattice.height; ++v)
-    for (int u = 0; u < lattice.width; ++u)
-      table(u, v) = {rays.origin, rays.direction(lattice.at(u, v))};
+    for (int u = 0; u < lattice.width; ++u) {
+      const Eigen::Vector2d at = lattice.at(u, v);
+      table(u, v) = {rays.origin, depths ? rays.axes * at.homogeneous() : rays.direction(at)};
+    }
   if (rays.kind == CloudRays::Kind::kSpherical)
     return spherical_camera(rays, lattice, std::move(table));
   return Camera::ray_table(std::move(table), projection_to(rays, lattice));

@@ -35,11 +35,14 @@ struct CloudRays {
 /// Parallel rays along `direction`; the picture is upright with respect to +y, else to +z.
 CloudRays parallel_rays(const Eigen::Vector3d& direction, const Eigen::Vector3d& centre);
 
-/// Rays from `viewpoint` towards the points: a pinhole picture where they lie within 50 degrees of
-/// their mean direction, else a spherical one about +z whose seam lies where the fewest points are.
+/// Rays from `viewpoint` towards the points: a pinhole picture along z or against it, as cameras
+/// have it, where the points lie within 50 degrees of that, but for a thousandth that lie
+/// within 75. Else one along their mean direction where they lie so, else a spherical one about +z
+/// whose seam lies where the fewest points are.
 CloudRays rays_from(const Eigen::Vector3d& viewpoint, const std::vector<Eigen::Vector3d>& points);
 
-/// Whether the points lie all around a place: in all but a twentieth of the directions about +z.
+/// Whether the points lie all around a place: in all but a twentieth of the directions about +z,
+/// and not in a cone before it.
 bool surround(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& place);
 
 /// A regular grid in the plane of the rays' coordinates: place (u, v) is

@@ -32,6 +32,15 @@ std::size_t invalidate_if(std::span<Eigen::Vector3d> points, const Missing& miss
   return count;
 }
 
+std::string invalidate_depth(std::span<Eigen::Vector3d> points, float invalid) {
+  const std::size_t count =
+      invalidate_if(points, [&](const Eigen::Vector3d& p) { return depth_of(p) == invalid; });
+  std::ostringstream note;
+  note << count << " points at the depth " << invalid
+       << ", far behind all others, are taken for missing samples";
+  return note.str();
+}
+
 }  // namespace
 
 std::vector<std::string> invalidate_missing_points(std::span<Eigen::Vector3d> points) {
@@ -40,16 +49,15 @@ std::vector<std::string> invalidate_missing_points(std::span<Eigen::Vector3d> po
   if (std::ranges::count_if(points, at_origin) > 1)
     notes.push_back(std::to_string(invalidate_if(points, at_origin)) +
                     " points at the origin are taken for missing samples");
-  const float invalid = invalid_depth_of(points);
-  if (std::isfinite(invalid)) {
-    const std::size_t count =
-        invalidate_if(points, [&](const Eigen::Vector3d& p) { return depth_of(p) == invalid; });
-    std::ostringstream note;
-    note << count << " points at the depth " << invalid
-         << ", far behind all others, are taken for missing samples";
-    notes.push_back(note.str());
-  }
+  if (const float invalid = invalid_depth_of(points); std::isfinite(invalid))
+    notes.push_back(invalidate_depth(points, invalid));
   return notes;
+}
+
+std::vector<std::string> invalidate_missing_corners(std::span<Eigen::Vector3d> points) {
+  const float invalid = invalid_depth_of(points);
+  if (!is_largest_of_16_bits(invalid)) return {};
+  return {invalidate_depth(points, invalid)};
 }
 
 bool hold_directions(std::span<const Eigen::Vector3f> normals) {

@@ -13,6 +13,10 @@ namespace relief {
 /// names, which depth cameras write as 65.535. Returns a note for the user for each kind.
 std::vector<std::string> invalidate_missing_points(std::span<Eigen::Vector3d> points);
 
+/// The same for the corners of a mesh, which may meet at the origin and share any depth but the
+/// largest of 16 bits.
+std::vector<std::string> invalidate_missing_corners(std::span<Eigen::Vector3d> points);
+
 /// Whether any of the normals of a file is a direction: finite and not zero. PCL's points with
 /// normals are written with zeros where nobody has computed them.
 bool hold_directions(std::span<const Eigen::Vector3f> normals);

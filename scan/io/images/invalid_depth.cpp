@@ -7,6 +7,13 @@
 
 namespace relief {
 
+bool is_largest_of_16_bits(double depth) {
+  constexpr double kLargest = 65535.0, kRounding = 1e-6;  // Of 32-bit floats.
+  for (double scale = 1.0; scale < 1e5; scale *= 10.0)
+    if (std::abs(depth * scale - kLargest) < kRounding * kLargest) return true;
+  return false;
+}
+
 double invalid_depth_value(std::span<const float> depths) {
   constexpr double kShare = 0.01;    // Of the depths above 0: far beyond chance.
   constexpr double kNearest = 0.25;  // Of the largest value: where other depths may be.
@@ -27,7 +34,7 @@ double invalid_depth_value(std::span<const float> depths) {
     else
       next = std::max(next, value);
   }
-  const bool apart = next > 0.0 && next < kNearest * largest;
+  const bool apart = next > 0.0 && (next < kNearest * largest || is_largest_of_16_bits(largest));
   const bool often = static_cast<double>(shared) > kShare * static_cast<double>(known);
   return apart && often && shared > 1 ? largest : kNone;
 }

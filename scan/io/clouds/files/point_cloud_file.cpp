@@ -47,16 +47,14 @@ std::size_t keep_finite_points(PointCloudFile& cloud) {
   return count - chosen.size();
 }
 
-// Drops what is not finite, and points that stand for missing samples. Corners of a mesh may meet
-// at the origin.
+// Drops what is not finite, and points that stand for missing samples.
 Result<PointCloudFile> measured_points(PointCloudFile cloud, const std::filesystem::path& path) {
   if (const std::size_t count = keep_finite_points(cloud); count > 0)
     cloud.notes.push_back(std::to_string(count) + " points that are not finite are left out");
-  if (cloud.facing.empty()) {
-    for (std::string& note : invalidate_missing_points(cloud.points))
-      cloud.notes.push_back(std::move(note));
-    keep_finite_points(cloud);
-  }
+  for (std::string& note : cloud.facing.empty() ? invalidate_missing_points(cloud.points)
+                                                : invalidate_missing_corners(cloud.points))
+    cloud.notes.push_back(std::move(note));
+  keep_finite_points(cloud);
   if (cloud.points.empty()) return bad_input(path, "no point of the file is finite and measured");
   if (!cloud.normals.empty() && !hold_directions(cloud.normals)) {
     cloud.normals.clear();

@@ -195,6 +195,29 @@ TEST(CloudGrid, TakesTheOriginOfADepthCameraThatSeesFarStrays) {
   EXPECT_GT(count_points(grid), measured * 98 / 100);
 }
 
+// The picture is that of the camera, not one about what it happens to see.
+TEST(CloudGrid, TakesTheAxisOfADepthCamera) {
+  const double step = 1.0 / 128.0;
+  PointCloudFile cloud;
+  for (int v = -20; v < 60; ++v)
+    for (int u = 0; u < 120; ++u) {
+      const double depth = 0.001 * std::round(1000.0 * (2.0 + std::sin(0.05 * u) * 0.3));
+      cloud.points.emplace_back(u * step * depth, v * step * depth, -depth);
+    }
+  const std::size_t measured = cloud.points.size();
+  for (int k = 0; k < 5; ++k) cloud.points.emplace_back(1.4, 0.1 * k, -1.0);  // Strays, 54 degrees.
+  CloudGridOptions options;
+  options.viewpoint = Eigen::Vector3d::Zero();
+  const auto grid = value_of(grid_from_cloud(cloud, options));
+  EXPECT_GE(count_points(grid), measured);
+  const auto view = value_of(view_from_grid(grid, grid.camera));
+  for (int v = 0; v < view.height(); v += 7)
+    for (int u = 0; u < view.width(); u += 7)
+      if (view.has_sample(u, v)) {
+        EXPECT_NEAR(view.range(u, v), -view.point(u, v).z(), 1e-6);
+      }
+}
+
 TEST(CloudGrid, FindsTheSideOfASolidObject) {
   const PointCloudFile cloud = cloud_of(sphere_view(), true);
   const auto grid = value_of(grid_from_cloud(cloud));
@@ -369,6 +392,33 @@ TEST(CloudGrid, TakesTheOriginFromWhichEachPointHasARayOfItsOwn) {
   const auto grid = value_of(grid_from_cloud(end_of_room()));
   EXPECT_TRUE(grid.camera->spherical_projection());
   EXPECT_THAT(grid.notes, Contains(HasSubstr("each point has a ray of its own")));
+}
+
+// 32 rings a degree and a third apart, each of 1800 points at uneven angles, from a vehicle on a
+// square: far points and near spacings.
+PointCloudFile rings_of_a_vehicle() {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> off(-0.9, 0.9);
+  PointCloudFile cloud;
+  for (int ring = 0; ring < 32; ++ring) {
+    const double elevation = (1.33 * ring - 30.67 + 0.06 * off(random)) * kRoomStep;
+    for (int column = 0; column < 1800; ++column) {
+      const double azimuth = 0.2 * (column + off(random)) * kRoomStep;
+      const Eigen::Vector3d d(std::cos(elevation) * std::cos(azimuth),
+                              std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      const double ground = d.z() < 0.0 ? 1.7 / -d.z() : 1e9;
+      const double range = std::min({ground, 100.0 / std::abs(d.y()), 300.0 / std::abs(d.x())});
+      cloud.points.push_back(range * d);
+    }
+  }
+  return cloud;
+}
+
+TEST(CloudGrid, TakesTheOriginOfAScannerOfFewRings) {
+  const PointCloudFile cloud = rings_of_a_vehicle();
+  const auto grid = value_of(grid_from_cloud(cloud));
+  EXPECT_TRUE(grid.camera->spherical_projection());
+  EXPECT_GT(count_points(grid), cloud.points.size() * 85 / 100);
 }
 
 TEST(CloudGrid, DoesNotTakeAnOriginThatNormalsLookAwayFrom) {

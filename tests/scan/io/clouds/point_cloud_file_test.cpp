@@ -245,6 +245,18 @@ TEST(PointCloudFile, LeavesOutPointsAtAnInvalidDepth) {
   EXPECT_EQ(wall.points.size(), 4u) << "others are within a quarter";
 }
 
+TEST(PointCloudFile, LeavesOutCornersAtTheLargestDepthOf16Bits) {
+  const TemporaryFolder folder;
+  const std::string faces = "f 1 2 3\nf 2 4 3\n";
+  const auto camera = value_of(read_point_cloud(
+      folder.write("camera.obj", "v 1 2 -3\nv 9 8 -65.535\nv 0 1 -40\nv 6 -20 -65.535\n" + faces)));
+  EXPECT_EQ(camera.points.size(), 2u);
+  EXPECT_THAT(camera.notes, ElementsAre(::testing::HasSubstr("taken for missing samples")));
+  const auto box = value_of(read_point_cloud(
+      folder.write("box.obj", "v 1 2 -3\nv 9 8 -60\nv 0 1 -4\nv 6 -20 -60\n" + faces)));
+  EXPECT_EQ(box.points.size(), 4u);
+}
+
 TriangleMesh square() {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};

@@ -148,15 +148,18 @@ TEST(FolderGuess, OneValueFarBehindAllOthersIsNoDepth) {
   for (std::size_t i = 0; i < image.samples.size(); ++i)
     image.samples[i] = i % 3 == 0 ? 65535.0f : 1000.0f + static_cast<float>(i);
   folder.write("depth_1.png", *encode_png(image));
-  image.samples[0] = 30000.0f;  // Samples lie between: a far wall, perhaps.
+  image.samples[0] = 30000.0f;  // A sample lies between.
   folder.write("depth_2.png", *encode_png(image));
+  std::ranges::replace(image.samples, 65535.0f, 60000.0f);  // A far wall, perhaps.
+  folder.write("depth_3.png", *encode_png(image));
   ReadProjectOptions options;
   options.intrinsics = PinholeIntrinsics{20.0, 21.0, 5.0, 4.0};
   options.depth_scale = 1000.0;
   const auto project = value_of(read_project(folder.path(), options));
-  ASSERT_EQ(project.views.size(), 2u);
+  ASSERT_EQ(project.views.size(), 3u);
   EXPECT_EQ(project.views[0].sample_count(), 72u);
-  EXPECT_EQ(project.views[1].sample_count(), 108u);
+  EXPECT_EQ(project.views[1].sample_count(), 73u);
+  EXPECT_EQ(project.views[2].sample_count(), 108u);
   EXPECT_THAT(project.notes, ::testing::Contains(HasSubstr("value 65535")));
 }
 
