@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -14,11 +15,12 @@ namespace relief::registration {
 
 namespace {
 
-// The view's largest verified group, or that of known views.
-std::size_t main_group(const PoseVerification& verified, const std::vector<ViewRole>& roles) {
+// Of the views in a frame the largest verified group, or that of known views.
+std::size_t main_group(const PoseVerification& verified, const std::vector<ViewRole>& roles,
+                       const std::vector<std::size_t>& frames, std::size_t frame) {
   std::map<std::size_t, std::pair<bool, std::size_t>> weight;
   for (std::size_t i = 0; i < roles.size(); ++i) {
-    if (roles[i] == ViewRole::kExcluded) continue;
+    if (roles[i] == ViewRole::kExcluded || frames[i] != frame) continue;
     auto& [known, size] = weight[verified.group[i]];
     known |= roles[i] == ViewRole::kFixed;
     ++size;
@@ -98,6 +100,7 @@ class Aligning {
 
  private:
   void take_roles() {
+    contradicted_.assign(views_.size(), false);
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const auto& start = starts_.world_from_view[i];
       poses_.push_back(start.value_or(views_[i].world_from_view));
@@ -116,23 +119,62 @@ class Aligning {
     return true;
   }
 
-  // Views found by shape that turn out to fit nowhere are taken out and the rest is refined again
-  // from where it started, free of their influence.
+  // Views found by shape that turn out to fit nowhere, or that others contradict, are taken out and
+  // the rest is refined again from where it started, free of their influence.
   Result<void> refine_all() {
     for (;;) {
       auto refined = units_.refine_jointly(surfaces_, poses_, roles_, refinement_, progress_);
       if (!refined) return refined.error();
       refined_ = std::move(*refined);
       const auto misfits = find_misfits(starts_.found_by_shape, roles_, refined_);
-      if (std::find(misfits.begin(), misfits.end(), true) == misfits.end()) break;
-      for (std::size_t i = 0; i < roles_.size(); ++i)
-        if (misfits[i]) roles_[i] = ViewRole::kExcluded;
+      if (std::find(misfits.begin(), misfits.end(), true) != misfits.end()) {
+        for (std::size_t i = 0; i < roles_.size(); ++i)
+          if (misfits[i]) roles_[i] = ViewRole::kExcluded;
+        continue;
+      }
+      if (!report_progress(progress_, 0.0, "verifying poses"))
+        return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
+      verified_ = verify_poses(surfaces_, refined_.world_from_view, roles_,
+                               verification_options(starting_));
+      const auto worst = most_contradicted();
+      if (!worst) {
+        if (std::find(contradicted_.begin(), contradicted_.end(), true) != contradicted_.end())
+          choose_frame();
+        return {};
+      }
+      roles_[*worst] = ViewRole::kExcluded;
+      contradicted_[*worst] = true;
     }
-    if (!report_progress(progress_, 0.0, "verifying poses"))
-      return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-    verified_ =
-        verify_poses(surfaces_, refined_.world_from_view, roles_, verification_options(starting_));
-    return {};
+  }
+
+  // That in which most views are left. Given poses keep theirs; a view that is left alone has
+  // nothing to confirm it.
+  void choose_frame() {
+    std::map<std::size_t, std::vector<std::size_t>> left;
+    for (std::size_t i = 0; i < roles_.size(); ++i) {
+      if (roles_[i] == ViewRole::kExcluded) continue;
+      if (starts_.frame[i] == 0 && !starts_.found_by_shape[i]) return;
+      left[starts_.frame[i]].push_back(i);
+    }
+    for (const auto& [frame, views] : left)
+      if (views.size() > left[frame_].size()) frame_ = frame;
+    if (left[frame_].size() == 1) contradicted_[left[frame_].front()] = true;
+  }
+
+  // Of the contradicted views that shape placed, the one against which most speaks. One at a time:
+  // a wrong view contradicts right ones.
+  std::optional<std::size_t> most_contradicted() const {
+    std::optional<std::size_t> most;
+    double excess = 0.0;
+    for (std::size_t i = 0; i < roles_.size(); ++i) {
+      const auto& view = verified_.views[i];
+      if (roles_[i] != ViewRole::kFree || !starts_.found_by_shape[i] || !contradicted(i) ||
+          view.violation - view.support <= excess)
+        continue;
+      excess = view.violation - view.support;
+      most = i;
+    }
+    return most;
   }
 
   Alignment report(const CheckedPoses& checked, const PoseConvention& convention) {
@@ -142,15 +184,15 @@ class Aligning {
       result.notes.push_back("the given poses are taken as " + convention.describe() +
                              ": so they bring the views together, and as world_from_view they do "
                              "not; --poses trust takes them as they are");
-    const std::size_t main = main_group(verified_, roles_);
+    const std::size_t main = main_group(verified_, roles_, starts_.frame, frame_);
     for (std::size_t i = 0; i < views_.size(); ++i) {
       ViewReport view;
       view.name = views_[i].name;
       view.world_from_view = refined_.world_from_view[i];
       view.pose_std = refined_.pose_std[i];
       view.pose_covariance = refined_.pose_covariance[i];
-      view.aligned =
-          starts_.in_main_frame[i] && roles_[i] != ViewRole::kExcluded && !has_other_unit(i);
+      view.aligned = starts_.frame[i] == frame_ && !contradicted_[i] &&
+                     roles_[i] != ViewRole::kExcluded && !has_other_unit(i);
       const bool confirmed = (verified_.group[i] == main && !contradicted(i)) ||
                              views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
       view.status = !view.aligned ? PoseStatus::kLeftOut
@@ -178,7 +220,7 @@ class Aligning {
 
   void note_moves(const CheckedPoses& checked, Alignment& result) const {
     for (std::size_t i = 0; i < views_.size(); ++i)
-      if (starts_.found_by_shape[i] && starts_.in_main_frame[i] &&
+      if (starts_.found_by_shape[i] && starts_.frame[i] == frame_ &&
           (checked.refuted[i] || checked.world_from_view[i]))
         result.notes.push_back(
             "view " + views_[i].name + ": its given pose " +
@@ -221,6 +263,9 @@ class Aligning {
       return "it has no usable samples: none lies off all boundaries with a surface normal";
     if (has_other_unit(i)) return reason_other_unit(relative_spacings_[i]);
     if (!starts_.world_from_view[i]) return starts_.reasons[i];
+    if (contradicted_[i])
+      return "other views saw through where a part of it would stand at the pose found by its "
+             "shape; give a guess of its pose";
     if (roles_[i] == ViewRole::kExcluded)
       return "it fits none of the views that it seems to overlap; give a better guess or remove it";
     return "no pose was found at which its group fits the main group; it is aligned only to " +
@@ -247,6 +292,8 @@ class Aligning {
   StartingPoses starts_;
   std::vector<RigidMotion> poses_;
   std::vector<ViewRole> roles_;
+  std::size_t frame_ = 0;           // Of StartingPoses, that of the result.
+  std::vector<bool> contradicted_;  // Taken out since more speaks against the pose than for it.
   JointRefinement refined_;
   PoseVerification verified_;
 };

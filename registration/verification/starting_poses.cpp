@@ -116,14 +116,15 @@ class Assembly {
     const Members& main = groups.front();
     const bool given = as_settled(main);
     if (main.size() == 1 && !given && surfaces_.size() > 1) return;
-    put(main, frame_of(main), true);
+    put(main, frame_of(main), 0);
     const bool trusted = in_world(main) && frame_is_trusted(main, checked_);
     for (std::size_t g = 1; g < groups.size(); ++g) {
-      // Poses that the user gave in one frame stay in it, confirmed or not.
-      if (trusted && as_settled(groups[g])) {
-        put(groups[g], RigidMotion::Identity(), true);
+      // Poses that the user gave in one frame stay in it, confirmed or not, and what shape joined
+      // to them.
+      if (trusted && in_world(groups[g])) {
+        put(groups[g], RigidMotion::Identity(), 0);
       } else if (groups[g].size() > 1) {
-        put(groups[g], frame_of(groups[g]), false);
+        put(groups[g], frame_of(groups[g]), g);
         place_component_beside(groups[g], surfaces_, taken_, result_.world_from_view);
       }
     }
@@ -170,15 +171,15 @@ class Assembly {
     return RigidMotion::Identity();
   }
 
-  void put(const Members& members, const RigidMotion& frame, bool main) {
-    const bool moves = frame.matrix() != RigidMotion::Identity().matrix();
+  void put(const Members& members, const RigidMotion& world, std::size_t frame) {
+    const bool moves = world.matrix() != RigidMotion::Identity().matrix();
     for (const std::size_t i : members) {
       result_.world_from_view[i] =
-          moves ? frame * placed_.group_from_view[i] : placed_.group_from_view[i];
-      result_.in_main_frame[i] = main;
+          moves ? world * placed_.group_from_view[i] : placed_.group_from_view[i];
+      result_.frame[i] = frame;
       result_.found_by_shape[i] = !stayed(i);
     }
-    if (main) taken_.push_back(extent_along_x(members, surfaces_, result_.world_from_view));
+    if (frame == 0) taken_.push_back(extent_along_x(members, surfaces_, result_.world_from_view));
   }
 
   const std::vector<ViewSurface>& surfaces_;
@@ -287,7 +288,7 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
   }
   StartingPoses result;
   result.world_from_view.resize(views.size());
-  result.in_main_frame.assign(views.size(), false);
+  result.frame.assign(views.size(), 0);
   result.found_by_shape.assign(views.size(), false);
   result.reasons.resize(views.size());
   Assembly(surfaces, checked, placed, result).run();

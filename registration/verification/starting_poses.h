@@ -30,8 +30,9 @@ struct CheckedPoses {
 struct StartingPoses {
   /// Nothing where no pose is known.
   std::vector<std::optional<RigidMotion>> world_from_view;
-  /// Whether the pose is in one frame with the main group of views.
-  std::vector<bool> in_main_frame;
+  /// Which frame the pose is in: 0 that of the main group of views, others those of groups that
+  /// were set beside it.
+  std::vector<std::size_t> frame;
   /// Whether shape gave the pose, not the user.
   std::vector<bool> found_by_shape;
   std::vector<std::string> reasons;  ///< Per view why it has no pose; empty when it has one.

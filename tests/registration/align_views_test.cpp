@@ -256,6 +256,20 @@ TEST(AlignViews, NeverSplitsANetworkThatTheUserGave) {
   for (const double error : errors) EXPECT_LT(error, 0.2 * spacing());
 }
 
+// Two objects that never meet: nothing confirms the poses between them.
+TEST(AlignViews, KeepsGivenPosesThatAViewIsJoinedToByItsShape) {
+  const auto other = testing::ring_of_views({.radius = 35.0, .centre = {400, 0, 0}});
+  std::vector<RangeView> views(true_ring().begin(), true_ring().begin() + 3);
+  views.insert(views.end(), other.begin(), other.begin() + 3);
+  for (std::size_t i = 3; i < views.size(); ++i) views[i].name = "other" + std::to_string(i);
+  views.back().pose = PoseKind::kAbsent;
+  views.back().world_from_view = RigidMotion::Identity();
+  const auto aligned = value_of(align_views(views));
+  for (std::size_t i = 0; i < views.size(); ++i)
+    EXPECT_TRUE(aligned.views[i].aligned) << aligned.views[i].reason;
+  EXPECT_TRUE(aligned.views[5].world_from_view.isApprox(other[2].world_from_view, 1e-3));
+}
+
 TEST(AlignViews, TakesOutAViewWhosePoseIsFarOff) {
   auto views = disturbed_ring();
   const RigidMotion off(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()));
