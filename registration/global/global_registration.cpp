@@ -7,8 +7,10 @@
 #include <set>
 #include <utility>
 
+#include "registration/global/clear_samples.h"
 #include "registration/global/features/planar_view.h"
 #include "registration/global/features/view_similarity.h"
+#include "registration/global/judged_pairs.h"
 #include "registration/global/link_limits.h"
 #include "registration/global/pair_search.h"
 #include "registration/global/turntable.h"
@@ -32,7 +34,8 @@ class GlobalRegistration {
         known_(known),
         options_(options),
         progress_(progress),
-        units_(units) {
+        units_(units),
+        judged_(surfaces) {
     grouping_.limits = options.limits;
     grouping_.ambiguity = options.ambiguity;
     grouping_.judge.association = options.association;
@@ -67,7 +70,7 @@ class GlobalRegistration {
  private:
   static Error interrupted() { return Error{ErrorKind::kInterrupted, "alignment was interrupted"}; }
 
-  void regroup() { groups_ = join_views(surfaces_, links_, start_, known_, grouping_); }
+  void regroup() { groups_ = join_views(surfaces_, links_, start_, known_, grouping_, judged_); }
 
   void note_best_rejected() {
     groups_.best_rejected.assign(surfaces_.size(), std::nullopt);
@@ -111,9 +114,8 @@ class GlobalRegistration {
       for (std::size_t i = begin; i < end; ++i)
         views_[i] = prepare_coarse_view(surfaces_[i], scale_);
     });
-    mostly_planar_ = parallel_map<std::uint8_t>(surfaces_.size(), [&](std::size_t i) {
-      return std::uint8_t{is_mostly_planar(surfaces_[i])};
-    });
+    faces_ = parallel_map<FlatFaces>(surfaces_.size(),
+                                     [&](std::size_t i) { return find_flat_faces(surfaces_[i]); });
     std::vector<const LocalFeatures*> features;
     for (const auto& view : views_) features.push_back(&view.features);
     ranked_ = rank_pairs(features);
@@ -217,7 +219,6 @@ class GlobalRegistration {
 
   // A view that fits itself at a second place fits other views at a second pose, too.
   std::vector<RigidMotion> partial_symmetries(std::size_t i) const {
-    if (mostly_planar_[i]) return {};  // Joins nothing anyway.
     VerificationThresholds alone = widest_limits();
     alone.min_overlap = grouping_.lone_overlap;
     PairSearchOptions search;
@@ -245,10 +246,13 @@ class GlobalRegistration {
   std::vector<PoseLink> links_of_pair(const std::pair<std::size_t, std::size_t>& pair,
                                       const std::vector<PoseHypothesis>& found) const {
     const auto [a, b] = pair;
-    const bool mostly_planar = mostly_planar_[a] || mostly_planar_[b];
+    const bool mostly_planar = is_mostly_planar(faces_[a]) || is_mostly_planar(faces_[b]);
     std::vector<PoseLink> links;
     const auto add = [&](const PoseHypothesis& hypothesis) {
-      links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, mostly_planar});
+      const bool faces_only =
+          mostly_planar && !agree_clear_of_faces(surfaces_[a], faces_[a], surfaces_[b], faces_[b],
+                                                 hypothesis.b_from_a, grouping_.judge.min_stddev);
+      links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, faces_only});
     };
     for (const PoseHypothesis& hypothesis : found) add(hypothesis);
     if (!found.empty())
@@ -296,12 +300,13 @@ class GlobalRegistration {
   const Progress& progress_;
   const AlignUnits& units_;
   ViewGroupOptions grouping_;
+  JudgedPairs judged_;
   CoarseScale scale_;
   std::vector<CoarseView> views_;
   Pairs ranked_;          // The most promising pairs of views first.
   std::size_t next_ = 0;  // Of them, to be searched.
   std::vector<PoseLink> links_;
-  std::vector<std::uint8_t> mostly_planar_;  // 1 for such views: see planar_view.h.
+  std::vector<FlatFaces> faces_;  // Of each view.
   // Partial symmetries of the views that have links.
   std::vector<std::optional<std::vector<RigidMotion>>> symmetries_;
   ViewGroups groups_;

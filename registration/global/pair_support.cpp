@@ -33,13 +33,13 @@ double PairSupport::support(std::size_t i, std::size_t j, const RigidMotion& i_f
   const bool linked = has_link_at(i, j, i_from_j);
   VerificationThresholds limits = linked ? limits_.loop_confirmed : limits_.confirmed;
   limits.min_overlap = kCountingOverlap;
-  const PoseEvidence evidence = judge_pose(source, target, i_from_j, options_.judge);
+  const PoseEvidence evidence = judged_.judge(i, j, i_from_j, options_.judge);
   if (plausible(evidence, source, target, limits)) return support_of(evidence, linked);
   const bool denies =
       violates_free_space(evidence, limits) || evidence.overlap >= options_.limits.min_overlap;
   if (!denies) return std::min(0.0, support_of(evidence, linked));
   const double reach = kSamePlaceRadii * std::min(source.radius(), target.radius());
-  auto settled = refine_hypothesis(source, target, i_from_j, reach, options_.judge);
+  auto settled = judged_.settle(i, j, i_from_j, reach, options_.judge);
   if (settled.evidence.overlap <= 0.0) settled.evidence = evidence;  // Nothing was fitted.
   if (!same_place(source, settled.b_from_a, i_from_j))
     return -std::numeric_limits<double>::infinity();

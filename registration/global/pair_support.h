@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "registration/global/judged_pairs.h"
 #include "registration/global/link_index.h"
 #include "registration/global/link_limits.h"
 #include "registration/global/view_groups.h"
@@ -17,10 +18,10 @@ bool same_place(const ViewSurface& view, const RigidMotion& x, const RigidMotion
 /// What single pairs of views say for or against a way of joining two groups.
 class PairSupport {
  public:
-  /// `surfaces`, `links` (those that are believed) and `options` outlive this.
+  /// `surfaces`, `links` (those that are believed), `options` and `judged` outlive this.
   PairSupport(const std::vector<ViewSurface>& surfaces, const std::vector<PoseLink>& links,
-              const LinkLimits& limits, const ViewGroupOptions& options)
-      : surfaces_(surfaces), index_(links), limits_(limits), options_(options) {}
+              const LinkLimits& limits, const ViewGroupOptions& options, JudgedPairs& judged)
+      : surfaces_(surfaces), index_(links), limits_(limits), options_(options), judged_(judged) {}
 
   /// What view j says for a pose relative to view i: their overlap where it is within its limits,
   /// less than 0 where it is not, by how far; 0 where they hardly meet. Poses that follow from
@@ -36,6 +37,7 @@ class PairSupport {
   const LinkIndex index_;
   const LinkLimits limits_;
   const ViewGroupOptions& options_;
+  JudgedPairs& judged_;
 };
 
 }  // namespace relief::registration

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <set>
 #include <tuple>
 
+#include "registration/global/judged_pairs.h"
 #include "registration/global/link_limits.h"
 #include "registration/global/pair_support.h"
 #include "scan/base/parallel.h"
@@ -15,8 +17,10 @@ namespace relief::registration {
 
 namespace {
 
+constexpr std::size_t kPairsAtOnce = 16;  // Judged side by side.
+
 // Whether the two views could as well lie otherwise.
-bool undetermined(const PoseLink& link) { return link.evidence.degenerate || link.mostly_planar; }
+bool undetermined(const PoseLink& link) { return link.evidence.degenerate || link.faces_only; }
 
 // Best supported first, without those that are not believed: these confirm no others either.
 // `loops_of_all`: of all links.
@@ -65,10 +69,10 @@ class Joining {
  public:
   Joining(const std::vector<ViewSurface>& surfaces, const std::vector<PoseLink>& links,
           const ViewGroups& start, const std::vector<bool>& known, const LinkLimits& limits,
-          const ViewGroupOptions& options)
+          const ViewGroupOptions& options, JudgedPairs& judged)
       : surfaces_(surfaces),
         links_(links),
-        pairs_(surfaces, links, limits, options),
+        pairs_(surfaces, links, limits, options, judged),
         options_(options),
         known_(known),
         start_sizes_(surfaces.size(), 0) {
@@ -178,16 +182,21 @@ class Joining {
 
   double support(std::size_t first, std::size_t second, const MergeHypothesis& hypothesis) const {
     const auto of_first = members(first), of_second = members(second);
-    std::vector<double> parts(of_first.size() * of_second.size(), 0.0);
-    parallel_for(parts.size(), 4, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        const std::size_t i = of_first[k / of_second.size()], j = of_second[k % of_second.size()];
-        parts[k] = pairs_.support(i, j,
+    const std::size_t pairs = of_first.size() * of_second.size();
+    double sum = 0.0;
+    // A pair that settles elsewhere refutes the hypothesis: the others need no look.
+    for (std::size_t begin = 0; begin < pairs && std::isfinite(sum); begin += kPairsAtOnce) {
+      const auto parts =
+          parallel_map<double>(std::min(kPairsAtOnce, pairs - begin), [&](std::size_t k) {
+            const std::size_t i = of_first[(begin + k) / of_second.size()],
+                              j = of_second[(begin + k) % of_second.size()];
+            return pairs_.support(i, j,
                                   groups_.group_from_view[i].inverse() *
                                       hypothesis.first_from_second * groups_.group_from_view[j]);
-      }
-    });
-    return std::max(0.0, std::accumulate(parts.begin(), parts.end(), 0.0));
+          });
+      sum = std::accumulate(parts.begin(), parts.end(), sum);
+    }
+    return std::max(0.0, sum);
   }
 
   void report_ambiguous() {
@@ -232,12 +241,12 @@ ViewGroups ViewGroups::singles(std::size_t views) {
 
 ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<PoseLink> links,
                       const ViewGroups& start, const std::vector<bool>& known,
-                      const ViewGroupOptions& options) {
+                      const ViewGroupOptions& options, JudgedPairs& judged) {
   assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
   const std::vector<int> loops = count_loops(surfaces, links);
   const LinkLimits limits = fit_link_limits(surfaces, links, loops, options);
   sort_by_support(surfaces, limits, options, loops, links);
-  return Joining(surfaces, links, start, known, limits, options).run();
+  return Joining(surfaces, links, start, known, limits, options, judged).run();
 }
 
 }  // namespace relief::registration

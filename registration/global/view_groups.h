@@ -16,8 +16,8 @@ struct PoseLink {
   std::size_t a = 0, b = 0;
   RigidMotion b_from_a = RigidMotion::Identity();
   PoseEvidence evidence;
-  /// A view of it is mostly planar: it fits views that show other flat faces, too.
-  bool mostly_planar = false;
+  /// Only flat faces speak for it: they fit views that show other faces, too.
+  bool faces_only = false;
 };
 
 /// With these numbers `relief_coarse_runs` places no view of 200 difficult scenes wrongly
@@ -47,6 +47,8 @@ struct AmbiguousPair {
   std::optional<double> second_overlap;
 };
 
+class JudgedPairs;
+
 struct ViewGroups {
   /// For each view the smallest index in its group.
   std::vector<std::size_t> group;
@@ -71,9 +73,9 @@ struct ViewGroups {
 /// than deny them, and only if no other link between the two groups explains the views nearly as
 /// well. A pair denies a pose by how far it is beyond its limits: at worst where one view stands in
 /// space that the other saw empty. The groups of `start` stay together; `known` views, in one of
-/// them, stay where they are.
+/// them, stay where they are. `judged` remembers pairs of these surfaces from call to call.
 ViewGroups join_views(const std::vector<ViewSurface>& surfaces, std::vector<PoseLink> links,
                       const ViewGroups& start, const std::vector<bool>& known,
-                      const ViewGroupOptions& options = {});
+                      const ViewGroupOptions& options, JudgedPairs& judged);
 
 }  // namespace relief::registration

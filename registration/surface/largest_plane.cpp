@@ -60,8 +60,8 @@ double plane_tolerance(double stddev, double spacing) {
 }
 
 // pcl::SACSegmentation takes twelve times as long for it, 74 ms a view, and prints.
-std::vector<std::size_t> largest_plane(const std::vector<PlaneProbe>& probes) {
-  std::vector<std::size_t> largest;
+PlanarPart largest_plane(const std::vector<PlaneProbe>& probes) {
+  PlanarPart largest;
   for (std::size_t seed = 0; seed < std::min(kSeeds, probes.size()); ++seed) {
     Plane plane{probes[seed].point, probes[seed].normal};
     double reach = kFirstTolerance;
@@ -71,7 +71,7 @@ std::vector<std::size_t> largest_plane(const std::vector<PlaneProbe>& probes) {
       reach = std::max(1.0, 0.5 * reach);
       face = near(plane, probes, reach);
     }
-    if (face.size() > largest.size()) largest = std::move(face);
+    if (face.size() > largest.probes.size()) largest = {std::move(face), plane.point, plane.normal};
   }
   return largest;
 }

@@ -17,8 +17,14 @@ struct PlaneProbe {
 /// errors, and a fifth of a spacing for what sampling and calibration add.
 double plane_tolerance(double stddev, double spacing);
 
-/// The indices of the probes on the plane that most of them are on, ascending. Robust: fitted from
-/// single probes and their normals.
-std::vector<std::size_t> largest_plane(const std::vector<PlaneProbe>& probes);
+/// A plane through some of the probes, in their frame.
+struct PlanarPart {
+  std::vector<std::size_t> probes;  ///< Indices of those on it, ascending.
+  Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
+};
+
+/// The plane that most of the probes are on. Robust: fitted from single probes and their normals.
+/// Without probes it has none.
+PlanarPart largest_plane(const std::vector<PlaneProbe>& probes);
 
 }  // namespace relief::registration

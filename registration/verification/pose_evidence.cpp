@@ -283,7 +283,7 @@ bool shares_one_plane(const ViewSurface& a, const ViewSurface& b, const RigidMot
         stddev_between(a, shared[i].source, b, shared[i].target, options.min_stddev);
     probes.push_back({point, normal, plane_tolerance(stddev, b.spacing())});
   }
-  return !probes.empty() && static_cast<double>(largest_plane(probes).size()) >=
+  return !probes.empty() && static_cast<double>(largest_plane(probes).probes.size()) >=
                                 kPlanarFraction * static_cast<double>(probes.size());
 }
 

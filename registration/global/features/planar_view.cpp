@@ -1,6 +1,7 @@
 #include "registration/global/features/planar_view.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -10,7 +11,6 @@ namespace relief::registration {
 
 namespace {
 
-constexpr int kFaces = 4;  // Prisms show as many at once.
 // Fraction of the samples. With it `relief_coarse_runs --boxes` places no view wrongly
 // (docs/results.md).
 constexpr double kPlanarFraction = 0.85;
@@ -30,20 +30,27 @@ std::vector<PlaneProbe> probes_of(const ViewSurface& view) {
 
 }  // namespace
 
-double planar_fraction(const ViewSurface& view, int planes) {
-  auto probes = probes_of(view);
-  const std::size_t all = probes.size();
-  if (all == 0) return 0.0;
-  for (int k = 0; k < planes && !probes.empty(); ++k) {
-    const auto face = largest_plane(probes);
-    for (auto i = face.rbegin(); i != face.rend(); ++i)
-      probes.erase(probes.begin() + static_cast<std::ptrdiff_t>(*i));
-  }
-  return 1.0 - static_cast<double>(probes.size()) / static_cast<double>(all);
+bool FlatFaces::is_clear(const Eigen::Vector3d& point, double distance) const {
+  return std::none_of(faces.begin(), faces.end(), [&](const Face& face) {
+    return std::abs(face.normal.dot(point - face.point)) <= distance;
+  });
 }
 
-bool is_mostly_planar(const ViewSurface& view) {
-  return planar_fraction(view, kFaces) >= kPlanarFraction;
+FlatFaces find_flat_faces(const ViewSurface& view, int count) {
+  FlatFaces found;
+  auto probes = probes_of(view);
+  const std::size_t all = probes.size();
+  if (all == 0) return found;
+  for (int k = 0; k < count && !probes.empty(); ++k) {
+    const auto face = largest_plane(probes);
+    found.faces.push_back({face.point, face.normal});
+    for (auto i = face.probes.rbegin(); i != face.probes.rend(); ++i)
+      probes.erase(probes.begin() + static_cast<std::ptrdiff_t>(*i));
+  }
+  found.fraction = 1.0 - static_cast<double>(probes.size()) / static_cast<double>(all);
+  return found;
 }
+
+bool is_mostly_planar(const FlatFaces& view) { return view.fraction >= kPlanarFraction; }
 
 }  // namespace relief::registration

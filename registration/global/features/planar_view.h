@@ -1,15 +1,33 @@
 #pragma once
 
+#include <vector>
+
+#include <Eigen/Core>
+
 #include "registration/surface/view_surface.h"
 
 namespace relief::registration {
 
-/// The part of a view's samples, in [0, 1], that noise alone parts from at most `planes` planes,
-/// found greedily, the largest first. A view of a box consists of three.
-double planar_fraction(const ViewSurface& view, int planes);
+/// The flat faces of a view, in its frame.
+struct FlatFaces {
+  struct Face {
+    Eigen::Vector3d point, normal;
+  };
+  std::vector<Face> faces;  ///< The largest first.
+  double fraction = 0.0;    ///< The part of the view's samples that noise alone parts from them.
 
-/// Whether a view shows hardly more than flat faces: corners and edges of boxes and prisms, which
+  /// Whether a point is farther than `distance` from the planes of all faces.
+  bool is_clear(const Eigen::Vector3d& point, double distance) const;
+};
+
+/// Prisms show four faces at once.
+inline constexpr int kFacesOfAPrism = 4;
+
+/// At most `count` planes, found greedily. A view of a box consists of three.
+FlatFaces find_flat_faces(const ViewSurface& view, int count = kFacesOfAPrism);
+
+/// Whether a view shows hardly more than these faces: corners and edges of boxes and prisms, which
 /// look alike wherever faces meet at equal angles.
-bool is_mostly_planar(const ViewSurface& view);
+bool is_mostly_planar(const FlatFaces& view);
 
 }  // namespace relief::registration

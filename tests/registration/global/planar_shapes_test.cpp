@@ -190,18 +190,19 @@ TEST(PlanarView, KnowsFlatFaces) {
   };
   const RangeView corner = view_of(surface_of(box)), inside = view_of(surface_of(bowl)),
                   bumpy = view_of(testing::bumpy_object(40.0));
-  EXPECT_TRUE(is_mostly_planar(ViewSurface(corner)));
-  EXPECT_FALSE(is_mostly_planar(ViewSurface(inside)));
-  EXPECT_FALSE(is_mostly_planar(ViewSurface(bumpy)));
-  EXPECT_LT(planar_fraction(ViewSurface(corner), 1), 0.8);
-  EXPECT_GT(planar_fraction(ViewSurface(corner), 2), 0.95);  // The eye is level with one side.
+  EXPECT_TRUE(is_mostly_planar(find_flat_faces(ViewSurface(corner))));
+  EXPECT_FALSE(is_mostly_planar(find_flat_faces(ViewSurface(inside))));
+  EXPECT_FALSE(is_mostly_planar(find_flat_faces(ViewSurface(bumpy))));
+  EXPECT_LT(find_flat_faces(ViewSurface(corner), 1).fraction, 0.8);
+  EXPECT_GT(find_flat_faces(ViewSurface(corner), 2).fraction,
+            0.95);  // The eye is level with one side.
 }
 
 TEST(PlanarView, HasNoFacesWithoutSamples) {
   const RangeView view = testing::render([](const Ray&) { return std::nullopt; },
                                          Camera::pinhole(20, 20, {200, 200, 9.5, 9.5}));
-  EXPECT_EQ(planar_fraction(ViewSurface(view), 4), 0.0);
-  EXPECT_FALSE(is_mostly_planar(ViewSurface(view)));
+  EXPECT_EQ(find_flat_faces(ViewSurface(view), 4).fraction, 0.0);
+  EXPECT_FALSE(is_mostly_planar(find_flat_faces(ViewSurface(view))));
 }
 
 }  // namespace

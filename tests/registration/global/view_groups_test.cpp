@@ -44,7 +44,8 @@ ViewGroups join_halves(const std::vector<RangeView>& views, const RigidMotion& l
   const RigidMotion truth = views[3].world_from_view.inverse() * views[2].world_from_view;
   link.b_from_a = link_error * truth;
   link.evidence = judge_pose(surfaces[2], surfaces[3], truth);
-  return join_views(surfaces, {link}, start, std::vector<bool>(views.size(), false));
+  JudgedPairs judged(surfaces);
+  return join_views(surfaces, {link}, start, std::vector<bool>(views.size(), false), {}, judged);
 }
 
 std::vector<RangeView> six_neighbours() {
@@ -89,8 +90,10 @@ TEST(PairSupport, CoverageIsNotMissedWhereAPairWasFoundByItself) {
   ASSERT_TRUE(misses_coverage(link.evidence));
   const ViewGroupOptions options;
   const std::vector<PoseLink> none, found{link};
-  EXPECT_LT(PairSupport(surfaces, none, {}, options).support(0, 1, truth), 0.0);
-  EXPECT_EQ(PairSupport(surfaces, found, {}, options).support(0, 1, truth), link.evidence.overlap);
+  JudgedPairs judged(surfaces);
+  EXPECT_LT(PairSupport(surfaces, none, {}, options, judged).support(0, 1, truth), 0.0);
+  EXPECT_EQ(PairSupport(surfaces, found, {}, options, judged).support(0, 1, truth),
+            link.evidence.overlap);
 }
 
 }  // namespace

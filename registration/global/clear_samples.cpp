@@ -1,0 +1,67 @@
+#include "registration/global/clear_samples.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "registration/pairwise/correspondences.h"
+#include "registration/pairwise/search_schedule.h"
+
+namespace relief::registration {
+
+namespace {
+
+constexpr std::size_t kProbes = 3000;  // Of each view; bounds the time.
+// From all faces [sample spacings]: edges are rounded by a few, and calibrations bend faces.
+constexpr double kClear = 10.0;
+// Behind a surface [distances at which samples correspond] a sample is hidden.
+constexpr double kHidden = 10.0;
+constexpr double kLeastCosine = 0.77;  // 40 degrees, as of correspondences.
+// Of the clear samples that are seen, at least. At right poses nine tenths and more are met; at
+// wrong ones half in one direction, and less in the other.
+constexpr double kMet = 0.8;
+constexpr int kFewest = 5;    // Fewer tell nothing of their direction.
+constexpr int kTelling = 25;  // Both directions together: five deviations from none.
+
+bool denies(const ClearSamples& samples) {
+  return samples.seen >= kFewest && samples.met < kMet * samples.seen;
+}
+
+}  // namespace
+
+ClearSamples find_clear_samples(const ViewSurface& source, const FlatFaces& source_faces,
+                                const ViewSurface& target, const FlatFaces& target_faces,
+                                const RigidMotion& target_from_source, double min_stddev) {
+  ClearSamples found;
+  if (!target.can_project()) return found;
+  const double reach = finest_search_distance(coarser_spacing(source, target),
+                                              std::max(joint_noise(source, target), min_stddev));
+  const std::size_t probes = std::min(kProbes, source.samples().size());
+  for (std::size_t i = 0; i < probes; ++i) {
+    const SurfacePoint sample = source.sample(source.samples()[i]);
+    if (!source_faces.is_clear(sample.point, kClear * source.spacing())) continue;
+    const Eigen::Vector3d point = target_from_source * sample.point;
+    const auto pixel = target.project(point);
+    const auto seen = pixel ? target.at(*pixel) : std::nullopt;
+    if (!seen) continue;
+    const double distance = (point - seen->point).dot(seen->normal);
+    if (distance < -kHidden * reach) continue;
+    ++found.seen;
+    if (std::abs(distance) > reach ||
+        (target_from_source.linear() * sample.normal).dot(seen->normal) < kLeastCosine)
+      continue;
+    ++found.met;
+    if (target_faces.is_clear(seen->point, kClear * target.spacing())) ++found.beside;
+  }
+  return found;
+}
+
+bool agree_clear_of_faces(const ViewSurface& a, const FlatFaces& a_faces, const ViewSurface& b,
+                          const FlatFaces& b_faces, const RigidMotion& b_from_a,
+                          double min_stddev) {
+  const ClearSamples in_b = find_clear_samples(a, a_faces, b, b_faces, b_from_a, min_stddev);
+  const ClearSamples in_a =
+      find_clear_samples(b, b_faces, a, a_faces, b_from_a.inverse(), min_stddev);
+  return in_b.beside + in_a.beside >= kTelling && !denies(in_b) && !denies(in_a);
+}
+
+}  // namespace relief::registration
