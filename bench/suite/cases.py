@@ -121,6 +121,7 @@ def poses_of(path):
 
 
 SIXTEEN = ("--views", "16", "--seed", "5")
+PHOTOMETRIC = ("--normal-sensor", "photometric-stereo")
 SIMULATED = ("refine", "align", "merge", "chain")
 FIVE = {"seeds": 5, "starts": ("given", "off", "none"), "off": (4, 0.002), "unit": "m"}
 """"Off" of the raw Cyberware sets: 4 degrees and 2 mm."""
@@ -164,7 +165,13 @@ def all_cases(quick):
              SIMULATED, simulated=True, slow_peers=True),
         Case("scanner", "built-in object, 12 views of 512x512, a structured-light scanner with photometric stereo: correlated and "
              "quantised range, dark patches, flying samples, calibration warp, shadows and highlights", SIMULATED, simulated=True,
-             options=("--range-sensor", "structured-light", "--normal-sensor", "photometric-stereo")),
+             options=("--range-sensor", "structured-light", *PHOTOMETRIC)),
+        Case("laser-line", "the same object through the simulator's laser-line scanner, rays of two centres, with photometric stereo",
+             ("merge", "chain"), simulated=True, options=("--range-sensor", "laser-line", "--rays", "line", *PHOTOMETRIC)),
+        Case("rgbd", "the same object through the simulator's RGB-D camera with photometric stereo", ("merge", "chain"), simulated=True,
+             options=("--range-sensor", "rgbd", *PHOTOMETRIC)),
+        Case("tof", "the same object through the simulator's time-of-flight camera, multipath included, with photometric stereo",
+             ("merge", "chain"), simulated=True, options=("--range-sensor", "tof", *PHOTOMETRIC)),
         Case("lion", "lion statue, 12 simulated views of 512x512", SIMULATED, "meshes/lionstatue.obj",
              simulated=True),
         Case("falcon", "falcon statue, 12 simulated views of 512x512", SIMULATED, "meshes/falconstatue.obj",
