@@ -16,14 +16,18 @@ constexpr double kClear = 10.0;
 // Behind a surface [distances at which samples correspond] a sample is hidden.
 constexpr double kHidden = 10.0;
 constexpr double kLeastCosine = 0.77;  // 40 degrees, as of correspondences.
-// Of the clear samples that are seen, at least. At right poses nine tenths and more are met; at
-// wrong ones half in one direction, and less in the other.
-constexpr double kMet = 0.8;
+// Of the clear samples that are seen, at least, and at most where they deny a pose. At right poses
+// five sixths and more are met; at wrong ones half in one direction, and less in the other.
+constexpr double kMet = 0.8, kDeniedMet = 0.5;
 constexpr int kFewest = 5;    // Fewer tell nothing of their direction.
-constexpr int kTelling = 25;  // Both directions together: five deviations from none.
+constexpr int kTelling = 25;  // Five deviations from none.
 
-bool denies(const ClearSamples& samples) {
+bool lacks_some(const ClearSamples& samples) {
   return samples.seen >= kFewest && samples.met < kMet * samples.seen;
+}
+
+bool lacks_most(const ClearSamples& samples) {
+  return samples.seen >= kTelling && samples.met < kDeniedMet * samples.seen;
 }
 
 }  // namespace
@@ -55,13 +59,15 @@ ClearSamples find_clear_samples(const ViewSurface& source, const FlatFaces& sour
   return found;
 }
 
-bool agree_clear_of_faces(const ViewSurface& a, const FlatFaces& a_faces, const ViewSurface& b,
-                          const FlatFaces& b_faces, const RigidMotion& b_from_a,
-                          double min_stddev) {
+ClearVerdict judge_clear_of_faces(const ViewSurface& a, const FlatFaces& a_faces,
+                                  const ViewSurface& b, const FlatFaces& b_faces,
+                                  const RigidMotion& b_from_a, double min_stddev) {
   const ClearSamples in_b = find_clear_samples(a, a_faces, b, b_faces, b_from_a, min_stddev);
   const ClearSamples in_a =
       find_clear_samples(b, b_faces, a, a_faces, b_from_a.inverse(), min_stddev);
-  return in_b.beside + in_a.beside >= kTelling && !denies(in_b) && !denies(in_a);
+  if (lacks_most(in_b) || lacks_most(in_a)) return ClearVerdict::kDenied;
+  if (lacks_some(in_b) || lacks_some(in_a)) return ClearVerdict::kUnknown;
+  return in_b.beside + in_a.beside >= kTelling ? ClearVerdict::kConfirmed : ClearVerdict::kUnknown;
 }
 
 }  // namespace relief::registration

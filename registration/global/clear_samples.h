@@ -18,11 +18,16 @@ ClearSamples find_clear_samples(const ViewSurface& source, const FlatFaces& sour
                                 const ViewSurface& target, const FlatFaces& target_faces,
                                 const RigidMotion& target_from_source, double min_stddev);
 
-/// Whether what stands clear of the flat faces of two views confirms a pose: nearly all of it that
-/// either view should see of the other is there. Faces alone fit wherever they meet at equal
-/// angles.
-bool agree_clear_of_faces(const ViewSurface& a, const FlatFaces& a_faces, const ViewSurface& b,
-                          const FlatFaces& b_faces, const RigidMotion& b_from_a,
-                          double min_stddev = 0.0);
+enum class ClearVerdict {
+  kConfirmed,  ///< Nearly all that either view should see of the other is there.
+  kUnknown,    ///< There is too little of it, or some is not there.
+  kDenied,     ///< Most of what one view should see of the other is not there.
+};
+
+/// What the samples that stand clear of the flat faces of two views say of a pose. Faces alone fit
+/// wherever they meet at equal angles.
+ClearVerdict judge_clear_of_faces(const ViewSurface& a, const FlatFaces& a_faces,
+                                  const ViewSurface& b, const FlatFaces& b_faces,
+                                  const RigidMotion& b_from_a, double min_stddev = 0.0);
 
 }  // namespace relief::registration

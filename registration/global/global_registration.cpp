@@ -249,14 +249,21 @@ class GlobalRegistration {
     const bool mostly_planar = is_mostly_planar(faces_[a]) || is_mostly_planar(faces_[b]);
     std::vector<PoseLink> links;
     const auto add = [&](const PoseHypothesis& hypothesis) {
-      const bool faces_only =
-          mostly_planar && !agree_clear_of_faces(surfaces_[a], faces_[a], surfaces_[b], faces_[b],
-                                                 hypothesis.b_from_a, grouping_.judge.min_stddev);
-      links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence, faces_only});
+      const auto clear =
+          mostly_planar
+              ? judge_clear_of_faces(surfaces_[a], faces_[a], surfaces_[b], faces_[b],
+                                     hypothesis.b_from_a, grouping_.judge.min_stddev)
+              : ClearVerdict::kConfirmed;
+      if (clear != ClearVerdict::kDenied)
+        links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence,
+                         clear == ClearVerdict::kUnknown});
     };
     for (const PoseHypothesis& hypothesis : found) add(hypothesis);
     if (!found.empty())
       for (const PoseHypothesis& other : alternatives(a, b, found.front().b_from_a)) add(other);
+    // What stands clear of the faces meets at one pose of them.
+    const auto by_faces = [](const PoseLink& link) { return link.faces_only; };
+    if (!std::all_of(links.begin(), links.end(), by_faces)) std::erase_if(links, by_faces);
     return links;
   }
 

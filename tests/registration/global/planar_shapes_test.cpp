@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "registration/global/clear_samples.h"
 #include "registration/global/features/planar_view.h"
 #include "registration/global/pair_search.h"
 #include "relief/registration/align_views.h"
@@ -196,6 +197,67 @@ TEST(PlanarView, KnowsFlatFaces) {
   EXPECT_LT(find_flat_faces(ViewSurface(corner), 1).fraction, 0.8);
   EXPECT_GT(find_flat_faces(ViewSurface(corner), 2).fraction,
             0.95);  // The eye is level with one side.
+}
+
+// A square room from within, and the same with a ball and two posts on its floor.
+double room(const Eigen::Vector3d& p) { return -cuboid(p, {100.0, 100.0, 60.0}); }
+double furnished_room(const Eigen::Vector3d& p) {
+  const double ball = (p - Eigen::Vector3d(40, 10, -48)).norm() - 12.0;
+  const double post = cuboid(p - Eigen::Vector3d(62, 58, -45), {5.0, 7.0, 15.0});
+  const double bench = cuboid(p - Eigen::Vector3d(10, 66, -53), {16.0, 5.0, 7.0});
+  return std::min({room(p), ball, post, bench});
+}
+
+std::vector<RangeView> views_of_room(DistanceFunction distance) {
+  const Camera camera = Camera::pinhole(320, 240, {220, 220, 159.5, 119.5});
+  std::vector<RangeView> views;
+  for (const Eigen::Vector3d& eye : {Eigen::Vector3d(-70, -60, 10), Eigen::Vector3d(-80, -10, 25)})
+    views.push_back(testing::render(surface_of(distance), camera,
+                                    testing::look_at(eye, Eigen::Vector3d(50, 45, -30))));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    views[i].name = "v" + std::to_string(i);
+    testing::add_range_noise(views[i], 0.1, static_cast<std::uint32_t>(i + 1));
+  }
+  return views;
+}
+
+bool confirmed_at(const std::vector<RangeView>& views, const RigidMotion& second_from_first) {
+  const ViewSurface a(views[0]), b(views[1]);
+  const FlatFaces a_faces = find_flat_faces(a), b_faces = find_flat_faces(b);
+  EXPECT_TRUE(is_mostly_planar(a_faces) && is_mostly_planar(b_faces));
+  return judge_clear_of_faces(a, a_faces, b, b_faces, second_from_first) ==
+         ClearVerdict::kConfirmed;
+}
+
+TEST(ClearSamples, ConfirmARightPoseAlone) {
+  const auto views = views_of_room(furnished_room);
+  const RigidMotion truth = views[1].world_from_view.inverse() * views[0].world_from_view;
+  EXPECT_TRUE(confirmed_at(views, truth));
+  EXPECT_FALSE(confirmed_at(views_of_room(room), truth)) << "nothing stands clear of the walls";
+  for (const double turn : {0.5, 1.0, 1.5}) {  // The walls meet walls again.
+    const Eigen::AngleAxisd about_z(turn * std::numbers::pi, Eigen::Vector3d::UnitZ());
+    EXPECT_FALSE(confirmed_at(
+        views, views[1].world_from_view.inverse() * about_z * views[0].world_from_view));
+  }
+  for (const double shift : {-15.0, 15.0})  // Along a wall, which fits still.
+    EXPECT_FALSE(confirmed_at(views, views[1].world_from_view.inverse() *
+                                     Eigen::Translation3d(shift, 0, 0) *
+                                     views[0].world_from_view));
+}
+
+TEST(ClearSamples, LetARoomBeAlignedByItsFurniture) {
+  const auto truth = views_of_room(furnished_room);
+  auto views = truth;
+  for (RangeView& view : views) {
+    view.pose = PoseKind::kAbsent;
+    view.world_from_view = RigidMotion::Identity();
+  }
+  const auto aligned = value_of(align_views(views));
+  ASSERT_TRUE(aligned.complete()) << aligned.views[1].reason;
+  const RigidMotion found =
+      aligned.views[1].world_from_view.inverse() * aligned.views[0].world_from_view;
+  const RigidMotion expected = truth[1].world_from_view.inverse() * truth[0].world_from_view;
+  EXPECT_TRUE(same_pose(ViewSurface(views[0]), found, expected, 0.5));
 }
 
 TEST(PlanarView, HasNoFacesWithoutSamples) {
