@@ -13,12 +13,14 @@ namespace {
 constexpr std::size_t kProbes = 3000;  // Of each view; bounds the time.
 // From all faces [sample spacings]: edges are rounded by a few, and calibrations bend faces.
 constexpr double kClear = 10.0;
-// Behind a surface [distances at which samples correspond] a sample is hidden.
-constexpr double kHidden = 10.0;
+// Behind a surface [distances at which samples correspond] a sample is hidden, and 73 degrees off
+// the line of sight a sensor hardly measures it.
+constexpr double kHidden = 10.0, kFacing = 0.3;
 constexpr double kLeastCosine = 0.77;  // 40 degrees, as of correspondences.
-// Of the clear samples that are seen, at least, and at most where they deny a pose. At right poses
-// five sixths and more are met; at wrong ones half in one direction, and less in the other.
-constexpr double kMet = 0.8, kDeniedMet = 0.5;
+// Of the clear samples that are seen, at least, to confirm a pose, and at most where they deny it.
+// At right poses of a laser five sixths and more are met, of depth cameras, with what flies at
+// edges, half. At wrong ones it is a fifth in one direction, and up to a half in the other.
+constexpr double kMet = 0.8, kDeniedMet = 0.3;
 constexpr int kFewest = 5;    // Fewer tell nothing of their direction.
 constexpr int kTelling = 25;  // Five deviations from none.
 
@@ -47,12 +49,12 @@ ClearSamples find_clear_samples(const ViewSurface& source, const FlatFaces& sour
     const auto pixel = target.project(point);
     const auto seen = pixel ? target.at(*pixel) : std::nullopt;
     if (!seen) continue;
+    const Eigen::Vector3d normal = target_from_source.linear() * sample.normal;
     const double distance = (point - seen->point).dot(seen->normal);
-    if (distance < -kHidden * reach) continue;
-    ++found.seen;
-    if (std::abs(distance) > reach ||
-        (target_from_source.linear() * sample.normal).dot(seen->normal) < kLeastCosine)
+    if (distance < -kHidden * reach || -target.sight(*pixel).normalized().dot(normal) < kFacing)
       continue;
+    ++found.seen;
+    if (std::abs(distance) > reach || normal.dot(seen->normal) < kLeastCosine) continue;
     ++found.met;
     if (target_faces.is_clear(seen->point, kClear * target.spacing())) ++found.beside;
   }

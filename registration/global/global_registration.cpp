@@ -247,16 +247,17 @@ class GlobalRegistration {
                                       const std::vector<PoseHypothesis>& found) const {
     const auto [a, b] = pair;
     const bool mostly_planar = is_mostly_planar(faces_[a]) || is_mostly_planar(faces_[b]);
+    const bool largely_planar = is_largely_planar(faces_[a]) && is_largely_planar(faces_[b]);
     std::vector<PoseLink> links;
     const auto add = [&](const PoseHypothesis& hypothesis) {
       const auto clear =
-          mostly_planar
+          mostly_planar || largely_planar
               ? judge_clear_of_faces(surfaces_[a], faces_[a], surfaces_[b], faces_[b],
                                      hypothesis.b_from_a, grouping_.judge.min_stddev)
               : ClearVerdict::kConfirmed;
       if (clear != ClearVerdict::kDenied)
         links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence,
-                         clear == ClearVerdict::kUnknown});
+                         mostly_planar && clear == ClearVerdict::kUnknown});
     };
     for (const PoseHypothesis& hypothesis : found) add(hypothesis);
     if (!found.empty())

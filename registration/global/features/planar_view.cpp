@@ -14,6 +14,7 @@ namespace {
 // Fraction of the samples. With it `relief_coarse_runs --boxes` places no view wrongly
 // (docs/results.md).
 constexpr double kPlanarFraction = 0.85;
+constexpr double kLargelyPlanar = 0.6;  // Stacks of boxes have 0.64 and more, furnished rooms less.
 
 // Bounds the time. 800 samples tell a fraction of 0.85 to 1.3 %.
 constexpr std::size_t kProbes = 800;
@@ -52,5 +53,7 @@ FlatFaces find_flat_faces(const ViewSurface& view, int count) {
 }
 
 bool is_mostly_planar(const FlatFaces& view) { return view.fraction >= kPlanarFraction; }
+
+bool is_largely_planar(const FlatFaces& view) { return view.fraction >= kLargelyPlanar; }
 
 }  // namespace relief::registration

@@ -30,4 +30,7 @@ FlatFaces find_flat_faces(const ViewSurface& view, int count = kFacesOfAPrism);
 /// look alike wherever faces meet at equal angles.
 bool is_mostly_planar(const FlatFaces& view);
 
+/// Whether faces are so much of a view that they decide how well a pose fits.
+bool is_largely_planar(const FlatFaces& view);
+
 }  // namespace relief::registration

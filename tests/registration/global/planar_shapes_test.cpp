@@ -240,9 +240,9 @@ TEST(ClearSamples, ConfirmARightPoseAlone) {
         views, views[1].world_from_view.inverse() * about_z * views[0].world_from_view));
   }
   for (const double shift : {-15.0, 15.0})  // Along a wall, which fits still.
-    EXPECT_FALSE(confirmed_at(views, views[1].world_from_view.inverse() *
-                                     Eigen::Translation3d(shift, 0, 0) *
-                                     views[0].world_from_view));
+    EXPECT_FALSE(
+        confirmed_at(views, views[1].world_from_view.inverse() * Eigen::Translation3d(shift, 0, 0) *
+                                views[0].world_from_view));
 }
 
 TEST(ClearSamples, LetARoomBeAlignedByItsFurniture) {
