@@ -100,7 +100,7 @@ class Aligning {
 
  private:
   void take_roles() {
-    contradicted_.assign(views_.size(), false);
+    taken_out_.assign(views_.size(), false);
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const auto& start = starts_.world_from_view[i];
       poses_.push_back(start.value_or(views_[i].world_from_view));
@@ -138,12 +138,12 @@ class Aligning {
                                verification_options(starting_));
       const auto worst = most_contradicted();
       if (!worst) {
-        if (std::find(contradicted_.begin(), contradicted_.end(), true) != contradicted_.end())
+        if (std::find(taken_out_.begin(), taken_out_.end(), true) != taken_out_.end())
           choose_frame();
         return {};
       }
       roles_[*worst] = ViewRole::kExcluded;
-      contradicted_[*worst] = true;
+      taken_out_[*worst] = true;
     }
   }
 
@@ -158,7 +158,7 @@ class Aligning {
     }
     for (const auto& [frame, views] : left)
       if (views.size() > left[frame_].size()) frame_ = frame;
-    if (left[frame_].size() == 1) contradicted_[left[frame_].front()] = true;
+    if (left[frame_].size() == 1) taken_out_[left[frame_].front()] = true;
   }
 
   // Of the contradicted views that shape placed, the one against which most speaks. One at a time:
@@ -191,7 +191,7 @@ class Aligning {
       view.world_from_view = refined_.world_from_view[i];
       view.pose_std = refined_.pose_std[i];
       view.pose_covariance = refined_.pose_covariance[i];
-      view.aligned = starts_.frame[i] == frame_ && !contradicted_[i] &&
+      view.aligned = starts_.frame[i] == frame_ && !taken_out_[i] &&
                      roles_[i] != ViewRole::kExcluded && !has_other_unit(i);
       const bool confirmed = (verified_.group[i] == main && !contradicted(i)) ||
                              views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
@@ -263,7 +263,7 @@ class Aligning {
       return "it has no usable samples: none lies off all boundaries with a surface normal";
     if (has_other_unit(i)) return reason_other_unit(relative_spacings_[i]);
     if (!starts_.world_from_view[i]) return starts_.reasons[i];
-    if (contradicted_[i])
+    if (taken_out_[i])
       return "other views saw through where a part of it would stand at the pose found by its "
              "shape; give a guess of its pose";
     if (roles_[i] == ViewRole::kExcluded)
@@ -292,8 +292,8 @@ class Aligning {
   StartingPoses starts_;
   std::vector<RigidMotion> poses_;
   std::vector<ViewRole> roles_;
-  std::size_t frame_ = 0;           // Of StartingPoses, that of the result.
-  std::vector<bool> contradicted_;  // Taken out since more speaks against the pose than for it.
+  std::size_t frame_ = 0;        // Of StartingPoses, that of the result.
+  std::vector<bool> taken_out_;  // Taken out since more speaks against the pose than for it.
   JointRefinement refined_;
   PoseVerification verified_;
 };

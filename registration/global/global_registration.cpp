@@ -7,11 +7,11 @@
 #include <set>
 #include <utility>
 
-#include "registration/global/clear_samples.h"
 #include "registration/global/features/planar_view.h"
 #include "registration/global/features/view_similarity.h"
 #include "registration/global/judged_pairs.h"
 #include "registration/global/link_limits.h"
+#include "registration/global/off_plane_samples.h"
 #include "registration/global/pair_search.h"
 #include "registration/global/turntable.h"
 #include "scan/base/parallel.h"
@@ -247,24 +247,24 @@ class GlobalRegistration {
                                       const std::vector<PoseHypothesis>& found) const {
     const auto [a, b] = pair;
     const bool mostly_planar = is_mostly_planar(faces_[a]) || is_mostly_planar(faces_[b]);
-    const bool largely_planar = is_largely_planar(faces_[a]) && is_largely_planar(faces_[b]);
+    const bool planes_dominate_both = planes_dominate(faces_[a]) && planes_dominate(faces_[b]);
     std::vector<PoseLink> links;
     const auto add = [&](const PoseHypothesis& hypothesis) {
-      const auto clear =
-          mostly_planar || largely_planar
-              ? judge_clear_of_faces(surfaces_[a], faces_[a], surfaces_[b], faces_[b],
-                                     hypothesis.b_from_a, grouping_.judge.min_stddev)
-              : ClearVerdict::kConfirmed;
-      if (clear != ClearVerdict::kDenied)
+      const auto verdict =
+          mostly_planar || planes_dominate_both
+              ? judge_off_plane_samples(surfaces_[a], faces_[a], surfaces_[b], faces_[b],
+                                        hypothesis.b_from_a, grouping_.judge.min_stddev)
+              : OffPlaneVerdict::kConfirmed;
+      if (verdict != OffPlaneVerdict::kDenied)
         links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence,
-                         mostly_planar && clear == ClearVerdict::kUnknown});
+                         mostly_planar && verdict == OffPlaneVerdict::kUnknown});
     };
     for (const PoseHypothesis& hypothesis : found) add(hypothesis);
     if (!found.empty())
       for (const PoseHypothesis& other : alternatives(a, b, found.front().b_from_a)) add(other);
-    // What stands clear of the faces meets at one pose of them.
-    const auto by_faces = [](const PoseLink& link) { return link.faces_only; };
-    if (!std::all_of(links.begin(), links.end(), by_faces)) std::erase_if(links, by_faces);
+    // Off-plane samples meet at one pose of them.
+    const auto planar_only = [](const PoseLink& link) { return link.planar_only; };
+    if (!std::all_of(links.begin(), links.end(), planar_only)) std::erase_if(links, planar_only);
     return links;
   }
 

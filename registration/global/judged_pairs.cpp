@@ -1,31 +1,17 @@
 #include "registration/global/judged_pairs.h"
 
-#include <cstring>
+#include "scan/units/content_hash.h"
 
 namespace relief::registration {
 
 namespace {
 
-template <typename Number>
-void append_bytes(const Number& number, std::string& key) {
-  const std::size_t size = key.size();
-  key.resize(size + sizeof number);
-  std::memcpy(key.data() + size, &number, sizeof number);
-}
-
 std::string key_of(std::size_t i, std::size_t j, const RigidMotion& i_from_j,
                    double search_distance, const JudgeOptions& options) {
-  std::string key;
-  append_bytes(i, key);
-  append_bytes(j, key);
-  const Eigen::Matrix4d& matrix = i_from_j.matrix();
-  for (Eigen::Index k = 0; k < matrix.size(); ++k) append_bytes(matrix.data()[k], key);
-  append_bytes(search_distance, key);
-  append_bytes(options.association, key);
-  append_bytes(options.probes, key);
-  append_bytes(options.max_normal_angle_deg, key);
-  append_bytes(options.min_stddev, key);
-  return key;
+  const auto& [association, probes, max_normal_angle_deg, min_stddev] = options;
+  return ContentHash()
+      .add(i, j, i_from_j, search_distance, association, probes, max_normal_angle_deg, min_stddev)
+      .hex();
 }
 
 // What is known under the key, else what `compute` returns.

@@ -29,7 +29,7 @@ class JudgedPairs {
 
  private:
   const std::vector<ViewSurface>& surfaces_;
-  std::mutex mutex_;  // Of the maps, whose keys are the bytes of the arguments.
+  std::mutex mutex_;  // Of the maps, whose keys are hashes of the arguments.
   std::unordered_map<std::string, PoseEvidence> judged_;
   std::unordered_map<std::string, PoseHypothesis> settled_;
 };

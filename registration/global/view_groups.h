@@ -17,7 +17,7 @@ struct PoseLink {
   RigidMotion b_from_a = RigidMotion::Identity();
   PoseEvidence evidence;
   /// Only flat faces speak for it: they fit views that show other faces, too.
-  bool faces_only = false;
+  bool planar_only = false;
 };
 
 /// With these numbers `relief_coarse_runs` places no view of 200 difficult scenes wrongly

@@ -14,7 +14,8 @@ namespace {
 // Fraction of the samples. With it `relief_coarse_runs --boxes` places no view wrongly
 // (docs/results.md).
 constexpr double kPlanarFraction = 0.85;
-constexpr double kLargelyPlanar = 0.6;  // Stacks of boxes have 0.64 and more, furnished rooms less.
+constexpr double kDominantFraction =
+    0.6;  // Stacks of boxes have 0.64 and more, furnished rooms less.
 
 // Bounds the time. 800 samples tell a fraction of 0.85 to 1.3 %.
 constexpr std::size_t kProbes = 800;
@@ -31,7 +32,7 @@ std::vector<PlaneProbe> probes_of(const ViewSurface& view) {
 
 }  // namespace
 
-bool FlatFaces::is_clear(const Eigen::Vector3d& point, double distance) const {
+bool FlatFaces::is_off_plane(const Eigen::Vector3d& point, double distance) const {
   return std::none_of(faces.begin(), faces.end(), [&](const Face& face) {
     return std::abs(face.normal.dot(point - face.point)) <= distance;
   });
@@ -54,6 +55,6 @@ FlatFaces find_flat_faces(const ViewSurface& view, int count) {
 
 bool is_mostly_planar(const FlatFaces& view) { return view.fraction >= kPlanarFraction; }
 
-bool is_largely_planar(const FlatFaces& view) { return view.fraction >= kLargelyPlanar; }
+bool planes_dominate(const FlatFaces& view) { return view.fraction >= kDominantFraction; }
 
 }  // namespace relief::registration

@@ -17,7 +17,7 @@ struct FlatFaces {
   double fraction = 0.0;    ///< The part of the view's samples that noise alone parts from them.
 
   /// Whether a point is farther than `distance` from the planes of all faces.
-  bool is_clear(const Eigen::Vector3d& point, double distance) const;
+  bool is_off_plane(const Eigen::Vector3d& point, double distance) const;
 };
 
 /// Prisms show four faces at once.
@@ -31,6 +31,6 @@ FlatFaces find_flat_faces(const ViewSurface& view, int count = kFacesOfAPrism);
 bool is_mostly_planar(const FlatFaces& view);
 
 /// Whether faces are so much of a view that they decide how well a pose fits.
-bool is_largely_planar(const FlatFaces& view);
+bool planes_dominate(const FlatFaces& view);
 
 }  // namespace relief::registration

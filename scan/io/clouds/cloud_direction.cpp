@@ -237,10 +237,11 @@ Eigen::AlignedBox3d inner_box(const std::vector<Eigen::Vector3d>& points, double
   return box;
 }
 
-bool origin_may_be_sensor(const std::vector<Eigen::Vector3d>& points) {
+bool origin_may_be_sensor(const std::vector<Eigen::Vector3d>& points,
+                          const CloudRays& from_origin) {
+  if (from_origin.kind != CloudRays::Kind::kPinhole) return false;
   const Eigen::AlignedBox3d box = inner_box(points, kOutermost);
-  return box.exteriorDistance(Eigen::Vector3d::Zero().eval()) > 0.05 * box.diagonal().norm() &&
-         rays_from(Eigen::Vector3d::Zero(), points).kind == CloudRays::Kind::kPinhole;
+  return box.exteriorDistance(Eigen::Vector3d::Zero().eval()) > 0.05 * box.diagonal().norm();
 }
 
 }  // namespace
@@ -274,18 +275,17 @@ double hidden_fraction(const PointCloudFile& cloud, const CloudRays& rays) {
 CloudDirection find_direction(const PointCloudFile& cloud) {
   DirectionJudge judge(cloud);
   const JudgedDirection best = best_direction(judge);
-  if (origin_may_be_sensor(cloud.points)) {
-    const CloudRays rays = rays_from(Eigen::Vector3d::Zero(), cloud.points);
-    const double hidden = judge.score(rays).hidden;
+  const CloudRays from_origin = rays_from(Eigen::Vector3d::Zero(), cloud.points);
+  if (origin_may_be_sensor(cloud.points, from_origin)) {
+    const double hidden = judge.score(from_origin).hidden;
     if (hidden <= best.score.hidden + kAsGood)
-      return {rays, hidden, "the origin of the frame, in front of which all points lie"};
+      return {from_origin, hidden, "the origin of the frame, in front of which all points lie"};
   }
-  const bool around_origin = surround(cloud.points, Eigen::Vector3d::Zero());
+  const bool around_origin = surround(cloud.points, from_origin);
   if (around_origin && best.score.hidden > kOneSide) {
-    const CloudRays rays = rays_from(Eigen::Vector3d::Zero(), cloud.points);
-    const double hidden = judge.score(rays).hidden;
+    const double hidden = judge.score(from_origin).hidden;
     if (hidden < best.score.hidden)
-      return {rays, hidden, "the origin of the frame, all around which the points lie"};
+      return {from_origin, hidden, "the origin of the frame, all around which the points lie"};
   }
   const CloudRays rays = parallel_rays(best.direction, judge.centre());
   if (judge.has_normals())

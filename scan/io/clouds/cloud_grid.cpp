@@ -163,9 +163,8 @@ std::optional<GridFile> seen_from_origin(const PointCloudFile& cloud,
                                          const Result<GridFile>& found) {
   const double lost = found ? lost_part(*found, cloud) : 1.0;
   if (lost <= kLostFromSensor) return std::nullopt;
-  const double most =
-      surround(cloud.points, Eigen::Vector3d::Zero()) ? kLostAround : kLostFromSensor;
   const CloudRays rays = rays_from(Eigen::Vector3d::Zero(), cloud.points);
+  const double most = surround(cloud.points, rays) ? kLostAround : kLostFromSensor;
   auto grid = grid_on_rays(cloud, rays, true);
   if (!grid || lost_part(*grid, cloud) > std::min(most, 0.5 * lost)) return std::nullopt;
   const bool has_sides = !cloud.facing.empty() || !cloud.normals.empty();

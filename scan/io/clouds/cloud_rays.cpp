@@ -121,7 +121,7 @@ Eigen::Vector3d CloudRays::project(const Eigen::Vector3d& point) const {
 
 Eigen::Vector3d CloudRays::direction(const Eigen::Vector2d& at) const {
   if (kind == Kind::kParallel) return axes.col(2);
-  if (kind == Kind::kPinhole) return (axes * at.homogeneous()).normalized();
+  if (kind == Kind::kPinhole) return axes * at.homogeneous();
   const double across = std::cos(at.y());
   return axes *
          Eigen::Vector3d(across * std::sin(at.x()), std::sin(at.y()), across * std::cos(at.x()));
@@ -144,11 +144,11 @@ CloudRays rays_from(const Eigen::Vector3d& viewpoint, const std::vector<Eigen::V
   return {CloudRays::Kind::kPinhole, viewpoint, picture_axes(forward)};
 }
 
-bool surround(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& place) {
-  const auto counts = points_in_sectors(place, points);
+bool surround(const std::vector<Eigen::Vector3d>& points, const CloudRays& rays) {
+  if (rays.kind != CloudRays::Kind::kSpherical) return false;
+  const auto counts = points_in_sectors(rays.origin, points);
   return static_cast<double>(std::count(counts.begin(), counts.end(), 0u)) <=
-             (1.0 - kAllAround) * kSectors &&
-         rays_from(place, points).kind == CloudRays::Kind::kSpherical;
+         (1.0 - kAllAround) * kSectors;
 }
 
 Camera camera_of(const CloudRays& rays, const CloudLattice& lattice, double nearest,
@@ -162,14 +162,10 @@ Camera camera_of(const CloudRays& rays, const CloudLattice& lattice, double near
                                 in_space(lattice.step_u), in_space(lattice.step_v),
                                 rays.axes.col(2));
   }
-  // Ranges of a pinhole picture are depths, which is what cameras round.
-  const bool depths = rays.kind == CloudRays::Kind::kPinhole;
   Grid<Ray> table(lattice.width, lattice.height);
   for (int v = 0; v < lattice.height; ++v)
-    for (int u = 0; u < lattice.width; ++u) {
-      const Eigen::Vector2d at = lattice.at(u, v);
-      table(u, v) = {rays.origin, depths ? rays.axes * at.homogeneous() : rays.direction(at)};
-    }
+    for (int u = 0; u < lattice.width; ++u)
+      table(u, v) = {rays.origin, rays.direction(lattice.at(u, v))};
   if (rays.kind == CloudRays::Kind::kSpherical)
     return spherical_camera(rays, lattice, std::move(table));
   return Camera::ray_table(std::move(table), projection_to(rays, lattice));

@@ -25,7 +25,8 @@ struct CloudRays {
   /// The two coordinates of a point and, third, its distance along the ray [unit].
   Eigen::Vector3d project(const Eigen::Vector3d& point) const;
 
-  /// The unit direction of the ray of two coordinates.
+  /// The direction of the ray of two coordinates, of unit length; in a pinhole picture of unit
+  /// depth, so that ranges are depths, which is what cameras round.
   Eigen::Vector3d direction(const Eigen::Vector2d& at) const;
 
   /// How long a step of one in the coordinates is at a point [unit].
@@ -41,9 +42,9 @@ CloudRays parallel_rays(const Eigen::Vector3d& direction, const Eigen::Vector3d&
 /// whose seam lies where the fewest points are.
 CloudRays rays_from(const Eigen::Vector3d& viewpoint, const std::vector<Eigen::Vector3d>& points);
 
-/// Whether the points lie all around a place: in all but a twentieth of the directions about +z,
-/// and not in a cone before it.
-bool surround(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& place);
+/// Whether the points lie all around the origin of `rays`, which rays_from() made for them: in all
+/// but a twentieth of the directions about +z, and not in a cone before it.
+bool surround(const std::vector<Eigen::Vector3d>& points, const CloudRays& rays);
 
 /// A regular grid in the plane of the rays' coordinates: place (u, v) is
 /// origin + u step_u + v step_v.

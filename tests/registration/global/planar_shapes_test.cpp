@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "registration/global/clear_samples.h"
 #include "registration/global/features/planar_view.h"
+#include "registration/global/off_plane_samples.h"
 #include "registration/global/pair_search.h"
 #include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"
@@ -225,11 +225,11 @@ bool confirmed_at(const std::vector<RangeView>& views, const RigidMotion& second
   const ViewSurface a(views[0]), b(views[1]);
   const FlatFaces a_faces = find_flat_faces(a), b_faces = find_flat_faces(b);
   EXPECT_TRUE(is_mostly_planar(a_faces) && is_mostly_planar(b_faces));
-  return judge_clear_of_faces(a, a_faces, b, b_faces, second_from_first) ==
-         ClearVerdict::kConfirmed;
+  return judge_off_plane_samples(a, a_faces, b, b_faces, second_from_first) ==
+         OffPlaneVerdict::kConfirmed;
 }
 
-TEST(ClearSamples, ConfirmARightPoseAlone) {
+TEST(OffPlaneSamples, ConfirmARightPoseAlone) {
   const auto views = views_of_room(furnished_room);
   const RigidMotion truth = views[1].world_from_view.inverse() * views[0].world_from_view;
   EXPECT_TRUE(confirmed_at(views, truth));
@@ -245,7 +245,7 @@ TEST(ClearSamples, ConfirmARightPoseAlone) {
                                 views[0].world_from_view));
 }
 
-TEST(ClearSamples, LetARoomBeAlignedByItsFurniture) {
+TEST(OffPlaneSamples, LetARoomBeAlignedByItsFurniture) {
   const auto truth = views_of_room(furnished_room);
   auto views = truth;
   for (RangeView& view : views) {

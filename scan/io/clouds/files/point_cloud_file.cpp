@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "relief/io/mesh_io.h"
 #include "relief/scan/triangle_mesh.h"
@@ -51,10 +52,10 @@ std::size_t keep_finite_points(PointCloudFile& cloud) {
 Result<PointCloudFile> measured_points(PointCloudFile cloud, const std::filesystem::path& path) {
   if (const std::size_t count = keep_finite_points(cloud); count > 0)
     cloud.notes.push_back(std::to_string(count) + " points that are not finite are left out");
-  for (std::string& note : cloud.facing.empty() ? invalidate_missing_points(cloud.points)
-                                                : invalidate_missing_corners(cloud.points))
-    cloud.notes.push_back(std::move(note));
-  keep_finite_points(cloud);
+  auto missing = cloud.facing.empty() ? invalidate_missing_points(cloud.points)
+                                      : invalidate_missing_corners(cloud.points);
+  if (!missing.empty()) keep_finite_points(cloud);
+  std::move(missing.begin(), missing.end(), std::back_inserter(cloud.notes));
   if (cloud.points.empty()) return bad_input(path, "no point of the file is finite and measured");
   if (!cloud.normals.empty() && !hold_directions(cloud.normals)) {
     cloud.normals.clear();
