@@ -7,11 +7,10 @@
 #include <set>
 #include <utility>
 
-#include "registration/global/features/planar_view.h"
 #include "registration/global/features/view_similarity.h"
 #include "registration/global/judged_pairs.h"
 #include "registration/global/link_limits.h"
-#include "registration/global/off_plane_samples.h"
+#include "registration/global/pair_links.h"
 #include "registration/global/pair_search.h"
 #include "registration/global/turntable.h"
 #include "scan/base/parallel.h"
@@ -35,7 +34,8 @@ class GlobalRegistration {
         options_(options),
         progress_(progress),
         units_(units),
-        judged_(surfaces) {
+        judged_(surfaces),
+        pair_links_(surfaces, grouping_) {
     grouping_.limits = options.limits;
     grouping_.ambiguity = options.ambiguity;
     grouping_.judge.association = options.association;
@@ -46,7 +46,7 @@ class GlobalRegistration {
     if (!complete() && !search_by_shape()) return interrupted();
     if (!complete()) {
       for (const auto& link : turntable_links(surfaces_, groups_, options_.limits, grouping_.judge))
-        add_links(links_of_pair({link.a, link.b}, {{link.b_from_a, link.evidence}}));
+        add_links(pair_links_.of_pair(link.a, link.b, {{link.b_from_a, link.evidence}}, scale_));
       regroup();
     }
     note_best_rejected();
@@ -108,14 +108,12 @@ class GlobalRegistration {
   bool describe_views() {
     scale_ = coarse_scale(surfaces_);
     views_.resize(surfaces_.size());
-    symmetries_.assign(surfaces_.size(), std::nullopt);
     if (!go_on("describing views")) return false;
     parallel_for(views_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         views_[i] = prepare_coarse_view(surfaces_[i], scale_);
     });
-    faces_ = parallel_map<FlatFaces>(surfaces_.size(),
-                                     [&](std::size_t i) { return find_flat_faces(surfaces_[i]); });
+    pair_links_.find_faces();
     std::vector<const LocalFeatures*> features;
     for (const auto& view : views_) features.push_back(&view.features);
     ranked_ = rank_pairs(features);
@@ -203,7 +201,7 @@ class GlobalRegistration {
     std::set<std::size_t> linked_views;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const auto& [a, b] = pairs[k];
-      keep_link_candidates(a, b, (*found)[k]);
+      pair_links_.keep_candidates(a, b, (*found)[k]);
       if (!(*found)[k].empty()) linked_views.insert({a, b});
     }
     if (!find_symmetries({linked_views.begin(), linked_views.end()})) return false;
@@ -212,14 +210,15 @@ class GlobalRegistration {
 
   // False when asked to stop.
   bool find_symmetries(std::vector<std::size_t> views) {
-    std::erase_if(views, [&](std::size_t i) { return symmetries_[i].has_value(); });
-    return for_each(views.size(), "comparing views with themselves",
-                    [&](std::size_t k) { symmetries_[views[k]] = partial_symmetries(views[k]); });
+    std::erase_if(views, [&](std::size_t i) { return pair_links_.has_symmetries(i); });
+    return for_each(views.size(), "comparing views with themselves", [&](std::size_t k) {
+      pair_links_.set_symmetries(views[k], partial_symmetries(views[k]));
+    });
   }
 
   // A view that fits itself at a second place fits other views at a second pose, too.
   std::vector<RigidMotion> partial_symmetries(std::size_t i) const {
-    VerificationThresholds alone = widest_limits();
+    VerificationThresholds alone = pair_links_.widest_limits();
     alone.min_overlap = grouping_.lone_overlap;
     PairSearchOptions search;
     search.judge.association = options_.association;
@@ -231,8 +230,9 @@ class GlobalRegistration {
   // False when asked to stop.
   bool link_pairs(const Pairs& pairs, const Hypotheses& found) {
     std::vector<std::vector<PoseLink>> links(pairs.size());
-    if (!for_each(pairs.size(), "judging poses",
-                  [&](std::size_t k) { links[k] = links_of_pair(pairs[k], found[k]); }))
+    if (!for_each(pairs.size(), "judging poses", [&](std::size_t k) {
+          links[k] = pair_links_.of_pair(pairs[k].first, pairs[k].second, found[k], scale_);
+        }))
       return false;
     for (const auto& of_pair : links) add_links(of_pair);
     return true;
@@ -240,59 +240,6 @@ class GlobalRegistration {
 
   void add_links(const std::vector<PoseLink>& links) {
     links_.insert(links_.end(), links.begin(), links.end());
-  }
-
-  // Those found, and the alternatives of the best one.
-  std::vector<PoseLink> links_of_pair(const std::pair<std::size_t, std::size_t>& pair,
-                                      const std::vector<PoseHypothesis>& found) const {
-    const auto [a, b] = pair;
-    const bool mostly_planar = is_mostly_planar(faces_[a]) || is_mostly_planar(faces_[b]);
-    const bool planes_dominate_both = planes_dominate(faces_[a]) && planes_dominate(faces_[b]);
-    std::vector<PoseLink> links;
-    const auto add = [&](const PoseHypothesis& hypothesis) {
-      const auto verdict =
-          mostly_planar || planes_dominate_both
-              ? judge_off_plane_samples(surfaces_[a], faces_[a], surfaces_[b], faces_[b],
-                                        hypothesis.b_from_a, grouping_.judge.min_stddev)
-              : OffPlaneVerdict::kConfirmed;
-      if (verdict != OffPlaneVerdict::kDenied)
-        links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence,
-                         mostly_planar && verdict == OffPlaneVerdict::kUnknown});
-    };
-    for (const PoseHypothesis& hypothesis : found) add(hypothesis);
-    if (!found.empty())
-      for (const PoseHypothesis& other : alternatives(a, b, found.front().b_from_a)) add(other);
-    // Off-plane samples meet at one pose of them.
-    const auto planar_only = [](const PoseLink& link) { return link.planar_only; };
-    if (!std::all_of(links.begin(), links.end(), planar_only)) std::erase_if(links, planar_only);
-    return links;
-  }
-
-  // Other poses that partial symmetries of the two views lead to.
-  std::vector<PoseHypothesis> alternatives(std::size_t a, std::size_t b,
-                                           const RigidMotion& b_from_a) const {
-    const auto symmetries = [&](std::size_t i) {
-      return symmetries_[i].value_or(std::vector<RigidMotion>{});
-    };
-    auto poses = alternative_poses(surfaces_[a], surfaces_[b], b_from_a, symmetries(a),
-                                   symmetries(b), scale_, grouping_.judge);
-    keep_link_candidates(a, b, poses);
-    return poses;
-  }
-
-  void keep_link_candidates(std::size_t a, std::size_t b,
-                            std::vector<PoseHypothesis>& hypotheses) const {
-    const VerificationThresholds limits = widest_limits();
-    std::erase_if(hypotheses, [&](const PoseHypothesis& hypothesis) {
-      return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits) &&
-             !may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
-    });
-  }
-
-  VerificationThresholds widest_limits() const {
-    VerificationThresholds limits = options_.limits;
-    limits.max_coherent_rms = std::max(limits.max_coherent_rms, grouping_.confirmed_coherent_rms);
-    return limits;
   }
 
   bool go_on(std::string_view step) const {
@@ -309,14 +256,12 @@ class GlobalRegistration {
   const AlignUnits& units_;
   ViewGroupOptions grouping_;
   JudgedPairs judged_;
+  PairLinks pair_links_;
   CoarseScale scale_;
   std::vector<CoarseView> views_;
   Pairs ranked_;          // The most promising pairs of views first.
   std::size_t next_ = 0;  // Of them, to be searched.
   std::vector<PoseLink> links_;
-  std::vector<FlatFaces> faces_;  // Of each view.
-  // Partial symmetries of the views that have links.
-  std::vector<std::optional<std::vector<RigidMotion>>> symmetries_;
   ViewGroups groups_;
 };
 

@@ -1,0 +1,190 @@
+#include "registration/alignment_report.h"
+
+#include <cmath>
+#include <map>
+#include <sstream>
+#include <utility>
+
+#include "registration/pairwise/robust.h"
+
+namespace relief::registration {
+
+namespace {
+
+// Of the views in a frame the largest verified group, or that of known views.
+std::size_t main_group(const PoseVerification& verified, const std::vector<ViewRole>& roles,
+                       const std::vector<std::size_t>& frames, std::size_t frame) {
+  std::map<std::size_t, std::pair<bool, std::size_t>> weight;
+  for (std::size_t i = 0; i < roles.size(); ++i) {
+    if (roles[i] == ViewRole::kExcluded || frames[i] != frame) continue;
+    auto& [known, size] = weight[verified.group[i]];
+    known |= roles[i] == ViewRole::kFixed;
+    ++size;
+  }
+  std::size_t main = roles.size();
+  std::pair<bool, std::size_t> most(false, 1);
+  for (const auto& [group, w] : weight) {
+    if (!(w > most)) continue;
+    main = group;
+    most = w;
+  }
+  return main;
+}
+
+// Units of scans differ by ten at least: mm, cm, m. Samples so many times as far apart as those of
+// a typical view, or as near, are of another unit, unless other views confirm them.
+constexpr double kOtherUnit = 9.0;
+
+// What the spacing of each view is in that of a typical one.
+std::vector<double> relative_spacings(const std::vector<ViewSurface>& surfaces) {
+  std::vector<double> spacings;
+  for (const ViewSurface& surface : surfaces)
+    if (!surface.samples().empty()) spacings.push_back(surface.spacing());
+  const double typical = spacings.empty() ? 0.0 : quantile(std::move(spacings), 0.5);
+  std::vector<double> relative;
+  for (const ViewSurface& surface : surfaces)
+    relative.push_back(typical > 0.0 && !surface.samples().empty() ? surface.spacing() / typical
+                                                                   : 1.0);
+  return relative;
+}
+
+class AlignmentReport {
+ public:
+  AlignmentReport(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
+                  GivenPoses given_poses, const CheckedPoses& checked,
+                  const PoseConvention& convention, AlignmentState state)
+      : views_(views),
+        surfaces_(surfaces),
+        given_poses_(given_poses),
+        checked_(checked),
+        convention_(convention),
+        state_(std::move(state)),
+        relative_spacings_(relative_spacings(surfaces)) {}
+
+  Alignment make() {
+    Alignment result;
+    result.notes = state_.starts.notes;
+    if (!convention_.as_given())
+      result.notes.push_back("the given poses are taken as " + convention_.describe() +
+                             ": so they bring the views together, and as world_from_view they do "
+                             "not; --poses trust takes them as they are");
+    const std::size_t main =
+        main_group(state_.verified, state_.roles, state_.starts.frame, state_.frame);
+    for (std::size_t i = 0; i < views_.size(); ++i) result.views.push_back(report_of(i, main));
+    note_moves(result);
+    if (views_.size() == 1) result.notes.push_back("one view only: nothing to align");
+    result.pairs = std::move(state_.refined.pairs);
+    result.termination = state_.refined.termination;
+    result.iterations = state_.refined.iterations;
+    result.rms = state_.refined.rms;
+    result.solves = std::move(state_.refined.solves);
+    result.loops = std::move(state_.refined.loops);
+    return result;
+  }
+
+ private:
+  ViewReport report_of(std::size_t i, std::size_t main_group) const {
+    const ViewVerification& verified = state_.verified.views[i];
+    ViewReport view;
+    view.name = views_[i].name;
+    view.world_from_view = state_.refined.world_from_view[i];
+    view.pose_std = state_.refined.pose_std[i];
+    view.pose_covariance = state_.refined.pose_covariance[i];
+    view.aligned = state_.starts.frame[i] == state_.frame && !state_.taken_out[i] &&
+                   state_.roles[i] != ViewRole::kExcluded && !has_other_unit(i);
+    // More may speak against the pose than confirms it: then what only allows the pose keeps it.
+    const bool contradicted = verified.violation > verified.support;
+    const bool confirmed = (state_.verified.group[i] == main_group && !contradicted) ||
+                           views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
+    view.status = !view.aligned ? PoseStatus::kLeftOut
+                  : confirmed   ? PoseStatus::kVerified
+                                : PoseStatus::kUnverified;
+    if (view.status == PoseStatus::kUnverified) view.reason = reason_unverified(i);
+    if (view.status == PoseStatus::kLeftOut) view.reason = reason_left_out(i);
+    return view;
+  }
+
+  void note_moves(Alignment& result) const {
+    for (std::size_t i = 0; i < views_.size(); ++i)
+      if (state_.starts.found_by_shape[i] && state_.starts.frame[i] == state_.frame &&
+          (checked_.refuted[i] || checked_.world_from_view[i]))
+        result.notes.push_back(
+            "view " + views_[i].name + ": its given pose " +
+            (checked_.refuted[i] ? "stands where other views saw through" : "is not confirmed") +
+            "; a pose that fits was found by its shape instead");
+  }
+
+  std::string names_of_group(const std::vector<std::size_t>& group, std::size_t except) const {
+    std::string names;
+    for (std::size_t i = 0; i < views_.size(); ++i)
+      if (group[i] == group[except] && i != except)
+        names += (names.empty() ? "" : ", ") + views_[i].name;
+    return names;
+  }
+
+  std::string reason_unverified(std::size_t i) const {
+    if (surfaces_[i].samples().empty())
+      return "it has no usable samples: none lies off all boundaries with a surface normal";
+    const ViewVerification& view = state_.verified.views[i];
+    if (!view.overlaps)
+      return "it overlaps no other view at its pose; it is kept there, and nothing confirms it";
+    if (view.violation > 0.0)
+      return "other views saw through where a part of it stands; check its pose";
+    const std::string partners = names_of_group(state_.verified.group, i);
+    if (!partners.empty())
+      return "it is confirmed only by " + partners + ", which nothing confirms in turn";
+    return "it deviates from the views that it overlaps by more than other pairs do";
+  }
+
+  // Where two views differ, either may be wrong.
+  bool has_other_unit(std::size_t i) const {
+    const double relative = relative_spacings_[i];
+    return views_.size() > 2 && state_.roles[i] == ViewRole::kFree &&
+           !state_.verified.views[i].overlaps && given_poses_ != GivenPoses::kTrust &&
+           (relative > kOtherUnit || relative < 1.0 / kOtherUnit);
+  }
+
+  std::string reason_left_out(std::size_t i) const {
+    if (surfaces_[i].samples().empty())
+      return "it has no usable samples: none lies off all boundaries with a surface normal";
+    if (has_other_unit(i)) return reason_other_unit(relative_spacings_[i]);
+    if (!state_.starts.world_from_view[i]) return state_.starts.reasons[i];
+    if (state_.taken_out[i])
+      return "other views saw through where a part of it would stand at the pose found by its "
+             "shape; give a guess of its pose";
+    if (state_.roles[i] == ViewRole::kExcluded)
+      return "it fits none of the views that it seems to overlap; give a better guess or remove it";
+    return "no pose was found at which its group fits the main group; it is aligned only to " +
+           names_of_group(state_.refined.group, i);
+  }
+
+  static std::string reason_other_unit(double relative_spacing) {
+    const bool farther = relative_spacing > 1.0;
+    std::ostringstream reason;
+    reason << "it overlaps no other view, and its samples are "
+           << std::lround(farther ? relative_spacing : 1.0 / relative_spacing) << " times as "
+           << (farther ? "far apart" : "near each other")
+           << " as those of a typical view: check its unit or depth scale";
+    return reason.str();
+  }
+
+  const std::vector<RangeView>& views_;
+  const std::vector<ViewSurface>& surfaces_;
+  const GivenPoses given_poses_;
+  const CheckedPoses& checked_;
+  const PoseConvention& convention_;
+  AlignmentState state_;
+  const std::vector<double> relative_spacings_;
+};
+
+}  // namespace
+
+Alignment report_alignment(const std::vector<RangeView>& views,
+                           const std::vector<ViewSurface>& surfaces, GivenPoses given_poses,
+                           const CheckedPoses& checked, const PoseConvention& convention,
+                           AlignmentState state) {
+  return AlignmentReport(views, surfaces, given_poses, checked, convention, std::move(state))
+      .make();
+}
+
+}  // namespace relief::registration

@@ -1,0 +1,77 @@
+#include "registration/global/pair_links.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "registration/global/link_limits.h"
+#include "registration/global/off_plane_samples.h"
+#include "scan/base/parallel.h"
+
+namespace relief::registration {
+
+PairLinks::PairLinks(const std::vector<ViewSurface>& surfaces, const ViewGroupOptions& options)
+    : surfaces_(surfaces), options_(options), symmetries_(surfaces.size()) {}
+
+void PairLinks::find_faces() {
+  faces_ = parallel_map<FlatFaces>(surfaces_.size(),
+                                   [&](std::size_t i) { return find_flat_faces(surfaces_[i]); });
+}
+
+void PairLinks::set_symmetries(std::size_t view, std::vector<RigidMotion> motions) {
+  symmetries_[view] = std::move(motions);
+}
+
+void PairLinks::keep_candidates(std::size_t a, std::size_t b,
+                                std::vector<PoseHypothesis>& hypotheses) const {
+  const VerificationThresholds limits = widest_limits();
+  std::erase_if(hypotheses, [&](const PoseHypothesis& hypothesis) {
+    return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits) &&
+           !may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
+  });
+}
+
+VerificationThresholds PairLinks::widest_limits() const {
+  VerificationThresholds limits = options_.limits;
+  limits.max_coherent_rms = std::max(limits.max_coherent_rms, options_.confirmed_coherent_rms);
+  return limits;
+}
+
+std::vector<PoseLink> PairLinks::of_pair(std::size_t a, std::size_t b,
+                                         const std::vector<PoseHypothesis>& found,
+                                         const CoarseScale& scale) const {
+  const bool mostly_planar = is_mostly_planar(faces_[a]) || is_mostly_planar(faces_[b]);
+  const bool planes_dominate_both = planes_dominate(faces_[a]) && planes_dominate(faces_[b]);
+  std::vector<PoseLink> links;
+  const auto add = [&](const PoseHypothesis& hypothesis) {
+    const auto verdict =
+        mostly_planar || planes_dominate_both
+            ? judge_off_plane_samples(surfaces_[a], faces_[a], surfaces_[b], faces_[b],
+                                      hypothesis.b_from_a, options_.judge.min_stddev)
+            : OffPlaneVerdict::kConfirmed;
+    if (verdict != OffPlaneVerdict::kDenied)
+      links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence,
+                       mostly_planar && verdict == OffPlaneVerdict::kUnknown});
+  };
+  for (const PoseHypothesis& hypothesis : found) add(hypothesis);
+  if (!found.empty())
+    for (const PoseHypothesis& other : alternatives(a, b, found.front().b_from_a, scale))
+      add(other);
+  // Off-plane samples meet at one pose of them.
+  const auto planar_only = [](const PoseLink& link) { return link.planar_only; };
+  if (!std::all_of(links.begin(), links.end(), planar_only)) std::erase_if(links, planar_only);
+  return links;
+}
+
+std::vector<PoseHypothesis> PairLinks::alternatives(std::size_t a, std::size_t b,
+                                                    const RigidMotion& b_from_a,
+                                                    const CoarseScale& scale) const {
+  const auto symmetries = [&](std::size_t i) {
+    return symmetries_[i].value_or(std::vector<RigidMotion>{});
+  };
+  auto poses = alternative_poses(surfaces_[a], surfaces_[b], b_from_a, symmetries(a), symmetries(b),
+                                 scale, options_.judge);
+  keep_candidates(a, b, poses);
+  return poses;
+}
+
+}  // namespace relief::registration
