@@ -33,6 +33,10 @@ constexpr double kMostSteps = 16.0;
 // This part of the differences must be multiples, beyond those that are by chance: 7 standard
 // deviations of chance for kFewest, and reached where up to 22 % of the samples are stray.
 constexpr double kMultiples = 0.6;
+// Maps that were interpolated, as when they were undistorted or moved into another camera, keep the
+// steps between runs of equal ranges. Where two steps meet a linear interpolation leaves two
+// samples in between, and one that was done twice four. As many alike are hardly in between.
+constexpr std::size_t kShortestRun = 4, kLongestGap = 4;
 // Two multiples at least, zero among them, must each be had by this part of the differences. An
 // exact plane has one only. Less lets single stray samples count as a second one; more misses
 // surfaces that rise by a step at few samples.
@@ -71,6 +75,66 @@ Differences differences_of(const RangeView& view, const Coordinate& coordinate, 
         differences[axis].push_back({std::abs(a - b), kRounding * size + step * size * size});
       }
     }
+  }
+  return differences;
+}
+
+// The coordinates of a row or a column of a view, NaN where there is no sample.
+std::vector<double> line_of(const RangeView& view, const Coordinate& coordinate, std::size_t axis,
+                            int index) {
+  std::vector<double> line(static_cast<std::size_t>(axis == 0 ? view.width() : view.height()),
+                           std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const int along = static_cast<int>(k);
+    const int u = axis == 0 ? along : index, v = axis == 0 ? index : along;
+    if (view.has_sample(u, v)) line[k] = coordinate.of(view, u, v);
+  }
+  return line;
+}
+
+// A run of equal samples of a line.
+struct Run {
+  std::size_t begin = 0, end = 0;
+  double value = 0.0;
+};
+
+// Those that are long enough.
+std::vector<Run> runs_of(const std::vector<double>& line) {
+  std::vector<Run> runs;
+  for (std::size_t begin = 0, end = 0; begin < line.size(); begin = end) {
+    const double value = line[begin];
+    for (end = begin + 1; end < line.size(); ++end)
+      if (!(std::abs(line[end] - value) <= kRounding * value)) break;
+    if (end - begin >= kShortestRun) runs.push_back({begin, end, value});
+  }
+  return runs;
+}
+
+// Those of each run to the next one near it and, where that differs, to the one after; `step` as
+// above. One step is the most that a smooth surface has from run to run.
+void add_differences_of_runs(const std::vector<Run>& runs, double step,
+                             std::vector<Difference>& differences) {
+  const auto difference = [&](const Run& a, const Run& b) {
+    const double size = std::max(a.value, b.value);
+    return Difference{std::abs(a.value - b.value), kRounding * size + step * size * size};
+  };
+  const auto near = [](const Run& a, const Run& b) { return b.begin - a.end <= kLongestGap; };
+  for (std::size_t k = 1; k < runs.size(); ++k) {
+    if (!near(runs[k - 1], runs[k])) continue;
+    differences.push_back(difference(runs[k - 1], runs[k]));
+    if (k < 2 || !near(runs[k - 2], runs[k - 1])) continue;
+    const Difference over_two = difference(runs[k - 2], runs[k]);
+    if (over_two.value > over_two.error) differences.push_back(over_two);
+  }
+}
+
+Differences differences_of_runs(const RangeView& view, const Coordinate& coordinate, double step) {
+  Differences differences;
+  for (const std::size_t axis : {0, 1}) {
+    const int lines = axis == 0 ? view.height() : view.width();
+    for (int index = 0; index < lines; ++index)
+      add_differences_of_runs(runs_of(line_of(view, coordinate, axis, index)), step,
+                              differences[axis]);
   }
   return differences;
 }
@@ -173,6 +237,8 @@ RangeQuantisation find_quantisation(const RangeView& view) {
     Step inverse = find_step(differences_of(view, {along_ray, true}, 0.0));
     if (step.size > 0.0 && inverse.size == 0.0)
       inverse = find_step(differences_of(view, {along_ray, true}, step.size));
+    if (inverse.size == 0.0)
+      inverse = find_step(differences_of_runs(view, {along_ray, true}, step.size));
     // Where the range hardly changes the one looks much like the other.
     const double typical = median_range(view, along_ray);
     const double ratio = step.size > 0.0 ? inverse.size * typical * typical / step.size : 2.0;

@@ -23,8 +23,9 @@ struct RangeQuantisation {
 };
 
 /// Finds the step of the ranges of a view, or of their inverses, from the differences of
-/// neighbouring samples: those of rounded ranges are whole multiples of the step. None is found
-/// where it is so small that it hides in the rounding of single precision.
+/// neighbouring samples: those of rounded ranges are whole multiples of the step. Where ranges were
+/// interpolated afterwards, the step of the inverse is found between runs of equal ranges. None is
+/// found where it is so small that it hides in the rounding of single precision.
 RangeQuantisation find_quantisation(const RangeView& view);
 
 }  // namespace relief

@@ -72,6 +72,46 @@ TEST(RangeQuantisation, FindsStepsOfTheInverseRange) {
   }
 }
 
+// The view as another camera a fraction of a pixel aside would have it: by bilinear interpolation.
+void shift_by_interpolation(RangeView& view, double du, double dv) {
+  const RangeView before = view;
+  for (int v = 0; v + 1 < view.height(); ++v) {
+    for (int u = 0; u + 1 < view.width(); ++u) {
+      if (!before.has_sample(u, v) || !before.has_sample(u + 1, v) ||
+          !before.has_sample(u, v + 1) || !before.has_sample(u + 1, v + 1)) {
+        view.range(u, v) = kNoSample;
+        continue;
+      }
+      const double upper = std::lerp(before.range(u, v), before.range(u + 1, v), du);
+      const double lower = std::lerp(before.range(u, v + 1), before.range(u + 1, v + 1), du);
+      view.range(u, v) = std::lerp(upper, lower, dv);
+    }
+  }
+}
+
+TEST(RangeQuantisation, FindsStepsOfInterpolatedMaps) {
+  constexpr double at_400 = 4.0, step = at_400 / (400.0 * 400.0);
+  for (RangeView view : {tilted_plane(), ball()}) {
+    testing::add_range_noise(view, 0.05, 5);
+    round_inverse_ranges(view, step);
+    shift_by_interpolation(view, 0.37, 0.58);
+    round_ranges(view, 0.1);
+    const RangeQuantisation found = find_quantisation(view);
+    EXPECT_NEAR(found.inverse_step, step, 0.02 * step);
+    constexpr double nearest = 290.0;
+    EXPECT_GE(estimate_range_noise(view).sigma, step * nearest * nearest / std::sqrt(12.0));
+  }
+}
+
+TEST(RangeQuantisation, FindsNoneBetweenRunsOfEnlargedMaps) {
+  // Each sample four times: runs that differ by anything.
+  RangeView view = ball();
+  testing::add_range_noise(view, 1.0, 5);
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u) view.range(u, v) = view.range(u / 4 * 4, v / 4 * 4);
+  EXPECT_FALSE(find_quantisation(view).exists());
+}
+
 TEST(RangeQuantisation, FindsStepsWhereSamplesAreMissingOrFly) {
   RangeView view = ball();
   testing::add_range_noise(view, 0.3, 5);
