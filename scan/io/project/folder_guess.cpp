@@ -276,15 +276,17 @@ Result<FolderGuess> guess_project(const fs::path& folder, const ReadProjectOptio
 Result<ProjectSpec> read_depth_maps(const fs::path& folder, const ReadProjectOptions& options) {
   auto guess = guess_from_images(folder, options, "no list or calibration is beside the images");
   if (!guess) return guess.error();
-  const auto whole_numbers = [](const ViewSpec& view) {
-    return holds_whole_numbers(view.depth->file);
-  };
-  const std::vector<ViewSpec>& views = guess->project.views;
-  if (!options.depth_scale && std::any_of(views.begin(), views.end(), whole_numbers))
-    return bad_input(folder,
-                     "its depth maps hold whole numbers: give --depth-scale, their steps to the "
-                     "unit, as 1000 to the metre");
-  if (options.depth_scale) guess->project.unit = "m";
+  bool assumed = false;
+  for (ViewSpec& view : guess->project.views) {
+    if (options.depth_scale || !holds_whole_numbers(view.depth->file)) continue;
+    view.depth->scale = 0.001;
+    assumed = true;
+  }
+  if (assumed)
+    guess->findings.push_back(
+        "no scale of the depth maps is given: their values are taken as millimetres; "
+        "--depth-scale N says how many make a metre");
+  if (assumed || options.depth_scale) guess->project.unit = "m";
   guess->project.notes = std::move(guess->findings);
   return std::move(guess->project);
 }

@@ -8,6 +8,7 @@
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/depth_scale.h"
 #include "scan/io/workspaces/rgbd/mirrored_images.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
 #include "scan/io/workspaces/rgbd/rgbd_layouts.h"
@@ -128,8 +129,16 @@ Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& fo
 struct RgbdSetting {
   std::optional<PinholeIntrinsics> intrinsics;
   std::optional<ImageSize> size;
-  double depth_step = 0.0;  // [m]
+  double depth_step = 1.0;    // [m]
+  bool states_scale = false;  // Or `depth_step` is to be assumed.
 };
+
+Error without_scale(const fs::path& folder) {
+  return bad_input(folder,
+                   "depth maps without a scale: give --depth-scale 1000 when their values are "
+                   "millimetres (5000 in TUM's files, 1 for metres), or put a line 'depth_scale "
+                   "1000' into the calibration file");
+}
 
 Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found,
                                  const RgbdOptions& options, std::vector<std::string>& notes) {
@@ -150,12 +159,9 @@ Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found
   const auto scale = options.depth_scale       ? options.depth_scale
                      : calibration.depth_scale ? calibration.depth_scale
                                                : found.depth_scale;
-  if (!scale || !(*scale > 0.0))
-    return bad_input(folder,
-                     "depth maps without a scale: give --depth-scale 1000 when their values are "
-                     "millimetres (5000 in TUM's files, 1 for metres), or put a line 'depth_scale "
-                     "1000' into the calibration file");
-  setting.depth_step = metres_per_step(*scale);
+  if (scale && !(*scale > 0.0)) return without_scale(folder);
+  setting.states_scale = scale.has_value();
+  if (scale) setting.depth_step = metres_per_step(*scale);
   return setting;
 }
 
@@ -207,6 +213,14 @@ Result<void> add_frame(const fs::path& folder, const RgbdFrame& frame,
   return {};
 }
 
+Result<void> take_assumed_scale(const fs::path& folder, double usual, ProjectSpec& project) {
+  auto assumed = assume_depth_scale(project, usual);
+  if (!assumed) return without_scale(folder);
+  for (ViewSpec& view : project.views) view.depth->scale = assumed->metres_per_value;
+  project.notes.push_back(std::move(assumed->note));
+  return {};
+}
+
 void add_counts(const FramePoses& poses, std::size_t misfits, std::vector<std::string>& notes) {
   const auto without = std::count(poses.begin(), poses.end(), std::nullopt);
   const auto all = std::to_string(poses.size());
@@ -239,6 +253,9 @@ Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& 
         !added)
       return added.error();
   add_counts(*poses, misfits, project.notes);
+  if (!setting->states_scale)
+    if (auto taken = take_assumed_scale(folder, found->usual_depth_scale, project); !taken)
+      return taken.error();
   if (auto note = note_on_mirrored_images(project)) project.notes.push_back(std::move(*note));
   return project;
 }

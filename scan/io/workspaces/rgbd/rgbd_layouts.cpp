@@ -19,18 +19,34 @@ namespace fs = std::filesystem;
 
 // Depth values per metre that define the format of TUM's sequences.
 constexpr double kTumDepthScale = 5000.0;
-constexpr std::string_view kDepthPart = ".depth";
 
 bool is_file(const fs::path& path) {
   std::error_code code;
   return fs::is_regular_file(path, code);
 }
 
-// `frame-000000` of `frame-000000.depth.png`; empty for other names.
-std::string frame_of_depth(const fs::path& path) {
+// `frame-000000` and `.` of `frame-000000.depth.png`.
+struct FrameName {
+  std::string name, separator;
+
+  fs::path beside(const fs::path& depth, std::string_view part) const {
+    return depth.parent_path() / (name + separator + std::string(part));
+  }
+};
+
+// Of a depth map that names a frame. Names with other separators than a point are common, so one of
+// these tells the layout only with a pose of the same name: `000000_pose.txt`, `000000_depth.png`.
+std::optional<FrameName> frame_of_depth(const fs::path& path) {
+  constexpr std::string_view kDepth = "depth";
   const std::string stem = path.stem().string();
-  if (!has_depth_image_ending(path) || !stem.ends_with(kDepthPart)) return "";
-  return stem.substr(0, stem.size() - kDepthPart.size());
+  if (!has_depth_image_ending(path) || !stem.ends_with(kDepth)) return std::nullopt;
+  const std::string begin = stem.substr(0, stem.size() - kDepth.size());
+  if (begin.size() < 2) return std::nullopt;
+  const FrameName frame{begin.substr(0, begin.size() - 1), begin.substr(begin.size() - 1)};
+  const bool separated = frame.separator == "_" || frame.separator == "-";
+  if (frame.separator == "." || (separated && is_file(frame.beside(path, "pose.txt"))))
+    return frame;
+  return std::nullopt;
 }
 
 std::optional<fs::path> association_file(const fs::path& folder) {
@@ -48,7 +64,7 @@ bool has_tum_list(const fs::path& folder) {
 bool has_frames(const fs::path& folder) {
   const auto files = files_in(folder);
   return std::any_of(files.begin(), files.end(),
-                     [](const fs::path& file) { return !frame_of_depth(file).empty(); });
+                     [](const fs::path& file) { return frame_of_depth(file).has_value(); });
 }
 
 std::vector<fs::path> depth_images(const fs::path& folder) {
@@ -105,6 +121,7 @@ Result<RgbdFrames> tum_frames(const fs::path& folder) {
   auto moments = tum_moments(folder);
   if (!moments) return moments.error();
   RgbdFrames frames;
+  frames.usual_depth_scale = kTumDepthScale;
   std::size_t missing = 0;
   for (const FilePair& moment : *moments) {
     RgbdFrame frame;
@@ -151,23 +168,25 @@ Result<void> take_pose_file(const fs::path& path, RgbdFrames& found, RgbdFrame& 
   return {};
 }
 
+// The colour image of a named frame.
+std::optional<fs::path> colour_beside(const fs::path& depth, const FrameName& frame) {
+  for (const char* part : {"color", "colour", "rgb"})
+    for (const char* ending : {".png", ".jpg", ".jpeg"})
+      if (const fs::path file = frame.beside(depth, std::string(part) + ending); is_file(file))
+        return file;
+  return std::nullopt;
+}
+
 Result<RgbdFrames> named_frames(const fs::path& folder) {
-  const auto files = files_in(folder);
-  std::map<std::string, fs::path> colours;
-  for (const fs::path& file : files)
-    if (const fs::path stem = file.stem();
-        has_photograph_ending(file) &&
-        (lower_ending(stem) == ".color" || lower_ending(stem) == ".rgb"))
-      colours.emplace(stem.stem().string(), file);
   RgbdFrames found;
-  for (const fs::path& file : files) {
+  for (const fs::path& file : files_in(folder)) {
+    const auto named = frame_of_depth(file);
+    if (!named) continue;
     RgbdFrame frame;
-    frame.name = frame_of_depth(file);
-    if (frame.name.empty()) continue;
+    frame.name = named->name;
     frame.depth = file;
-    if (const auto colour = colours.find(frame.name); colour != colours.end())
-      frame.colour = colour->second;
-    if (auto taken = take_pose_file(folder / (frame.name + ".pose.txt"), found, frame); !taken)
+    frame.colour = colour_beside(file, *named);
+    if (auto taken = take_pose_file(named->beside(file, "pose.txt"), found, frame); !taken)
       return taken.error();
     found.frames.push_back(std::move(frame));
   }

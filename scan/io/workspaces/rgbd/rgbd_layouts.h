@@ -28,6 +28,7 @@ struct RgbdFrames {
   std::vector<RgbdFrame> frames;
   bool poses_in_files = false;        ///< Each frame may have a file with its pose.
   std::optional<double> depth_scale;  ///< Where the layout defines it.
+  double usual_depth_scale = 1000.0;  ///< Of sets in this layout, where nobody says another.
   std::vector<std::string> notes;
 };
 

@@ -106,7 +106,7 @@ TEST(FolderGuess, WritesAProjectThatIsReadOnceItIsFilledIn) {
   ASSERT_THAT(guess, IsOk());
   folder.write("scan.json", commented_scan_json(*guess, folder / "."));
   const auto filled = value_of(read_project(folder / "scan.json"));
-  EXPECT_EQ(filled.unit, "mm");
+  EXPECT_EQ(filled.unit, "m");
   EXPECT_EQ(filled.views[0].sample_count(), 108u);
 }
 
@@ -128,7 +128,9 @@ TEST(FolderGuess, DepthMapsAreReadByTheIntrinsicsGiven) {
   folder.write("depth/2.png", depth_png());
   ReadProjectOptions options;
   options.intrinsics = PinholeIntrinsics{20.0, 21.0, 5.0, 4.0};
-  EXPECT_THAT(read_project_spec(folder / "depth", options), HasError("--depth-scale"));
+  const auto assumed = value_of(read_project_spec(folder / "depth", options));
+  EXPECT_EQ(assumed.views[0].depth->scale, 0.001);
+  EXPECT_THAT(assumed.notes, ::testing::Contains(HasSubstr("--depth-scale")));
   options.depth_scale = 1000.0;
   const auto project = value_of(read_project(folder / "depth", options));
   ASSERT_EQ(project.views.size(), 2u);

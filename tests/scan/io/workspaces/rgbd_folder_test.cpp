@@ -218,6 +218,18 @@ TEST_F(RgbdFolder, NamedFrames) {
               HasError("frame-000001.pose.txt: line 4: the pose is not a rigid motion"));
 }
 
+TEST_F(RgbdFolder, NamedFramesWithOtherSeparators) {
+  write("000000_depth.png", png_head(5));
+  write("000000_rgb.png", png_head(5));
+  EXPECT_FALSE(is_rgbd_folder(folder_.path()));
+  write("000000_pose.txt", kPose);
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
+  ASSERT_EQ(spec.views.size(), 1u);
+  EXPECT_EQ(spec.views[0].name, "000000");
+  EXPECT_EQ(spec.views[0].world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
+  EXPECT_TRUE(spec.views[0].colour);
+}
+
 TEST_F(RgbdFolder, NumberedFolders) {
   for (const char* name : {"10", "9"}) write("depth/" + std::string(name) + ".png", png_head(5));
   write("image/9.jpg", png_head(5));
@@ -269,8 +281,8 @@ TEST_F(RgbdFolder, CalibrationsThatDifferAreNamed) {
   EXPECT_EQ(spec.views[0].camera->intrinsics.fx, 3);
 }
 
-// Two frames in front of a slope, the second one higher, with the depth in millimetres.
-void write_frames(const TemporaryFolder& folder, const Camera& camera) {
+// Two frames in front of a slope, the second one higher, with so many values per metre.
+void write_frames(const TemporaryFolder& folder, const Camera& camera, double scale = 1000.0) {
   for (int i = 0; i < 2; ++i) {
     RigidMotion pose = RigidMotion::Identity();
     pose.translation().y() = 0.4 * i;
@@ -278,7 +290,7 @@ void write_frames(const TemporaryFolder& folder, const Camera& camera) {
     Image depth(view.width(), view.height(), 1, 65535);
     for (int v = 0; v < view.height(); ++v)
       for (int u = 0; u < view.width(); ++u)
-        depth(u, v) = static_cast<float>(std::lround(1000.0 * view.range(u, v)));
+        depth(u, v) = static_cast<float>(std::lround(scale * view.range(u, v)));
     const std::string frame = "frame-" + std::to_string(i);
     folder.write(frame + ".depth.png", *encode_png(depth));
     folder.write(frame + ".pose.txt",
@@ -293,6 +305,30 @@ TEST_F(RgbdFolder, SaysThatImagesSeemMirrored) {
   EXPECT_THAT(right.notes, Not(Contains(HasSubstr("mirrored"))));
   const auto wrong = value_of(read_rgbd_folder(folder_.path(), {upright, 1000.0}));
   EXPECT_THAT(wrong.notes, Contains(HasSubstr("give --intrinsics 120 -120 79.5 59.5")));
+}
+
+TEST_F(RgbdFolder, TakesAUsualScaleWhereNoneIsStated) {
+  const PinholeIntrinsics intrinsics{120, 120, 79.5, 59.5};
+  for (const double scale : {1000.0, 5000.0}) {
+    write_frames(folder_, Camera::pinhole(160, 120, intrinsics), scale);
+    const auto spec = value_of(read_rgbd_folder(folder_.path(), {intrinsics, {}}));
+    for (const ViewSpec& view : spec.views) EXPECT_EQ(view.depth->scale, 1.0 / scale);
+    EXPECT_THAT(spec.notes, Contains(AllOf(HasSubstr("--depth-scale"),
+                                           HasSubstr(scale == 1000.0 ? "taken as millimetres;"
+                                                                     : "5000 to the metre"))));
+  }
+  // Poses that tell nothing.
+  for (const char* frame : {"frame-0", "frame-1"})
+    fs::remove(folder_ / (frame + std::string(".pose.txt")));
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), {intrinsics, {}}));
+  EXPECT_EQ(spec.views[0].depth->scale, 0.001);
+}
+
+TEST(RgbdOnRealData, TellTheScaleByTheirPoses) {
+  RELIEF_REQUIRE_TEST_DATA(folder, "rgbd");
+  const auto spec =
+      value_of(read_rgbd_folder(folder, {PinholeIntrinsics{481.2, -480, 319.5, 239.5}, {}}));
+  EXPECT_EQ(spec.views[0].depth->scale, 1.0 / 5000.0);
 }
 
 TEST(RgbdOnRealData, SayThatImagesSeemMirrored) {

@@ -1,0 +1,75 @@
+#include "scan/io/workspaces/rgbd/depth_scale.h"
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include "scan/base/median.h"
+#include "scan/io/images/image_io.h"
+#include "scan/io/workspaces/rgbd/pose_agreement.h"
+
+namespace relief {
+
+namespace {
+
+constexpr double kMillimetres = 1000.0;  // To the metre.
+// Values per metre that cameras and sets of 16-bit images use: millimetres; TUM's; a tenth of a
+// millimetre (short-range stereo); a quarter (RealSense L515).
+constexpr double kUsualScales[] = {1000.0, 5000.0, 10000.0, 4000.0};
+// No depth camera sees so far [m], and no object is scanned from as many millimetres.
+constexpr double kFarthest = 50.0;
+
+double median_depth(const Image& image) {
+  std::vector<double> depths;
+  for (const float z : image.samples)
+    if (z > 0.0f && std::isfinite(z)) depths.push_back(z);
+  return median(std::move(depths));
+}
+
+std::string words(double values_per_metre) {
+  char text[80];
+  if (values_per_metre == kMillimetres) return "millimetres";
+  if (values_per_metre == 1.0) return "metres";
+  std::snprintf(text, sizeof text, "%g to the metre", values_per_metre);
+  return text;
+}
+
+AssumedDepthScale assumed(double values_per_metre, const std::string& why) {
+  return {1.0 / values_per_metre,
+          "no scale of the depth maps is given: their values are taken as " +
+              words(values_per_metre) + why + "; --depth-scale N says how many make a metre"};
+}
+
+}  // namespace
+
+std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, double usual) {
+  if (project.views.empty() || !project.views.front().depth || !project.views.front().camera)
+    return std::nullopt;
+  const ViewSpec& first = project.views.front();
+  const auto image = read_image(first.depth->file, first.depth->size);
+  if (!image || image->channels != 1) return std::nullopt;
+  const bool integers = image->max_value > 0.0;
+  if (integers && image->max_value < 65535.0) return std::nullopt;
+  if (!integers) usual = median_depth(*image) > kFarthest ? kMillimetres : 1.0;
+
+  std::vector<double> scales{usual};
+  std::vector<DepthReading> readings{{first.camera->intrinsics, 1.0 / usual}};
+  for (const double scale : kUsualScales) {
+    if (!integers || scale == usual) continue;
+    scales.push_back(scale);
+    readings.push_back({first.camera->intrinsics, 1.0 / scale});
+  }
+  const auto found = disagreements_at_poses(project, readings);
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < scales.size(); ++k)
+    if (found[0] && found[k] && *found[k] < *found[best]) best = k;
+  if (best == 0 || !(*found[0] > kFarBetter * *found[best])) return assumed(usual, "");
+  char why[120];
+  std::snprintf(why, sizeof why,
+                ", with which they agree at their poses to %.2g %% (as %s %.2g %%)",
+                100.0 * *found[best], words(usual).c_str(), 100.0 * *found[0]);
+  return assumed(scales[best], why);
+}
+
+}  // namespace relief

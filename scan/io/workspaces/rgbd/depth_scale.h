@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "scan/io/project/view_spec.h"
+
+namespace relief {
+
+/// A scale of depth maps that nobody stated.
+struct AssumedDepthScale {
+  double metres_per_value = 0.0;
+  std::string note;  ///< For the user: what was taken, why, and the option that says otherwise.
+};
+
+/// The scale of the depth maps of a folder without one, whose views have a scale of 1: `usual`
+/// values per metre where they hold 16-bit integers; else metres, or millimetres where the depths
+/// are tens of metres otherwise. Where the maps agree with their poses far better in another usual
+/// scale, that one. Nothing where the first map cannot be read or has 8 bits.
+std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, double usual);
+
+}  // namespace relief

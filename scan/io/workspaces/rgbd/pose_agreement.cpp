@@ -1,0 +1,88 @@
+#include "scan/io/workspaces/rgbd/pose_agreement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <utility>
+
+#include "scan/base/median.h"
+#include "scan/io/images/image_io.h"
+#include "scan/io/workspaces/depth_differences.h"
+
+namespace relief {
+
+namespace {
+
+constexpr std::size_t kSteps = 4;           // between frames compared with all; bounds the time
+constexpr int kStep = 8;                    // pixels between those compared; bounds the time
+constexpr std::size_t kEnoughPixels = 200;  // for a median that chance does not decide
+
+struct PosedDepth {
+  Image depth;
+  RigidMotion world_from_view;
+};
+
+std::optional<PosedDepth> read_posed_depth(const ViewSpec& view) {
+  if (!view.depth || view.pose == PoseKind::kAbsent) return std::nullopt;
+  auto depth = read_image(view.depth->file, view.depth->size);
+  if (!depth || depth->channels != 1) return std::nullopt;
+  for (float& z : depth->samples) z *= static_cast<float>(view.depth->scale);
+  return PosedDepth{std::move(*depth), view.world_from_view};
+}
+
+std::vector<Eigen::Vector3d> points_in_world(const PosedDepth& from, const PinholeIntrinsics& k) {
+  const Camera camera = Camera::pinhole(from.depth.width, from.depth.height, k);
+  std::vector<Eigen::Vector3d> points;
+  for (int v = 0; v < from.depth.height; v += kStep)
+    for (int u = 0; u < from.depth.width; u += kStep)
+      if (const double z = from.depth(u, v); z > 0.0 && std::isfinite(z))
+        points.push_back(from.world_from_view * camera.ray(u, v).at(z));
+  return points;
+}
+
+// A few frames with the ones after them, which overlap, and with each other, whose poses tell more
+// of the scale.
+std::vector<std::pair<std::size_t, std::size_t>> pairs_to_compare(std::size_t frames) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  if (frames < 2) return pairs;
+  const std::size_t step = std::max<std::size_t>(1, (frames - 1) / kSteps);
+  for (std::size_t i = 0; i + 1 < frames; i += step) {
+    if (step > 1) pairs.emplace_back(i, i + 1);
+    for (std::size_t j = i + step; j < frames; j += step) pairs.emplace_back(i, j);
+  }
+  return pairs;
+}
+
+PosedDepth scaled(PosedDepth frame, double factor) {
+  if (factor != 1.0)
+    for (float& z : frame.depth.samples) z *= static_cast<float>(factor);
+  return frame;
+}
+
+}  // namespace
+
+std::vector<std::optional<double>> disagreements_at_poses(
+    const ProjectSpec& project, const std::vector<DepthReading>& readings) {
+  std::map<std::size_t, std::optional<PosedDepth>> frames;
+  std::vector<std::vector<double>> differences(readings.size());
+  for (const auto& [a, b] : pairs_to_compare(project.views.size())) {
+    for (const std::size_t i : {a, b})
+      if (!frames.contains(i)) frames[i] = read_posed_depth(project.views[i]);
+    const auto &from = frames[a], &onto = frames[b];
+    if (!from || !onto) continue;
+    for (std::size_t k = 0; k < readings.size(); ++k) {
+      const auto& [intrinsics, factor] = readings[k];
+      const PosedDepth target = scaled(*onto, factor);
+      const auto found = depth_differences(target.depth, intrinsics, target.world_from_view,
+                                           points_in_world(scaled(*from, factor), intrinsics));
+      differences[k].insert(differences[k].end(), found.begin(), found.end());
+    }
+  }
+  std::vector<std::optional<double>> medians(readings.size());
+  for (std::size_t k = 0; k < readings.size(); ++k)
+    if (differences[k].size() >= kEnoughPixels) medians[k] = median(std::move(differences[k]));
+  return medians;
+}
+
+}  // namespace relief
