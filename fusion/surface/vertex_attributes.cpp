@@ -5,6 +5,7 @@
 #include <limits>
 #include <queue>
 
+#include "fusion/surface/vertex_groups.h"
 #include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
 
@@ -39,16 +40,16 @@ void set_vertex_attributes(TriangleMesh& mesh, const std::vector<ViewSampler>& v
   parallel_for(count, 1024, [&](std::size_t begin, std::size_t end) {
     evict_pages(options.memory);
     TsdfIntegrator collector(views, options.truncation, options.voxel_size);
-    for (std::size_t v = begin; v < end; ++v) {
+    visit_in_groups(mesh, begin, end, collector, [&](std::size_t v) {
       const TsdfSample evidence =
           collector.collect(mesh.vertices[v], mesh.normals[v].cast<double>());
       mesh.filled[v] = !evidence.measured || std::abs(evidence.distance) > 0.5 * options.voxel_size;
-      if (mesh.filled[v]) continue;
+      if (mesh.filled[v]) return;
       mesh.views[v] = static_cast<std::uint16_t>(std::min(evidence.views, 65535));
       if (const auto view = collector.strongest_view(); view && !mesh.source_views.empty())
         mesh.source_views[v] = options.view_indices[*view];
       mesh.quality[v] = standard_error(evidence, options);
-    }
+    });
   });
 }
 

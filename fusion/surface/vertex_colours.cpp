@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fusion/holes/plates/thin_plate.h"
+#include "fusion/surface/vertex_groups.h"
 #include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
 
@@ -39,14 +40,14 @@ Painting measured_colours(const TriangleMesh& mesh, const std::vector<ViewSample
   parallel_for(count, 1024, [&](std::size_t begin, std::size_t end) {
     evict_pages(options.memory);
     TsdfIntegrator collector(views, options.truncation, options.voxel_size);
-    for (std::size_t v = begin; v < end; ++v) {
-      if (mesh.filled[v]) continue;
+    visit_in_groups(mesh, begin, end, collector, [&](std::size_t v) {
+      if (mesh.filled[v]) return;
       collector.collect(mesh.vertices[v], mesh.normals[v].cast<double>());
       const auto colour = collector.colour(mesh.vertices[v]);
-      if (!colour) continue;
+      if (!colour) return;
       painting.colour[v] = colour->cast<float>();
       painting.known[v] = 1;
-    }
+    });
   });
   return painting;
 }

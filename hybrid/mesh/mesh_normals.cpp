@@ -9,16 +9,11 @@
 #include <Eigen/Geometry>
 
 #include "hybrid/mesh/mesh_graph.h"
+#include "hybrid/mesh/normal_sampler.h"
 #include "relief/hybrid/polish_mesh.h"
-#include "relief/scan/discontinuities.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
 #include "scan/base/robust_scales.h"
-#include "scan/base/usable_pose.h"
-#include "scan/grid/connected_grid.h"
-#include "scan/surface/observation_weights.h"
-#include "scan/surface/range_surface.h"
-#include "scan/views/view_projection.h"
 
 namespace relief::hybrid {
 
@@ -26,80 +21,12 @@ namespace {
 
 constexpr double kSigmaUnknown = 2.0 * std::numbers::pi / 180.0;  // [rad]
 constexpr double kLeastSigma = 1e-3;  // [rad]; float normals on curved surfaces know no better
-// A view whose surface turns further from the vertex's normal sees something else.
-constexpr double kLeastAgreement = 0.25;  // cosine, 76 degrees
-constexpr double kLeastCosine = 0.1;      // of the viewing angle, 84 degrees
 // How many measurements the common scatter counts for against a vertex's own.
 constexpr double kPriorWeight = 3.0;
 constexpr std::size_t kGrain = 2048;  // vertices of one piece of work; changes no result
-// Beyond all quads that may tell a normal [largest distances]; bounds the time.
-constexpr double kFar = 10.0;
-
-// What one view says about the normal at a vertex.
-struct NormalObservation {
-  Eigen::Vector3d normal;
-  double weight;
-};
-
-// The surface of a view with its measured normals, placed in the world.
-class NormalSampler {
- public:
-  NormalSampler(const RangeView& view, ViewProjection projection, const MeshNormalOptions& options)
-      : projection_(std::move(projection)), view_from_world_(view.world_from_view.inverse()) {
-    const ConnectedGrid grid = connect_grid(view);
-    const ObservationWeightOptions weights{.silhouette_ramp = options.silhouette_ramp};
-    surface_ = RangeSurface(view, grid, view.normals,
-                            observation_weights(view, grid, view.normals, weights));
-  }
-
-  double spacing() const { return surface_.spacing(); }
-
-  std::optional<NormalObservation> at(const Eigen::Vector3d& vertex,
-                                      const Eigen::Vector3d& mesh_normal,
-                                      double max_distance) const {
-    const Eigen::Vector3d point = view_from_world_ * vertex;
-    const auto pixel = projection_.pixel_of(point);
-    const auto quad = pixel ? surface_.quad_at(*pixel) : std::nullopt;
-    if (!quad) return std::nullopt;
-    // Most views see something else there: of these nothing more is looked up.
-    if (!((point - surface_.point(quad->u, quad->v)).norm() < kFar * max_distance))
-      return std::nullopt;
-    const auto patch = surface_.patch(*quad);
-    if (!patch || !((point - patch->point()).norm() < 2.0 * max_distance)) return std::nullopt;
-    const RangeView& view = surface_.view();
-    const Eigen::Vector3d ray = view.camera.ray(quad->u, quad->v).direction.normalized();
-    const Eigen::Vector3d normal = view.world_from_view.linear() * patch->normal;
-    const bool sees = -patch->normal.dot(ray) > kLeastCosine &&
-                      normal.dot(mesh_normal) > kLeastAgreement &&
-                      std::abs(patch->distance(point)) < max_distance && patch->weight > 0.0;
-    return sees ? std::optional(NormalObservation{normal, patch->weight}) : std::nullopt;
-  }
-
- private:
-  RangeSurface surface_;
-  ViewProjection projection_;
-  RigidMotion view_from_world_;
-};
-
-Result<std::vector<NormalSampler>> prepare(const std::vector<RangeView>& views,
-                                           const MeshNormalOptions& options) {
-  std::vector<const RangeView*> used;
-  for (const RangeView& view : views)
-    if (view.has_normals() && has_usable_pose(view, views.size()) && view.sample_count() > 0)
-      used.push_back(&view);
-  using Prepared = std::optional<Result<NormalSampler>>;
-  auto prepared = parallel_map<Prepared>(used.size(), [&](std::size_t i) -> Prepared {
-    auto projection = ViewProjection::create(*used[i]);
-    if (!projection) return projection.error();
-    return NormalSampler(*used[i], std::move(projection).value(), options);
-  });
-  std::vector<NormalSampler> samplers;
-  for (auto& sampler : prepared) {
-    if (!*sampler) return sampler->error();
-    samplers.push_back(std::move(*sampler).value());
-  }
-  return samplers;
-}
+// Vertices for which the views near them are looked up together; changes no result. Those of near
+// indices are near each other.
+constexpr std::size_t kGroup = 256;
 
 double median_spacing(const std::vector<NormalSampler>& samplers) {
   std::vector<double> spacings;
@@ -111,14 +38,15 @@ double median_spacing(const std::vector<NormalSampler>& samplers) {
 using Observers = std::uint64_t;
 constexpr Observers kAll = ~Observers{0};
 
-// The observations at a vertex of those among the views that may have one; returns which did.
-// Sorted, so that the order of the views does not change a bit of the sums.
-Observers collect(const std::vector<NormalSampler>& samplers, const Eigen::Vector3d& vertex,
-                  const Eigen::Vector3d& mesh_normal, double max_distance, Observers asked,
+// The observations at a vertex of those among the views near it that may have one; returns which
+// did. Sorted, so that the order of the views does not change a bit of the sums.
+Observers collect(const std::vector<NormalSampler>& samplers, const NearViews& near,
+                  const Eigen::Vector3d& vertex, const Eigen::Vector3d& mesh_normal,
+                  double max_distance, Observers asked,
                   std::vector<NormalObservation>& observations) {
   observations.clear();
   Observers observers = 0;
-  for (std::size_t i = 0; i < samplers.size(); ++i) {
+  for (const std::size_t i : near) {
     const Observers bit = Observers{1} << (i % 64);
     if (!(asked & bit)) continue;
     const auto observation = samplers[i].at(vertex, mesh_normal, max_distance);
@@ -224,8 +152,9 @@ double scatter(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mes
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t i = k * stride;
       if (!mesh.filled.empty() && mesh.filled[i]) continue;
-      collect(samplers, mesh.vertices[i], mesh_normals[i].cast<double>(), max_distance, kAll,
-              observations);
+      const Eigen::AlignedBox3d here(mesh.vertices[i]);
+      collect(samplers, views_near(here, samplers, max_distance), mesh.vertices[i],
+              mesh_normals[i].cast<double>(), max_distance, kAll, observations);
       if (observations.size() >= 2)
         differences[k] = (observations[0].normal - observations[1].normal).squaredNorm();
     }
@@ -243,22 +172,35 @@ double standard_error(const Blend& blend, double sigma) {
   return std::sqrt(variance / blend.effective);
 }
 
+// Of the edges at the vertices [begin, end).
+Eigen::AlignedBox3d box_of_edges(const TriangleMesh& mesh, const MeshGraph& graph,
+                                 std::size_t begin, std::size_t end) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = begin; i < end; ++i) box.extend(mesh.vertices[i]);
+  for (std::size_t k = graph.begin[begin]; k < graph.begin[end]; ++k)
+    box.extend(mesh.vertices[graph.neighbour[k]]);
+  return box;
+}
+
 // Asked are the views that had a say at either end.
 void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
-                 const std::vector<NormalSampler>& samplers,
+                 const std::vector<NormalSampler>& samplers, const MeshGraph& graph,
                  const std::vector<Observers>& observers, double max_distance,
                  MeshNormals& blended) {
-  const MeshGraph graph = mesh_graph(mesh);
   blended.edges.assign(graph.neighbour.size(), Eigen::Vector3f::Zero());
   const auto has = [&](std::size_t i) { return blended.views[i] > 0; };
   parallel_for(graph.vertices(), kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<NormalObservation> observations;
     Blender blend_observations(blended.sigma_view);
+    NearViews near;
     for (std::size_t i = begin; i < end; ++i) {
+      if ((i - begin) % kGroup == 0)
+        near = views_near(box_of_edges(mesh, graph, i, std::min(i + kGroup, end)), samplers,
+                          max_distance);
       for (std::size_t k = graph.begin[i]; k < graph.begin[i + 1]; ++k) {
         const std::uint32_t j = graph.neighbour[k];
         if (j < i || !has(i) || !has(j)) continue;
-        collect(samplers, 0.5 * (mesh.vertices[i] + mesh.vertices[j]),
+        collect(samplers, near, 0.5 * (mesh.vertices[i] + mesh.vertices[j]),
                 (mesh_normals[i] + mesh_normals[j]).cast<double>().normalized(), max_distance,
                 observers[i] | observers[j], observations);
         const Blend blend = blend_observations(observations);
@@ -283,7 +225,7 @@ Result<MeshNormals> blend_views(const TriangleMesh& mesh, const std::vector<Rang
   blended.normals.assign(count, Eigen::Vector3f::Zero());
   blended.sigma.assign(count, 0.0f);
   blended.views.assign(count, 0);
-  const auto samplers = prepare(views, options);
+  const auto samplers = normal_samplers(views, options.silhouette_ramp);
   if (!samplers) return samplers.error();
   blended.sample_spacing = median_spacing(*samplers);
   if (samplers->empty()) return blended;
@@ -295,13 +237,18 @@ Result<MeshNormals> blend_views(const TriangleMesh& mesh, const std::vector<Rang
   blended.sigma_view = options.sigma_view > 0.0
                            ? options.sigma_view
                            : scatter(mesh, mesh_normals, *samplers, max_distance);
+  const MeshGraph graph = mesh_graph(mesh);
   std::vector<Observers> observers(count, 0);
   parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<NormalObservation> observations;
     Blender blend_observations(blended.sigma_view);
+    NearViews near;
     for (std::size_t i = begin; i < end; ++i) {
+      if ((i - begin) % kGroup == 0)
+        near = views_near(box_of_edges(mesh, graph, i, std::min(i + kGroup, end)), *samplers,
+                          max_distance);
       if (!mesh.filled.empty() && mesh.filled[i]) continue;
-      observers[i] = collect(*samplers, mesh.vertices[i], mesh_normals[i].cast<double>(),
+      observers[i] = collect(*samplers, near, mesh.vertices[i], mesh_normals[i].cast<double>(),
                              max_distance, kAll, observations);
       const Blend blend = blend_observations(observations);
       if (blend.views == 0) continue;
@@ -310,7 +257,8 @@ Result<MeshNormals> blend_views(const TriangleMesh& mesh, const std::vector<Rang
       blended.views[i] = static_cast<std::uint16_t>(std::min(blend.views, 65535));
     }
   });
-  if (options.edges) blend_edges(mesh, mesh_normals, *samplers, observers, max_distance, blended);
+  if (options.edges)
+    blend_edges(mesh, mesh_normals, *samplers, graph, observers, max_distance, blended);
   blended.measured = static_cast<std::size_t>(
       std::count_if(blended.views.begin(), blended.views.end(), [](auto n) { return n > 0; }));
   if (!report_progress(progress, 1.0, "blend normals")) return interrupted;

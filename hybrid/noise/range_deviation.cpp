@@ -114,6 +114,18 @@ Eigen::VectorXf smoothed(const ViewProblem& problem, const Eigen::VectorXf& from
   return surface.average(level, kWindow * crossover).array() * factor;
 }
 
+// No more than the sample's own range leaves: with a few samples between borders the factor, which
+// is for surfaces, has no bound.
+void limit_to_measured(const ViewProblem& problem, const MeasurementNoise& noise,
+                       Eigen::VectorXf& variance) {
+  const double of_one = noise.sigma_position * noise.sigma_position;
+  for_each_sample(problem, [&](Eigen::Index k, std::uint32_t) {
+    const double confidence = problem.confidence[k];
+    if (confidence > 0.0)
+      variance[k] = std::min(variance[k], static_cast<float>(of_one / confidence));
+  });
+}
+
 }  // namespace
 
 Eigen::VectorXf range_deviation(const ViewProblem& problem, const ViewWeights& weights,
@@ -133,9 +145,10 @@ Eigen::VectorXf range_deviation(const ViewProblem& problem, const ViewWeights& w
   }
   from_noise /= static_cast<float>(options.probes);
   if (with_bias && !add_squared_error(shrinkage(system, y), from_bias)) return {};
-  if (options.crossover > 0.0)
-    return smoothed(problem, from_noise, from_bias, options.crossover).cwiseSqrt();
-  return (from_noise + from_bias).cwiseSqrt();
+  if (!(options.crossover > 0.0)) return (from_noise + from_bias).cwiseSqrt();
+  Eigen::VectorXf variance = smoothed(problem, from_noise, from_bias, options.crossover);
+  limit_to_measured(problem, noise, variance);
+  return variance.cwiseSqrt();
 }
 
 }  // namespace relief::hybrid

@@ -344,6 +344,23 @@ TEST(RangeDeviation, GrowsAtBordersAndWhereNothingIsTrusted) {
   EXPECT_FLOAT_EQ(deviation(10, 85), 0.2f) << "as measured: sigma / sqrt(confidence)";
 }
 
+// Half a plane, and from it strands one sample wide, as at the rim of dark patches.
+TEST(RangeDeviation, IsNoMoreThanTheRangeAloneLeaves) {
+  constexpr double sigma = 0.3;
+  RangeView view = plane_view(96);
+  testing::add_range_noise(view, sigma, 1);
+  testing::add_normal_noise(view, 1.5 * kDegree, 2);
+  for (int v = 0; v < 96; ++v)
+    for (int u = 48; u < 96; ++u)
+      if (v % 8 != 0) view.range(u, v) = kNoSample;
+  RefineOptions options;
+  options.sigma_position = sigma;
+  const auto refined = value_of(refine_view(view, options));
+  const auto largest = std::ranges::max_element(refined.view.deviation);
+  EXPECT_LE(*largest, sigma * (1.0 + 1e-6));
+  EXPECT_LT(refined.view.deviation(20, 50), 0.3 * sigma);
+}
+
 TEST(RangeDeviation, IsLeftOutWhenNotAskedFor) {
   RefineOptions options;
   options.deviation = false;
