@@ -2,7 +2,12 @@
 
 #include "fusion/surface/vertex_attributes.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -63,6 +68,29 @@ TEST(VertexAttributes, ExpectedErrorsFollowWhatViewsKnowOfTheirSamples) {
   for (const Errors& side : {above, below}) {
     EXPECT_GT(side.expected, 0.8 * side.real);
     EXPECT_LT(side.expected, 1.6 * side.real);
+  }
+}
+
+// Views are asked by groups of vertices. Shuffled, each group spans the object.
+TEST(VertexAttributes, DoNotDependOnTheOrderOfVertices) {
+  const auto views = views_with_deviations(0.4, 0.1);
+  TriangleMesh mesh = value_of(merge_views(views)).mesh;
+  TriangleMesh shuffled = mesh;
+  std::vector<std::uint32_t> place(mesh.vertices.size());
+  std::iota(place.begin(), place.end(), 0u);
+  std::shuffle(place.begin(), place.end(), std::mt19937(3));
+  for (std::size_t v = 0; v < place.size(); ++v) shuffled.vertices[place[v]] = mesh.vertices[v];
+  for (auto& face : shuffled.faces)
+    for (std::uint32_t& v : face) v = place[v];
+  std::vector<ViewSampler> samplers;
+  for (const RangeView& view : views) samplers.push_back(value_of(ViewSampler::create(view, {})));
+  const VertexAttributeOptions options{.truncation = 4.0, .voxel_size = 1.0, .view_stddev = 0.3};
+  set_vertex_attributes(mesh, samplers, options);
+  set_vertex_attributes(shuffled, samplers, options);
+  for (std::size_t v = 0; v < place.size(); ++v) {
+    ASSERT_EQ(mesh.views[v], shuffled.views[place[v]]) << v;
+    ASSERT_EQ(mesh.filled[v], shuffled.filled[place[v]]) << v;
+    ASSERT_EQ(mesh.quality[v], shuffled.quality[place[v]]) << v;
   }
 }
 

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -114,6 +116,27 @@ TEST(MeshNormals, TheOrderOfTheViewsAndTheThreadsDoNotMatter) {
   EXPECT_EQ(std::memcmp(normals.normals.data(), other.normals.data(),
                         normals.normals.size() * sizeof(Eigen::Vector3f)),
             0);
+}
+
+// Views are asked by groups of vertices. Shuffled, each group spans the object.
+TEST(MeshNormals, TheOrderOfTheVerticesDoesNotMatter) {
+  const TriangleMesh mesh = sphere_mesh(kRadius, 32);
+  std::vector<std::uint32_t> place(mesh.vertices.size());
+  std::iota(place.begin(), place.end(), 0u);
+  std::shuffle(place.begin(), place.end(), std::mt19937(3));
+  TriangleMesh shuffled = mesh;
+  for (std::size_t v = 0; v < place.size(); ++v) shuffled.vertices[place[v]] = mesh.vertices[v];
+  for (auto& face : shuffled.faces)
+    for (std::uint32_t& v : face) v = place[v];
+  MeshNormalOptions options;
+  options.sigma_view = 0.03;  // Else that of a sample of the vertices.
+  const std::vector<RangeView> views = sphere_views(2.0);
+  const auto normals = value_of(vertex_normals_from_views(mesh, views, options));
+  const auto others = value_of(vertex_normals_from_views(shuffled, views, options));
+  for (std::size_t v = 0; v < place.size(); ++v) {
+    ASSERT_EQ(normals.views[v], others.views[place[v]]) << v;
+    ASSERT_EQ(normals.normals[v], others.normals[place[v]]) << v;
+  }
 }
 
 TEST(MeshNormals, ViewsWithoutNormalsSayNothing) {
