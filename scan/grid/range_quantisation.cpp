@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,8 @@ constexpr double kMultiples = 0.6;
 // steps between runs of equal ranges. Where two steps meet a linear interpolation leaves two
 // samples in between, and one that was done twice four. As many alike are hardly in between.
 constexpr std::size_t kShortestRun = 4, kLongestGap = 4;
+// Runs must be at so many ranges: letters on a plate are runs at two, terraces at a few more.
+constexpr std::size_t kLevels = 8;
 // Two multiples at least, zero among them, must each be had by this part of the differences. An
 // exact plane has one only. Less lets single stray samples count as a second one; more misses
 // surfaces that rise by a step at few samples.
@@ -128,15 +131,24 @@ void add_differences_of_runs(const std::vector<Run>& runs, double step,
   }
 }
 
+// None where the runs are at few ranges, or along one direction only: of an exact plane that leans
+// along columns every row is a run.
 Differences differences_of_runs(const RangeView& view, const Coordinate& coordinate, double step) {
   Differences differences;
+  std::set<double> levels;
   for (const std::size_t axis : {0, 1}) {
     const int lines = axis == 0 ? view.height() : view.width();
-    for (int index = 0; index < lines; ++index)
-      add_differences_of_runs(runs_of(line_of(view, coordinate, axis, index)), step,
-                              differences[axis]);
+    for (int index = 0; index < lines; ++index) {
+      const std::vector<Run> runs = runs_of(line_of(view, coordinate, axis, index));
+      add_differences_of_runs(runs, step, differences[axis]);
+      for (const Run& run : runs) {
+        const auto next = levels.lower_bound(run.value * (1.0 - kRounding));
+        if (next == levels.end() || *next > run.value * (1.0 + kRounding)) levels.insert(run.value);
+      }
+    }
   }
-  return differences;
+  const bool both = std::min(differences[0].size(), differences[1].size()) >= kFewest;
+  return both && levels.size() >= kLevels ? differences : Differences();
 }
 
 // Of a difference, which is not negative: std::floor is one instruction, std::round is a call.

@@ -1,5 +1,6 @@
 #include "scan/grid/range_noise.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -101,6 +102,16 @@ TEST(RangeQuantisation, FindsStepsOfInterpolatedMaps) {
     constexpr double nearest = 290.0;
     EXPECT_GE(estimate_range_noise(view).sigma, step * nearest * nearest / std::sqrt(12.0));
   }
+}
+
+// A slab that leans along the columns, so that each row is a run, with a raised stroke.
+TEST(RangeQuantisation, FindsNoneWhereRowsAreRuns) {
+  RangeView view = testing::render(testing::plane({0, 0, 400}, {0, 0.2, 1}), kPinhole);
+  for (int v = 40; v < 200; ++v)
+    for (int u = 60; u < 120; ++u) view.range(u, v) *= 0.995;
+  for (int v = 40; v < 200; ++v)
+    for (int u = 90; u < 120; ++u) view.range(u, v) *= 0.995;
+  EXPECT_FALSE(find_quantisation(view).exists());
 }
 
 TEST(RangeQuantisation, FindsNoneBetweenRunsOfEnlargedMaps) {
