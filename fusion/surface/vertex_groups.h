@@ -11,8 +11,9 @@
 namespace relief::fusion {
 
 /// Calls visit(v) for the vertices [begin, end) of a mesh. `collector` then asks only the views
-/// that have something to say near v. So the time does not grow with the number of views. Vertices
-/// of near indices are near each other in an extracted mesh; elsewhere the result is the same.
+/// that have something to say near v: all views are looked at once for each group, not for each
+/// vertex. Vertices of near indices are near each other in an extracted mesh. In others the result
+/// is the same, in more time.
 template <typename Visit>
 void visit_in_groups(const TriangleMesh& mesh, std::size_t begin, std::size_t end,
                      TsdfIntegrator& collector, const Visit& visit) {

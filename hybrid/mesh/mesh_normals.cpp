@@ -25,13 +25,28 @@ constexpr double kLeastSigma = 1e-3;  // [rad]; float normals on curved surfaces
 constexpr double kPriorWeight = 3.0;
 constexpr std::size_t kGrain = 2048;  // vertices of one piece of work; changes no result
 // Vertices for which the views near them are looked up together; changes no result. Those of near
-// indices are near each other.
+// indices are near each other in an extracted mesh.
 constexpr std::size_t kGroup = 256;
 
 double median_spacing(const std::vector<NormalSampler>& samplers) {
   std::vector<double> spacings;
   for (const NormalSampler& sampler : samplers) spacings.push_back(sampler.spacing());
   return median(std::move(spacings));
+}
+
+// For each group of vertices the views near these and their neighbours.
+std::vector<NearViews> views_near_groups(const TriangleMesh& mesh, const MeshGraph& graph,
+                                         const std::vector<NormalSampler>& samplers,
+                                         double max_distance) {
+  const std::size_t count = graph.vertices();
+  return parallel_map<NearViews>((count + kGroup - 1) / kGroup, [&](std::size_t group) {
+    const std::size_t begin = group * kGroup, end = std::min(begin + kGroup, count);
+    Eigen::AlignedBox3d box;
+    for (std::size_t i = begin; i < end; ++i) box.extend(mesh.vertices[i]);
+    for (std::size_t k = graph.begin[begin]; k < graph.begin[end]; ++k)
+      box.extend(mesh.vertices[graph.neighbour[k]]);
+    return views_near(box, samplers, max_distance);
+  });
 }
 
 // Which views may have a say somewhere: bit i for view i, i + 64, ...
@@ -141,7 +156,8 @@ class Blender {
 // The median over pairs of views at a sample of the vertices: squared differences of two
 // normals are exponentially distributed with mean 4 sigma^2.
 double scatter(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
-               const std::vector<NormalSampler>& samplers, double max_distance) {
+               const std::vector<NormalSampler>& samplers, const std::vector<NearViews>& near,
+               double max_distance) {
   // Bounds the time. As many pairs tell the scatter to 0.5 % (1 / (2 ln 2 sqrt(n))).
   constexpr std::size_t kVertices = 20000;
   const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kVertices);
@@ -152,9 +168,8 @@ double scatter(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mes
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t i = k * stride;
       if (!mesh.filled.empty() && mesh.filled[i]) continue;
-      const Eigen::AlignedBox3d here(mesh.vertices[i]);
-      collect(samplers, views_near(here, samplers, max_distance), mesh.vertices[i],
-              mesh_normals[i].cast<double>(), max_distance, kAll, observations);
+      collect(samplers, near[i / kGroup], mesh.vertices[i], mesh_normals[i].cast<double>(),
+              max_distance, kAll, observations);
       if (observations.size() >= 2)
         differences[k] = (observations[0].normal - observations[1].normal).squaredNorm();
     }
@@ -172,35 +187,21 @@ double standard_error(const Blend& blend, double sigma) {
   return std::sqrt(variance / blend.effective);
 }
 
-// Of the edges at the vertices [begin, end).
-Eigen::AlignedBox3d box_of_edges(const TriangleMesh& mesh, const MeshGraph& graph,
-                                 std::size_t begin, std::size_t end) {
-  Eigen::AlignedBox3d box;
-  for (std::size_t i = begin; i < end; ++i) box.extend(mesh.vertices[i]);
-  for (std::size_t k = graph.begin[begin]; k < graph.begin[end]; ++k)
-    box.extend(mesh.vertices[graph.neighbour[k]]);
-  return box;
-}
-
 // Asked are the views that had a say at either end.
 void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
                  const std::vector<NormalSampler>& samplers, const MeshGraph& graph,
-                 const std::vector<Observers>& observers, double max_distance,
-                 MeshNormals& blended) {
+                 const std::vector<NearViews>& near, const std::vector<Observers>& observers,
+                 double max_distance, MeshNormals& blended) {
   blended.edges.assign(graph.neighbour.size(), Eigen::Vector3f::Zero());
   const auto has = [&](std::size_t i) { return blended.views[i] > 0; };
   parallel_for(graph.vertices(), kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<NormalObservation> observations;
     Blender blend_observations(blended.sigma_view);
-    NearViews near;
     for (std::size_t i = begin; i < end; ++i) {
-      if ((i - begin) % kGroup == 0)
-        near = views_near(box_of_edges(mesh, graph, i, std::min(i + kGroup, end)), samplers,
-                          max_distance);
       for (std::size_t k = graph.begin[i]; k < graph.begin[i + 1]; ++k) {
         const std::uint32_t j = graph.neighbour[k];
         if (j < i || !has(i) || !has(j)) continue;
-        collect(samplers, near, 0.5 * (mesh.vertices[i] + mesh.vertices[j]),
+        collect(samplers, near[i / kGroup], 0.5 * (mesh.vertices[i] + mesh.vertices[j]),
                 (mesh_normals[i] + mesh_normals[j]).cast<double>().normalized(), max_distance,
                 observers[i] | observers[j], observations);
         const Blend blend = blend_observations(observations);
@@ -234,22 +235,19 @@ Result<MeshNormals> blend_views(const TriangleMesh& mesh, const std::vector<Rang
       options.max_distance > 0.0 ? options.max_distance : 3.0 * blended.sample_spacing;
   const std::vector<Eigen::Vector3f> mesh_normals = vertex_normals(mesh);
   if (!report_progress(progress, 0.3, "blend normals")) return interrupted;
+  const MeshGraph graph = mesh_graph(mesh);
+  const std::vector<NearViews> near = views_near_groups(mesh, graph, *samplers, max_distance);
   blended.sigma_view = options.sigma_view > 0.0
                            ? options.sigma_view
-                           : scatter(mesh, mesh_normals, *samplers, max_distance);
-  const MeshGraph graph = mesh_graph(mesh);
+                           : scatter(mesh, mesh_normals, *samplers, near, max_distance);
   std::vector<Observers> observers(count, 0);
   parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<NormalObservation> observations;
     Blender blend_observations(blended.sigma_view);
-    NearViews near;
     for (std::size_t i = begin; i < end; ++i) {
-      if ((i - begin) % kGroup == 0)
-        near = views_near(box_of_edges(mesh, graph, i, std::min(i + kGroup, end)), *samplers,
-                          max_distance);
       if (!mesh.filled.empty() && mesh.filled[i]) continue;
-      observers[i] = collect(*samplers, near, mesh.vertices[i], mesh_normals[i].cast<double>(),
-                             max_distance, kAll, observations);
+      observers[i] = collect(*samplers, near[i / kGroup], mesh.vertices[i],
+                             mesh_normals[i].cast<double>(), max_distance, kAll, observations);
       const Blend blend = blend_observations(observations);
       if (blend.views == 0) continue;
       blended.normals[i] = blend.normal.cast<float>();
@@ -258,7 +256,7 @@ Result<MeshNormals> blend_views(const TriangleMesh& mesh, const std::vector<Rang
     }
   });
   if (options.edges)
-    blend_edges(mesh, mesh_normals, *samplers, graph, observers, max_distance, blended);
+    blend_edges(mesh, mesh_normals, *samplers, graph, near, observers, max_distance, blended);
   blended.measured = static_cast<std::size_t>(
       std::count_if(blended.views.begin(), blended.views.end(), [](auto n) { return n > 0; }));
   if (!report_progress(progress, 1.0, "blend normals")) return interrupted;
