@@ -38,6 +38,9 @@ constexpr double kMultiples = 0.6;
 // steps between runs of equal ranges. Where two steps meet a linear interpolation leaves two
 // samples in between, and one that was done twice four. As many alike are hardly in between.
 constexpr std::size_t kShortestRun = 4, kLongestGap = 4;
+// Of neighbours this part must be equal for runs to be looked for, which takes all samples: of runs
+// with such gaps three in eight are. Ranges that were not rounded have next to none.
+constexpr double kEqual = 0.05;
 // Runs must be at so many ranges: letters on a plate are runs at two, terraces at a few more.
 constexpr std::size_t kLevels = 8;
 // Two multiples at least, zero among them, must each be had by this part of the differences. An
@@ -80,6 +83,15 @@ Differences differences_of(const RangeView& view, const Coordinate& coordinate, 
     }
   }
   return differences;
+}
+
+bool many_are_equal(const Differences& differences) {
+  return std::all_of(differences.begin(), differences.end(), [](const auto& along) {
+    const auto equal = std::count_if(along.begin(), along.end(), [](const Difference& difference) {
+      return difference.value <= difference.error;
+    });
+    return static_cast<double>(equal) > kEqual * static_cast<double>(along.size());
+  });
 }
 
 // The coordinates of a row or a column of a view, NaN where there is no sample.
@@ -246,10 +258,11 @@ RangeQuantisation find_quantisation(const RangeView& view) {
     RangeQuantisation found;
     found.along_ray = along_ray;
     const Step step = find_step(differences_of(view, {along_ray, false}, 0.0));
-    Step inverse = find_step(differences_of(view, {along_ray, true}, 0.0));
+    const Differences inverses = differences_of(view, {along_ray, true}, 0.0);
+    Step inverse = find_step(inverses);
     if (step.size > 0.0 && inverse.size == 0.0)
       inverse = find_step(differences_of(view, {along_ray, true}, step.size));
-    if (inverse.size == 0.0)
+    if (inverse.size == 0.0 && many_are_equal(inverses))
       inverse = find_step(differences_of_runs(view, {along_ray, true}, step.size));
     // Where the range hardly changes the one looks much like the other.
     const double typical = median_range(view, along_ray);
