@@ -13,6 +13,7 @@
 #include "scan/io/project/json/spec_json_private.h"
 #include "scan/io/workspaces/middlebury_par.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/depth_scale.h"
 
 namespace relief {
 
@@ -38,12 +39,6 @@ constexpr std::array kRoleWords{
     RoleWord{"color", ImageRole::kColour},    RoleWord{"colour", ImageRole::kColour},
     RoleWord{"rgb", ImageRole::kColour},      RoleWord{"albedo", ImageRole::kColour},
     RoleWord{"image", ImageRole::kColour}};
-
-std::string in_lower_case(std::string text) {
-  for (char& letter : text)
-    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  return text;
-}
 
 // The letters of a name in groups: `view01_depth` has `view`, `01` and `depth`.
 std::vector<std::string> words_of(const std::string& name) {
@@ -79,7 +74,7 @@ struct ImageName {
 
 ImageName name_of_image(const fs::path& file) {
   ImageName name;
-  for (const std::string& word : words_of(in_lower_case(file.stem().string()))) {
+  for (const std::string& word : words_of(lower_case(file.stem().string()))) {
     const auto found = role_of_word(word);
     if (found && !name.role) {
       name.role = found;
@@ -102,7 +97,7 @@ struct NamedImage {
 std::optional<NamedImage> named_image(const fs::path& file, const std::string& folder_name) {
   ImageName name = name_of_image(file);
   if (!name.role)
-    for (const std::string& word : words_of(in_lower_case(folder_name)))
+    for (const std::string& word : words_of(lower_case(folder_name)))
       if (!name.role && word.size() > 1) name.role = role_of_word(word);
   const bool can_be_depth = has_depth_image_ending(file);
   if (!name.role || (name.role == ImageRole::kDepth && !can_be_depth)) return std::nullopt;
@@ -276,17 +271,23 @@ Result<FolderGuess> guess_project(const fs::path& folder, const ReadProjectOptio
 Result<ProjectSpec> read_depth_maps(const fs::path& folder, const ReadProjectOptions& options) {
   auto guess = guess_from_images(folder, options, "no list or calibration is beside the images");
   if (!guess) return guess.error();
-  bool assumed = false;
-  for (ViewSpec& view : guess->project.views) {
-    if (options.depth_scale || !holds_whole_numbers(view.depth->file)) continue;
-    view.depth->scale = 0.001;
-    assumed = true;
+  const auto whole_numbers = [](const ViewSpec& view) {
+    return holds_whole_numbers(view.depth->file);
+  };
+  std::vector<ViewSpec>& views = guess->project.views;
+  const bool assumes =
+      !options.depth_scale && std::any_of(views.begin(), views.end(), whole_numbers);
+  if (assumes) {
+    auto assumed = assume_depth_scale(guess->project, kMillimetres);
+    if (!assumed)
+      return bad_input(folder,
+                       "its depth maps hold whole numbers: give --depth-scale, their steps to the "
+                       "unit, as 1000 to the metre");
+    for (ViewSpec& view : views)
+      if (whole_numbers(view)) view.depth->scale = assumed->metres_per_value;
+    guess->findings.push_back(std::move(assumed->note));
   }
-  if (assumed)
-    guess->findings.push_back(
-        "no scale of the depth maps is given: their values are taken as millimetres; "
-        "--depth-scale N says how many make a metre");
-  if (assumed || options.depth_scale) guess->project.unit = "m";
+  if (assumes || options.depth_scale) guess->project.unit = "m";
   guess->project.notes = std::move(guess->findings);
   return std::move(guess->project);
 }

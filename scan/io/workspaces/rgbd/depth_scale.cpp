@@ -13,7 +13,6 @@ namespace relief {
 
 namespace {
 
-constexpr double kMillimetres = 1000.0;  // To the metre.
 // Values per metre that cameras and sets of 16-bit images use: millimetres; TUM's; a tenth of a
 // millimetre (short-range stereo); a quarter (RealSense L515).
 constexpr double kUsualScales[] = {1000.0, 5000.0, 10000.0, 4000.0};

@@ -7,6 +7,9 @@
 
 namespace relief {
 
+/// To the metre: what most cameras write.
+inline constexpr double kMillimetres = 1000.0;
+
 /// A scale of depth maps that nobody stated.
 struct AssumedDepthScale {
   double metres_per_value = 0.0;

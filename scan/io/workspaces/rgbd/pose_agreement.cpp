@@ -14,8 +14,8 @@ namespace relief {
 
 namespace {
 
-constexpr std::size_t kSteps = 4;           // between frames compared with all; bounds the time
-constexpr int kStep = 8;                    // pixels between those compared; bounds the time
+constexpr std::size_t kFrameSteps = 4;      // between frames compared with all; bounds the time
+constexpr int kPixelStep = 8;               // between pixels compared; bounds the time
 constexpr std::size_t kEnoughPixels = 200;  // for a median that chance does not decide
 
 struct PosedDepth {
@@ -31,13 +31,14 @@ std::optional<PosedDepth> read_posed_depth(const ViewSpec& view) {
   return PosedDepth{std::move(*depth), view.world_from_view};
 }
 
-std::vector<Eigen::Vector3d> points_in_world(const PosedDepth& from, const PinholeIntrinsics& k) {
-  const Camera camera = Camera::pinhole(from.depth.width, from.depth.height, k);
+std::vector<Eigen::Vector3d> points_in_world(const Image& depth, const PinholeIntrinsics& k,
+                                             const RigidMotion& world_from_view) {
+  const Camera camera = Camera::pinhole(depth.width, depth.height, k);
   std::vector<Eigen::Vector3d> points;
-  for (int v = 0; v < from.depth.height; v += kStep)
-    for (int u = 0; u < from.depth.width; u += kStep)
-      if (const double z = from.depth(u, v); z > 0.0 && std::isfinite(z))
-        points.push_back(from.world_from_view * camera.ray(u, v).at(z));
+  for (int v = 0; v < depth.height; v += kPixelStep)
+    for (int u = 0; u < depth.width; u += kPixelStep)
+      if (const double z = depth(u, v); z > 0.0 && std::isfinite(z))
+        points.push_back(world_from_view * camera.ray(u, v).at(z));
   return points;
 }
 
@@ -46,7 +47,7 @@ std::vector<Eigen::Vector3d> points_in_world(const PosedDepth& from, const Pinho
 std::vector<std::pair<std::size_t, std::size_t>> pairs_to_compare(std::size_t frames) {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   if (frames < 2) return pairs;
-  const std::size_t step = std::max<std::size_t>(1, (frames - 1) / kSteps);
+  const std::size_t step = std::max<std::size_t>(1, (frames - 1) / kFrameSteps);
   for (std::size_t i = 0; i + 1 < frames; i += step) {
     if (step > 1) pairs.emplace_back(i, i + 1);
     for (std::size_t j = i + step; j < frames; j += step) pairs.emplace_back(i, j);
@@ -54,10 +55,12 @@ std::vector<std::pair<std::size_t, std::size_t>> pairs_to_compare(std::size_t fr
   return pairs;
 }
 
-PosedDepth scaled(PosedDepth frame, double factor) {
-  if (factor != 1.0)
-    for (float& z : frame.depth.samples) z *= static_cast<float>(factor);
-  return frame;
+// The frame in a world of which `factor` is the unit: depths keep their values, and agree as
+// before.
+RigidMotion pose_in_units(const PosedDepth& frame, double factor) {
+  RigidMotion pose = frame.world_from_view;
+  pose.translation() /= factor;
+  return pose;
 }
 
 }  // namespace
@@ -73,9 +76,9 @@ std::vector<std::optional<double>> disagreements_at_poses(
     if (!from || !onto) continue;
     for (std::size_t k = 0; k < readings.size(); ++k) {
       const auto& [intrinsics, factor] = readings[k];
-      const PosedDepth target = scaled(*onto, factor);
-      const auto found = depth_differences(target.depth, intrinsics, target.world_from_view,
-                                           points_in_world(scaled(*from, factor), intrinsics));
+      const auto found =
+          depth_differences(onto->depth, intrinsics, pose_in_units(*onto, factor),
+                            points_in_world(from->depth, intrinsics, pose_in_units(*from, factor)));
       differences[k].insert(differences[k].end(), found.begin(), found.end());
     }
   }

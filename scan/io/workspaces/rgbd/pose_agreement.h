@@ -15,8 +15,8 @@ struct DepthReading {
 };
 
 /// How much the depth maps disagree at their poses, for each reading: the median of |depth - z| / z
-/// over a few pairs of frames. Nothing where too few pixels meet, where
-/// frames have no poses, or where they cannot be read.
+/// over a few pairs of frames. Nothing where too few pixels meet, where frames have no poses, or
+/// where they cannot be read.
 std::vector<std::optional<double>> disagreements_at_poses(
     const ProjectSpec& project, const std::vector<DepthReading>& readings);
 

@@ -129,8 +129,7 @@ Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& fo
 struct RgbdSetting {
   std::optional<PinholeIntrinsics> intrinsics;
   std::optional<ImageSize> size;
-  double depth_step = 1.0;    // [m]
-  bool states_scale = false;  // Or `depth_step` is to be assumed.
+  std::optional<double> depth_step;  // [m]; nothing where nobody states it.
 };
 
 Error without_scale(const fs::path& folder) {
@@ -160,7 +159,6 @@ Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found
                      : calibration.depth_scale ? calibration.depth_scale
                                                : found.depth_scale;
   if (scale && !(*scale > 0.0)) return without_scale(folder);
-  setting.states_scale = scale.has_value();
   if (scale) setting.depth_step = metres_per_step(*scale);
   return setting;
 }
@@ -199,7 +197,7 @@ Result<void> add_frame(const fs::path& folder, const RgbdFrame& frame,
   view.name =
       free_view_name(frame.name, [&](const std::string& name) { return names.contains(name); });
   names.insert(view.name);
-  view.depth = DepthSpec{frame.depth, setting.depth_step, false};
+  view.depth = DepthSpec{frame.depth, setting.depth_step.value_or(1.0), false};
   view.camera = *camera;
   if (frame.colour && colours_fit(frame))
     view.colour = ImageFile{*frame.colour};
@@ -253,7 +251,7 @@ Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& 
         !added)
       return added.error();
   add_counts(*poses, misfits, project.notes);
-  if (!setting->states_scale)
+  if (!setting->depth_step)
     if (auto taken = take_assumed_scale(folder, found->usual_depth_scale, project); !taken)
       return taken.error();
   if (auto note = note_on_mirrored_images(project)) project.notes.push_back(std::move(*note));

@@ -168,24 +168,31 @@ Result<void> take_pose_file(const fs::path& path, RgbdFrames& found, RgbdFrame& 
   return {};
 }
 
-// The colour image of a named frame.
-std::optional<fs::path> colour_beside(const fs::path& depth, const FrameName& frame) {
-  for (const char* part : {"color", "colour", "rgb"})
-    for (const char* ending : {".png", ".jpg", ".jpeg"})
-      if (const fs::path file = frame.beside(depth, std::string(part) + ending); is_file(file))
-        return file;
-  return std::nullopt;
+// The colour images of named frames, by their names: `frame-000000.color.png`, `000000_rgb.jpg`.
+std::map<std::string, fs::path> named_colours(const std::vector<fs::path>& files) {
+  std::map<std::string, fs::path> colours;
+  for (const fs::path& file : files) {
+    const std::string stem = file.stem().string();
+    const std::size_t end = stem.find_last_of("._-");
+    if (!has_photograph_ending(file) || end == std::string::npos) continue;
+    const std::string part = lower_case(stem.substr(end + 1));
+    if (part == "color" || part == "rgb") colours.emplace(stem.substr(0, end), file);
+  }
+  return colours;
 }
 
 Result<RgbdFrames> named_frames(const fs::path& folder) {
+  const auto files = files_in(folder);
+  const auto colours = named_colours(files);
   RgbdFrames found;
-  for (const fs::path& file : files_in(folder)) {
+  for (const fs::path& file : files) {
     const auto named = frame_of_depth(file);
     if (!named) continue;
     RgbdFrame frame;
     frame.name = named->name;
     frame.depth = file;
-    frame.colour = colour_beside(file, *named);
+    if (const auto colour = colours.find(frame.name); colour != colours.end())
+      frame.colour = colour->second;
     if (auto taken = take_pose_file(named->beside(file, "pose.txt"), found, frame); !taken)
       return taken.error();
     found.frames.push_back(std::move(frame));

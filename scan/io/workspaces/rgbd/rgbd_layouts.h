@@ -8,6 +8,7 @@
 
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
+#include "scan/io/workspaces/rgbd/depth_scale.h"
 #include "scan/io/workspaces/rgbd/trajectories.h"
 
 namespace relief {
@@ -26,9 +27,9 @@ struct RgbdFrame {
 
 struct RgbdFrames {
   std::vector<RgbdFrame> frames;
-  bool poses_in_files = false;        ///< Each frame may have a file with its pose.
-  std::optional<double> depth_scale;  ///< Where the layout defines it.
-  double usual_depth_scale = 1000.0;  ///< Of sets in this layout, where nobody says another.
+  bool poses_in_files = false;              ///< Each frame may have a file with its pose.
+  std::optional<double> depth_scale;        ///< Where the layout defines it.
+  double usual_depth_scale = kMillimetres;  ///< Of sets in this layout, where nobody says another.
   std::vector<std::string> notes;
 };
 

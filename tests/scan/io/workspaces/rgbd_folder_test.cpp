@@ -220,7 +220,7 @@ TEST_F(RgbdFolder, NamedFrames) {
 
 TEST_F(RgbdFolder, NamedFramesWithOtherSeparators) {
   write("000000_depth.png", png_head(5));
-  write("000000_rgb.png", png_head(5));
+  write("000000_RGB.PNG", png_head(5));
   EXPECT_FALSE(is_rgbd_folder(folder_.path()));
   write("000000_pose.txt", kPose);
   const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
