@@ -185,13 +185,10 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
 // Per vertex of the mesh, beyond the mesh itself [bytes]. It changes no result.
 constexpr std::size_t kVertexAttributes = 80;
 
-std::unique_ptr<MemoryLimit> limit_of(const Context& context, std::vector<std::string>& notes) {
-  if (context.memory == 0) return nullptr;
-  auto limit = std::make_unique<MemoryLimit>(context.memory, context.temporary_folder);
-  if (limit->folder_is_memory())
+void note_files_in_memory(const MemoryLimit* limit, std::vector<std::string>& notes) {
+  if (limit && limit->folder_is_memory())
     notes.push_back("temporary files in " + limit->folder().string() +
                     " lie in memory themselves: the limit spares the machine nothing");
-  return limit;
 }
 
 // All of the zero set. The field, the largest thing there is, is gone afterwards.
@@ -237,12 +234,13 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   const Error interrupted{ErrorKind::kInterrupted, "merging was interrupted"};
   MergeResult result;
   if (!report_progress(context.progress, 0.0, "merge")) return interrupted;
-  const std::unique_ptr<MemoryLimit> memory = limit_of(context, result.notes);
-  const auto inputs = look_at(views, context.store != nullptr, memory.get());
+  MemoryLimit* const memory = current_memory_limit();
+  note_files_in_memory(memory, result.notes);
+  const auto inputs = look_at(views, context.store != nullptr, memory);
   if (!inputs) return inputs.error();
   const SampleQuality& quality = inputs->quality;
   const Progress preparing = part_of(context.progress, 0.0, kPrepared);
-  Preparation prepare(options, quality.deviation, memory.get(), preparing);
+  Preparation prepare(options, quality.deviation, memory, preparing);
   auto samplers = prepare(views, result.notes);
   if (!samplers) return samplers.error();
   release_freed_memory();
@@ -253,7 +251,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   choose_scales(*samplers, options, quality.refined, errors, result);
 
   const FieldUnits units(context.store, ContentHash().add(inputs->hashes, options).hex());
-  auto mesh = closed_surface(*samplers, units, result, memory.get(), context.progress);
+  auto mesh = closed_surface(*samplers, units, result, memory, context.progress);
   if (!mesh) return mesh.error();
   result.mesh = std::move(mesh).value();
   release_freed_memory();
@@ -266,31 +264,28 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
     return Error{ErrorKind::kUnsolvable,
                  "no surface was found: the voxel size is too large for the object"};
   if (!report_progress(context.progress, kMesh, "turn edges along creases")) return interrupted;
-  align_edges_with_creases(result.mesh, {result.voxel_size, result.view_noise, memory.get()});
-  if (const auto room = make_room(memory.get(), kMeshCheckBytes * result.mesh.vertices.size());
-      !room)
+  align_edges_with_creases(result.mesh, {result.voxel_size, result.view_noise, memory});
+  if (const auto room = make_room(memory, kMeshCheckBytes * result.mesh.vertices.size()); !room)
     return room.error();
   result.check = check_mesh(result.mesh);
   if (!result.check.watertight()) return failed_check(result.check);
 
   if (!report_progress(context.progress, kSurface, "measure the surface")) return interrupted;
-  if (const auto room = make_room(memory.get(), kVertexAttributes * result.mesh.vertices.size());
-      !room)
+  if (const auto room = make_room(memory, kVertexAttributes * result.mesh.vertices.size()); !room)
     return room.error();
   const VertexAttributeOptions measure{.truncation = result.truncation,
                                        .voxel_size = result.voxel_size,
                                        .view_stddev = std::max(result.view_noise, errors.stddev),
                                        .nominal_deviation = quality.deviation,
-                                       .memory = memory.get(),
+                                       .memory = memory,
                                        .view_indices = prepare.indices()};
   set_vertex_attributes(result.mesh, *samplers, measure);
-  const FairFillOptions fair{result.truncation, result.voxel_size, memory.get()};
+  const FairFillOptions fair{result.truncation, result.voxel_size, memory};
   const Progress closing = part_of(context.progress, kMeasured, kMeasured);
   const auto notes = fair_holes(fair, *samplers, result.mesh, result.check, closing);
   if (!notes) return notes.error();
   result.notes.insert(result.notes.end(), notes->begin(), notes->end());
-  if (const auto room = make_room(memory.get(), kVertexAttributes * result.mesh.vertices.size());
-      !room)
+  if (const auto room = make_room(memory, kVertexAttributes * result.mesh.vertices.size()); !room)
     return room.error();
   set_filled_quality(result.mesh);
   set_vertex_colours(result.mesh, *samplers, measure);
@@ -299,7 +294,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
     open_holes(result.mesh, options.keep_holes ? 0.0 : options.largest_fill);
     result.check = check_mesh(result.mesh);
   }
-  if (const auto kept = check(memory.get()); !kept) return kept.error();
+  if (const auto kept = check(memory); !kept) return kept.error();
   report_progress(context.progress, 1.0, "merge");
   return result;
 }

@@ -10,9 +10,6 @@ namespace relief::hybrid {
 /// Memory that refine_view() takes at most, beyond its input and its result [bytes].
 std::size_t memory_to_refine(const RangeView& view, Solver solver);
 
-/// Memory of the refined views [bytes].
-std::size_t memory_of_refined(const std::vector<RangeView>& views);
-
 /// How many of `views` are refined at once: as many as there are threads, as long as the memory
 /// that refining the largest ones takes beyond that of the views themselves stays within `memory`
 /// [bytes]; 0: half of usable_memory(). At least one.

@@ -7,6 +7,7 @@
 #include "hybrid/model/view_part.h"
 #include "hybrid/refine_memory.h"
 #include "relief/hybrid/refine_view.h"
+#include "scan/base/memory/memory_limit.h"
 #include "scan/base/parallel.h"
 #include "scan/base/system/system_memory.h"
 
@@ -19,19 +20,10 @@ namespace {
 constexpr std::size_t kPixel = 100;
 std::size_t bytes_per_sample(Solver solver) { return solver == Solver::kMultigrid ? 300 : 2900; }
 
-// The grids of a refined view [bytes per pixel].
-constexpr std::size_t kRefinedPixel = 30;
-
 }  // namespace
 
 std::size_t memory_to_refine(const RangeView& view, Solver solver) {
   return kPixel * part_to_refine(view).pixels() + bytes_per_sample(solver) * view.sample_count();
-}
-
-std::size_t memory_of_refined(const std::vector<RangeView>& views) {
-  std::size_t pixels = 0;
-  for (const RangeView& view : views) pixels += view.range.size();
-  return kRefinedPixel * pixels;
 }
 
 int views_at_once(const std::vector<RangeView>& views, const RefineOptions& options,
@@ -48,10 +40,11 @@ int views_at_once(const std::vector<RangeView>& views, const RefineOptions& opti
 
 namespace {
 
-// What a limit on the whole process leaves for refining; at least one byte.
-std::size_t memory_left(const std::vector<RangeView>& views, std::size_t limit) {
+// What a limit on the whole process leaves for refining; at least one byte. Refined views lie in
+// files, but for what a limit lets grids have in memory.
+std::size_t memory_left(std::size_t limit) {
   if (limit == 0) return 0;
-  const std::size_t taken = resident_memory() + memory_of_refined(views);
+  const std::size_t taken = resident_beyond_files() + MemoryLimit::most_of_grids(limit);
   return std::max(limit, taken + 1) - taken;
 }
 
@@ -59,7 +52,7 @@ std::size_t memory_left(const std::vector<RangeView>& views, std::size_t limit) 
 std::vector<std::optional<Result<RefinedView>>> refine_some_at_once(
     const std::vector<RangeView>& views, const RefineOptions& options, const Context& context,
     const RefineOne& refine) {
-  const int at_once = views_at_once(views, options, memory_left(views, context.memory));
+  const int at_once = views_at_once(views, options, memory_left(context.memory));
   Context of_view = context;
   of_view.threads = std::max(1, thread_count() / at_once);
   std::vector<std::optional<Result<RefinedView>>> results(views.size());

@@ -1,5 +1,6 @@
 #include "relief/reconstruction/build_model.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,13 +17,9 @@ namespace {
 // Views without normals polish nothing.
 Result<void> check_room_to_polish(const std::vector<RangeView>& views, const TriangleMesh& mesh,
                                   std::size_t limit) {
-  std::size_t pixels = 0;
-  bool any_normals = false;
-  for (const RangeView& view : views) {
-    pixels += view.range.size();
-    any_normals |= view.has_normals();
-  }
-  return check_memory_to_polish(pixels, mesh.vertices.size(), any_normals ? limit : 0);
+  const bool any_normals = std::any_of(views.begin(), views.end(),
+                                       [](const RangeView& view) { return view.has_normals(); });
+  return check_memory_to_polish(mesh.vertices.size(), any_normals ? limit : 0);
 }
 
 // The units of a model depend on these.

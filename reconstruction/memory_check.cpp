@@ -5,7 +5,7 @@
 
 #include "hybrid/refine_memory.h"
 #include "relief/hybrid/refine_view.h"
-#include "scan/base/system/system_memory.h"
+#include "scan/base/memory/memory_limit.h"
 
 namespace relief::reconstruction {
 
@@ -14,9 +14,8 @@ namespace {
 constexpr int kMebibyteBits = 20;
 
 // Measured on the bear, the bunny and five views of a Kinect (docs/results.md).
-constexpr std::size_t kAlignedPixel = 24;     // Surfaces for alignment [bytes per pixel].
-constexpr std::size_t kPolishedPixel = 30;    // Views [bytes per pixel].
-constexpr std::size_t kPolishedVertex = 550;  // Mesh, its graph and the system [bytes per vertex].
+constexpr std::size_t kAlignedPixel = 8;      // Samples for alignment [bytes per pixel].
+constexpr std::size_t kPolishedVertex = 320;  // Mesh, its graph and the system [bytes per vertex].
 
 Result<void> compare(const std::string& work, std::size_t needed, std::size_t limit,
                      const std::string& remedy) {
@@ -40,14 +39,14 @@ Result<void> check_memory_to_refine(const std::vector<RangeView>& views,
     if (view.has_normals())
       largest = std::max(largest, hybrid::memory_to_refine(view, options.solver));
   }
-  const std::size_t refining = largest > 0 ? largest + hybrid::memory_of_refined(views) : 0;
+  const std::size_t refining = largest > 0 ? largest + MemoryLimit::most_of_grids(limit) : 0;
   return compare("aligning and refining the views",
-                 resident_memory() + std::max(kAlignedPixel * pixels, refining), limit,
+                 resident_beyond_files() + std::max(kAlignedPixel * pixels, refining), limit,
                  "raise the limit, or give fewer views");
 }
 
-Result<void> check_memory_to_polish(std::size_t pixels, std::size_t vertices, std::size_t limit) {
-  return compare("polishing", kPolishedPixel * pixels + kPolishedVertex * vertices, limit,
+Result<void> check_memory_to_polish(std::size_t vertices, std::size_t limit) {
+  return compare("polishing", kPolishedVertex * vertices, limit,
                  "raise the limit, or merge without polishing (--no-polish)");
 }
 

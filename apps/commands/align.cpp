@@ -7,6 +7,7 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
+#include "apps/options/memory_option.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/stages/alignment_report.h"
 #include "relief/registration/align_views.h"
@@ -20,6 +21,7 @@ struct AlignCommand {
   CommonOptions common;
   ProjectInput input;
   registration::AlignOptions options;
+  MemoryFlag memory;
   std::filesystem::path output;
   std::vector<std::filesystem::path> exports;
 };
@@ -65,7 +67,14 @@ void add_align(CLI::App& app, Action& action) {
   add_export_option(*sub, command->exports);
   add_align_options(*sub, command->options);
   add_common_options(*sub, command->common);
-  sub->callback([command, &action] { action = [command] { return align(*command); }; });
+  add_memory_option(*sub, command->memory,
+                    "views that do not fit lie in temporary files beside the output");
+  sub->callback([command, &action] {
+    action = [command] {
+      return work_within(command->memory, command->output.parent_path(),
+                         [&] { return align(*command); });
+    };
+  });
 }
 
 }  // namespace relief

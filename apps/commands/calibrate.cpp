@@ -6,6 +6,7 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
+#include "apps/options/memory_option.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/stages/alignment_report.h"
 #include "apps/reports/stages/calibration_report.h"
@@ -22,6 +23,7 @@ struct CalibrateCommand {
   ProjectInput input;
   registration::AlignOptions align;
   registration::CalibrationOptions options;
+  MemoryFlag memory;
   std::filesystem::path output;
 };
 
@@ -67,7 +69,12 @@ void add_calibrate(CLI::App& app, Action& action) {
   add_align_options(*sub, command->align);
   add_calibration_options(*sub, command->options);
   add_common_options(*sub, command->common);
-  sub->callback([command, &action] { action = [command] { return calibrate(*command); }; });
+  add_memory_option(*sub, command->memory, "views that do not fit lie in temporary files in DIR");
+  sub->callback([command, &action] {
+    action = [command] {
+      return work_within(command->memory, command->output, [&] { return calibrate(*command); });
+    };
+  });
 }
 
 }  // namespace relief

@@ -8,6 +8,7 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
+#include "apps/options/memory_option.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/stages/refinement_report.h"
 #include "relief/hybrid/refine_view.h"
@@ -64,9 +65,16 @@ void add_refine(CLI::App& app, Action& action) {
   add_background_option(*sub, command->input);
   sub->add_option("-o,--output", command->output, "Folder for the refined project")->required();
   add_refine_options(*sub, command->flags);
-  add_memory_option(*sub, command->memory, "fewer views are refined at once");
+  add_memory_option(
+      *sub, command->memory,
+      "fewer views are refined at once, views that do not fit lie in temporary files in "
+      "DIR");
   add_common_options(*sub, command->common);
-  sub->callback([command, &action] { action = [command] { return refine(*command); }; });
+  sub->callback([command, &action] {
+    action = [command] {
+      return work_within(command->memory, command->output, [&] { return refine(*command); });
+    };
+  });
 }
 
 }  // namespace relief

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "apps/options/number_checks.h"
-#include "scan/base/system/control_groups.h"
 
 namespace relief {
 
@@ -94,23 +93,6 @@ void add_refine_options(CLI::App& command, RefineFlags& flags) {
   group->add_option("--solver", options.solver, "Linear solver: multigrid or cholesky")
       ->transform(CLI::CheckedTransformer(kSolvers))
       ->default_str("multigrid");
-}
-
-void add_memory_option(CLI::App& command, MemoryFlag& flag, const std::string& what) {
-  command
-      .add_option(
-          "--memory", flag.mebibytes,
-          "Memory to keep to, as 4G or 800M; a number alone is in MiB: " + what + "; 0: no limit")
-      ->transform(CLI::AsNumberWithUnit(
-          std::map<std::string, std::size_t>{{"M", 1}, {"G", 1 << 10}, {"T", 1 << 20}}))
-      ->default_str("what the control group leaves, if it has a limit");
-}
-
-std::size_t MemoryFlag::bytes(const std::filesystem::path& root) const {
-  // A tenth is for what is not resident: page tables, and pages of files not yet written.
-  constexpr double kShare = 0.9;
-  if (mebibytes) return *mebibytes << 20;
-  return static_cast<std::size_t>(kShare * static_cast<double>(memory_in_groups(root)));
 }
 
 void add_align_options(CLI::App& command, registration::AlignOptions& options) {

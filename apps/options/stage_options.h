@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -13,17 +12,6 @@
 #include "relief/registration/calibrate_views.h"
 
 namespace relief {
-
-/// Memory of the whole process.
-struct MemoryFlag {
-  /// 0: no limit. Not given: what control groups leave (a container, a batch job), if they do.
-  std::optional<std::size_t> mebibytes;
-
-  /// The limit now, 0: none. `root`: see memory_in_groups().
-  std::size_t bytes(const std::filesystem::path& root = "/") const;
-};
-/// `what`: what is done to keep to the limit.
-void add_memory_option(CLI::App& command, MemoryFlag& flag, const std::string& what);
 
 /// Bind the flags of each stage to the fields of its options, which hold the defaults.
 void add_align_options(CLI::App& command, registration::AlignOptions& options);

@@ -4,9 +4,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "fusion/memory/memory_limit.h"
 #include "fusion/views/view_sampler.h"
 #include "relief/scan/triangle_mesh.h"
+#include "scan/base/memory/memory_limit.h"
 
 namespace relief::fusion {
 

@@ -7,8 +7,8 @@
 #include <Eigen/Core>
 
 #include "fusion/holes/plates/thin_plate.h"
-#include "fusion/memory/memory_limit.h"
 #include "relief/scan/triangle_mesh.h"
+#include "scan/base/memory/memory_limit.h"
 
 namespace relief::fusion {
 

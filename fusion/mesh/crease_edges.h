@@ -2,8 +2,8 @@
 
 #include <cstddef>
 
-#include "fusion/memory/memory_limit.h"
 #include "relief/scan/triangle_mesh.h"
+#include "scan/base/memory/memory_limit.h"
 
 namespace relief::fusion {
 

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <vector>
 
-#include "fusion/memory/memory_limit.h"
 #include "fusion/tsdf/lattice.h"
 #include "fusion/tsdf/sparse_field.h"
 #include "fusion/views/view_sampler.h"
+#include "scan/base/memory/memory_limit.h"
 
 namespace relief::fusion {
 

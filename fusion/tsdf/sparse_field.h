@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "fusion/memory/paged_array.h"
 #include "fusion/tsdf/lattice.h"
+#include "scan/base/memory/paged_array.h"
 
 namespace relief::fusion {
 

@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 
-#include "fusion/memory/paged_array.h"
 #include "relief/scan/grid.h"
+#include "scan/base/memory/paged_array.h"
 
 namespace relief::fusion {
 

@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "fusion/memory/paged_array.h"
 #include "relief/scan/range_view.h"
+#include "scan/base/memory/paged_array.h"
 #include "scan/surface/observation_weights.h"
 
 namespace relief::fusion {

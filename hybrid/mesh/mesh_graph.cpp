@@ -13,8 +13,8 @@ constexpr std::size_t kGrain = 4096;  // Of one piece of work; changes no result
 
 // The faces at each vertex, in rising order.
 struct FaceLists {
-  std::vector<std::size_t> begin;
-  std::vector<std::uint32_t> face;
+  PagedVector<std::size_t> begin;
+  PagedVector<std::uint32_t> face;
 };
 
 FaceLists faces_at_vertices(const TriangleMesh& mesh) {
@@ -24,7 +24,7 @@ FaceLists faces_at_vertices(const TriangleMesh& mesh) {
     for (const std::uint32_t v : face) ++lists.begin[v + 1];
   std::partial_sum(lists.begin.begin(), lists.begin.end(), lists.begin.begin());
   lists.face.resize(lists.begin.back());
-  std::vector<std::size_t> next(lists.begin.begin(), lists.begin.end() - 1);
+  PagedVector<std::size_t> next(lists.begin.begin(), lists.begin.end() - 1);
   for (std::size_t f = 0; f < mesh.faces.size(); ++f)
     for (const std::uint32_t v : mesh.faces[f])
       lists.face[next[v]++] = static_cast<std::uint32_t>(f);
@@ -36,7 +36,7 @@ FaceLists faces_at_vertices(const TriangleMesh& mesh) {
 MeshGraph mesh_graph(const TriangleMesh& mesh) {
   const FaceLists lists = faces_at_vertices(mesh);
   const std::size_t count = mesh.vertices.size();
-  std::vector<double> third(mesh.faces.size());
+  PagedVector<double> third(mesh.faces.size());
   parallel_for(third.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) third[f] = face_cross(mesh, f).norm() / 6.0;
   });

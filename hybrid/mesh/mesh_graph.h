@@ -2,8 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "relief/scan/page_allocator.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief::hybrid {
@@ -11,10 +11,10 @@ namespace relief::hybrid {
 /// The edges of a mesh from each of their ends. Those of vertex i are at begin[i] to begin[i + 1],
 /// by rising neighbour; every edge is there twice with the same values.
 struct MeshGraph {
-  std::vector<std::size_t> begin;
-  std::vector<std::uint32_t> neighbour;
-  std::vector<float> edge_area;    ///< A third of the area of the faces at the edge [unit^2].
-  std::vector<float> vertex_area;  ///< A third of the area of the faces at the vertex [unit^2].
+  PagedVector<std::size_t> begin;
+  PagedVector<std::uint32_t> neighbour;
+  PagedVector<float> edge_area;    ///< A third of the area of the faces at the edge [unit^2].
+  PagedVector<float> vertex_area;  ///< A third of the area of the faces at the vertex [unit^2].
 
   std::size_t vertices() const { return vertex_area.size(); }
 };

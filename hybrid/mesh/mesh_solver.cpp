@@ -22,8 +22,9 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 
 // Breadth-first patches of up to kAggregate vertices. What is cut off between patches joins the
 // patch of a neighbour.
-std::vector<std::uint32_t> aggregates(const MeshGraph& graph) {
-  std::vector<std::uint32_t> aggregate(graph.vertices(), kNone), patch;
+PagedVector<std::uint32_t> aggregates(const MeshGraph& graph) {
+  PagedVector<std::uint32_t> aggregate(graph.vertices(), kNone);
+  std::vector<std::uint32_t> patch;
   std::uint32_t count = 0;
   for (std::size_t seed = 0; seed < graph.vertices(); ++seed) {
     if (aggregate[seed] != kNone) continue;
@@ -75,7 +76,7 @@ MeshPreconditioner::MeshPreconditioner(const MeshMatrix& matrix)
     : matrix_(matrix), aggregate_(aggregates(*matrix.graph)), coarse_(std::make_unique<Coarse>()) {
   for (const std::uint32_t a : aggregate_)
     coarse_->size = std::max(coarse_->size, static_cast<Eigen::Index>(a) + 1);
-  std::vector<std::uint32_t> next(static_cast<std::size_t>(coarse_->size) + 1, 0);
+  PagedVector<std::uint32_t> next(static_cast<std::size_t>(coarse_->size) + 1, 0);
   for (const std::uint32_t a : aggregate_) ++next[a + 1];
   std::partial_sum(next.begin(), next.end(), next.begin());
   first_ = next;

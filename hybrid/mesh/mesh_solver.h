@@ -4,19 +4,19 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <vector>
 
 #include <Eigen/Core>
 
 #include "hybrid/mesh/mesh_graph.h"
+#include "relief/scan/page_allocator.h"
 
 namespace relief::hybrid {
 
 /// A symmetric matrix with one row per vertex and the sparsity of a mesh's edges.
 struct MeshMatrix {
   const MeshGraph* graph = nullptr;
-  std::vector<double> diagonal;     ///< One per vertex.
-  std::vector<float> off_diagonal;  ///< In the order of graph->neighbour.
+  PagedVector<double> diagonal;     ///< One per vertex.
+  PagedVector<float> off_diagonal;  ///< In the order of graph->neighbour.
 
   Eigen::VectorXd operator*(const Eigen::VectorXd& x) const;
 };
@@ -38,9 +38,9 @@ class MeshPreconditioner {
  private:
   struct Coarse;
   const MeshMatrix& matrix_;
-  std::vector<std::uint32_t> aggregate_;  // of each vertex
+  PagedVector<std::uint32_t> aggregate_;  // of each vertex
   // The vertices of aggregate a, ascending: member_[first_[a]] to member_[first_[a + 1]].
-  std::vector<std::uint32_t> first_, member_;
+  PagedVector<std::uint32_t> first_, member_;
   std::unique_ptr<Coarse> coarse_;
 };
 

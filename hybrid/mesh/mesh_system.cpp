@@ -36,7 +36,9 @@ void MeshSystem::for_vertices(const Visit& visit) const {
 
 MeshSystem::MeshSystem(const TriangleMesh& mesh, const MeshGraph& graph, const MeshNormals& normals,
                        const MeshSystemOptions& options)
-    : mesh_(mesh), graph_(graph), options_(options), directions_(vertex_normals(mesh)) {
+    : mesh_(mesh), graph_(graph), options_(options) {
+  const std::vector<Eigen::Vector3f> own = vertex_normals(mesh);
+  directions_.assign(own.begin(), own.end());
   const std::size_t count = mesh.vertices.size();
   normals_ = directions_;
   sigma_.assign(count, 0.0f);

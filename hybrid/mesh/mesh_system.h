@@ -1,12 +1,11 @@
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
 
 #include "hybrid/mesh/mesh_graph.h"
 #include "hybrid/mesh/mesh_solver.h"
 #include "relief/hybrid/polish_mesh.h"
+#include "relief/scan/page_allocator.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief::hybrid {
@@ -65,12 +64,12 @@ class MeshSystem {
   MeshSystemOptions options_;
   double sample_area_ = 1.0;
   double samples_ = 0.0;                     // that the vertices stand for
-  std::vector<Eigen::Vector3f> directions_;  // unit: blended normals, or those of the mesh
-  std::vector<Eigen::Vector3f> normals_;     // blended, or those of the mesh where there are none
-  const std::vector<Eigen::Vector3f>* middles_ = nullptr;  // of edges, if there are any
-  std::vector<float> sigma_;  // of the blended normals [rad]; 0: none there
-  std::vector<double> position_weight_, tangential_weight_;  // a and b of (H13)
-  std::vector<float> weight_;                                // of edges, in the order of graph_
+  PagedVector<Eigen::Vector3f> directions_;  // unit: blended normals, or those of the mesh
+  PagedVector<Eigen::Vector3f> normals_;     // blended, or those of the mesh where there are none
+  const PagedVector<Eigen::Vector3f>* middles_ = nullptr;  // of edges, if there are any
+  PagedVector<float> sigma_;  // of the blended normals [rad]; 0: none there
+  PagedVector<double> position_weight_, tangential_weight_;  // a and b of (H13)
+  PagedVector<float> weight_;                                // of edges, in the order of graph_
 };
 
 }  // namespace relief::hybrid

@@ -1,6 +1,7 @@
 #include "scan/base/parallel.h"
 
 #include <algorithm>
+#include <memory>
 #include <stop_token>
 #include <utility>
 
@@ -10,6 +11,7 @@
 
 #include "relief/scan/context.h"
 #include "scan/base/loop_threads.h"
+#include "scan/base/memory/memory_limit.h"
 
 namespace relief {
 
@@ -22,6 +24,7 @@ struct LoopState {
   // would wait for each other.
   bool serial = false;
   const std::stop_token* stop = nullptr;  // Null: nobody asks them to stop.
+  MemoryLimit* memory = nullptr;          // Null: there is no limit.
 };
 
 thread_local LoopState loop_state;
@@ -44,13 +47,25 @@ void throw_if_stopped(const LoopState& state) {
   if (state.stop && state.stop->stop_requested()) throw Stopped();
 }
 
+// Before each piece of a loop.
+void keep_order(const LoopState& state) {
+  throw_if_stopped(state);
+  if (state.memory) state.memory->evict_in_time();
+}
+
+// Null where the context has no limit, or an enclosing one has, which holds.
+std::shared_ptr<MemoryLimit> new_limit(const Context& context) {
+  if (context.memory == 0 || loop_state.memory) return nullptr;
+  return std::make_shared<MemoryLimit>(context.memory, context.temporary_folder);
+}
+
 }  // namespace
 
 int thread_count() { return loop_state.serial ? 1 : available_threads(); }
 
 void run_on_threads(int threads, const std::function<void()>& work) {
   if (threads <= 0 || threads == thread_count()) return work();
-  const LoopState state{threads == 1, loop_state.stop};
+  const LoopState state{threads == 1, loop_state.stop, loop_state.memory};
   const auto run = [&] {
     const LoopStateScope scope(state);
     work();
@@ -62,6 +77,8 @@ void run_on_threads(int threads, const std::function<void()>& work) {
 bool run_until_stopped(const Context& context, const std::function<void()>& work) {
   LoopState state = loop_state;
   if (context.stop.stop_possible()) state.stop = &context.stop;
+  const std::shared_ptr<MemoryLimit> limit = new_limit(context);  // Grids made inside may keep it.
+  if (limit) state.memory = limit.get();
   const LoopStateScope scope(state);
   try {
     run_on_threads(context.threads, work);
@@ -72,6 +89,8 @@ bool run_until_stopped(const Context& context, const std::function<void()>& work
 }
 
 void throw_if_stop_requested() { throw_if_stopped(loop_state); }
+
+MemoryLimit* current_memory_limit() { return loop_state.memory; }
 
 void release_freed_memory() {
 #ifdef __GLIBC__
@@ -85,7 +104,7 @@ void parallel_for(std::size_t count, std::size_t grain,
   const std::size_t ranges = (count + grain - 1) / grain;
   const LoopState state = loop_state;
   const auto run = [&](std::size_t range) {
-    throw_if_stopped(state);
+    keep_order(state);
     body(range * grain, std::min(count, (range + 1) * grain));
   };
   if (ranges <= 1 || thread_count() == 1) {

@@ -283,6 +283,18 @@ TEST(Program, RunsWithinAMemoryLimitToTheSameBytes) {
   EXPECT_FALSE(std::filesystem::exists(low / "model.ply"));
 }
 
+TEST(Program, AlignsWithinAMemoryLimitToTheSameBytes) {
+  const TemporaryFolder scans;
+  simulate(scans, "4", "160");
+  const auto align = [&](const std::string& output, const std::string& memory) {
+    const ProgramRun run =
+        run_relief({"align", scans / "scan.json", "-o", scans / output, "--memory", memory});
+    EXPECT_EQ(run.exit_status, 0) << run.standard_error;
+    return read_text(scans / output);
+  };
+  EXPECT_EQ(align("limited.json", "90M"), align("free.json", "0"));
+}
+
 // What a container with so much memory tells, in both versions of control groups.
 void write_control_groups(const TemporaryFolder& folder, std::size_t mebibytes) {
   const std::string limit = std::to_string(mebibytes << 20);

@@ -8,6 +8,7 @@
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
 #include "apps/console/progress_display.h"
+#include "apps/options/memory_option.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/stages/model_report.h"
 #include "relief/io/mesh_io.h"
@@ -97,7 +98,12 @@ void add_merge(CLI::App& app, Action& action) {
                     "views are read one at a time, large fields lie in temporary files beside the "
                     "output");
   add_common_options(*sub, command->common);
-  sub->callback([command, &action] { action = [command] { return merge(*command); }; });
+  sub->callback([command, &action] {
+    action = [command] {
+      return work_within(command->memory, command->output.parent_path(),
+                         [&] { return merge(*command); });
+    };
+  });
 }
 
 }  // namespace relief

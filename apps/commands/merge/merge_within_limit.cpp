@@ -1,6 +1,5 @@
 #include "apps/commands/merge/merge_within_limit.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <utility>
@@ -30,8 +29,6 @@ class ProjectViews {
   fusion::ViewSource source() {
     return {specs_.size(), [this](std::size_t i) { return load(i); }};
   }
-  /// Of the largest view so far.
-  std::size_t pixels() const { return pixels_; }
   bool any_normals() const { return any_normals_; }
 
  private:
@@ -44,7 +41,6 @@ class ProjectViews {
       for (const std::string& note : loaded->notes) Console::info(note);
       read_ = i + 1;
     }
-    pixels_ = std::max(pixels_, loaded->view.range.size());
     any_normals_ |= loaded->view.has_normals();
     return SharedView(std::make_shared<const RangeView>(std::move(loaded->view)));
   }
@@ -52,22 +48,17 @@ class ProjectViews {
   std::vector<ViewSpec> specs_;
   std::vector<ChosenConvention> conventions_;
   const StaticBackground& background_;
-  std::size_t read_ = 0, pixels_ = 0;
+  std::size_t read_ = 0;
   bool any_normals_ = false;
 };
 
-// What the search for a background holds: ranges, depths, edges [bytes a pixel].
-constexpr std::size_t kSearchedPixel = 24;
-
 // The background of views that are read one at a time and of which only the ranges are kept.
-// Nothing where these alone would exceed half of the limit.
 Result<StaticBackground> find_background(const ProjectInput& input,
-                                         const std::vector<ViewSpec>& specs, std::size_t limit) {
+                                         const std::vector<ViewSpec>& specs) {
   StaticBackground none;
   none.masks.resize(specs.size());
   if (!input.look_for_background || input.keep_background) return none;
   std::vector<RangeView> views;
-  std::size_t pixels = 0;
   for (const ViewSpec& spec : specs) {
     auto loaded = load_view(spec);
     if (!loaded) return loaded.error();
@@ -76,14 +67,7 @@ Result<StaticBackground> find_background(const ProjectInput& input,
     view.range = std::move(loaded->view.range);
     view.world_from_view = loaded->view.world_from_view;
     view.pose = loaded->view.pose;
-    pixels += view.range.size();
     views.push_back(std::move(view));
-    if (2 * kSearchedPixel * pixels > limit) {
-      Console::warning(
-          "background not looked for: the ranges of all views exceed half of the "
-          "memory limit; raise it, or give the views masks");
-      return none;
-    }
   }
   StaticBackground found = find_static_background(views);
   for (const std::string& line : describe(found, true)) Console::info(line);
@@ -99,19 +83,17 @@ Result<reconstruction::Model> merge_within_limit(const ProjectInput& input,
   if (!spec) return spec.error();
   unit = spec->unit;
   for (const std::string& note : spec->notes) Console::info(note);
-  const std::size_t count = spec->views.size();
   auto conventions = find_conventions(spec->views);
   if (!conventions) return conventions.error();
   for (const std::string& note : conventions->notes) Console::info(note);
-  auto background = find_background(input, spec->views, context.memory);
+  auto background = find_background(input, spec->views);
   if (!background) return background.error();
   release_freed_memory();
   ProjectViews views(std::move(spec->views), std::move(conventions->views), *background);
   ScanProject project;
   const auto load = [&](const fusion::MergeResult& mesh) -> Result<const std::vector<RangeView>*> {
-    const auto room =
-        reconstruction::check_memory_to_polish(count * views.pixels(), mesh.mesh.vertices.size(),
-                                               views.any_normals() ? context.memory : 0);
+    const auto room = reconstruction::check_memory_to_polish(
+        mesh.mesh.vertices.size(), views.any_normals() ? context.memory : 0);
     if (!room) return room.error();
     auto all =
         read_project(input.path, input.options, context.with_progress(console_progress("read")));

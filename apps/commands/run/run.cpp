@@ -206,7 +206,7 @@ class Run {
 }  // namespace
 
 int run(const RunOptions& options, const reconstruction::ReconstructionPart& part) {
-  return Run(options, part)();
+  return work_within(options.memory, options.output, [&] { return Run(options, part)(); });
 }
 
 void add_run(CLI::App& app, Action& action) {

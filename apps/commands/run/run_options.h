@@ -8,6 +8,7 @@
 
 #include "apps/commands/command.h"
 #include "apps/commands/run/run_cache.h"
+#include "apps/options/memory_option.h"
 #include "apps/options/stage_options.h"
 #include "apps/reports/html/html_report.h"
 #include "apps/reports/report.h"

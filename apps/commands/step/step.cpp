@@ -178,7 +178,9 @@ int carry_out_step(const StepCommand& command) {
     return fail({ErrorKind::kBadInput, "step " + command.name +
                                            " works on all views: only refine takes VIEW and "
                                            "--views, only refine and pairs take --block"});
-  if (stage) return Step(command, *stage)();
+  if (stage)
+    return work_within(command.run.memory, command.run.output,
+                       [&] { return Step(command, *stage)(); });
   reconstruction::ReconstructionPart part;
   part.find_former = part.find_last = command.require_inputs;
   return run(command.run, part);

@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <optional>
+#include <system_error>
 #include <thread>
 
 #include <Eigen/Core>
 
 #include "relief/io/project_io.h"
+#include "scan/base/memory/memory_limit.h"
 #include "scan/base/parallel.h"
 #include "scan/base/system/system_memory.h"
 #include "scan/io/files/io_error.h"
@@ -18,10 +21,19 @@ namespace {
 
 using LoadedViews = std::vector<std::optional<Result<LoadedView>>>;
 
+// Under a memory limit views may take what the disk has left, else the memory that is free.
+std::size_t room_for_views() {
+  const MemoryLimit* const limit = current_memory_limit();
+  if (!limit) return free_memory();
+  std::error_code unknown;
+  const auto disk = std::filesystem::space(limit->folder(), unknown);
+  return unknown ? free_memory() : static_cast<std::size_t>(disk.available);
+}
+
 // Reads all views in parallel; those after an interruption stay empty.
 LoadedViews load_views(const std::vector<ViewSpec>& specs, const ReadProjectOptions& options,
                        const Progress& progress, std::atomic<bool>& interrupted) {
-  MemoryBudget memory(options.memory > 0 ? options.memory : free_memory());
+  MemoryBudget memory(options.memory > 0 ? options.memory : room_for_views());
   LoadedViews loaded(specs.size());
   std::atomic<std::size_t> done{0};
   const auto caller = std::this_thread::get_id();

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "relief/scan/context.h"
+#include "relief/scan/page_allocator.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/triangle_mesh.h"
@@ -25,7 +26,7 @@ struct MeshNormals {
   std::size_t measured = 0;          ///< Vertices that have a normal.
   /// At the middle of each edge, in the order of the neighbours of mesh_graph; zero where none, or
   /// empty when not asked for.
-  std::vector<Eigen::Vector3f> edges;
+  PagedVector<Eigen::Vector3f> edges;
 };
 
 struct MeshNormalOptions {

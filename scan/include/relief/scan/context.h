@@ -30,8 +30,9 @@ inline bool report_progress(const Progress& progress, double fraction, std::stri
 /// computed. Of a context only `seed` may change a result.
 struct Context {
   int threads = 0;  ///< See on_threads(); 0: those of the caller, else one per core.
-  /// Memory to keep to [bytes], 0: no limit. Functions that can work in files, or on fewer views at
-  /// a time, say how they heed it.
+  /// Resident memory of the process to keep to [bytes], 0: no limit. Grids that do not fit lie in
+  /// temporary files (page_allocator.h). Functions that work in files otherwise, or on fewer views
+  /// at a time, say how they heed it. Inside of a run_in() with a limit that limit holds.
   std::size_t memory = 0;
   std::filesystem::path temporary_folder;  ///< For such files; empty: TMPDIR, or /tmp.
   std::uint64_t seed = 1;                  ///< Of everything random.

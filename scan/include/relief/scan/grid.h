@@ -5,11 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
+
+#include "relief/scan/page_allocator.h"
 
 namespace relief {
 
-/// A dense image of `width` columns (index u) and `height` rows (index v), stored row by row.
+/// A dense image of `width` columns (index u) and `height` rows (index v), stored row by row. Under
+/// the memory limit of a context the pixels of large ones lie in files (page_allocator.h).
 template <typename T>
 class Grid {
  public:
@@ -53,7 +55,7 @@ class Grid {
  private:
   int width_ = 0;
   int height_ = 0;
-  std::vector<T> data_;
+  PagedVector<T> data_;
 };
 
 /// Red, green, blue as they stand in files, commonly sRGB.

@@ -1,97 +1,36 @@
-#include "fusion/memory/memory_limit.h"
-
 #include <algorithm>
-#include <cstdint>
+#include <cstddef>
 #include <filesystem>
 #include <iterator>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "fusion/memory/paged_array.h"
 #include "fusion/surface/isosurface.h"
 #include "fusion/surface/vertex_attributes.h"
 #include "fusion/tsdf/closed_field.h"
 #include "relief/fusion/merge_views.h"
 #include "relief/scan/context.h"
+#include "scan/base/memory/memory_limit.h"
 #include "scan/base/system/system_memory.h"
 #include "tests/fusion/scenes.h"
+#include "tests/support/memory_limits.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief::fusion {
 namespace {
 
-constexpr std::size_t kMebibyte = std::size_t{1} << 20;
+using testing::always_near_the_limit;
+using testing::entries_of;
+using testing::kMebibyte;
 
-std::size_t entries_of(const std::filesystem::path& folder) {
-  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
-}
-
-class MemoryLimitTest : public ::testing::Test {
+class MergeWithinLimit : public ::testing::Test {
  protected:
   const testing::TemporaryFolder temporary_;
   const std::filesystem::path folder_ = temporary_.path();
 };
-
-// relieve() asks three times: before and after it takes the lock, and when pages were handed back.
-// Every call finds the process near a limit of 100 MiB, and then far below it.
-std::size_t always_near_the_limit() {
-  thread_local std::size_t questions = 0;
-  return questions++ % 3 == 2 ? kMebibyte : 99 * kMebibyte;
-}
-
-TEST_F(MemoryLimitTest, ArraysKeepTheirValuesWhenTheirPagesAreHandedBack) {
-  MemoryLimit limit(100 * kMebibyte, folder_, always_near_the_limit);
-  PagedArray<std::uint32_t> array(1 << 22, &limit);  // 16 MiB: more than an eighth of the limit.
-  for (std::uint32_t i = 0; i < array.size(); ++i) {
-    ASSERT_EQ(array[i], 0u);
-    array[i] = 2654435761u * i;
-  }
-  EXPECT_EQ(limit.releases(), 0u);
-  limit.evict_pages();
-  EXPECT_EQ(limit.releases(), 1u);
-  const PagedArray<std::uint32_t> moved = std::move(array);
-  for (std::uint32_t i = 0; i < moved.size(); ++i) ASSERT_EQ(moved[i], 2654435761u * i);
-  EXPECT_THAT(limit.check(), IsOk());
-  EXPECT_EQ(entries_of(folder_), 0u) << "the files have no name";
-}
-
-TEST_F(MemoryLimitTest, AnEighthOfTheLimitMayLieInMemory) {
-  MemoryLimit limit(800 * kMebibyte, folder_, [] { return 40 * kMebibyte; });
-  EXPECT_FALSE(limit.keep_in_memory(61 * kMebibyte)) << "the process has 40 of 100 MiB";
-  EXPECT_TRUE(limit.keep_in_memory(50 * kMebibyte));
-  EXPECT_TRUE(limit.keep_in_memory(10 * kMebibyte));
-  EXPECT_FALSE(limit.keep_in_memory(1));
-}
-
-TEST_F(MemoryLimitTest, PagesHandedBackAreNoLongerResident) {
-  MemoryLimit limit(1, folder_);
-  PagedArray<std::uint8_t> array(64 * kMebibyte, &limit);
-  std::fill(array.begin(), array.end(), std::uint8_t{7});
-  const std::size_t before = resident_memory();
-  limit.evict_pages();
-  EXPECT_LT(resident_memory() + 48 * kMebibyte, before);
-  EXPECT_EQ(array[array.size() / 2], 7);
-  EXPECT_THAT(limit.check(), HasError(ErrorKind::kUnsolvable, "are needed"))
-      << "no process fits into one byte";
-}
-
-TEST_F(MemoryLimitTest, AFolderThatCannotHoldFilesIsAnErrorAndTheArrayStillWorks) {
-  MemoryLimit limit(100 * kMebibyte, folder_ / "absent");
-  PagedArray<int> array(1000, &limit);
-  array[999] = 3;
-  EXPECT_EQ(array[999], 3);
-  EXPECT_THAT(limit.check(), HasError(ErrorKind::kCannotWrite, "absent"));
-}
-
-TEST_F(MemoryLimitTest, AFileLargerThanTheDiskIsAnError) {
-  MemoryLimit limit(100 * kMebibyte, folder_);
-  EXPECT_EQ(limit.map(std::size_t{1} << 60), nullptr);
-  EXPECT_THAT(limit.check(), HasError());
-}
 
 bool same(const TriangleMesh& a, const TriangleMesh& b) {
   return a.vertices == b.vertices && a.faces == b.faces && a.normals == b.normals &&
@@ -125,7 +64,7 @@ TriangleMesh surface_of_scene(const std::vector<RangeView>& views, MemoryLimit* 
   return mesh;
 }
 
-TEST_F(MemoryLimitTest, BrickByBrickTheModelIsTheSameToTheByte) {
+TEST_F(MergeWithinLimit, BrickByBrickTheModelIsTheSameToTheByte) {
   const auto views = scene();
   const TriangleMesh in_memory = surface_of_scene(views, nullptr);
   EXPECT_GT(in_memory.vertices.size(), 10000u);
@@ -137,7 +76,7 @@ TEST_F(MemoryLimitTest, BrickByBrickTheModelIsTheSameToTheByte) {
   }
 }
 
-TEST_F(MemoryLimitTest, MergingGivesTheSameWithinAnyLimitThatItCanKeep) {
+TEST_F(MergeWithinLimit, MergingGivesTheSameWithinAnyLimitThatItCanKeep) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers keep memory that was freed";
 #endif
@@ -151,12 +90,12 @@ TEST_F(MemoryLimitTest, MergingGivesTheSameWithinAnyLimitThatItCanKeep) {
   EXPECT_EQ(entries_of(folder_), 0u);
 }
 
-TEST_F(MemoryLimitTest, ALimitThatCannotBeKeptIsAnErrorThatSaysWhatIsNeeded) {
+TEST_F(MergeWithinLimit, ALimitThatCannotBeKeptIsAnErrorThatSaysWhatIsNeeded) {
   EXPECT_THAT(merge_views(scene(), {}, {.memory = kMebibyte, .temporary_folder = folder_}),
               HasError(ErrorKind::kUnsolvable, "limit of 1 MiB"));
 }
 
-TEST_F(MemoryLimitTest, AViewThatCannotBeLoadedEndsTheMerging) {
+TEST_F(MergeWithinLimit, AViewThatCannotBeLoadedEndsTheMerging) {
   const auto views = scene();
   const ViewSource source{views.size(),
                           [&](std::size_t i) -> Result<std::shared_ptr<const RangeView>> {

@@ -8,9 +8,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "fusion/memory/memory_limit.h"
+#include "scan/base/memory/memory_limit.h"
 
-namespace relief::fusion {
+namespace relief {
 
 /// A fixed number of values, all bits zero at first: in memory, or, under a limit that is not
 /// ample, in a file that is mapped to memory. What was never written takes no memory. T is plain
@@ -97,4 +97,4 @@ class PagedGrid {
   PagedArray<T> values_;
 };
 
-}  // namespace relief::fusion
+}  // namespace relief

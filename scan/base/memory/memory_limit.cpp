@@ -1,9 +1,12 @@
-#include "fusion/memory/memory_limit.h"
+#include "scan/base/memory/memory_limit.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -15,7 +18,7 @@
 #include "scan/base/parallel.h"
 #include "scan/base/system/system_memory.h"
 
-namespace relief::fusion {
+namespace relief {
 
 namespace {
 
@@ -25,10 +28,23 @@ constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 // the work may need, which no file can hold. Changes no result.
 constexpr std::size_t kAmple = 8;
 
+// Grids lie in memory as long as the process has no more than this part of the limit.
+constexpr std::size_t kQuarter = 4;
+
 std::filesystem::path default_folder() {
   const char* given = std::getenv("TMPDIR");
   return given && *given ? given : "/tmp";
 }
+
+// Of arrays that are smaller than this none lies in a file [bytes].
+constexpr std::size_t kSmall = std::size_t{1} << 14;
+
+// Before so much is allocated the memory is looked at in any case [bytes].
+constexpr std::size_t kLarge = std::size_t{1} << 20;
+
+// How long loops do not look at the memory again, and how long where evicting did not help.
+constexpr std::chrono::nanoseconds kPause = std::chrono::milliseconds(5);
+constexpr std::chrono::nanoseconds kLongPause = std::chrono::seconds(1);
 
 // A file without a name; -1 and errno when there can be none.
 int open_nameless(const std::filesystem::path& folder) {
@@ -65,15 +81,41 @@ void MemoryLimit::evict_pages(std::size_t needed) {
   if (resident_() + needed <= limit_) return;
   const std::lock_guard lock(mutex_);
   if (resident_() + needed <= limit_) return;  // another thread was first
-  // The content of shared mappings stays in their files.
-  for (const auto& [address, bytes] : blocks_) ::madvise(address, bytes, MADV_DONTNEED);
-  release_freed_memory();
-  ++releases_;
-  const std::size_t left = resident_();
+  const std::size_t left = evict_all();
   if (left + needed > limit_)
     fail(ErrorKind::kUnsolvable, "the memory limit of " + mebibytes(limit_) +
                                      " cannot be kept: at this point " + mebibytes(left + needed) +
                                      " are needed; raise the limit or the voxel size");
+}
+
+void MemoryLimit::evict_in_time(std::size_t needed) {
+  const std::int64_t now =
+      std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+  if (now < (needed < kLarge ? next_look_ : next_eviction_)) return;
+  next_look_ = now + kPause.count();
+  needed = kLoopBytes + std::min(needed, kLoopBytes);  // More is not touched at once.
+  if (resident_() + needed <= limit_) return;
+  const std::lock_guard lock(mutex_);
+  if (resident_() + needed > limit_ && evict_all() + needed > limit_)
+    next_look_ = next_eviction_ = now + kLongPause.count();
+}
+
+// What is resident then. The content of shared mappings stays in their files.
+std::size_t MemoryLimit::evict_all() {
+  for (const auto& [address, bytes] : blocks_) ::madvise(address, bytes, MADV_DONTNEED);
+  release_freed_memory();
+  ++releases_;
+  return resident_();
+}
+
+std::size_t MemoryLimit::evict() {
+  const std::lock_guard lock(mutex_);
+  return evict_all();
+}
+
+std::size_t resident_beyond_files() {
+  MemoryLimit* const limit = current_memory_limit();
+  return limit ? limit->evict() : resident_memory();
 }
 
 void MemoryLimit::fail(ErrorKind kind, const std::string& message) {
@@ -119,15 +161,44 @@ void* MemoryLimit::map(std::size_t bytes) {
   else
     fail(ErrorKind::kCannotWrite, folder_.string() + ": cannot make a temporary file of " +
                                       mebibytes(bytes) + ": " + std::strerror(code) +
-                                      "; merge without a memory limit or make room");
+                                      "; make room, or work without a memory limit");
   return address;
 }
 
-void MemoryLimit::unmap(void* address) {
+void MemoryLimit::unmap(void* address) { unmap_if_mapped(address); }
+
+bool MemoryLimit::unmap_if_mapped(void* address) {
   const std::lock_guard lock(mutex_);
   const auto block = blocks_.find(address);
+  if (block == blocks_.end()) return false;
   ::munmap(address, block->second);
   blocks_.erase(block);
+  return true;
 }
 
-}  // namespace relief::fusion
+bool MemoryLimit::keep_grid_in_memory(std::size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (in_memory_ + bytes > most_of_grids(limit_) || resident_() + bytes > limit_ / kQuarter)
+    return false;
+  in_memory_ += bytes;
+  return true;
+}
+
+void* MemoryLimit::allocate(std::size_t bytes) {
+  if (bytes >= kSmall && !keep_grid_in_memory(bytes)) {
+    evict_in_time(bytes);
+    if (void* const mapped = map(bytes)) return mapped;
+  }
+  return ::operator new(bytes);
+}
+
+void MemoryLimit::deallocate(void* address, std::size_t bytes) {
+  if (bytes >= kSmall) {
+    if (unmap_if_mapped(address)) return;
+    const std::lock_guard lock(mutex_);
+    in_memory_ -= std::min(in_memory_, bytes);
+  }
+  ::operator delete(address, bytes);
+}
+
+}  // namespace relief

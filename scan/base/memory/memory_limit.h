@@ -1,26 +1,29 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 
 #include "relief/scan/result.h"
 
-namespace relief::fusion {
+namespace relief {
 
-/// Keeps a computation below a limit of memory. Large arrays made under a limit (PagedArray) lie in
-/// temporary files that are mapped to memory. Work on them goes brick by brick; between bricks
-/// evict_pages() looks at how much memory the process has, and near the limit hands all pages of
-/// these files back to the system; the next access fetches them again. So a limit changes where
-/// numbers lie and never what they are.
+/// Keeps a computation below a limit of memory. Large arrays made under a limit (PagedArray, Grid)
+/// lie in temporary files that are mapped to memory. Near the limit evict_pages() hands all pages
+/// of these files back to the system; the next access fetches them again. Work on fields calls it
+/// between bricks, and loops (parallel.h) call evict_in_time(). So a limit changes where numbers
+/// lie and never what they are.
 ///
 /// The files have no name: nothing of them is left whichever way the process ends. May be used from
 /// any thread; must outlive the arrays made under it. Where functions take a pointer to a limit,
 /// null means none.
-class MemoryLimit {
+class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
  public:
   /// `limit`: resident memory of the whole process [bytes]. `folder`: where the files are made, a
   /// disk best; empty: TMPDIR, or /tmp. `resident` tells the memory the process has; other than the
@@ -29,6 +32,9 @@ class MemoryLimit {
                        std::function<std::size_t()> resident = {});
   MemoryLimit(const MemoryLimit&) = delete;
   MemoryLimit& operator=(const MemoryLimit&) = delete;
+
+  /// What grids may have in memory at most under a limit [bytes].
+  static std::size_t most_of_grids(std::size_t limit) { return limit / 8; }
 
   /// Whether `needed` [bytes] can be had without handing pages back.
   bool has_room(std::size_t needed) const { return resident_() + needed <= limit_; }
@@ -41,6 +47,12 @@ class MemoryLimit {
   /// Makes room for `needed` [bytes] that are about to be allocated; the default serves the work on
   /// a brick.
   void evict_pages(std::size_t needed = kBrickBytes);
+
+  /// The same for loops: looks now and then only, and a limit that cannot be kept is no failure.
+  void evict_in_time(std::size_t needed = 0);
+
+  /// Hands all pages back, and tells what the process has then [bytes].
+  std::size_t evict();
 
   /// The first of what went wrong so far: kUnsolvable when the limit could not be kept, the message
   /// telling what is needed; kCannotWrite when no file could be made.
@@ -56,10 +68,21 @@ class MemoryLimit {
   void* map(std::size_t bytes);
   void unmap(void* address);
 
- private:
-  static constexpr std::size_t kBrickBytes = std::size_t{16} << 20;  // Changes no result.
+  /// Memory of a grid, not zeroed: on the heap where it is small, where all grids there have no
+  /// more than an eighth of the limit, or where no file can be made; else in a file. Throws
+  /// std::bad_alloc.
+  void* allocate(std::size_t bytes);
+  void deallocate(void* address, std::size_t bytes);
 
+ private:
+  // What the work on a brick takes, and what loops take between two looks. Change no result.
+  static constexpr std::size_t kBrickBytes = std::size_t{16} << 20;
+  static constexpr std::size_t kLoopBytes = std::size_t{40} << 20;
+
+  bool keep_grid_in_memory(std::size_t bytes);
+  std::size_t evict_all();
   void* map_file(int file, std::size_t bytes);
+  bool unmap_if_mapped(void* address);
   void fail(ErrorKind kind, const std::string& message);
 
   std::size_t limit_;
@@ -68,9 +91,17 @@ class MemoryLimit {
   mutable std::mutex mutex_;
   std::map<void*, std::size_t> blocks_;
   std::size_t releases_ = 0;
-  std::size_t in_memory_ = 0;  // Of the arrays that keep_in_memory() allowed.
+  std::size_t in_memory_ = 0;  // Of the arrays and grids that may lie there.
+  // Of evict_in_time(), on the steady clock [ns]: later where evicting did not help.
+  std::atomic<std::int64_t> next_look_{0}, next_eviction_{0};
   std::optional<Error> failure_;
 };
+
+/// The limit of the enclosing run_in() whose context has one; null: there is none.
+MemoryLimit* current_memory_limit();
+
+/// Resident memory of the process without what current_memory_limit() keeps in files [bytes].
+std::size_t resident_beyond_files();
 
 /// Evicts the pages of `limit` as MemoryLimit::evict_pages() does; nothing when there is no limit.
 inline void evict_pages(MemoryLimit* limit) {
@@ -88,4 +119,4 @@ inline Result<void> make_room(MemoryLimit* limit, std::size_t needed) {
   return check(limit);
 }
 
-}  // namespace relief::fusion
+}  // namespace relief

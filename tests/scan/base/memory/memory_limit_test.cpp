@@ -1,0 +1,140 @@
+#include "scan/base/memory/memory_limit.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "relief/scan/context.h"
+#include "relief/scan/grid.h"
+#include "scan/base/memory/paged_array.h"
+#include "scan/base/parallel.h"
+#include "scan/base/system/system_memory.h"
+#include "tests/support/memory_limits.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace relief {
+namespace {
+
+using testing::always_near_the_limit;
+using testing::entries_of;
+using testing::kMebibyte;
+
+class MemoryLimitTest : public ::testing::Test {
+ protected:
+  const testing::TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
+};
+
+TEST_F(MemoryLimitTest, ArraysKeepTheirValuesWhenTheirPagesAreHandedBack) {
+  MemoryLimit limit(100 * kMebibyte, folder_, always_near_the_limit);
+  PagedArray<std::uint32_t> array(1 << 22, &limit);  // 16 MiB: more than an eighth of the limit.
+  for (std::uint32_t i = 0; i < array.size(); ++i) {
+    ASSERT_EQ(array[i], 0u);
+    array[i] = 2654435761u * i;
+  }
+  EXPECT_EQ(limit.releases(), 0u);
+  limit.evict_pages();
+  EXPECT_EQ(limit.releases(), 1u);
+  const PagedArray<std::uint32_t> moved = std::move(array);
+  for (std::uint32_t i = 0; i < moved.size(); ++i) ASSERT_EQ(moved[i], 2654435761u * i);
+  EXPECT_THAT(limit.check(), IsOk());
+  EXPECT_EQ(entries_of(folder_), 0u) << "the files have no name";
+}
+
+TEST_F(MemoryLimitTest, AnEighthOfTheLimitMayLieInMemory) {
+  MemoryLimit limit(800 * kMebibyte, folder_, [] { return 40 * kMebibyte; });
+  EXPECT_FALSE(limit.keep_in_memory(61 * kMebibyte)) << "the process has 40 of 100 MiB";
+  EXPECT_TRUE(limit.keep_in_memory(50 * kMebibyte));
+  EXPECT_TRUE(limit.keep_in_memory(10 * kMebibyte));
+  EXPECT_FALSE(limit.keep_in_memory(1));
+}
+
+TEST_F(MemoryLimitTest, PagesHandedBackAreNoLongerResident) {
+  MemoryLimit limit(1, folder_);
+  PagedArray<std::uint8_t> array(64 * kMebibyte, &limit);
+  std::fill(array.begin(), array.end(), std::uint8_t{7});
+  const std::size_t before = resident_memory();
+  limit.evict_pages();
+  EXPECT_LT(resident_memory() + 48 * kMebibyte, before);
+  EXPECT_EQ(array[array.size() / 2], 7);
+  EXPECT_THAT(limit.check(), HasError(ErrorKind::kUnsolvable, "are needed"))
+      << "no process fits into one byte";
+}
+
+TEST_F(MemoryLimitTest, AFolderThatCannotHoldFilesIsAnErrorAndTheArrayStillWorks) {
+  MemoryLimit limit(kMebibyte, folder_ / "absent");
+  PagedArray<int> array(1000, &limit);
+  array[999] = 3;
+  EXPECT_EQ(array[999], 3);
+  EXPECT_THAT(limit.check(), HasError(ErrorKind::kCannotWrite, "absent"));
+}
+
+TEST_F(MemoryLimitTest, AFileLargerThanTheDiskIsAnError) {
+  MemoryLimit limit(100 * kMebibyte, folder_);
+  EXPECT_EQ(limit.map(std::size_t{1} << 60), nullptr);
+  EXPECT_THAT(limit.check(), HasError());
+}
+
+Grid<std::uint32_t> numbered(int width, int height) {
+  Grid<std::uint32_t> grid(width, height);
+  std::iota(grid.begin(), grid.end(), 7u);
+  return grid;
+}
+
+// Grids of 100 MiB, made and read under a limit that has room for half of them.
+TEST_F(MemoryLimitTest, GridsKeepTheirValuesWithinALimitThatHasNoRoomForThem) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers keep memory that was freed";
+#endif
+  const std::size_t limit = resident_memory() + 50 * kMebibyte;
+  std::atomic<std::size_t> most{0};
+  const auto look = [&] {
+    for (std::size_t now = resident_memory(), seen = most; now > seen;)
+      if (most.compare_exchange_weak(seen, now)) break;
+  };
+  const Context context{.threads = 2, .memory = limit, .temporary_folder = folder_};
+  std::vector<Grid<std::uint32_t>> grids(100);
+  const bool done = run_until_stopped(context, [&] {
+    for (int round = 0; round < 2; ++round)
+      parallel_for(grids.size(), 1, [&](std::size_t begin, std::size_t) {
+        if (round == 0) grids[begin] = numbered(512, 512);
+        EXPECT_EQ(grids[begin](511, 511), 7u + 512 * 512 - 1);
+        look();
+      });
+  });
+  EXPECT_TRUE(done);
+  EXPECT_LT(most, limit);
+  EXPECT_EQ(entries_of(folder_), 0u) << "the files have no name";
+  for (const auto& grid : grids) EXPECT_EQ(grid(17, 3), 7u + 3 * 512 + 17) << "after the limit";
+}
+
+TEST_F(MemoryLimitTest, CopiesOfGridsOutsideOfALimitLieInMemory) {
+  std::optional<Grid<std::uint32_t>> inside;
+  run_until_stopped({.memory = 1, .temporary_folder = folder_},
+                    [&] { inside = numbered(300, 300); });
+  const Grid<std::uint32_t> copy = *inside;
+  inside.reset();
+  EXPECT_EQ(copy(299, 299), 7u + 300 * 300 - 1);
+  EXPECT_EQ(current_memory_limit(), nullptr);
+}
+
+TEST_F(MemoryLimitTest, TheOuterLimitHoldsInside) {
+  run_until_stopped({.memory = 900 * kMebibyte, .temporary_folder = folder_}, [&] {
+    const MemoryLimit* const outer = current_memory_limit();
+    run_until_stopped({.memory = 5 * kMebibyte}, [&] {
+      parallel_for(2, 1, [&](std::size_t, std::size_t) {
+        EXPECT_EQ(current_memory_limit(), outer) << "and in the threads of loops";
+      });
+    });
+  });
+}
+
+}  // namespace
+}  // namespace relief
