@@ -1,6 +1,7 @@
 #include "relief/fusion/merge_views.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <sstream>
 
@@ -215,6 +216,21 @@ Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views, const
   return mesh;
 }
 
+// Of the area of all components: what stray samples make is less.
+constexpr double kMuchRemoved = 0.05;
+
+void remove_components(MergeResult& result) {
+  const RemovedComponents removed = keep_largest_component(result.mesh);
+  result.components_removed = removed.components;
+  result.faces_removed = removed.faces;
+  if (removed.area_fraction < kMuchRemoved) return;
+  std::ostringstream note;
+  note << std::lround(100.0 * removed.area_fraction) << " % of the surface is in "
+       << removed.components << (removed.components == 1 ? " component" : " components")
+       << " apart from the largest one, and left out; --keep-components keeps them";
+  result.notes.push_back(note.str());
+}
+
 bool opens_holes(const MergeOptions& options) {
   return options.keep_holes || options.largest_fill > 0.0;
 }
@@ -255,11 +271,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   if (!mesh) return mesh.error();
   result.mesh = std::move(mesh).value();
   release_freed_memory();
-  if (!options.keep_components) {
-    const RemovedComponents removed = keep_largest_component(result.mesh);
-    result.components_removed = removed.components;
-    result.faces_removed = removed.faces;
-  }
+  if (!options.keep_components) remove_components(result);
   if (result.mesh.faces.empty())
     return Error{ErrorKind::kUnsolvable,
                  "no surface was found: the voxel size is too large for the object"};

@@ -61,19 +61,23 @@ RemovedComponents keep_largest_component(TriangleMesh& mesh) {
   const std::vector<std::uint32_t> root = component_roots(mesh);
   std::vector<double> area(mesh.vertices.size(), -1.0);
   std::size_t components = 0;
+  double all = 0.0;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     double& sum = area[root[mesh.faces[f][0]]];
     if (sum < 0.0) {
       sum = 0.0;
       ++components;
     }
-    sum += 0.5 * face_cross(mesh, f).norm();
+    const double area_of_face = 0.5 * face_cross(mesh, f).norm();
+    sum += area_of_face;
+    all += area_of_face;
   }
   RemovedComponents removed;
   if (components > 0) {
     const auto largest =
         static_cast<std::uint32_t>(std::max_element(area.begin(), area.end()) - area.begin());
     removed.components = components - 1;
+    removed.area_fraction = all > 0.0 ? 1.0 - area[largest] / all : 0.0;
     removed.faces =
         std::erase_if(mesh.faces, [&](const auto& face) { return root[face[0]] != largest; });
   }

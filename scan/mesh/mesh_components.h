@@ -10,6 +10,7 @@ namespace relief {
 struct RemovedComponents {
   std::size_t components = 0;
   std::size_t faces = 0;
+  double area_fraction = 0.0;  ///< Of the area of all faces.
 };
 
 /// Keeps the component (faces connected through common vertices) of the largest area, ties going to

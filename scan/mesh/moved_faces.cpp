@@ -23,11 +23,18 @@ constexpr double kLeastThickness = 1e-5;
 // Of more than this part of all faces (its inverse) it takes less time to search the whole mesh.
 constexpr std::size_t kMany = 20;
 
+// A box smaller than a cell meets so many at most.
+constexpr double kCellsOfBox = 8.0;
+
 // Cells of a coarse lattice that boxes meet.
 class Cells {
  public:
   Cells(const Eigen::Vector3d& origin, double size) : origin_(origin), size_(size) {}
 
+  /// How many cells a box meets.
+  double count(const Eigen::AlignedBox3d& box) const {
+    return (cell(box.max()) - cell(box.min()) + 1).cast<double>().prod();
+  }
   void add(const Eigen::AlignedBox3d& box) {
     visit(box, [&](std::uint64_t cell) { return cells_.insert(cell), false; });
   }
@@ -36,12 +43,13 @@ class Cells {
   }
 
  private:
+  Eigen::Array<std::int64_t, 3, 1> cell(const Eigen::Vector3d& p) const {
+    return ((p - origin_) / size_).array().floor().cast<std::int64_t>();
+  }
+
   // Until `visit` returns true.
   template <typename Visit>
   bool visit(const Eigen::AlignedBox3d& box, const Visit& visit) const {
-    const auto cell = [&](const Eigen::Vector3d& p) {
-      return ((p - origin_) / size_).array().floor().cast<std::int64_t>().eval();
-    };
     const auto low = cell(box.min()), high = cell(box.max());
     for (std::int64_t z = low.z(); z <= high.z(); ++z)
       for (std::int64_t y = low.y(); y <= high.y(); ++y)
@@ -59,8 +67,11 @@ class MovedFaces {
  public:
   MovedFaces(const TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& places,
              std::vector<std::uint32_t> moved, double reach)
-      : mesh_(mesh), places_(places), faces_(std::move(moved)), cells_(places.front(), reach) {
-    moved_ = faces_.size();
+      : mesh_(mesh),
+        places_(places),
+        faces_(std::move(moved)),
+        moved_(faces_.size()),
+        cells_(cells_of_moved(reach)) {
     std::vector<std::uint8_t> known(mesh.faces.size());
     for (const std::uint32_t f : faces_) {
       cells_.add(box_of(f));
@@ -87,6 +98,18 @@ class MovedFaces {
   }
 
  private:
+  // Of twice the size, and so on, where faces have been stretched so far that they meet more cells
+  // than the mesh has faces.
+  Cells cells_of_moved(double size) const {
+    for (;; size *= 2.0) {
+      const Cells cells(places_.front(), size);
+      double count = 0.0;
+      for (const std::uint32_t f : faces_) count += cells.count(box_of(f));
+      const double least = kCellsOfBox * static_cast<double>(faces_.size());
+      if (count <= std::max(least, static_cast<double>(mesh_.faces.size()))) return cells;
+    }
+  }
+
   Eigen::AlignedBox3d box_of(std::uint32_t face) const {
     Eigen::AlignedBox3d box;
     for (const std::uint32_t v : mesh_.faces[face]) box.extend(places_[v]);
@@ -121,7 +144,7 @@ class MovedFaces {
   const TriangleMesh& mesh_;
   const std::vector<Eigen::Vector3d>& places_;
   std::vector<std::uint32_t> faces_;  // The moved ones, then those near.
-  std::size_t moved_ = 0;
+  std::size_t moved_;
   Cells cells_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "relief/scan/context.h"
@@ -189,6 +190,22 @@ TEST(MergeViews, OneViewIsClosedBehindWithoutEnteringSpaceSeenEmpty) {
     ++checked;
   }
   EXPECT_GT(checked, 100u);
+}
+
+TEST(MergeViews, TellsOfLargePartsThatItLeavesOut) {
+  const auto two_balls = [](const Eigen::Vector3d& p) {
+    return std::min(p.norm() - 30.0, (p - Eigen::Vector3d(0.0, 0.0, 60.0)).norm() - 20.0);
+  };
+  const auto views = views_around(testing::traced(two_balls), 12, 90, 60.0);
+  MergeOptions options;
+  const MergeResult largest = merged(views, options);
+  EXPECT_EQ(largest.components_removed, 1u);
+  // 20^2 of 20^2 + 30^2.
+  EXPECT_THAT(
+      largest.notes,
+      ::testing::Contains(::testing::HasSubstr("31 % of the surface is in 1 component apart")));
+  options.keep_components = true;
+  EXPECT_EQ(merged(views, options).check.components, 2u);
 }
 
 TEST(MergeViews, HolesCanBeKept) {

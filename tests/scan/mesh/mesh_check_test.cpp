@@ -221,8 +221,10 @@ TEST(MeshComponents, TheLargestIsKeptWithItsAttributes) {
   TriangleMesh mesh = joined(tetrahedron({5, 0, 0}), torus(8, 6));
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     mesh.quality.push_back(static_cast<float>(v));
+  const double all = surface_area(mesh);
   const RemovedComponents removed = keep_largest_component(mesh);
   EXPECT_EQ(removed.components, 1u);
+  EXPECT_NEAR(removed.area_fraction, 1.0 - surface_area(mesh) / all, 1e-12);
   EXPECT_EQ(removed.faces, 4u);
   EXPECT_EQ(mesh.vertices.size(), 48u);
   EXPECT_EQ(mesh.quality.front(), 4.0f);

@@ -58,6 +58,18 @@ TEST(MovedFaces, ManyFacesAreSearchedAsFewAre) {
   EXPECT_EQ(intersecting_faces(mesh, many, 1.0), all);
 }
 
+// Its box has 10^12 places of the size of an edge.
+TEST(MovedFaces, AFaceMayBeStretchedFar) {
+  const TriangleMesh mesh = two_sheets(1.0);
+  std::vector<Eigen::Vector3d> places = mesh.vertices;
+  std::vector<std::uint8_t> moved(places.size(), 0);
+  moved[13] = 1;
+  places[13] = Eigen::Vector3d(1e4, 1e4, 1e4);
+  TriangleMesh after = mesh;
+  after.vertices = places;
+  EXPECT_EQ(invalid_faces(mesh, places, moved, 1.0), find_self_intersections(after).faces());
+}
+
 TEST(MovedFaces, FindsFacesWithoutWidth) {
   const TriangleMesh mesh = two_sheets(1.0);
   std::vector<Eigen::Vector3d> places = mesh.vertices;
