@@ -39,6 +39,11 @@ constexpr double kLeastSpread = 0.1;
 // White noise gives 1; noise with the correlation exp(-(r/l)^2) 0.41, 0.27, 0.20 at l = 2, 3, 4.
 constexpr double kSeesNothing = 0.2;
 
+// Differences up to this part of the distance are rounding of single precision, in which most files
+// hold coordinates: eight halves of a last place. Rounded ranges that were put on other rays have
+// such in place of zeros.
+constexpr double kRounding = 8.0 * 0x1p-24;
+
 // A difference of samples that a smooth surface does not show, scaled to the standard deviation of
 // one of them. Of 3 x 3 samples, (1, -2, 1) along both directions: blind to all relief that does
 // not change along both. Of four samples in a line where too few squares are whole.
@@ -138,7 +143,9 @@ class TiledNoise {
       const auto add = [&](double difference) {
         if (!(difference == difference)) return;
         const double metric = view_.camera.ray(u, v).direction.norm();
-        tile.differences.push_back(static_cast<float>(std::abs(difference) * metric));
+        const double size = std::abs(difference) * metric;
+        const double distance = std::max(view_.range(u, v) * metric, view_.point(u, v).norm());
+        tile.differences.push_back(size > kRounding * distance ? static_cast<float>(size) : 0.0f);
       };
       if (stencil == Stencil::kSquare) {
         if (u + 2 < view_.width() && v + 2 < view_.height()) add(square_difference(view_, u, v));

@@ -183,6 +183,19 @@ TEST(RangeNoise, IsNeverBelowWhatRoundingLeaves) {
   }
 }
 
+// As a scanner's steps of z that were moved to other rays: none is exact, and zeros are rounding.
+TEST(RangeNoise, IsNotTheRoundingOfRangesThatWereRoundedOnOtherRays) {
+  RangeView view = testing::render(testing::plane({0, 0, 400}, {0.02, 0.01, 1}), kPinhole);
+  for (int v = 0; v < kSide; ++v) {
+    const double step = 0.8 + 0.2 * v / kSide;  // Along the row.
+    for (int u = 0; u < kSide; ++u) view.range(u, v) = step * std::round(view.range(u, v) / step);
+  }
+  testing::add_range_noise(view, 1e-6, 3);
+  const RangeNoise noise = estimate_range_noise(view);
+  EXPECT_GT(noise.sigma, 0.05);
+  EXPECT_LT(noise.sigma, 0.8);
+}
+
 TEST(RangeNoise, IsMappedWhereItChanges) {
   RangeView quiet = ball(), loud = ball();
   testing::add_range_noise(quiet, 0.1, 5);

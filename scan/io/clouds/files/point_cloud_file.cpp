@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <numeric>
+#include <tuple>
 
 #include "relief/io/mesh_io.h"
+#include "relief/scan/range_view.h"
 #include "relief/scan/triangle_mesh.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
@@ -48,7 +52,23 @@ std::size_t keep_finite_points(PointCloudFile& cloud) {
   return count - chosen.size();
 }
 
-// Drops what is not finite, and points that stand for missing samples.
+// Makes points NaN that are exactly where an earlier one of the file is.
+void invalidate_repeated_points(std::vector<Eigen::Vector3d>& points) {
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::uint32_t i) {
+    return std::make_tuple(points[i].x(), points[i].y(), points[i].z(), i);
+  };
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t i, std::uint32_t j) { return key(i) < key(j); });
+  std::vector<std::uint32_t> repeated;
+  for (std::size_t k = 1; k < order.size(); ++k)
+    if (points[order[k]] == points[order[k - 1]]) repeated.push_back(order[k]);
+  for (const std::uint32_t i : repeated) points[i].setConstant(kNoSample);
+}
+
+// Drops what is not finite, what stands twice in the file, and points that stand for missing
+// samples.
 Result<PointCloudFile> measured_points(PointCloudFile cloud, const std::filesystem::path& path) {
   if (const std::size_t count = keep_finite_points(cloud); count > 0)
     cloud.notes.push_back(std::to_string(count) + " points that are not finite are left out");
@@ -56,6 +76,10 @@ Result<PointCloudFile> measured_points(PointCloudFile cloud, const std::filesyst
                                       : invalidate_missing_corners(cloud.points);
   if (!missing.empty()) keep_finite_points(cloud);
   std::move(missing.begin(), missing.end(), std::back_inserter(cloud.notes));
+  invalidate_repeated_points(cloud.points);
+  if (const std::size_t count = keep_finite_points(cloud); count > 0)
+    cloud.notes.push_back(std::to_string(count) +
+                          " points are where others of the file are, and left out");
   if (cloud.points.empty()) return bad_input(path, "no point of the file is finite and measured");
   if (!cloud.normals.empty() && !hold_directions(cloud.normals)) {
     cloud.normals.clear();

@@ -34,8 +34,8 @@ struct PointCloudFile {
 /// - `.ply`: the vertices of a cloud or of a mesh, with `nx ny nz` and `red green blue`;
 /// - `.obj .stl .vtp`: the vertices of a mesh; equal corners of an STL are one point.
 /// Points that are not finite are left out, as are several at the origin, which many programs write
-/// where nothing was measured. `notes` say how many. Errors (kBadInput) name the file and the place
-/// in it; a file without a point is one.
+/// where nothing was measured, and points exactly where an earlier one is. `notes` say how many.
+/// Errors (kBadInput) name the file and the place in it; a file without a point is one.
 Result<PointCloudFile> read_point_cloud(const std::filesystem::path& path);
 
 /// Whether read_point_cloud knows the ending of `path`.

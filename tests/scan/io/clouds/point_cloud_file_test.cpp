@@ -217,6 +217,16 @@ TEST(PointCloudFile, LeavesOutSeveralPointsAtTheOrigin) {
               HasError("none.xyz: no point of the file is finite and measured"));
 }
 
+TEST(PointCloudFile, LeavesOutPointsThatStandTwice) {
+  const TemporaryFolder folder;
+  const auto cloud = value_of(read_point_cloud(folder.write(
+      "twice.xyz", "x y z r g b\n1 2 3 9 8 7\n4 5 6 1 2 3\n1 2 3 0 0 0\n1 2 3.5 4 4 4\n")));
+  EXPECT_THAT(cloud.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6),
+                                        Eigen::Vector3d(1, 2, 3.5)));
+  EXPECT_THAT(cloud.colours, ElementsAre(Colour{9, 8, 7}, Colour{1, 2, 3}, Colour{4, 4, 4}));
+  EXPECT_THAT(cloud.notes, ElementsAre("1 points are where others of the file are, and left out"));
+}
+
 TEST(PointCloudFile, LeavesOutNormalsThatAreAllZero) {
   const TemporaryFolder folder;
   const std::string header = "x y z nx ny nz\n";
