@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "scan/io/files/atomic_file.h"
@@ -123,10 +126,12 @@ Result<ProjectSpec> spec_of_file(const fs::path& path, const ReadProjectOptions&
 struct FolderContent {
   std::vector<fs::path> projects;  // .conf, .aln and .mlp
   std::vector<fs::path> grids, points;
+  std::vector<fs::path> texts;     // That may hold points.
   std::vector<std::string> notes;  // On files that are skipped.
 };
 
-// Text files that may be anything (.txt, .csv) count as points only where they are named.
+// Text files that may be anything (.txt, .csv) count as points only where they are named, or begin
+// with points in a folder that has nothing else to read.
 bool is_surely_points(const fs::path& path) {
   const std::string ending = lower_ending(path);
   return ending != ".txt" && ending != ".csv";
@@ -146,12 +151,33 @@ Result<FolderContent> look_into(const fs::path& folder) {
       content.notes.push_back("skipped " + path.string() +
                               ": it holds no points, for want of a field x");
     if (kind == ScanFileKind::kGrid || kind == ScanFileKind::kScans) content.grids.push_back(path);
-    if (kind == ScanFileKind::kPoints && is_surely_points(path)) content.points.push_back(path);
+    if (kind == ScanFileKind::kPoints)
+      (is_surely_points(path) ? content.points : content.texts).push_back(path);
   }
   if (code) return bad_input(folder, "cannot list the folder: " + code.message());
-  for (auto* files : {&content.projects, &content.grids, &content.points}) sort_naturally(*files);
+  for (auto* files : {&content.projects, &content.grids, &content.points, &content.texts})
+    sort_naturally(*files);
   std::ranges::sort(content.notes);
   return content;
+}
+
+// Whether one of the first lines of a text, after a heading, is three numbers or more. Poses and
+// calibrations are shorter.
+bool begins_with_points(const fs::path& path) {
+  constexpr int kLines = 8;                // Headings of points have fewer.
+  constexpr std::uintmax_t kLeast = 1024;  // [bytes]
+  std::error_code code;
+  if (const auto size = fs::file_size(path, code); code || size < kLeast) return false;
+  std::ifstream file(path);
+  std::string line;
+  for (int i = 0; i < kLines && std::getline(file, line); ++i) {
+    std::ranges::replace_if(
+        line, [](char c) { return c == ',' || c == ';'; }, ' ');
+    std::istringstream words(line);
+    double x = 0.0, y = 0.0, z = 0.0;
+    if (words >> x >> y >> z) return true;
+  }
+  return false;
 }
 
 // Tells the user what a folder was taken for.
@@ -194,8 +220,11 @@ Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOpti
   if (is_rgbd_folder(folder))
     return read_as("a folder of depth maps", folder,
                    read_rgbd_folder(folder, {options.intrinsics, options.depth_scale}));
-  const auto content = look_into(folder);
+  auto content = look_into(folder);
   if (!content) return content.error();
+  if (content->projects.empty() && content->grids.empty() && content->points.empty() &&
+      count_images(folder) == 0)
+    std::ranges::copy_if(content->texts, std::back_inserter(content->points), begins_with_points);
   if (content->projects.size() == 1) return spec_of_file(content->projects.front(), options);
   if (content->grids.empty() && content->points.empty()) {
     if (options.intrinsics && count_images(folder) > 0)

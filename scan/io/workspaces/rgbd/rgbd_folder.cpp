@@ -48,20 +48,29 @@ struct TrajectoryFile {
   TrajectoryParser parse = nullptr;
 };
 
-// The trajectory of a folder: `groundtruth` goes before others, of which there may be one.
+// Which of several trajectories is taken, the larger the sooner: Open3D writes `odometry.log`,
+// which drifts, beside the `trajectory.log` of the whole.
+int precedence(const fs::path& file) {
+  if (file.stem() == "groundtruth") return 2;
+  return file.stem() == "trajectory" ? 1 : 0;
+}
+
+// The trajectory of a folder. Two of the same precedence are an error.
 Result<std::optional<TrajectoryFile>> find_trajectory(const fs::path& folder) {
   std::optional<TrajectoryFile> found;
-  bool truth = false;
+  std::optional<fs::path> rival;
   for (const fs::path& file : files_in(folder)) {
     const TrajectoryParser parse = trajectory_parser(file);
-    const bool is_truth = file.stem() == "groundtruth";
-    if (!parse || (truth && !is_truth)) continue;
-    if (found && !is_truth)
-      return bad_input(file, "is a trajectory, and so is " + found->path.filename().string() +
-                                 " beside it; keep one of them, or call it groundtruth.txt");
+    if (!parse) continue;
+    const int order = found ? precedence(file) - precedence(found->path) : 1;
+    if (order == 0) rival = file;
+    if (order <= 0) continue;
     found = TrajectoryFile{file, parse};
-    truth = is_truth;
+    rival.reset();
   }
+  if (rival)
+    return bad_input(*rival, "is a trajectory, and so is " + found->path.filename().string() +
+                                 " beside it; keep one of them, or call it groundtruth.txt");
   return found;
 }
 

@@ -201,6 +201,20 @@ TEST(ScanFile, AFolderOfPointsIsAProject) {
   EXPECT_THAT(project.notes, ::testing::Contains(HasSubstr("points and meshes without")));
 }
 
+// Such files may be anything: they are points where they begin so and nothing else is there.
+TEST(ScanFile, AFolderOfPlainTextIsAProject) {
+  const TemporaryFolder folder;
+  const std::string points = "x y z\n" + xyz_text(ball_view("a", 0.0));
+  folder.write("scan_2.csv", points);
+  folder.write("scan_10.csv", points);
+  folder.write("notes.txt", std::string(2000, 'n'));
+  const auto project = value_of(read_project(folder / "."));
+  ASSERT_EQ(project.views.size(), 2u);
+  EXPECT_EQ(project.views[0].name, "scan_2");
+  folder.write("third.xyz", points);
+  EXPECT_EQ(value_of(read_project(folder / ".")).views.size(), 1u);
+}
+
 // As pcl_normal_estimation and its like write normals, without their points.
 TEST(ScanFile, AFolderMayHoldPcdsWithoutPoints) {
   const TemporaryFolder folder;

@@ -244,7 +244,21 @@ TEST_F(RgbdFolder, NumberedFolders) {
   write("depth/11.png", png_head(5));
   EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions),
               HasError("trajectory.log: 2 poses for 3 depth maps"));
-  write("second.log", std::string("0 0 1\n") + kPose);
+}
+
+TEST_F(RgbdFolder, OfTwoTrajectoriesThatOfTheWholeIsTaken) {
+  for (const char* name : {"0", "1"}) write("depth/" + std::string(name) + ".png", png_head(5));
+  const auto log = [](const std::string& last) {
+    return std::string("0 0 1\n") + kPose + "1 1 2\n1 0 0 " + last +
+           "\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  };
+  write("odometry.log", log("8"));
+  write("trajectory.log", log("9"));
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
+  EXPECT_EQ(spec.views[1].world_from_view.translation().x(), 9.0);
+  write("second.log", log("7"));
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions), IsOk());
+  std::filesystem::remove(folder_.path() / "trajectory.log");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions), HasError("is a trajectory, and so is"));
 }
 
