@@ -186,12 +186,19 @@ bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const View
   return plausible(evidence, a, b, limits);
 }
 
+VerificationThresholds with_off_plane_samples(VerificationThresholds limits,
+                                              const VerificationThresholds& general) {
+  limits.max_coherent_rms =
+      std::max(limits.max_coherent_rms, kWidestCoherent * general.max_coherent_rms);
+  return limits;
+}
+
 double stddev_of_loops(const std::vector<ViewSurface>& surfaces,
                        const std::vector<PoseLink>& links) {
   const std::vector<int> loops = count_loops(surfaces, links);
   std::vector<PairDeviation> pairs;
   for (std::size_t k = 0; k < links.size(); ++k) {
-    const auto& [a, b, unused, evidence, planar] = links[k];
+    const auto& [a, b, unused, evidence, planar, off_plane] = links[k];
     const bool known = !pairs.empty() && pairs.back().a == a && pairs.back().b == b;
     if (loops[k] > 0 && !known) pairs.push_back({a, b, evidence.rms});
   }

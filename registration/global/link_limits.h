@@ -29,6 +29,11 @@ struct LinkLimits {
 bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b,
                   const VerificationThresholds& general);
 
+/// Limits for links that samples off the flat faces confirm: these tell wrong poses from right ones
+/// that errors of the sensor bend, so the coherent RMS may be that of may_be_right().
+VerificationThresholds with_off_plane_samples(VerificationThresholds limits,
+                                              const VerificationThresholds& general);
+
 /// common_stddev() of the pairs of views whose links close loops, each by its first one that does;
 /// links of a pair follow each other. 0 where these are fewer than four, and where errors are more
 /// than half a percent of the views' radius: wrong poses of small things misfit by as little.

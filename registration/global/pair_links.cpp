@@ -50,7 +50,8 @@ std::vector<PoseLink> PairLinks::of_pair(std::size_t a, std::size_t b,
             : OffPlaneVerdict::kConfirmed;
     if (verdict != OffPlaneVerdict::kDenied)
       links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence,
-                       mostly_planar && verdict == OffPlaneVerdict::kUnknown});
+                       mostly_planar && verdict == OffPlaneVerdict::kUnknown,
+                       planes_dominate_both && verdict == OffPlaneVerdict::kConfirmed});
   };
   for (const PoseHypothesis& hypothesis : found) add(hypothesis);
   if (!found.empty())

@@ -30,8 +30,10 @@ bool same_place(const ViewSurface& view, const RigidMotion& x, const RigidMotion
 
 double PairSupport::support(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const {
   const ViewSurface &target = surfaces_[i], &source = surfaces_[j];
-  const bool linked = has_link_at(i, j, i_from_j);
+  const PoseLink* const link = link_at(i, j, i_from_j);
+  const bool linked = link != nullptr;
   VerificationThresholds limits = linked ? limits_.loop_confirmed : limits_.confirmed;
+  if (linked && link->off_plane_confirmed) limits = with_off_plane_samples(limits, options_.limits);
   limits.min_overlap = kCountingOverlap;
   const PoseEvidence evidence = judged_.judge(i, j, i_from_j, options_.judge);
   if (plausible(evidence, source, target, limits)) return support_of(evidence, linked);
@@ -57,17 +59,17 @@ double PairSupport::support_of(const PoseEvidence& evidence, bool linked) const 
   return -evidence.missing;
 }
 
-// Whether a link that is believed says the same.
-bool PairSupport::has_link_at(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const {
-  const auto& to_i = index_.between(j, i);
-  const auto& to_j = index_.between(i, j);
-  const auto agrees = [&](const RigidMotion& motion) {
-    return same_place(surfaces_[j], motion, i_from_j);
+// A link that is believed and says the same, one that off-plane samples confirm first; or null.
+const PoseLink* PairSupport::link_at(std::size_t i, std::size_t j,
+                                     const RigidMotion& i_from_j) const {
+  const PoseLink* found = nullptr;
+  const auto look_at = [&](const PoseLink* link, const RigidMotion& motion) {
+    if (found && (found->off_plane_confirmed || !link->off_plane_confirmed)) return;
+    if (same_place(surfaces_[j], motion, i_from_j)) found = link;
   };
-  return std::any_of(to_i.begin(), to_i.end(),
-                     [&](const PoseLink* link) { return agrees(link->b_from_a); }) ||
-         std::any_of(to_j.begin(), to_j.end(),
-                     [&](const PoseLink* link) { return agrees(link->b_from_a.inverse()); });
+  for (const PoseLink* link : index_.between(j, i)) look_at(link, link->b_from_a);
+  for (const PoseLink* link : index_.between(i, j)) look_at(link, link->b_from_a.inverse());
+  return found;
 }
 
 }  // namespace relief::registration

@@ -31,7 +31,7 @@ class PairSupport {
 
  private:
   double support_of(const PoseEvidence& evidence, bool linked) const;
-  bool has_link_at(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const;
+  const PoseLink* link_at(std::size_t i, std::size_t j, const RigidMotion& i_from_j) const;
 
   const std::vector<ViewSurface>& surfaces_;
   const LinkIndex index_;

@@ -28,7 +28,8 @@ void sort_by_support(const std::vector<ViewSurface>& surfaces, const LinkLimits&
                      const ViewGroupOptions& options, const std::vector<int>& loops_of_all,
                      std::vector<PoseLink>& links) {
   const auto fits = [&](const PoseLink& link, const VerificationThresholds& to) {
-    return plausible(link.evidence, surfaces[link.a], surfaces[link.b], to);
+    return plausible(link.evidence, surfaces[link.a], surfaces[link.b],
+                     link.off_plane_confirmed ? with_off_plane_samples(to, options.limits) : to);
   };
   std::vector<PoseLink> believed;
   for (std::size_t k = 0; k < links.size(); ++k)
@@ -41,7 +42,8 @@ void sort_by_support(const std::vector<ViewSurface>& surfaces, const LinkLimits&
   };
   const auto stands_alone = [&](const PoseLink& link) {
     return firm(link) && link.evidence.overlap >= options.lone_overlap &&
-           !misfits_locally(link.evidence, surfaces[link.a], surfaces[link.b], limits.confirmed);
+           (link.off_plane_confirmed ||
+            !misfits_locally(link.evidence, surfaces[link.a], surfaces[link.b], limits.confirmed));
   };
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < links.size(); ++k)

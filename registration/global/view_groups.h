@@ -18,6 +18,8 @@ struct PoseLink {
   PoseEvidence evidence;
   /// Only flat faces speak for it: they fit views that show other faces, too.
   bool planar_only = false;
+  /// Flat faces dominate both views, and their samples off these meet (off_plane_samples.h).
+  bool off_plane_confirmed = false;
 };
 
 /// With these numbers `relief_coarse_runs` places no view of 200 difficult scenes wrongly

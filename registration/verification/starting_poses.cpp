@@ -213,12 +213,14 @@ std::string describe_rejected(const PoseLink& link, std::size_t view,
   std::snprintf(text, sizeof text,
                 "where surfaces differ by %.2g sample spacings (RMS), normals by %.0f degrees",
                 spacings, evidence.normal_rms * kDegreesPerRadian);
-  const std::string seen_empty =
-      violates_free_space(evidence)
-          ? ", and " + percent(evidence.free_space_violation) + " stands in space seen empty"
-          : "";
+  std::string against;
+  if (violates_free_space(evidence))
+    against += ", and " + percent(evidence.free_space_violation) + " stands in space seen empty";
+  if (misses_coverage(evidence))
+    against += ", and one of the two saw nothing in place of " +
+               percent(evidence.missing_coverage) + " of what faces it";
   return "the best is next to " + views[link.a == view ? link.b : link.a].name + ", sharing " +
-         percent(evidence.overlap) + ", " + text + seen_empty;
+         percent(evidence.overlap) + ", " + text + against;
 }
 
 std::string describe_ambiguity(const AmbiguousPair& pair, const std::string& other) {

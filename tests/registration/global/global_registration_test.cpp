@@ -107,6 +107,18 @@ TEST(GlobalRegistration, LeavesOutAViewOfAnotherObject) {
   EXPECT_THAT(aligned.views[3].reason, HasSubstr("no pose was found"));
 }
 
+// Bent by more than any candidate may be.
+TEST(GlobalRegistration, NamesTheBestOfThePosesThatAreNoCandidates) {
+  std::vector<RangeView> views(ring().begin(), ring().begin() + 2);
+  const double bend = 2.5 * sample_spacing(views[1]);
+  for (int v = 0; v < views[1].height(); ++v)
+    for (int u = 0; u < views[1].width(); ++u)
+      views[1].range(u, v) += bend * std::sin(0.15 * u) * std::cos(0.15 * v);
+  const auto aligned = value_of(align_views(without_poses(views)));
+  EXPECT_FALSE(aligned.views[1].aligned);
+  EXPECT_THAT(aligned.views[1].reason, HasSubstr("the best is next to " + views[0].name));
+}
+
 TEST(GlobalRegistration, KeepsTwoObjectsTwoGroups) {
   std::vector<RangeView> views(ring().begin(), ring().begin() + 3);
   for (RangeView& view : testing::ring_of_views(
