@@ -1,5 +1,6 @@
 #include "scan/io/workspaces/rgbd/depth_scale.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -18,6 +19,14 @@ namespace {
 constexpr double kUsualScales[] = {1000.0, 5000.0, 10000.0, 4000.0};
 // No depth camera sees so far [m], and no object is scanned from as many millimetres.
 constexpr double kFarthest = 50.0;
+
+// SUN3D and its kin write the depth in the upper 13 bits.
+constexpr double kShifted = 8.0;
+
+bool are_shifted(const Image& image) {
+  return std::all_of(image.samples.begin(), image.samples.end(),
+                     [](float z) { return std::fmod(z, kShifted) == 0.0; });
+}
 
 double median_depth(const Image& image) {
   std::vector<double> depths;
@@ -52,18 +61,27 @@ std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, 
   if (integers && image->max_value < 65535.0) return std::nullopt;
   if (!integers) usual = median_depth(*image) > kFarthest ? kMillimetres : 1.0;
 
-  std::vector<double> scales{usual};
-  std::vector<DepthReading> readings{{first.camera->intrinsics, 1.0 / usual}};
-  for (const double scale : kUsualScales) {
-    if (!integers || scale == usual) continue;
+  std::vector<double> scales;
+  std::vector<DepthReading> readings;
+  const auto add = [&](double scale) {
+    if (std::find(scales.begin(), scales.end(), scale) != scales.end()) return;
     scales.push_back(scale);
     readings.push_back({first.camera->intrinsics, 1.0 / scale});
-  }
+  };
+  const bool shifted = integers && are_shifted(*image);
+  if (shifted) usual *= kShifted;
+  add(usual);
+  if (integers)
+    for (const double scale : kUsualScales) {
+      add(scale);
+      if (shifted) add(kShifted * scale);
+    }
   const auto found = disagreements_at_poses(project, readings);
   std::size_t best = 0;
   for (std::size_t k = 1; k < scales.size(); ++k)
     if (found[0] && found[k] && *found[k] < *found[best]) best = k;
-  if (best == 0 || !(*found[0] > kFarBetter * *found[best])) return assumed(usual, "");
+  if (best == 0 || !(*found[0] > kFarBetter * *found[best]))
+    return assumed(usual, shifted ? ", since all are multiples of 8, as SUN3D writes them" : "");
   char why[120];
   std::snprintf(why, sizeof why,
                 ", with which they agree at their poses to %.2g %% (as %s %.2g %%)",

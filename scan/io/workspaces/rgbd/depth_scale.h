@@ -17,7 +17,8 @@ struct AssumedDepthScale {
 };
 
 /// The scale of the depth maps of a folder without one, whose views have a scale of 1: `usual`
-/// values per metre where they hold 16-bit integers; else metres, or millimetres where the depths
+/// values per metre where they hold 16-bit integers, eight times as many where all of these are
+/// multiples of 8, as in SUN3D; else metres, or millimetres where the depths
 /// are tens of metres otherwise. Where the maps agree with their poses far better in another usual
 /// scale, that one. Nothing where the first map cannot be read or has 8 bits.
 std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, double usual);

@@ -296,7 +296,8 @@ TEST_F(RgbdFolder, CalibrationsThatDifferAreNamed) {
 }
 
 // Two frames in front of a slope, the second one higher, with so many values per metre.
-void write_frames(const TemporaryFolder& folder, const Camera& camera, double scale = 1000.0) {
+void write_frames(const TemporaryFolder& folder, const Camera& camera, double scale = 1000.0,
+                  float factor = 1.0f) {
   for (int i = 0; i < 2; ++i) {
     RigidMotion pose = RigidMotion::Identity();
     pose.translation().y() = 0.4 * i;
@@ -304,7 +305,7 @@ void write_frames(const TemporaryFolder& folder, const Camera& camera, double sc
     Image depth(view.width(), view.height(), 1, 65535);
     for (int v = 0; v < view.height(); ++v)
       for (int u = 0; u < view.width(); ++u)
-        depth(u, v) = static_cast<float>(std::lround(scale * view.range(u, v)));
+        depth(u, v) = factor * static_cast<float>(std::lround(scale * view.range(u, v)));
     const std::string frame = "frame-" + std::to_string(i);
     folder.write(frame + ".depth.png", *encode_png(depth));
     folder.write(frame + ".pose.txt",
@@ -331,7 +332,13 @@ TEST_F(RgbdFolder, TakesAUsualScaleWhereNoneIsStated) {
                                            HasSubstr(scale == 1000.0 ? "taken as millimetres;"
                                                                      : "5000 to the metre"))));
   }
+  // As SUN3D writes them.
+  write_frames(folder_, Camera::pinhole(160, 120, intrinsics), 1000.0, 8.0f);
+  const auto shifted = value_of(read_rgbd_folder(folder_.path(), {intrinsics, {}}));
+  EXPECT_EQ(shifted.views[0].depth->scale, 1.0 / 8000.0);
+  EXPECT_THAT(shifted.notes, Contains(HasSubstr("multiples of 8")));
   // Poses that tell nothing.
+  write_frames(folder_, Camera::pinhole(160, 120, intrinsics), 1000.0);
   for (const char* frame : {"frame-0", "frame-1"})
     fs::remove(folder_ / (frame + std::string(".pose.txt")));
   const auto spec = value_of(read_rgbd_folder(folder_.path(), {intrinsics, {}}));
