@@ -144,8 +144,8 @@ class TiledNoise {
         if (!(difference == difference)) return;
         const double metric = view_.camera.ray(u, v).direction.norm();
         const double size = std::abs(difference) * metric;
-        const double distance = std::max(view_.range(u, v) * metric, view_.point(u, v).norm());
-        tile.differences.push_back(size > kRounding * distance ? static_cast<float>(size) : 0.0f);
+        const bool rounding = size <= kRounding * metric * view_.range(u, v);
+        tile.differences.push_back(rounding ? 0.0f : static_cast<float>(size));
       };
       if (stencil == Stencil::kSquare) {
         if (u + 2 < view_.width() && v + 2 < view_.height()) add(square_difference(view_, u, v));
