@@ -62,14 +62,18 @@ struct Deviations {
   }
 };
 
-// Of the links between the same two views that which deviates least.
+// Of the links between the same two views that which deviates least. Those that leave the pose open
+// in some direction fit by that, and tell nothing of errors where there are others.
 std::vector<const PoseLink*> best_of_each_pair(const std::vector<ViewSurface>& surfaces,
                                                const std::vector<const PoseLink*>& links) {
-  std::map<std::pair<std::size_t, std::size_t>, std::pair<double, const PoseLink*>> best;
+  using Order = std::pair<bool, double>;
+  std::map<std::pair<std::size_t, std::size_t>, std::pair<Order, const PoseLink*>> best;
   for (const PoseLink* link : links) {
-    const std::pair found(relative_rms(link->evidence, surfaces[link->a], surfaces[link->b]), link);
+    const Order order{link->evidence.degenerate,
+                      relative_rms(link->evidence, surfaces[link->a], surfaces[link->b])};
+    const std::pair found(order, link);
     const auto [it, added] = best.try_emplace(std::minmax(link->a, link->b), found);
-    if (!added && found.first < it->second.first) it->second = found;
+    if (!added && order < it->second.first) it->second = found;
   }
   std::vector<const PoseLink*> links_of_pairs;
   for (const auto& [unused, found] : best) links_of_pairs.push_back(found.second);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "registration/global/link_limits.h"
 #include "registration/global/pair_support.h"
 #include "tests/registration/bumpy_object.h"
 
@@ -94,6 +95,58 @@ TEST(PairSupport, CoverageIsNotMissedWhereAPairWasFoundByItself) {
   EXPECT_LT(PairSupport(surfaces, none, {}, options, judged).support(0, 1, truth), 0.0);
   EXPECT_EQ(PairSupport(surfaces, found, {}, options, judged).support(0, 1, truth),
             link.evidence.overlap);
+}
+
+std::vector<RangeView> two_neighbours() {
+  auto views = six_neighbours();
+  views.resize(2);
+  return views;
+}
+
+// Two neighbours and the link between them at the true pose.
+struct LinkedPair {
+  std::vector<ViewSurface> surfaces;
+  PoseLink link;
+};
+
+// `views` are two, and outlive the pair.
+LinkedPair linked_pair(const std::vector<RangeView>& views) {
+  LinkedPair pair{surfaces_of(views), {}};
+  const RigidMotion truth = views[1].world_from_view.inverse() * views[0].world_from_view;
+  pair.link = {0, 1, truth, judge_pose(pair.surfaces[0], pair.surfaces[1], truth)};
+  return pair;
+}
+
+// Views of a street fit along it, too, with smaller deviations than where they belong.
+TEST(LinkLimits, APoseThatSlidesTellsNothingOfErrors) {
+  const auto views = two_neighbours();
+  const auto [surfaces, link] = linked_pair(views);
+  PoseLink found = link, sliding = link;
+  found.evidence.normal_rms = 0.2;
+  sliding.evidence.rms *= 0.5;
+  sliding.evidence.normal_rms = 0.05;
+  sliding.evidence.degenerate = true;
+  const ViewGroupOptions options;
+  const auto normals = [&](const std::vector<PoseLink>& links) {
+    return fit_link_limits(surfaces, links, std::vector<int>(links.size(), 0), options)
+        .lone.max_normal_rms;
+  };
+  EXPECT_EQ(normals({found, sliding}), normals({found}));
+  EXPECT_LT(normals({sliding}), normals({found}));
+}
+
+TEST(ViewGroups, OffPlaneSamplesAllowLargerErrorsThatNeighboursShare) {
+  const auto views = two_neighbours();
+  auto [surfaces, link] = linked_pair(views);
+  link.evidence.coherent_rms = 0.5 * surfaces[0].spacing();  // More than a link alone may have.
+  const auto joined = [&](bool off_plane_confirmed) {
+    link.off_plane_confirmed = off_plane_confirmed;
+    JudgedPairs judged(surfaces);
+    return join_views(surfaces, {link}, ViewGroups::singles(2), {false, false}, {}, judged)
+        .all_in_one();
+  };
+  EXPECT_FALSE(joined(false));
+  EXPECT_TRUE(joined(true));
 }
 
 }  // namespace
