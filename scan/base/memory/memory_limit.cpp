@@ -39,6 +39,10 @@ std::filesystem::path default_folder() {
 // Of arrays that are smaller than this none lies in a file [bytes].
 constexpr std::size_t kSmall = std::size_t{1} << 14;
 
+// Half of the mappings that Linux lets a process have (vm.max_map_count). Later grids lie in
+// memory.
+constexpr std::size_t kMostFiles = 32768;
+
 // Before so much is allocated the memory is looked at in any case [bytes].
 constexpr std::size_t kLarge = std::size_t{1} << 20;
 
@@ -178,8 +182,9 @@ bool MemoryLimit::unmap_if_mapped(void* address) {
 
 bool MemoryLimit::keep_grid_in_memory(std::size_t bytes) {
   const std::lock_guard lock(mutex_);
-  if (in_memory_ + bytes > most_of_grids(limit_) || resident_() + bytes > limit_ / kQuarter)
-    return false;
+  const bool ample =
+      in_memory_ + bytes <= most_of_grids(limit_) && resident_() + bytes <= limit_ / kQuarter;
+  if (!ample && blocks_.size() < kMostFiles) return false;
   in_memory_ += bytes;
   return true;
 }
