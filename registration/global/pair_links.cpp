@@ -40,18 +40,19 @@ std::vector<PoseLink> PairLinks::of_pair(std::size_t a, std::size_t b,
                                          const std::vector<PoseHypothesis>& found,
                                          const CoarseScale& scale) const {
   const bool mostly_planar = is_mostly_planar(faces_[a]) || is_mostly_planar(faces_[b]);
-  const bool planes_dominate_both = planes_dominate(faces_[a]) && planes_dominate(faces_[b]);
+  const bool in_a = planes_dominate(faces_[a]), in_b = planes_dominate(faces_[b]);
+  const bool may_deny = mostly_planar || (in_a && in_b);
   std::vector<PoseLink> links;
   const auto add = [&](const PoseHypothesis& hypothesis) {
     const auto verdict =
-        mostly_planar || planes_dominate_both
+        may_deny || in_a || in_b
             ? judge_off_plane_samples(surfaces_[a], faces_[a], surfaces_[b], faces_[b],
                                       hypothesis.b_from_a, options_.judge.min_stddev)
-            : OffPlaneVerdict::kConfirmed;
-    if (verdict != OffPlaneVerdict::kDenied)
-      links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence,
-                       mostly_planar && verdict == OffPlaneVerdict::kUnknown,
-                       planes_dominate_both && verdict == OffPlaneVerdict::kConfirmed});
+            : OffPlaneVerdict::kUnknown;
+    if (may_deny && verdict == OffPlaneVerdict::kDenied) return;
+    links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence,
+                     mostly_planar && verdict == OffPlaneVerdict::kUnknown,
+                     verdict == OffPlaneVerdict::kConfirmed});
   };
   for (const PoseHypothesis& hypothesis : found) add(hypothesis);
   if (!found.empty())

@@ -18,7 +18,7 @@ struct PoseLink {
   PoseEvidence evidence;
   /// Only flat faces speak for it: they fit views that show other faces, too.
   bool planar_only = false;
-  /// Flat faces dominate both views, and their samples off these meet (off_plane_samples.h).
+  /// Flat faces dominate either view, and the samples off these meet (off_plane_samples.h).
   bool off_plane_confirmed = false;
 };
 

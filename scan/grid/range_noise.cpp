@@ -91,8 +91,10 @@ struct Tile {
 
 class TiledNoise {
  public:
-  TiledNoise(const RangeView& view, const RangeQuantisation& quantisation)
-      : view_(view), quantisation_(quantisation) {
+  /// `keep_rounding`: differences that are rounding stay as they are, in place of zeros.
+  TiledNoise(const RangeView& view, const RangeQuantisation& quantisation,
+             bool keep_rounding = false)
+      : view_(view), quantisation_(quantisation), keep_rounding_(keep_rounding) {
     const int longer = std::max(view.width(), view.height());
     side_ = std::max(kLeastTile, (longer + kTilesAlong - 1) / kTilesAlong);
     tiles_ = Grid<Tile>((view.width() + side_ - 1) / side_, (view.height() + side_ - 1) / side_);
@@ -104,7 +106,7 @@ class TiledNoise {
     collect(Stencil::kSquare);
     noise.sigma = sigma_of_all();
     // Squares are three times as hard to have as lines where samples are missing at random.
-    const bool few = 8 * count() < places(), blind = !few && sees_nothing(noise.sigma);
+    const bool few = 8 * count() < places(), blind = !few && squares_see_nothing();
     if (few || blind) {
       collect(louder_lines());
       noise.sigma = sigma_of_all();
@@ -145,7 +147,7 @@ class TiledNoise {
         const double metric = view_.camera.ray(u, v).direction.norm();
         const double size = std::abs(difference) * metric;
         const bool rounding = size <= kRounding * metric * view_.range(u, v);
-        tile.differences.push_back(rounding ? 0.0f : static_cast<float>(size));
+        tile.differences.push_back(rounding && !keep_rounding_ ? 0.0f : static_cast<float>(size));
       };
       if (stencil == Stencil::kSquare) {
         if (u + 2 < view_.width() && v + 2 < view_.height()) add(square_difference(view_, u, v));
@@ -176,16 +178,17 @@ class TiledNoise {
     return all.empty() ? 0.0 : core_sigma(all);
   }
 
+  // With what is rounding, which is all that interpolated samples show.
   double sigma_of(Stencil stencil) const {
-    TiledNoise other(view_, quantisation_);
+    TiledNoise other(view_, quantisation_, /*keep_rounding=*/true);
     other.collect(stencil);
     return other.sigma_of_all();
   }
 
   // Whether the squares show next to none of the noise: some sensors interpolate along one
   // direction.
-  bool sees_nothing(double sigma) const {
-    return sigma <
+  bool squares_see_nothing() const {
+    return sigma_of(Stencil::kSquare) <
            kSeesNothing * std::max(sigma_of(Stencil::kAlongRows), sigma_of(Stencil::kAlongColumns));
   }
   Stencil louder_lines() const {
@@ -310,6 +313,7 @@ class TiledNoise {
 
   const RangeView& view_;
   const RangeQuantisation& quantisation_;
+  const bool keep_rounding_;
   int side_ = kLeastTile;
   Grid<Tile> tiles_;
 };
