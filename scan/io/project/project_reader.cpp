@@ -21,19 +21,21 @@ namespace {
 
 using LoadedViews = std::vector<std::optional<Result<LoadedView>>>;
 
-// Under a memory limit views may take what the disk has left, else the memory that is free.
-std::size_t room_for_views() {
+// Under a memory limit all views may take what the disk has left, as they lie in files. One view is
+// decoded in the memory that is free, which holds all views where there is no limit.
+MemoryBudget room_for_views() {
+  const std::size_t free = free_memory();
   const MemoryLimit* const limit = current_memory_limit();
-  if (!limit) return free_memory();
+  if (!limit) return MemoryBudget(free);
   std::error_code unknown;
   const auto disk = std::filesystem::space(limit->folder(), unknown);
-  return unknown ? free_memory() : static_cast<std::size_t>(disk.available);
+  return unknown ? MemoryBudget(free) : MemoryBudget(disk.available, free);
 }
 
 // Reads all views in parallel; those after an interruption stay empty.
 LoadedViews load_views(const std::vector<ViewSpec>& specs, const ReadProjectOptions& options,
                        const Progress& progress, std::atomic<bool>& interrupted) {
-  MemoryBudget memory(options.memory > 0 ? options.memory : room_for_views());
+  MemoryBudget memory = options.memory > 0 ? MemoryBudget(options.memory) : room_for_views();
   LoadedViews loaded(specs.size());
   std::atomic<std::size_t> done{0};
   const auto caller = std::this_thread::get_id();

@@ -257,6 +257,7 @@ void clean_confidence(Grid<float>& confidence) {
 }  // namespace
 
 bool MemoryBudget::take(std::size_t bytes) {
+  if (bytes > at_once_) return false;
   std::size_t left = left_;
   while (bytes <= left)
     if (left_.compare_exchange_weak(left, left - bytes)) return true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <optional>
@@ -24,13 +25,17 @@ struct LoadedView {
 /// Memory [bytes] that views may take together; may be used from several threads.
 class MemoryBudget {
  public:
-  explicit MemoryBudget(std::size_t bytes) : left_(bytes) {}
-  std::size_t left() const { return left_; }
+  explicit MemoryBudget(std::size_t bytes) : MemoryBudget(bytes, bytes) {}
+  /// `at_once`: what one view may take at most [bytes].
+  MemoryBudget(std::size_t bytes, std::size_t at_once) : left_(bytes), at_once_(at_once) {}
+  /// For one view.
+  std::size_t left() const { return std::min<std::size_t>(left_, at_once_); }
   /// False when there is less: then nothing is taken.
   bool take(std::size_t bytes);
 
  private:
   std::atomic<std::size_t> left_;
+  std::size_t at_once_;
 };
 
 /// Reads the data of one view, within `memory`. A view without any sample is an error

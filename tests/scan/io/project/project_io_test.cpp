@@ -9,6 +9,7 @@
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/grids/ply_grid_writer.h"
 #include "scan/io/images/image_io.h"
+#include "scan/io/project/view_loader.h"
 #include "tests/support/geometry_matchers.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/scenes/synthetic_views.h"
@@ -456,6 +457,17 @@ TEST(ProjectIo, ManyViewsOfOneFileAreBoundByTheMemory) {
   options.memory = 50 * kView - 1;
   EXPECT_THAT(read_project(path, options),
               HasError(ErrorKind::kUnsolvable, "depth.png: view ", "give fewer or smaller ones"));
+}
+
+// Views lie in files then, but each is decoded in memory.
+TEST(MemoryBudget, OneViewMayTakeLessThanAllTogether) {
+  MemoryBudget budget(100, 40);
+  EXPECT_FALSE(budget.take(41));
+  EXPECT_EQ(budget.left(), 40u);
+  EXPECT_TRUE(budget.take(40));
+  EXPECT_TRUE(budget.take(40));
+  EXPECT_FALSE(budget.take(40));
+  EXPECT_EQ(budget.left(), 20u);
 }
 
 }  // namespace

@@ -33,7 +33,8 @@ struct ReadProjectOptions {
   /// their starting pose. Else nothing is known of the frames of separate files.
   bool shared_frame = false;
   /// What all views may take [bytes]: a small file can hold a large image, and many views can name
-  /// it. 0: the memory that is free; under a memory limit what the disk of its files has left.
+  /// it. 0: the memory that is free; under a memory limit what the disk of its files has left, and
+  /// for one view the memory that is free.
   std::size_t memory = 0;
 };
 
