@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -23,9 +24,16 @@ constexpr double kFarthest = 50.0;
 // SUN3D and its kin write the depth in the upper 13 bits.
 constexpr double kShifted = 8.0;
 
+// By chance as many different values are hardly ever all multiples: 8^-8.
+constexpr std::size_t kTellingValues = 8;
+
 bool are_shifted(const Image& image) {
-  return std::all_of(image.samples.begin(), image.samples.end(),
-                     [](float z) { return std::fmod(z, kShifted) == 0.0; });
+  std::set<float> values;  // Above 0, no more than tell.
+  for (const float z : image.samples) {
+    if (std::fmod(z, kShifted) != 0.0) return false;
+    if (z > 0.0f && values.size() < kTellingValues) values.insert(z);
+  }
+  return values.size() == kTellingValues;
 }
 
 double median_depth(const Image& image) {

@@ -1,5 +1,6 @@
 #include "scan/io/workspaces/rgbd/rgbd_folder.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -337,6 +338,14 @@ TEST_F(RgbdFolder, TakesAUsualScaleWhereNoneIsStated) {
   const auto shifted = value_of(read_rgbd_folder(folder_.path(), {intrinsics, {}}));
   EXPECT_EQ(shifted.views[0].depth->scale, 1.0 / 8000.0);
   EXPECT_THAT(shifted.notes, Contains(HasSubstr("multiples of 8")));
+  // A map without a depth, or of one depth, tells nothing.
+  for (const float depth : {0.0f, 800.0f}) {
+    Image flat(160, 120, 1, 65535);
+    std::fill(flat.samples.begin(), flat.samples.end(), depth);
+    folder_.write("frame-0.depth.png", *encode_png(flat));
+    const auto spec = value_of(read_rgbd_folder(folder_.path(), {intrinsics, {}}));
+    EXPECT_EQ(spec.views[0].depth->scale, 0.001);
+  }
   // Poses that tell nothing.
   write_frames(folder_, Camera::pinhole(160, 120, intrinsics), 1000.0);
   for (const char* frame : {"frame-0", "frame-1"})
