@@ -82,25 +82,25 @@ class GlobalRegistration {
         if (!most || link.evidence.overlap > most->evidence.overlap) most = link;
       }
     }
-    for (std::size_t i = 0; i < best_dropped_.size(); ++i) {
-      const auto& dropped = best_dropped_[i];
-      if (dropped && !groups_.best_rejected[i] &&
-          groups_.group[dropped->a] != groups_.group[dropped->b])
-        groups_.best_rejected[i] = dropped;
+    for (std::size_t i = 0; i < best_found_.size(); ++i) {
+      const auto& found = best_found_[i];
+      if (found && !groups_.best_rejected[i] && groups_.group[found->a] != groups_.group[found->b])
+        groups_.best_rejected[i] = found;
     }
   }
 
-  // Keeps for each view the pose that deviates least of those that are not even candidates.
-  void note_dropped(std::size_t a, std::size_t b, const std::vector<PoseHypothesis>& found) {
+  // Keeps for each view the pose that deviates least of all that were found, also of those that
+  // are no candidates.
+  void note_best_found(std::size_t a, std::size_t b, const std::vector<PoseHypothesis>& found) {
     const auto ratio = [&](const PoseLink& link) {
       return largest_ratio(link.evidence, surfaces_[link.a], surfaces_[link.b], options_.limits);
     };
-    best_dropped_.resize(surfaces_.size());
+    best_found_.resize(surfaces_.size());
     for (const PoseHypothesis& hypothesis : found) {
       if (hypothesis.evidence.overlap < options_.limits.min_overlap) continue;
       const PoseLink link{a, b, hypothesis.b_from_a, hypothesis.evidence};
       for (const std::size_t i : {a, b})
-        if (!best_dropped_[i] || ratio(link) < ratio(*best_dropped_[i])) best_dropped_[i] = link;
+        if (!best_found_[i] || ratio(link) < ratio(*best_found_[i])) best_found_[i] = link;
     }
   }
 
@@ -222,7 +222,7 @@ class GlobalRegistration {
     std::set<std::size_t> linked_views;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const auto& [a, b] = pairs[k];
-      note_dropped(a, b, (*found)[k]);
+      note_best_found(a, b, (*found)[k]);
       pair_links_.keep_candidates(a, b, (*found)[k]);
       if (!(*found)[k].empty()) linked_views.insert({a, b});
     }
@@ -284,7 +284,7 @@ class GlobalRegistration {
   Pairs ranked_;          // The most promising pairs of views first.
   std::size_t next_ = 0;  // Of them, to be searched.
   std::vector<PoseLink> links_;
-  std::vector<std::optional<PoseLink>> best_dropped_;  // By view, for messages.
+  std::vector<std::optional<PoseLink>> best_found_;  // By view, for messages.
   ViewGroups groups_;
 };
 

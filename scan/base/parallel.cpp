@@ -48,7 +48,7 @@ void throw_if_stopped(const LoopState& state) {
 }
 
 // Before each piece of a loop.
-void keep_order(const LoopState& state) {
+void check_stop_and_memory(const LoopState& state) {
   throw_if_stopped(state);
   if (state.memory) state.memory->evict_in_time();
 }
@@ -104,7 +104,7 @@ void parallel_for(std::size_t count, std::size_t grain,
   const std::size_t ranges = (count + grain - 1) / grain;
   const LoopState state = loop_state;
   const auto run = [&](std::size_t range) {
-    keep_order(state);
+    check_stop_and_memory(state);
     body(range * grain, std::min(count, (range + 1) * grain));
   };
   if (ranges <= 1 || thread_count() == 1) {
