@@ -118,7 +118,7 @@ class GlobalRegistration {
   // Most promising pairs first, in rounds; after each, the views that are joined are not searched
   // for one another any more.
   bool search_by_shape() {
-    if (!describe_views()) return false;
+    if (!describe_views() || !link_known_pairs()) return false;
     for (std::size_t round = 0; next_ < ranked_.size() && !complete(); ++round) {
       if (!search(next_round(round))) return false;
       regroup();
@@ -156,6 +156,29 @@ class GlobalRegistration {
     return pairs;
   }
 
+  // Of views whose poses are known, the most promising pairs. They tell what errors the views have,
+  // and close loops with links to other views. False when asked to stop.
+  bool link_known_pairs() {
+    Pairs pairs;
+    for (const auto& [a, b] : ranked_)
+      if (start_.group[a] == start_.group[b] && has_points(a) && has_points(b) &&
+          pairs.size() < kFirstPairsPerView * views_.size())
+        pairs.emplace_back(a, b);
+    std::vector<std::optional<PoseHypothesis>> found(pairs.size());
+    const bool done = for_each(pairs.size(), "comparing views", [&](std::size_t k) {
+      const auto [a, b] = pairs[k];
+      found[k] = confirm_pose(surfaces_[a], surfaces_[b],
+                              start_.group_from_view[b].inverse() * start_.group_from_view[a],
+                              scale_, grouping_.judge);
+    });
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+      if (found[k] && found[k]->evidence.overlap >= options_.limits.min_overlap)
+        known_links_.push_back(
+            {pairs[k].first, pairs[k].second, found[k]->b_from_a, found[k]->evidence});
+    add_links(known_links_);
+    return done;
+  }
+
   bool has_points(std::size_t i) const { return views_[i].points.size() > 0; }
 
   // Calls `work` with 0 .. count - 1, side by side. False when asked to stop.
@@ -189,7 +212,9 @@ class GlobalRegistration {
   bool expect_common_errors(const Pairs& pairs, Hypotheses& found) {
     JudgeOptions& judge = grouping_.judge;
     if (judge.min_stddev > 0.0) return true;
-    judge.min_stddev = stddev_of_loops(surfaces_, links_of(pairs, found));
+    std::vector<PoseLink> links = links_of(pairs, found);
+    links.insert(links.end(), known_links_.begin(), known_links_.end());
+    judge.min_stddev = stddev_of_loops(surfaces_, links);
     if (judge.min_stddev == 0.0) return true;
     return for_each(links_.size(), "judging poses",
                     [&](std::size_t k) {
@@ -284,6 +309,7 @@ class GlobalRegistration {
   Pairs ranked_;          // The most promising pairs of views first.
   std::size_t next_ = 0;  // Of them, to be searched.
   std::vector<PoseLink> links_;
+  std::vector<PoseLink> known_links_;                // Of these, those of link_known_pairs().
   std::vector<std::optional<PoseLink>> best_found_;  // By view, for messages.
   ViewGroups groups_;
 };

@@ -190,7 +190,7 @@ bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const View
   return plausible(evidence, a, b, limits);
 }
 
-VerificationThresholds with_off_plane_samples(VerificationThresholds limits,
+VerificationThresholds widened_coherent_limit(VerificationThresholds limits,
                                               const VerificationThresholds& general) {
   limits.max_coherent_rms =
       std::max(limits.max_coherent_rms, kWidestCoherent * general.max_coherent_rms);

@@ -31,7 +31,7 @@ bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const View
 
 /// Limits for links that samples off the flat faces confirm: these tell wrong poses from right ones
 /// that errors of the sensor bend, so the coherent RMS may be that of may_be_right().
-VerificationThresholds with_off_plane_samples(VerificationThresholds limits,
+VerificationThresholds widened_coherent_limit(VerificationThresholds limits,
                                               const VerificationThresholds& general);
 
 /// common_stddev() of the pairs of views whose links close loops, each by its first one that does;

@@ -40,12 +40,12 @@ std::vector<PoseLink> PairLinks::of_pair(std::size_t a, std::size_t b,
                                          const std::vector<PoseHypothesis>& found,
                                          const CoarseScale& scale) const {
   const bool mostly_planar = is_mostly_planar(faces_[a]) || is_mostly_planar(faces_[b]);
-  const bool in_a = planes_dominate(faces_[a]), in_b = planes_dominate(faces_[b]);
-  const bool may_deny = mostly_planar || (in_a && in_b);
+  const bool planes_in_a = planes_dominate(faces_[a]), planes_in_b = planes_dominate(faces_[b]);
+  const bool may_deny = mostly_planar || (planes_in_a && planes_in_b);
   std::vector<PoseLink> links;
   const auto add = [&](const PoseHypothesis& hypothesis) {
     const auto verdict =
-        may_deny || in_a || in_b
+        may_deny || planes_in_a || planes_in_b
             ? judge_off_plane_samples(surfaces_[a], faces_[a], surfaces_[b], faces_[b],
                                       hypothesis.b_from_a, options_.judge.min_stddev)
             : OffPlaneVerdict::kUnknown;

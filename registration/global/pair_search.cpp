@@ -156,6 +156,14 @@ PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
   return hypothesis;
 }
 
+std::optional<PoseHypothesis> confirm_pose(const ViewSurface& a, const ViewSurface& b,
+                                           const RigidMotion& b_from_a, const CoarseScale& scale,
+                                           const JudgeOptions& judge) {
+  const double reach = kReach * scale.cell;
+  const PoseHypothesis pose = refine_hypothesis(a, b, b_from_a, reach, judge);
+  return same_pose(a, pose.b_from_a, b_from_a, reach) ? std::optional(pose) : std::nullopt;
+}
+
 bool same_pose(const ViewSurface& view, const RigidMotion& x, const RigidMotion& y,
                double tolerance) {
   const Eigen::Vector3d centre = view.centre();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "registration/global/features/local_features.h"
@@ -62,6 +63,12 @@ std::vector<PoseHypothesis> alternative_poses(const ViewSurface& a, const ViewSu
 PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
                                  const RigidMotion& b_from_a, double search_distance,
                                  const JudgeOptions& judge = {});
+
+/// Where two views come to rest from a pose that may be theirs, judged. Nothing where they leave it
+/// for another one.
+std::optional<PoseHypothesis> confirm_pose(const ViewSurface& a, const ViewSurface& b,
+                                           const RigidMotion& b_from_a, const CoarseScale& scale,
+                                           const JudgeOptions& judge = {});
 
 /// Whether two relative poses of a view put its points at the same places, to `tolerance` [unit].
 bool same_pose(const ViewSurface& view, const RigidMotion& x, const RigidMotion& y,

@@ -33,7 +33,7 @@ double PairSupport::support(std::size_t i, std::size_t j, const RigidMotion& i_f
   const PoseLink* const link = link_at(i, j, i_from_j);
   const bool linked = link != nullptr;
   VerificationThresholds limits = linked ? limits_.loop_confirmed : limits_.confirmed;
-  if (linked && link->off_plane_confirmed) limits = with_off_plane_samples(limits, options_.limits);
+  if (linked && link->off_plane_confirmed) limits = widened_coherent_limit(limits, options_.limits);
   limits.min_overlap = kCountingOverlap;
   const PoseEvidence evidence = judged_.judge(i, j, i_from_j, options_.judge);
   if (plausible(evidence, source, target, limits)) return support_of(evidence, linked);

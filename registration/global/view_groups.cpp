@@ -29,7 +29,7 @@ void sort_by_support(const std::vector<ViewSurface>& surfaces, const LinkLimits&
                      std::vector<PoseLink>& links) {
   const auto fits = [&](const PoseLink& link, const VerificationThresholds& to) {
     return plausible(link.evidence, surfaces[link.a], surfaces[link.b],
-                     link.off_plane_confirmed ? with_off_plane_samples(to, options.limits) : to);
+                     link.off_plane_confirmed ? widened_coherent_limit(to, options.limits) : to);
   };
   std::vector<PoseLink> believed;
   for (std::size_t k = 0; k < links.size(); ++k)

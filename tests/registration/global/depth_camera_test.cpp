@@ -96,5 +96,17 @@ TEST(DepthCamera, GuessesThatAreAllTheSameAreNotKeptForACommonFloor) {
   expect_all_found(PoseKind::kGuess);
 }
 
+// The pairs of the others tell what errors to expect of the view that is sought.
+TEST(DepthCamera, AViewWithoutAPoseIsFoundAmongViewsThatHaveOne) {
+  const auto truth = views_of_robot();
+  for (const std::size_t missing : {0u, 3u, 5u}) {
+    auto views = truth;
+    for (RangeView& view : views) view.pose = PoseKind::kGuess;
+    views[missing].pose = PoseKind::kAbsent;
+    views[missing].world_from_view = RigidMotion::Identity();
+    expect_no_wrong_pose(truth, value_of(align_views(views)), 6);
+  }
+}
+
 }  // namespace
 }  // namespace relief::registration
