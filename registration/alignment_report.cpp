@@ -139,8 +139,9 @@ class AlignmentReport {
   // Where two views differ, either may be wrong.
   bool has_other_unit(std::size_t i) const {
     const double relative = relative_spacings_[i];
-    return views_.size() > 2 && state_.roles[i] == ViewRole::kFree &&
-           !state_.verified.views[i].overlaps && given_poses_ != GivenPoses::kTrust &&
+    const bool sought = state_.roles[i] == ViewRole::kFree || !state_.starts.world_from_view[i];
+    return views_.size() > 2 && sought && !state_.verified.views[i].overlaps &&
+           given_poses_ != GivenPoses::kTrust &&
            (relative > kOtherUnit || relative < 1.0 / kOtherUnit);
   }
 

@@ -215,6 +215,8 @@ TEST(AlignViews, LeavesOutAViewOfAnotherUnitUnlessItsPoseIsTrusted) {
     EXPECT_THAT(aligned.views[3].reason, HasSubstr("check its unit"));
     options.starting_poses.given = GivenPoses::kTrust;
     EXPECT_TRUE(value_of(align_views(views, options)).complete());
+    options.starting_poses.given = GivenPoses::kIgnore;
+    EXPECT_THAT(value_of(align_views(views, options)).views[3].reason, HasSubstr("check its unit"));
   }
 }
 
