@@ -139,6 +139,10 @@ CloudRays rays_from(const Eigen::Vector3d& viewpoint, const std::vector<Eigen::V
     return {CloudRays::Kind::kPinhole, viewpoint, picture_axes(along_z)};
   if (!(mean.norm() > 1e-6 * static_cast<double>(points.size())))
     return spherical_rays(viewpoint, points);
+  // Programs of robots let cameras look along x, with z upwards.
+  const Eigen::Vector3d along_x(std::copysign(1.0, mean.x()), 0.0, 0.0);
+  if (lie_in_cone(viewpoint, along_x, points))
+    return {CloudRays::Kind::kPinhole, viewpoint, upright_axes(along_x, Eigen::Vector3d::UnitZ())};
   const Eigen::Vector3d forward = mean.normalized();
   if (!lie_in_cone(viewpoint, forward, points)) return spherical_rays(viewpoint, points);
   return {CloudRays::Kind::kPinhole, viewpoint, picture_axes(forward)};

@@ -88,12 +88,17 @@ Result<PointCloudFile> measured_points(PointCloudFile cloud, const std::filesyst
   return cloud;
 }
 
-PointCloudFile cloud_of_mesh(TriangleMesh mesh) {
+template <typename T>
+std::vector<T> as_vector(const PagedVector<T>& values) {
+  return {values.begin(), values.end()};
+}
+
+PointCloudFile cloud_of_mesh(const TriangleMesh& mesh) {
   PointCloudFile cloud;
-  if (!mesh.faces.empty()) cloud.facing = vertex_normals(mesh);
-  cloud.points = std::move(mesh.vertices);
-  cloud.normals = std::move(mesh.normals);
-  cloud.colours = std::move(mesh.colours);
+  if (!mesh.faces.empty()) cloud.facing = as_vector(vertex_normals(mesh));
+  cloud.points = as_vector(mesh.vertices);
+  cloud.normals = as_vector(mesh.normals);
+  cloud.colours = as_vector(mesh.colours);
   return cloud;
 }
 
@@ -129,13 +134,13 @@ Result<PointCloudFile> read_ply_cloud(const std::filesystem::path& path) {
   if (!face || face->count == 0) return cloud_of_ply(*ply, path);
   auto mesh = read_mesh(path);
   if (!mesh) return mesh.error();
-  return cloud_of_mesh(*std::move(mesh));
+  return cloud_of_mesh(*mesh);
 }
 
 Result<PointCloudFile> read_mesh_cloud(const std::filesystem::path& path) {
   auto mesh = read_mesh(path);
   if (!mesh) return mesh.error();
-  return cloud_of_mesh(*std::move(mesh));
+  return cloud_of_mesh(*mesh);
 }
 
 Result<PointCloudFile> read_text_cloud(const std::filesystem::path& path) {

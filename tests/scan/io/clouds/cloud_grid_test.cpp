@@ -218,6 +218,25 @@ TEST(CloudGrid, TakesTheAxisOfADepthCamera) {
       }
 }
 
+// The same in the axes of a robot: x forward, z upwards.
+TEST(CloudGrid, TakesTheAxisOfADepthCameraOfARobot) {
+  PointCloudFile cloud;
+  for (int v = -20; v < 60; ++v)
+    for (int u = 0; u < 120; ++u) {
+      const double depth = 0.001 * std::round(1000.0 * (2.0 + std::sin(0.05 * u) * 0.3));
+      cloud.points.emplace_back(depth, -u / 128.0 * depth, -v / 128.0 * depth);
+    }
+  const auto grid = value_of(grid_from_cloud(cloud, {}));
+  EXPECT_EQ(count_points(grid), cloud.points.size());
+  const auto view = value_of(view_from_grid(grid, grid.camera));
+  EXPECT_NEAR(view.width() * view.height(), 120 * 80, 0.05 * 120 * 80);
+  for (int v = 0; v < view.height(); v += 7)
+    for (int u = 0; u < view.width(); u += 7)
+      if (view.has_sample(u, v)) {
+        EXPECT_NEAR(view.range(u, v), view.point(u, v).x(), 1e-6);
+      }
+}
+
 TEST(CloudGrid, FindsTheSideOfASolidObject) {
   const PointCloudFile cloud = cloud_of(sphere_view(), true);
   const auto grid = value_of(grid_from_cloud(cloud));
