@@ -91,6 +91,8 @@ void add_reading_options(CLI::App& command, ReadProjectOptions& options) {
   command.add_flag("--shared-frame", options.shared_frame,
                    "Files of scans without poses are all in one frame, which is where alignment "
                    "starts");
+  command.add_flag("--skip-damaged", options.skip_damaged,
+                   "Go on without the views that cannot be read");
 }
 
 void add_background_option(CLI::App& command, ProjectInput& input) {

@@ -52,6 +52,14 @@ class ProjectViews {
   bool any_normals_ = false;
 };
 
+void drop_damaged(std::vector<ViewSpec>& specs) {
+  std::erase_if(specs, [](const ViewSpec& spec) {
+    const auto loaded = load_view(spec);
+    if (!loaded) Console::info("a view is left out: " + loaded.error().message);
+    return !loaded;
+  });
+}
+
 // The background of views that are read one at a time and of which only the ranges are kept.
 Result<StaticBackground> find_background(const ProjectInput& input,
                                          const std::vector<ViewSpec>& specs) {
@@ -83,6 +91,7 @@ Result<reconstruction::Model> merge_within_limit(const ProjectInput& input,
   if (!spec) return spec.error();
   unit = spec->unit;
   for (const std::string& note : spec->notes) Console::info(note);
+  if (input.options.skip_damaged) drop_damaged(spec->views);
   auto conventions = find_conventions(spec->views);
   if (!conventions) return conventions.error();
   for (const std::string& note : conventions->notes) Console::info(note);
@@ -92,9 +101,10 @@ Result<reconstruction::Model> merge_within_limit(const ProjectInput& input,
   ProjectViews views(std::move(spec->views), std::move(conventions->views), *background);
   ScanProject project;
   const auto load = [&](const fusion::MergeResult& mesh) -> Result<const std::vector<RangeView>*> {
-    const auto room = reconstruction::check_memory_to_polish(
-        mesh.mesh.vertices.size(), views.any_normals() ? context.memory : 0);
-    if (!room) return room.error();
+    if (views.any_normals()) {
+      const auto room = reconstruction::check_memory_to_polish(mesh.mesh.vertices.size());
+      if (!room) return room.error();
+    }
     auto all =
         read_project(input.path, input.options, context.with_progress(console_progress("read")));
     if (!all) return all.error();

@@ -32,6 +32,20 @@ MemoryBudget room_for_views() {
   return unknown ? MemoryBudget(free) : MemoryBudget(disk.available, free);
 }
 
+// One error that names all views that cannot be read, of `count`.
+Error all_damaged(const std::vector<Error>& errors, std::size_t count) {
+  constexpr std::size_t kNamed = 20;  // More files are damaged in the same way.
+  if (count == errors.size()) return errors.front();
+  if (errors.size() == 1)
+    return {errors.front().kind, errors.front().message + "; --skip-damaged goes on without it"};
+  std::string message = std::to_string(errors.size()) + " of " + std::to_string(count) +
+                        " views cannot be read; --skip-damaged goes on without them:";
+  for (std::size_t i = 0; i < std::min(kNamed, errors.size()); ++i)
+    message += "\n  " + errors[i].message;
+  if (errors.size() > kNamed) message += "\n  and more";
+  return {errors.front().kind, message};
+}
+
 // Reads all views in parallel; those after an interruption stay empty.
 LoadedViews load_views(const std::vector<ViewSpec>& specs, const ReadProjectOptions& options,
                        const Progress& progress, std::atomic<bool>& interrupted) {
@@ -49,6 +63,23 @@ LoadedViews load_views(const std::vector<ViewSpec>& specs, const ReadProjectOpti
     }
   });
   return loaded;
+}
+
+// All views that can be read, unless some cannot and are not to be left out.
+Result<std::vector<LoadedView>> readable_views(LoadedViews loaded, bool skip_damaged,
+                                               std::vector<std::string>& notes) {
+  std::vector<LoadedView> views;
+  std::vector<Error> damaged;
+  for (auto& view : loaded) {
+    if (view->ok())
+      views.push_back(std::move(**view));
+    else
+      damaged.push_back(view->error());
+  }
+  if (damaged.empty()) return views;
+  if (!skip_damaged || views.empty()) return all_damaged(damaged, loaded.size());
+  for (const Error& error : damaged) notes.push_back("a view is left out: " + error.message);
+  return views;
 }
 
 // Settles the conventions of all normals together and gives the views their normals.
@@ -104,15 +135,13 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
     ScanProject project;
     project.unit = spec->unit;
     project.notes = spec->notes;
-    std::vector<LoadedView> views;
-    for (auto& view : loaded) {
-      if (!view) return Error{ErrorKind::kInterrupted, path.string() + ": reading was interrupted"};
-      if (!view->ok()) return view->error();
-      views.push_back(std::move(**view));
-    }
-    const auto notes = settle_normals(views);
+    if (interrupted)
+      return Error{ErrorKind::kInterrupted, path.string() + ": reading was interrupted"};
+    auto views = readable_views(std::move(loaded), options.skip_damaged, project.notes);
+    if (!views) return views.error();
+    const auto notes = settle_normals(*views);
     if (!notes) return notes.error();
-    for (LoadedView& view : views) {
+    for (LoadedView& view : *views) {
       project.views.push_back(std::move(view.view));
       for (auto& note : view.notes) project.notes.push_back(std::move(note));
     }

@@ -105,7 +105,8 @@ TEST(DamagedFiles, GridsAndMeshes) {
   const Reader ply = through_file(folder, "m.ply", [](const auto& p) { return read_mesh(p).ok(); });
   ASSERT_TRUE(grid(ascii_grid()));
   try_changes(ascii_grid(), grid, 3000);
-  const std::string mesh = *encode_ply_mesh(tetrahedron());
+  ASSERT_THAT(write_mesh(tetrahedron(), folder / "whole.ply"), IsOk());
+  const std::string mesh = value_of(read_file(folder / "whole.ply"));
   ASSERT_TRUE(ply(mesh));
   try_prefixes(mesh, ply, 50);
   try_changes(mesh, ply, 3000);

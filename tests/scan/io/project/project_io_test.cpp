@@ -19,6 +19,7 @@ namespace relief {
 namespace {
 
 using ::testing::AnyOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::render;
@@ -361,6 +362,32 @@ TEST_F(DepthProject, MissingAndUnsuitableFilesAreNamed) {
   folder_.write("rgb.png", *encode_png(Image(8, 6, 3, 255)));
   EXPECT_THAT(read("", "rgb.png"), HasError("one channel"));
   EXPECT_THAT(read(R"(,"mask":{"file":"none.png"})"), HasError("none.png"));
+}
+
+TEST(ProjectIo, DamagedFilesAreAllNamedAndCanBeLeftOut) {
+  const TemporaryFolder folder;
+  const std::string grid =
+      "ply\nformat ascii 1.0\nobj_info num_cols 2\nobj_info num_rows 2\n"
+      "element vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement range_grid 4\n"
+      "property list uchar int vertex_indices\nend_header\n"
+      "0 0 -9\n1 0 -9\n0 1 -9\n1 1 -9\n1 0\n1 1\n1 2\n1 3\n";
+  folder.write("a.ply", grid);
+  folder.write("b.ply", grid.substr(0, grid.size() - 30));
+  folder.write("c.ply", grid);
+  EXPECT_THAT(read_project(folder.path()), HasError(ErrorKind::kBadInput, "b.ply"));
+  EXPECT_THAT(read_project(folder.path()), HasError("--skip-damaged goes on without it"));
+  folder.write("d.ply", grid.substr(0, grid.size() - 20));
+  EXPECT_THAT(read_project(folder.path()),
+              HasError(ErrorKind::kBadInput, "2 of 4 views cannot be read; --skip-damaged"));
+  EXPECT_THAT(read_project(folder.path()), HasError(ErrorKind::kBadInput, "d.ply"));
+  const auto rest = value_of(read_project(folder.path(), {.skip_damaged = true}));
+  EXPECT_EQ(rest.views.size(), 2u);
+  EXPECT_THAT(rest.notes, Contains(HasSubstr("a view is left out: ")));
+  EXPECT_THAT(rest.notes, Contains(HasSubstr("d.ply")));
+  folder.write("a.ply", grid.substr(0, grid.size() - 20));
+  folder.write("c.ply", grid.substr(0, grid.size() - 20));
+  EXPECT_THAT(read_project(folder.path(), {.skip_damaged = true}), HasError());
 }
 
 TEST_F(DepthProject, ProgressCanStopReading) {

@@ -32,6 +32,9 @@ struct ReadProjectOptions {
   /// Points and meshes without poses are all in one frame, as after an alignment elsewhere: it is
   /// their starting pose. Else nothing is known of the frames of separate files.
   bool shared_frame = false;
+  /// Views that cannot be read are left out, with a note each, as long as there are others. Else
+  /// they are an error, which names all of them.
+  bool skip_damaged = false;
   /// What all views may take [bytes]: a small file can hold a large image, and many views can name
   /// it. 0: the memory that is free; under a memory limit what the disk of its files has left, and
   /// for one view the memory that is free.
