@@ -40,19 +40,20 @@ int views_at_once(const std::vector<RangeView>& views, const RefineOptions& opti
 
 namespace {
 
-// What a limit on the whole process leaves for refining; at least one byte. Refined views lie in
-// files, but for what a limit lets grids have in memory.
-std::size_t memory_left(std::size_t limit) {
-  if (limit == 0) return 0;
-  const std::size_t taken = resident_beyond_files() + MemoryLimit::most_of_grids(limit);
-  return std::max(limit, taken + 1) - taken;
+// What the memory limit leaves for refining, at least one byte; 0: there is none. Refined views lie
+// in files, but for what the limit lets grids have in memory.
+std::size_t memory_left() {
+  const MemoryLimit* const limit = current_memory_limit();
+  if (!limit) return 0;
+  const std::size_t taken = resident_beyond_files() + limit->most_in_memory();
+  return std::max(limit->bytes(), taken + 1) - taken;
 }
 
 // Some views at a time, each on its part of the threads.
 std::vector<std::optional<Result<RefinedView>>> refine_some_at_once(
     const std::vector<RangeView>& views, const RefineOptions& options, const Context& context,
     const RefineOne& refine) {
-  const int at_once = views_at_once(views, options, memory_left(context.memory));
+  const int at_once = views_at_once(views, options, memory_left());
   Context of_view = context;
   of_view.threads = std::max(1, thread_count() / at_once);
   std::vector<std::optional<Result<RefinedView>>> results(views.size());

@@ -15,11 +15,10 @@ namespace relief::reconstruction {
 namespace {
 
 // Views without normals polish nothing.
-Result<void> check_room_to_polish(const std::vector<RangeView>& views, const TriangleMesh& mesh,
-                                  std::size_t limit) {
+Result<void> check_room_to_polish(const std::vector<RangeView>& views, const TriangleMesh& mesh) {
   const bool any_normals = std::any_of(views.begin(), views.end(),
                                        [](const RangeView& view) { return view.has_normals(); });
-  return check_memory_to_polish(mesh.vertices.size(), any_normals ? limit : 0);
+  return any_normals ? check_memory_to_polish(mesh.vertices.size()) : Result<void>();
 }
 
 // The units of a model depend on these.
@@ -66,8 +65,7 @@ Result<Model> finish(Result<fusion::MergeResult> merged, const LoadAllViews& all
     const auto loaded = all(*merged);
     if (!loaded) return loaded.error();
     views = *loaded;
-    const auto room = check_room_to_polish(*views, merged->mesh, context.context.memory);
-    if (!room) return room.error();
+    if (const auto room = check_room_to_polish(*views, merged->mesh); !room) return room.error();
   }
   Model model;
   model.mesh = std::move(merged->mesh);

@@ -14,39 +14,42 @@ namespace {
 constexpr int kMebibyteBits = 20;
 
 // Measured on the bear, the bunny and five views of a Kinect (docs/results.md).
-constexpr std::size_t kAlignedPixel = 8;      // Samples for alignment [bytes per pixel].
-constexpr std::size_t kPolishedVertex = 320;  // Mesh, its graph and the system [bytes per vertex].
+constexpr std::size_t kAlignedPixel = 8;     // Samples for alignment [bytes per pixel].
+constexpr std::size_t kPolishedVertex = 40;  // What lies in no file [bytes per vertex].
 
-Result<void> compare(const std::string& work, std::size_t needed, std::size_t limit,
+Result<void> compare(const std::string& work, std::size_t needed, const MemoryLimit& limit,
                      const std::string& remedy) {
-  if (limit == 0 || needed <= limit) return {};
+  if (needed <= limit.bytes()) return {};
   const auto mebibytes = [](std::size_t bytes) {
     return std::to_string((bytes >> kMebibyteBits) + 1) + " MiB";
   };
   return Error{ErrorKind::kUnsolvable,
                work + " needs about " + mebibytes(needed) + ", more than the memory limit of " +
-                   std::to_string(limit >> kMebibyteBits) + " MiB: " + remedy};
+                   std::to_string(limit.bytes() >> kMebibyteBits) + " MiB: " + remedy};
 }
 
 }  // namespace
 
 Result<void> check_memory_to_refine(const std::vector<RangeView>& views,
-                                    const hybrid::RefineOptions& options, std::size_t limit) {
-  if (limit == 0) return {};
+                                    const hybrid::RefineOptions& options) {
+  const MemoryLimit* const limit = current_memory_limit();
+  if (!limit) return {};
   std::size_t pixels = 0, largest = 0;
   for (const RangeView& view : views) {
     pixels += view.range.size();
     if (view.has_normals())
       largest = std::max(largest, hybrid::memory_to_refine(view, options.solver));
   }
-  const std::size_t refining = largest > 0 ? largest + MemoryLimit::most_of_grids(limit) : 0;
+  const std::size_t refining = largest > 0 ? largest + limit->most_in_memory() : 0;
   return compare("aligning and refining the views",
-                 resident_beyond_files() + std::max(kAlignedPixel * pixels, refining), limit,
+                 resident_beyond_files() + std::max(kAlignedPixel * pixels, refining), *limit,
                  "raise the limit, or give fewer views");
 }
 
-Result<void> check_memory_to_polish(std::size_t vertices, std::size_t limit) {
-  return compare("polishing", kPolishedVertex * vertices, limit,
+Result<void> check_memory_to_polish(std::size_t vertices) {
+  const MemoryLimit* const limit = current_memory_limit();
+  if (!limit) return {};
+  return compare("polishing", resident_beyond_files() + kPolishedVertex * vertices, *limit,
                  "raise the limit, or merge without polishing (--no-polish)");
 }
 

@@ -9,12 +9,12 @@
 
 namespace relief::reconstruction {
 
-/// Whether `views` can be aligned and refined within `limit` [bytes] of the
-/// whole process; 0: no limit. Error: kUnsolvable, which tells how much is needed.
+/// Whether `views` can be aligned and refined within the limit of the enclosing run_in(), if it has
+/// one. Error: kUnsolvable, which tells how much is needed.
 Result<void> check_memory_to_refine(const std::vector<RangeView>& views,
-                                    const hybrid::RefineOptions& options, std::size_t limit);
+                                    const hybrid::RefineOptions& options);
 
-/// Whether a mesh of `vertices` can be polished within `limit`, as above.
-Result<void> check_memory_to_polish(std::size_t vertices, std::size_t limit);
+/// Whether a mesh of `vertices` can be polished within that limit, as above.
+Result<void> check_memory_to_polish(std::size_t vertices);
 
 }  // namespace relief::reconstruction

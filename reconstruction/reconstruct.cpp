@@ -25,7 +25,7 @@ class Reconstructor {
       result_.background = find_static_background(result_.views);
       ::relief::remove_background(result_.background, result_.views);
     }
-    if (auto room = check_memory_to_refine(result_.views, options_.refine, context_.memory); !room)
+    if (auto room = check_memory_to_refine(result_.views, options_.refine); !room)
       return room.error();
     for (const auto& [stage, work] : kWork) {
       if (stage > part_.last) break;

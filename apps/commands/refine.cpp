@@ -30,8 +30,7 @@ int refine(const RefineCommand& command) {
   auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
   if (const auto ready = prepare_folder(command.output); !ready) return fail(ready.error());
-  Context context = context_of(command.common, "refine");
-  context.memory = command.memory.bytes();
+  const Context context = context_of(command.common, "refine");
   const Stopwatch watch;
   auto refined = hybrid::refine_views(project->views, command.flags.resolved(), context);
   if (!refined) return fail(refined.error());

@@ -18,6 +18,7 @@ struct MemoryFlag {
   /// The limit now, 0: none. `root`: see memory_in_groups().
   std::size_t bytes(const std::filesystem::path& root = "/") const;
 };
+
 /// Carries out a command within its limit: what does not fit lies in temporary files in `folder`,
 /// or in the nearest folder round it that exists already.
 int work_within(const MemoryFlag& memory, const std::filesystem::path& folder,

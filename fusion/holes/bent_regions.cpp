@@ -60,7 +60,7 @@ class Bending {
 
 BentRegions bend_filled_regions(TriangleMesh mesh, const std::vector<ViewSampler>& views,
                                 const FairFillOptions& options) {
-  BentRegions bent{std::move(mesh), std::vector<std::uint8_t>(), 0.0};
+  BentRegions bent{std::move(mesh), {}, 0.0};
   bent.moved.assign(bent.mesh.vertices.size(), 0);
   const TriangleMesh before = bent.mesh;
   const FairRegions regions(before, views, options);

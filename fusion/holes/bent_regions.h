@@ -11,7 +11,7 @@ namespace relief::fusion {
 
 struct BentRegions {
   TriangleMesh mesh;                ///< With `normals` and `filled`.
-  std::vector<std::uint8_t> moved;  ///< Of the vertices: in a region that was bent.
+  PagedVector<std::uint8_t> moved;  ///< Of the vertices: in a region that was bent.
   double farthest = 0.0;            ///< Move of a vertex [unit].
 };
 

@@ -8,6 +8,7 @@
 
 #include "fusion/holes/plates/thin_plate.h"
 #include "fusion/tsdf/tsdf_integration.h"
+#include "scan/base/memory/paged_fill.h"
 #include "scan/base/parallel.h"
 #include "scan/mesh/moved_faces.h"
 
@@ -38,8 +39,8 @@ constexpr int kChangedRings = 12;
 // megabytes, and seconds in which nobody can stop the work.
 constexpr std::size_t kLargeRegion = 150000;
 
-// Memory for each vertex of the mesh, and for each filled one while regions are found [bytes].
-constexpr std::size_t kVertex = 60, kFilled = 60;
+// Memory for each filled vertex while regions are found [bytes].
+constexpr std::size_t kFilled = 60;
 
 // How far the work on a region has come.
 struct Settling {
@@ -60,14 +61,15 @@ class Fairing {
         progress_(progress),
         regions_(mesh, views, options),
         work_(regions_.all().size()),
-        places_(mesh.vertices),
-        changed_(mesh.vertices.size(), 0) {}
+        places_(paged_copy(mesh.vertices)),
+        changed_(mesh.vertices.size()) {}
 
   Result<FairFill> run() {
     if (const auto kept = check(options_.memory); !kept) return kept.error();
     if (work_.empty() && regions_.too_large() == 0) return FairFill();
     for (int round = 0; round <= kRounds; ++round) settle_all(round == kRounds);
-    for (std::size_t v = 0; v < places_.size(); ++v) changed_[v] = places_[v] != mesh_.vertices[v];
+    serial_for(places_.size(),
+               [&](std::size_t v) { changed_[v] = places_[v] != mesh_.vertices[v]; });
     for (int round = 0; !stopped_ && resolve_intersections(round); ++round) {
     }
     if (stopped_) return Error{ErrorKind::kInterrupted, "closing holes was interrupted"};
@@ -253,8 +255,8 @@ class Fairing {
   bool stopped_ = false;  // Written by the thread that began the work, while others rest.
   const FairRegions regions_;
   std::vector<Settling> work_;
-  std::vector<Eigen::Vector3d> places_;  // Of the vertices, as far as they have been moved.
-  std::vector<std::uint8_t> changed_;    // Vertices whose faces are still to be looked at.
+  PagedVector<Eigen::Vector3d> places_;  // Of the vertices, as far as they have been moved.
+  PagedArray<std::uint8_t> changed_;     // Vertices whose faces are still to be looked at.
 };
 
 }  // namespace
@@ -265,8 +267,7 @@ Result<FairFill> fair_filled_regions(const TriangleMesh& mesh,
   const auto filled = static_cast<std::size_t>(std::count_if(
       mesh.filled.begin(), mesh.filled.end(), [](std::uint8_t flag) { return flag != 0; }));
   if (filled == 0) return FairFill();
-  const auto room = make_room(options.memory, kVertex * mesh.vertices.size() + kFilled * filled);
-  if (!room) return room.error();
+  if (const auto room = make_room(options.memory, kFilled * filled); !room) return room.error();
   return Fairing(mesh, views, options, progress).run();
 }
 

@@ -14,7 +14,7 @@
 namespace relief::fusion {
 
 struct FairFill {
-  std::vector<Eigen::Vector3d> places;  ///< Of all vertices; empty when none moves.
+  PagedVector<Eigen::Vector3d> places;  ///< Of all vertices; empty when none moves.
   std::size_t unsolved = 0;   ///< Regions that stay as they are since no plate was found for them.
   std::size_t too_large = 0;  ///< Regions that stay as they are since they are too large for one.
   bool near_samples = false;  ///< Whether any region has FairRegion::near_samples.

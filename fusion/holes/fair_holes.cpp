@@ -53,8 +53,6 @@ Result<std::vector<std::string>> fair_holes(const FairFillOptions& options,
   if (fair.near_samples)
     if (const auto faired = fair_again(options, views, mesh, progress); !faired)
       return faired.error();
-  if (const auto room = make_room(options.memory, kMeshCheckBytes * mesh.vertices.size()); !room)
-    return room.error();
   MeshCheck faired = check_mesh(mesh);
   if (faired.watertight()) {
     check = std::move(faired);

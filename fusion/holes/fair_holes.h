@@ -13,9 +13,6 @@
 
 namespace relief::fusion {
 
-/// Memory of checking a mesh, for each of its vertices, beyond the mesh itself [bytes].
-inline constexpr std::size_t kMeshCheckBytes = 120;
-
 /// Moves the filled vertices of a merged mesh (`filled` and `normals` set) to where
 /// fair_filled_regions() has them, unless that would break what `check` says of the mesh. Regions
 /// near samples are faired twice. Gives notes on what stays as the closed field has it. Errors: as

@@ -10,6 +10,7 @@
 #include "fusion/holes/filled_regions.h"
 #include "fusion/holes/rest_curvature.h"
 #include "fusion/tsdf/tsdf_integration.h"
+#include "scan/base/memory/paged_fill.h"
 #include "scan/base/parallel.h"
 
 namespace relief::fusion {
@@ -41,23 +42,24 @@ constexpr double kCarried = 0.5;
 constexpr double kRound = 0.75;
 
 // Of each vertex the number of edges to the nearest one with `set`, at most `most` + 1.
-std::vector<std::uint8_t> rings_around(const TriangleMesh& mesh,
-                                       const std::vector<std::uint8_t>& set, int most) {
-  std::vector<std::uint8_t> rings(mesh.vertices.size());
+PagedArray<std::uint8_t> rings_around(const TriangleMesh& mesh, std::span<const std::uint8_t> set,
+                                      int most) {
+  PagedArray<std::uint8_t> rings(mesh.vertices.size());
   for (std::size_t v = 0; v < rings.size(); ++v)
     rings[v] = set[v] ? 0 : static_cast<std::uint8_t>(most + 1);
   for (int ring = 1; ring <= most; ++ring)
-    for (const auto& face : mesh.faces) {
+    serial_for(mesh.faces.size(), [&](std::size_t f) {
+      const auto& face = mesh.faces[f];
       if (std::none_of(face.begin(), face.end(), [&](auto v) { return rings[v] == ring - 1; }))
-        continue;
+        return;
       for (const std::uint32_t v : face)
         rings[v] = std::min(rings[v], static_cast<std::uint8_t>(ring));
-    }
+    });
   return rings;
 }
 
-std::vector<std::uint8_t> up_to(int ring, const std::vector<std::uint8_t>& rings) {
-  std::vector<std::uint8_t> flags(rings.size());
+PagedArray<std::uint8_t> up_to(int ring, const PagedArray<std::uint8_t>& rings) {
+  PagedArray<std::uint8_t> flags(rings.size());
   for (std::size_t v = 0; v < flags.size(); ++v) flags[v] = rings[v] <= ring;
   return flags;
 }
@@ -97,9 +99,9 @@ FairRegions::FairRegions(const TriangleMesh& mesh, const std::vector<ViewSampler
     : mesh_(mesh),
       rings_(rings_around(mesh, mesh.filled, MeshRings::kMargin + 1 + kApproachRings)),
       around_(mesh, up_to(MeshRings::kMargin + kApproachRings, rings_)),
-      scattered_(scattered_samples_at(mesh, up_to(MeshRings::kMargin, rings_), views,
-                                      options.truncation, options.memory)),
-      region_of_(mesh.vertices.size(), kNone),
+      scattered_(
+          scattered_samples_at(mesh, up_to(MeshRings::kMargin, rings_), views, options.truncation)),
+      region_of_(paged_filled(mesh.vertices.size(), kNone)),
       regions_(find(options)),
       normals_(mesh, near_regions(), options.memory) {
   parallel_for(regions_.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -114,8 +116,8 @@ bool FairRegions::any_near_samples() const {
 }
 
 std::vector<FairRegion> FairRegions::find(const FairFillOptions& options) {
-  const std::vector<std::uint32_t> first = regions_of(mesh_, up_to(MeshRings::kMargin, rings_));
-  std::vector<std::uint32_t> sizes(first.size(), 0);
+  const auto first = regions_of(mesh_, up_to(MeshRings::kMargin, rings_));
+  PagedArray<std::uint32_t> sizes(first.size());
   for (const std::uint32_t region : first) ++sizes[region];
   std::map<std::uint32_t, FairRegion> candidates;
   for (std::uint32_t v = 0; v < first.size(); ++v) {
@@ -144,8 +146,8 @@ std::vector<FairRegion> FairRegions::find(const FairFillOptions& options) {
 
 // The vertices whose faces the normals in the regions depend on. Those of faces of the last ring
 // are an edge farther.
-std::vector<std::uint8_t> FairRegions::near_regions() const {
-  std::vector<std::uint8_t> near(region_of_.size());
+PagedArray<std::uint8_t> FairRegions::near_regions() const {
+  PagedArray<std::uint8_t> near(region_of_.size());
   for (std::size_t v = 0; v < near.size(); ++v) near[v] = region_of_[v] != kNone;
   near = up_to(SideNormals::kReach + 1, rings_around(mesh_, near, SideNormals::kReach + 1));
   for (std::size_t v = 0; v < near.size(); ++v)
@@ -178,7 +180,7 @@ void FairRegions::add_border(FairRegion& region) const {
 
 // The measured vertices of the region that no way along measured ones of it leads to from the
 // border, at which other regions may lie as well. `regions`: by vertex, see regions_of().
-void FairRegions::add_islands(const std::vector<std::uint32_t>& regions, FairRegion& region) const {
+void FairRegions::add_islands(const PagedArray<std::uint32_t>& regions, FairRegion& region) const {
   const std::uint32_t own = regions[region.vertices.front().vertex];
   std::unordered_set<std::uint32_t> connected;
   std::vector<std::uint32_t> reached;

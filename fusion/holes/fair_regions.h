@@ -11,6 +11,7 @@
 #include "fusion/holes/side_normals.h"
 #include "fusion/views/view_sampler.h"
 #include "relief/scan/triangle_mesh.h"
+#include "scan/base/memory/paged_array.h"
 
 namespace relief::fusion {
 
@@ -55,7 +56,7 @@ struct MeshRings {
 
   const TriangleMesh& mesh;
   const FacesAround& around;  ///< The faces at the vertices near filled ones.
-  const std::vector<std::uint8_t>& rings;
+  const PagedArray<std::uint8_t>& rings;
 };
 
 /// The regions of a merged mesh (`filled` and `normals` set) whose shape can be improved: those
@@ -78,22 +79,22 @@ class FairRegions {
  private:
   MeshRings rings() const { return {mesh_, around_, rings_}; }
   std::vector<FairRegion> find(const FairFillOptions& options);
-  std::vector<std::uint8_t> near_regions() const;
+  PagedArray<std::uint8_t> near_regions() const;
   bool is_crevice(const FairRegion& region) const;
   bool is_deep(const FairRegion& region) const;
   void add_border(FairRegion& region) const;
   bool is_beside_measured(std::uint32_t vertex) const;
-  void add_islands(const std::vector<std::uint32_t>& regions, FairRegion& region) const;
+  void add_islands(const PagedArray<std::uint32_t>& regions, FairRegion& region) const;
   bool is_near_samples(const FairRegion& region) const;
   void prepare(FairRegion& region, const std::vector<ViewSampler>& views,
                const FairFillOptions& options) const;
 
   const TriangleMesh& mesh_;
-  std::vector<std::uint8_t> rings_;  // Edges to the nearest filled vertex, up to a few.
+  PagedArray<std::uint8_t> rings_;  // Edges to the nearest filled vertex, up to a few.
   FacesAround around_;
   std::unordered_map<std::uint32_t, ScatteredSamples> scattered_;
   std::size_t too_large_ = 0;
-  std::vector<std::uint32_t> region_of_;
+  PagedVector<std::uint32_t> region_of_;
   std::vector<FairRegion> regions_;
   SideNormals normals_;
 };

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "fusion/tsdf/tsdf_integration.h"
+#include "scan/base/memory/paged_fill.h"
 #include "scan/base/parallel.h"
 #include "scan/mesh/triangle_tree.h"
 
@@ -20,9 +21,6 @@ namespace {
 // A sample tells of the surface that it lies over: the way to it is within 60 degrees of the
 // normal. Beyond the rim of what is wanted, and over the other side of an edge, it is not.
 constexpr double kLeastCosine = 0.5;
-
-// What the copy of a vertex takes, and a face with its part of the tree [bytes].
-constexpr std::size_t kVertex = 24, kFace = 200;
 
 struct ScatteredPoint {
   Eigen::Vector3d point, direction;  // Of the view: where it looks.
@@ -48,14 +46,14 @@ std::vector<ScatteredPoint> scattered_points(const std::vector<ViewSampler>& vie
 }
 
 // The mesh with the wanted faces alone.
-TriangleMesh wanted_part(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted) {
+TriangleMesh wanted_part(const TriangleMesh& mesh, std::span<const std::uint8_t> wanted) {
   TriangleMesh part;
-  part.vertices = mesh.vertices;
-  std::copy_if(mesh.faces.begin(), mesh.faces.end(), std::back_inserter(part.faces),
-               [&](const TriangleMesh::Face& face) {
-                 return std::all_of(face.begin(), face.end(),
-                                    [&](std::uint32_t v) { return wanted[v] != 0; });
-               });
+  part.vertices = paged_copy(mesh.vertices);
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
+    const auto& face = mesh.faces[f];
+    if (std::all_of(face.begin(), face.end(), [&](std::uint32_t v) { return wanted[v] != 0; }))
+      part.faces.push_back(face);
+  });
   return part;
 }
 
@@ -79,13 +77,13 @@ std::optional<Sample> assign_to_vertex(const ScatteredPoint& sample, const Trian
 }  // namespace
 
 std::unordered_map<std::uint32_t, ScatteredSamples> scattered_samples_at(
-    const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted,
-    const std::vector<ViewSampler>& views, double reach, MemoryLimit* memory) {
+    const TriangleMesh& mesh, std::span<const std::uint8_t> wanted,
+    const std::vector<ViewSampler>& views, double reach) {
   std::unordered_map<std::uint32_t, ScatteredSamples> found;
   const std::vector<ScatteredPoint> points = scattered_points(views);
-  if (points.empty() || !make_room(memory, kVertex * mesh.vertices.size())) return found;
+  if (points.empty()) return found;
   const TriangleMesh part = wanted_part(mesh, wanted);
-  if (part.faces.empty() || !make_room(memory, kFace * part.faces.size())) return found;
+  if (part.faces.empty()) return found;
   const TriangleTree tree(part);
   std::vector<std::optional<Sample>> assigned(points.size());
   constexpr std::size_t kAtOnce = 256;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -20,9 +21,9 @@ struct ScatteredSamples {
 /// they tell where it is. Of each filled vertex of a mesh (`filled` and `normals` set) those that
 /// lie nearest to it, within `reach` [unit] of the faces whose vertices all have `wanted` set, and
 /// from the side that their view sees. None where there are no such samples. The order of the views
-/// does not matter. `memory` may be null; where it cannot be kept, which it tells, there are none.
+/// does not matter.
 std::unordered_map<std::uint32_t, ScatteredSamples> scattered_samples_at(
-    const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted,
-    const std::vector<ViewSampler>& views, double reach, MemoryLimit* memory);
+    const TriangleMesh& mesh, std::span<const std::uint8_t> wanted,
+    const std::vector<ViewSampler>& views, double reach);
 
 }  // namespace relief::fusion

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scan/base/parallel.h"
+
 namespace relief::fusion {
 
 namespace {
@@ -13,13 +15,14 @@ constexpr std::size_t kFace = 80;
 
 // One pass of averaging for each ring of kReach. The area grows with their number: with half of it
 // noise and ragged borders tilt the mean 1.4 times as far, with twice it reaches past edges.
-SideNormals::SideNormals(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted,
+SideNormals::SideNormals(const TriangleMesh& mesh, std::span<const std::uint8_t> wanted,
                          MemoryLimit* memory)
     : mesh_(mesh) {
-  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
     if (std::any_of(mesh.faces[f].begin(), mesh.faces[f].end(),
                     [&](std::uint32_t v) { return wanted[v] != 0; }))
-      faces_.push_back(f);
+      faces_.push_back(static_cast<std::uint32_t>(f));
+  });
   if (!make_room(memory, kFace * faces_.size())) return;
   for (const std::uint32_t f : faces_) {
     const Eigen::Vector3d cross = face_cross(mesh, f);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -22,8 +23,7 @@ class SideNormals {
 
   /// Of faces with a vertex that has `wanted` set. `memory` may be null; where it cannot be kept,
   /// which it tells, all normals are unknown.
-  SideNormals(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted,
-              MemoryLimit* memory);
+  SideNormals(const TriangleMesh& mesh, std::span<const std::uint8_t> wanted, MemoryLimit* memory);
 
   /// Of one vertex, of length 1; zero where it is unknown.
   Eigen::Vector3d at(std::uint32_t vertex) const;

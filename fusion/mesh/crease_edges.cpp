@@ -12,6 +12,8 @@
 #include <Eigen/Geometry>
 
 #include "fusion/holes/plates/thin_plate.h"
+#include "scan/base/memory/paged_array.h"
+#include "scan/base/memory/paged_fill.h"
 #include "scan/base/parallel.h"
 #include "scan/mesh/moved_faces.h"
 
@@ -20,9 +22,6 @@ namespace relief::fusion {
 namespace {
 
 constexpr std::size_t kGrain = 4096;  // Faces of one piece of work; changes no result.
-
-// Memory for each vertex of the mesh [bytes].
-constexpr std::size_t kVertex = 140;
 
 // A face takes part in one turn of a pass only. After three passes less than a tenth is left to
 // turn (CreaseEdges.ComeToRest).
@@ -74,37 +73,42 @@ class CreaseEdges {
   CreaseEdges(TriangleMesh& mesh, const CreaseEdgeOptions& options)
       : mesh_(mesh),
         options_(options),
-        all_(mesh.vertices.size(), 1),
-        fixed_(mesh.vertices.size(), 0) {}
+        all_(mesh.vertices.size()),
+        fixed_(mesh.vertices.size()),
+        touched_(mesh.vertices.size()) {
+    std::fill(all_.begin(), all_.end(), 1);
+  }
 
   // Turns edges, at first freely; where the result intersects itself, over again without the
   // vertices there. Returns how many edges were turned.
   std::size_t run() {
-    const std::vector<TriangleMesh::Face> as_given = mesh_.faces;
-    std::vector<TriangleMesh::Face> searched = as_given;  // Faces whose intersections are known,
-    std::vector<std::uint32_t> bad;                       // and those that have some.
+    const PagedVector<TriangleMesh::Face> as_given = paged_copy(mesh_.faces);
+    auto searched = paged_copy(as_given);  // Faces whose intersections are known,
+    std::vector<std::uint32_t> bad;        // and those that have some.
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       std::size_t turned = 0;
-      touched_.assign(mesh_.vertices.size(), 1);
+      std::fill(touched_.begin(), touched_.end(), 1);
       for (int pass = 0; pass < kPasses; ++pass) turned += this->pass();
       bad = intersecting(searched, bad);
       if (bad.empty()) return turned;
       for (const std::uint32_t f : bad)
         for (const std::uint32_t v : mesh_.faces[f]) fixed_[v] = 1;
       searched = std::move(mesh_.faces);
-      mesh_.faces = as_given;
+      mesh_.faces = paged_copy(as_given);
     }
     return 0;
   }
 
  private:
   // Of faces that are as they were no others than `known` intersect.
-  std::vector<std::uint32_t> intersecting(const std::vector<TriangleMesh::Face>& before,
+  std::vector<std::uint32_t> intersecting(const PagedVector<TriangleMesh::Face>& before,
                                           const std::vector<std::uint32_t>& known) const {
     std::vector<std::uint32_t> in_question;
-    for (std::uint32_t f = 0; f < before.size(); ++f)
+    serial_for(before.size(), [&](std::size_t i) {
+      const auto f = static_cast<std::uint32_t>(i);
       if (mesh_.faces[f] != before[f] || std::binary_search(known.begin(), known.end(), f))
         in_question.push_back(f);
+    });
     return intersecting_faces(mesh_, in_question, 2.0 * options_.voxel_size);
   }
 
@@ -199,7 +203,7 @@ class CreaseEdges {
 
   // Of the turns that share a face, or would make the same edge, the first one stays.
   void keep_apart(std::vector<EdgeFlip>& flips) const {
-    std::vector<std::uint8_t> taken(mesh_.faces.size());
+    PagedArray<std::uint8_t> taken(mesh_.faces.size());
     std::unordered_set<std::uint64_t> made;
     std::erase_if(flips, [&](const EdgeFlip& t) {
       if (taken[t.left] || taken[t.right]) return true;
@@ -218,15 +222,14 @@ class CreaseEdges {
 
   TriangleMesh& mesh_;
   const CreaseEdgeOptions& options_;
-  std::vector<std::uint8_t> all_;      // Set for every vertex.
-  std::vector<std::uint8_t> fixed_;    // Vertices whose edges and whose faces' edges stay.
-  std::vector<std::uint8_t> touched_;  // Vertices with edges to look at in the next pass.
+  PagedArray<std::uint8_t> all_;      // Set for every vertex.
+  PagedArray<std::uint8_t> fixed_;    // Vertices whose edges and whose faces' edges stay.
+  PagedArray<std::uint8_t> touched_;  // Vertices with edges to look at in the next pass.
 };
 
 }  // namespace
 
 std::size_t align_edges_with_creases(TriangleMesh& mesh, const CreaseEdgeOptions& options) {
-  if (!make_room(options.memory, kVertex * mesh.vertices.size())) return 0;
   const std::size_t turned = CreaseEdges(mesh, options).run();
   mesh.normals = vertex_normals(mesh);
   return turned;

@@ -3,14 +3,12 @@
 #include <cstddef>
 
 #include "relief/scan/triangle_mesh.h"
-#include "scan/base/memory/memory_limit.h"
 
 namespace relief::fusion {
 
 struct CreaseEdgeOptions {
-  double voxel_size = 0.0;        ///< About the length of an edge [unit].
-  double noise = 0.0;             ///< Standard deviation of a view's positions [unit].
-  MemoryLimit* memory = nullptr;  ///< May be null.
+  double voxel_size = 0.0;  ///< About the length of an edge [unit].
+  double noise = 0.0;       ///< Standard deviation of a view's positions [unit].
 };
 
 /// Turns edges that cut across creases: of the two diagonals of a pair of faces, the one is taken

@@ -98,14 +98,14 @@ class Collapser {
     for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) add_face(f);
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) fixed_[v] = on_border(v);
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-      if (v % kBetweenStops == 0) throw_if_stop_requested();
+      if (v % kBetweenStops == 0) check_stop_and_memory();
       for (const std::uint32_t w : neighbours(v)) propose(v, w);
     }
   }
 
   void run() {
     for (std::size_t step = 0; left_ > options_.faces && !queue_.empty(); ++step) {
-      if (step % kBetweenStops == 0) throw_if_stop_requested();
+      if (step % kBetweenStops == 0) check_stop_and_memory();
       const Candidate next = queue_.pop();
       if (next.from_stamp == stamp_[next.from] && next.to_stamp == stamp_[next.to] &&
           allowed(next.from, next.to))

@@ -14,6 +14,7 @@
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 
+#include "scan/base/memory/paged_fill.h"
 #include "scan/base/parallel.h"
 
 namespace relief::fusion {
@@ -157,7 +158,7 @@ Eigen::Vector3d zero_on_edge(const SparseField& field, const VertexKey& key) {
 // brick's faces wait for them.
 class BrickJoiner {
  public:
-  BrickJoiner(const SparseField& field, MemoryLimit* memory) : field_(field), memory_(memory) {}
+  explicit BrickJoiner(const SparseField& field) : field_(field) {}
 
   // `top`: the layer of nodes from which on vertices belong to the next brick.
   void add(std::vector<VertexKey> corners, int top) {
@@ -176,26 +177,34 @@ class BrickJoiner {
 
   TriangleMesh finish() {
     number(std::move(open_));
-    return std::move(mesh_);
+    return {.vertices = joined(std::move(vertices_)), .faces = joined(std::move(faces_))};
   }
 
  private:
-  // Growing moves everything to a place of twice the size.
   template <typename T>
-  void extend(std::vector<T>& values, std::size_t count) {
-    const std::size_t size = values.size() + count;
-    if (size > values.capacity()) evict_pages(memory_, 2 * size * sizeof(T));
-    values.resize(size);
+  using Pieces = std::vector<PagedVector<T>>;  // Of bricks, in their order.
+
+  // Each piece is gone as soon as it is in its place.
+  template <typename T>
+  static PagedVector<T> joined(Pieces<T> pieces) {
+    std::size_t size = 0;
+    for (const auto& piece : pieces) size += piece.size();
+    PagedVector<T> all;
+    all.reserve(size);
+    for (auto& piece : pieces) {
+      append_paged(piece, all);
+      piece = {};
+    }
+    return all;
   }
 
   // Makes vertices of `keys`, which follow all earlier ones, and the faces that waited for them.
   void number(std::vector<VertexKey> keys) {
     const std::size_t first = first_ + keys_.size();
     keys_.insert(keys_.end(), keys.begin(), keys.end());
-    extend(mesh_.vertices, keys.size());
+    auto& vertices = vertices_.emplace_back(keys.size());
     parallel_for(keys.size(), 4096, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v)
-        mesh_.vertices[first + v] = zero_on_edge(field_, keys[v]);
+      for (std::size_t v = begin; v < end; ++v) vertices[v] = zero_on_edge(field_, keys[v]);
     });
     add_faces();
     keys_ = std::move(keys);
@@ -203,13 +212,13 @@ class BrickJoiner {
   }
 
   void add_faces() {
-    const std::size_t before = mesh_.faces.size(), count = corners_.size() / 3;
-    extend(mesh_.faces, count);
+    const std::size_t count = corners_.size() / 3;
+    auto& faces = faces_.emplace_back(count);
     parallel_for(count, 4096, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
         for (std::size_t k = 0; k < 3; ++k) {
           const auto place = std::lower_bound(keys_.begin(), keys_.end(), corners_[3 * f + k]);
-          mesh_.faces[before + f][k] =
+          faces[f][k] =
               static_cast<std::uint32_t>(first_ + static_cast<std::size_t>(place - keys_.begin()));
         }
       }
@@ -218,8 +227,8 @@ class BrickJoiner {
   }
 
   const SparseField& field_;
-  MemoryLimit* memory_;
-  TriangleMesh mesh_;
+  Pieces<Eigen::Vector3d> vertices_;
+  Pieces<TriangleMesh::Face> faces_;
   std::vector<VertexKey> open_;     // Vertices of the last brick that the next one numbers.
   std::vector<VertexKey> corners_;  // Of the last brick's triangles.
   std::vector<VertexKey> keys_;     // The last brick's vertices.
@@ -229,7 +238,7 @@ class BrickJoiner {
 }  // namespace
 
 TriangleMesh extract_isosurface(const SparseField& field, MemoryLimit* memory) {
-  BrickJoiner joiner(field, memory);
+  BrickJoiner joiner(field);
   for (BlockRange brick = next_brick(field, 0); brick.begin < brick.end;
        brick = next_brick(field, brick.end)) {
     if (!check(memory)) return {};

@@ -9,14 +9,13 @@
 #include "fusion/holes/plates/thin_plate.h"
 #include "fusion/surface/vertex_groups.h"
 #include "fusion/tsdf/tsdf_integration.h"
+#include "scan/base/memory/paged_array.h"
+#include "scan/base/memory/paged_fill.h"
 #include "scan/base/parallel.h"
 
 namespace relief::fusion {
 
 namespace {
-
-// Per vertex of the mesh, and besides per vertex without a measured colour [bytes].
-constexpr std::size_t kVertex = 36, kUnknown = 40;
 
 // Sweeps of relaxation. Bounds the time: they smooth over about sqrt(3 / 4 * 60) = 7 edges.
 // Colours, unlike surfaces, need not be harmonic to the last digit.
@@ -28,15 +27,15 @@ constexpr std::size_t kPart = 8192;
 
 // Colours of vertices, and which of them are known.
 struct Painting {
-  std::vector<Eigen::Vector3f> colour;
-  std::vector<std::uint8_t> known;
+  PagedVector<Eigen::Vector3f> colour;
+  PagedArray<std::uint8_t> known;
 };
 
 Painting measured_colours(const TriangleMesh& mesh, const std::vector<ViewSampler>& views,
                           const VertexAttributeOptions& options) {
   const std::size_t count = mesh.vertices.size();
-  Painting painting{std::vector<Eigen::Vector3f>(count, Eigen::Vector3f::Zero()),
-                    std::vector<std::uint8_t>(count, 0)};
+  Painting painting{paged_filled<Eigen::Vector3f>(count, Eigen::Vector3f::Zero()),
+                    PagedArray<std::uint8_t>(count)};
   parallel_for(count, 1024, [&](std::size_t begin, std::size_t end) {
     evict_pages(options.memory);
     TsdfIntegrator collector(views, options.truncation, options.voxel_size);
@@ -71,7 +70,7 @@ class Spreading {
     // Vertices of near indices are near each other, and in memory.
     std::sort(spread_.begin(), spread_.end());
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
-      before_ = painting_.colour;
+      before_ = paged_copy(painting_.colour);
       parallel_for(spread_.size(), kPart, [&](std::size_t begin, std::size_t end) {
         relax(std::span(spread_).subspan(begin, end - begin), sweep % 2 == 0);
       });
@@ -79,8 +78,8 @@ class Spreading {
   }
 
  private:
-  static std::vector<std::uint8_t> unknown(const std::vector<std::uint8_t>& known) {
-    std::vector<std::uint8_t> flags(known.size());
+  static PagedArray<std::uint8_t> unknown(const PagedArray<std::uint8_t>& known) {
+    PagedArray<std::uint8_t> flags(known.size());
     for (std::size_t v = 0; v < known.size(); ++v) flags[v] = !known[v];
     return flags;
   }
@@ -154,7 +153,7 @@ class Spreading {
   Painting& painting_;
   FacesAround around_;                   // Of vertices whose colour is unknown at first.
   std::vector<std::uint32_t> spread_;    // The vertices that colours were spread to.
-  std::vector<Eigen::Vector3f> before_;  // The colours before a sweep.
+  PagedVector<Eigen::Vector3f> before_;  // The colours before a sweep.
 };
 
 Colour rounded(const Eigen::Vector3f& colour) {
@@ -170,14 +169,11 @@ void set_vertex_colours(TriangleMesh& mesh, const std::vector<ViewSampler>& view
                         const VertexAttributeOptions& options) {
   if (std::none_of(views.begin(), views.end(), [](const auto& view) { return view.has_colours(); }))
     return;
-  evict_pages(options.memory, kVertex * mesh.vertices.size());
   Painting painting = measured_colours(mesh, views, options);
-  const auto unknown =
-      static_cast<std::size_t>(std::count(painting.known.begin(), painting.known.end(), 0));
-  evict_pages(options.memory, kUnknown * unknown);
   Spreading(mesh, painting).run();
   mesh.colours.reserve(mesh.vertices.size());
-  for (const Eigen::Vector3f& colour : painting.colour) mesh.colours.push_back(rounded(colour));
+  serial_for(mesh.vertices.size(),
+             [&](std::size_t v) { mesh.colours.push_back(rounded(painting.colour[v])); });
 }
 
 }  // namespace relief::fusion

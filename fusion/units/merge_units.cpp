@@ -43,8 +43,7 @@ std::optional<KeptLevel> FieldUnits::find(int level) const {
 void FieldUnits::keep(int level, const SparseField& field, std::size_t moving_blocks,
                       bool bent) const {
   if (store_ == nullptr) return;
-  store_->keep(key_of_level(inputs_, level),
-               encode_unit(KeptLevel{field.blocks(), moving_blocks, bent}));
+  keep_unit(*store_, key_of_level(inputs_, level), KeptLevel{field.blocks(), moving_blocks, bent});
 }
 
 }  // namespace relief::fusion

@@ -1,7 +1,7 @@
 #include "hybrid/mesh/mesh_graph.h"
 
 #include <algorithm>
-#include <numeric>
+#include <vector>
 
 #include "scan/base/parallel.h"
 
@@ -11,23 +11,30 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;  // Of one piece of work; changes no result.
 
+// Makes numbers of items the places of the first ones: of the one after the last, too.
+void sum_up(PagedArray<std::size_t>& begin) {
+  std::size_t sum = 0;
+  serial_for(begin.size(), [&](std::size_t i) { begin[i] = sum += begin[i]; });
+}
+
 // The faces at each vertex, in rising order.
 struct FaceLists {
-  PagedVector<std::size_t> begin;
-  PagedVector<std::uint32_t> face;
+  PagedArray<std::size_t> begin;
+  PagedArray<std::uint32_t> face;
 };
 
 FaceLists faces_at_vertices(const TriangleMesh& mesh) {
-  FaceLists lists;
-  lists.begin.assign(mesh.vertices.size() + 1, 0);
-  for (const auto& face : mesh.faces)
-    for (const std::uint32_t v : face) ++lists.begin[v + 1];
-  std::partial_sum(lists.begin.begin(), lists.begin.end(), lists.begin.begin());
-  lists.face.resize(lists.begin.back());
-  PagedVector<std::size_t> next(lists.begin.begin(), lists.begin.end() - 1);
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
-    for (const std::uint32_t v : mesh.faces[f])
-      lists.face[next[v]++] = static_cast<std::uint32_t>(f);
+  FaceLists lists{PagedArray<std::size_t>(mesh.vertices.size() + 2), {}};
+  const auto visit = [&](const auto& body) {
+    serial_for(mesh.faces.size(), [&](std::size_t f) {
+      for (const std::uint32_t v : mesh.faces[f]) body(v, static_cast<std::uint32_t>(f));
+    });
+  };
+  // Until all faces are there, the beginning of a vertex is one place farther.
+  visit([&](std::uint32_t v, std::uint32_t) { ++lists.begin[v + 2]; });
+  sum_up(lists.begin);
+  lists.face = PagedArray<std::uint32_t>(3 * mesh.faces.size());
+  visit([&](std::uint32_t v, std::uint32_t f) { lists.face[lists.begin[v + 1]++] = f; });
   return lists;
 }
 
@@ -36,7 +43,7 @@ FaceLists faces_at_vertices(const TriangleMesh& mesh) {
 MeshGraph mesh_graph(const TriangleMesh& mesh) {
   const FaceLists lists = faces_at_vertices(mesh);
   const std::size_t count = mesh.vertices.size();
-  PagedVector<double> third(mesh.faces.size());
+  PagedArray<double> third(mesh.faces.size());
   parallel_for(third.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) third[f] = face_cross(mesh, f).norm() / 6.0;
   });
@@ -64,8 +71,8 @@ MeshGraph mesh_graph(const TriangleMesh& mesh) {
   };
 
   MeshGraph graph;
-  graph.begin.assign(count + 1, 0);
-  graph.vertex_area.assign(count, 0.0f);
+  graph.begin = PagedArray<std::size_t>(count + 1);
+  graph.vertex_area = PagedArray<float>(count);
   parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<Edge> edges;
     for (std::size_t i = begin; i < end; ++i) {
@@ -73,9 +80,9 @@ MeshGraph mesh_graph(const TriangleMesh& mesh) {
       graph.begin[i + 1] = edges.size();
     }
   });
-  std::partial_sum(graph.begin.begin(), graph.begin.end(), graph.begin.begin());
-  graph.neighbour.resize(graph.begin.back());
-  graph.edge_area.resize(graph.begin.back());
+  sum_up(graph.begin);
+  graph.neighbour = PagedArray<std::uint32_t>(graph.begin[count]);
+  graph.edge_area = PagedArray<float>(graph.begin[count]);
   parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<Edge> edges;
     for (std::size_t i = begin; i < end; ++i) {

@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 
 #include "relief/scan/mesh_check.h"
+#include "scan/base/memory/paged_array.h"
+#include "scan/base/memory/paged_fill.h"
 #include "scan/base/parallel.h"
 #include "scan/mesh/moved_faces.h"
 
@@ -41,14 +43,14 @@ bool sound(const Eigen::Vector3d& before, const Eigen::Vector3d& after,
 
 class Guard {
  public:
-  Guard(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displacements)
+  Guard(const TriangleMesh& mesh, std::span<const Eigen::Vector3d> displacements)
       : before_(mesh),
         displacements_(displacements),
         normals_(vertex_normals(mesh)),
-        scale_(mesh.vertices.size(), 1.0f),
-        changed_(mesh.vertices.size(), 0) {
-    moved_.vertices = mesh.vertices;
-    moved_.faces = mesh.faces;
+        scale_(paged_filled(mesh.vertices.size(), 1.0f)),
+        changed_(mesh.vertices.size()) {
+    moved_.vertices = paged_copy(mesh.vertices);
+    moved_.faces = paged_copy(mesh.faces);
   }
 
   GuardedMove run() {
@@ -72,13 +74,14 @@ class Guard {
 
  private:
   void apply() {
-    for (std::size_t i = 0; i < scale_.size(); ++i)
-      moved_.vertices[i] = before_.vertices[i] +
-                           double{scale_[i]} * displacements_.col(static_cast<Eigen::Index>(i));
+    parallel_for(scale_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        moved_.vertices[i] = before_.vertices[i] + double{scale_[i]} * displacements_[i];
+    });
   }
 
   std::vector<std::uint32_t> unsound_faces() const {
-    std::vector<std::uint8_t> unsound(moved_.faces.size());
+    PagedArray<std::uint8_t> unsound(moved_.faces.size());
     parallel_for(unsound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
         Eigen::Vector3d around = Eigen::Vector3d::Zero();
@@ -125,16 +128,16 @@ class Guard {
   }
 
   const TriangleMesh& before_;
-  const Eigen::Matrix3Xd& displacements_;
-  std::vector<Eigen::Vector3f> normals_;
-  std::vector<float> scale_;
-  std::vector<std::uint8_t> changed_;  // Damped since the last search for intersections.
+  std::span<const Eigen::Vector3d> displacements_;
+  PagedVector<Eigen::Vector3f> normals_;
+  PagedVector<float> scale_;
+  PagedArray<std::uint8_t> changed_;  // Damped since the last search for intersections.
   TriangleMesh moved_;
 };
 
 }  // namespace
 
-GuardedMove guarded_move(const TriangleMesh& mesh, const Eigen::Matrix3Xd& displacements) {
+GuardedMove guarded_move(const TriangleMesh& mesh, std::span<const Eigen::Vector3d> displacements) {
   return Guard(mesh, displacements).run();
 }
 

@@ -12,6 +12,8 @@
 #include "hybrid/mesh/normal_sampler.h"
 #include "relief/hybrid/polish_mesh.h"
 #include "scan/base/median.h"
+#include "scan/base/memory/paged_array.h"
+#include "scan/base/memory/paged_fill.h"
 #include "scan/base/parallel.h"
 #include "scan/base/robust_scales.h"
 
@@ -155,7 +157,7 @@ class Blender {
 
 // The median over pairs of views at a sample of the vertices: squared differences of two
 // normals are exponentially distributed with mean 4 sigma^2.
-double scatter(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
+double scatter(const TriangleMesh& mesh, const PagedVector<Eigen::Vector3f>& mesh_normals,
                const std::vector<NormalSampler>& samplers, const std::vector<NearViews>& near,
                double max_distance) {
   // Bounds the time. As many pairs tell the scatter to 0.5 % (1 / (2 ln 2 sqrt(n))).
@@ -188,11 +190,11 @@ double standard_error(const Blend& blend, double sigma) {
 }
 
 // Asked are the views that had a say at either end.
-void blend_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& mesh_normals,
+void blend_edges(const TriangleMesh& mesh, const PagedVector<Eigen::Vector3f>& mesh_normals,
                  const std::vector<NormalSampler>& samplers, const MeshGraph& graph,
-                 const std::vector<NearViews>& near, const std::vector<Observers>& observers,
+                 const std::vector<NearViews>& near, const PagedArray<Observers>& observers,
                  double max_distance, MeshNormals& blended) {
-  blended.edges.assign(graph.neighbour.size(), Eigen::Vector3f::Zero());
+  blended.edges = paged_filled<Eigen::Vector3f>(graph.neighbour.size(), Eigen::Vector3f::Zero());
   const auto has = [&](std::size_t i) { return blended.views[i] > 0; };
   parallel_for(graph.vertices(), kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<NormalObservation> observations;
@@ -223,9 +225,9 @@ Result<MeshNormals> blend_views(const TriangleMesh& mesh, const std::vector<Rang
   if (!report_progress(progress, 0.0, "blend normals")) return interrupted;
   MeshNormals blended;
   const std::size_t count = mesh.vertices.size();
-  blended.normals.assign(count, Eigen::Vector3f::Zero());
-  blended.sigma.assign(count, 0.0f);
-  blended.views.assign(count, 0);
+  blended.normals = paged_filled<Eigen::Vector3f>(count, Eigen::Vector3f::Zero());
+  blended.sigma = paged_filled(count, 0.0f);
+  blended.views = paged_filled<std::uint16_t>(count, 0);
   const auto samplers = normal_samplers(views, options.silhouette_ramp);
   if (!samplers) return samplers.error();
   blended.sample_spacing = median_spacing(*samplers);
@@ -233,14 +235,14 @@ Result<MeshNormals> blend_views(const TriangleMesh& mesh, const std::vector<Rang
 
   const double max_distance =
       options.max_distance > 0.0 ? options.max_distance : 3.0 * blended.sample_spacing;
-  const std::vector<Eigen::Vector3f> mesh_normals = vertex_normals(mesh);
+  const PagedVector<Eigen::Vector3f> mesh_normals = vertex_normals(mesh);
   if (!report_progress(progress, 0.3, "blend normals")) return interrupted;
   const MeshGraph graph = mesh_graph(mesh);
   const std::vector<NearViews> near = views_near_groups(mesh, graph, *samplers, max_distance);
   blended.sigma_view = options.sigma_view > 0.0
                            ? options.sigma_view
                            : scatter(mesh, mesh_normals, *samplers, near, max_distance);
-  std::vector<Observers> observers(count, 0);
+  PagedArray<Observers> observers(count);
   parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<NormalObservation> observations;
     Blender blend_observations(blended.sigma_view);

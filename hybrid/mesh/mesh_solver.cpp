@@ -22,12 +22,13 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 
 // Breadth-first patches of up to kAggregate vertices. What is cut off between patches joins the
 // patch of a neighbour.
-PagedVector<std::uint32_t> aggregates(const MeshGraph& graph) {
-  PagedVector<std::uint32_t> aggregate(graph.vertices(), kNone);
+PagedArray<std::uint32_t> aggregates(const MeshGraph& graph) {
+  PagedArray<std::uint32_t> aggregate(graph.vertices());
+  serial_for(graph.vertices(), [&](std::size_t v) { aggregate[v] = kNone; });
   std::vector<std::uint32_t> patch;
   std::uint32_t count = 0;
-  for (std::size_t seed = 0; seed < graph.vertices(); ++seed) {
-    if (aggregate[seed] != kNone) continue;
+  serial_for(graph.vertices(), [&](std::size_t seed) {
+    if (aggregate[seed] != kNone) return;
     aggregate[seed] = count;
     patch.assign(1, static_cast<std::uint32_t>(seed));
     std::uint32_t beside = kNone;
@@ -47,20 +48,20 @@ PagedVector<std::uint32_t> aggregates(const MeshGraph& graph) {
       for (const std::uint32_t v : patch) aggregate[v] = beside;
     else
       ++count;
-  }
+  });
   return aggregate;
 }
 
 }  // namespace
 
-Eigen::VectorXd MeshMatrix::operator*(const Eigen::VectorXd& x) const {
-  Eigen::VectorXd y(x.size());
+MeshValues MeshMatrix::operator*(const MeshValues& x) const {
+  MeshValues y(x.size());
   parallel_for(diagonal.size(), kRange, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      double sum = diagonal[i] * x[static_cast<Eigen::Index>(i)];
+      double sum = diagonal[i] * x[i];
       for (std::size_t k = graph->begin[i]; k < graph->begin[i + 1]; ++k)
         sum += double{off_diagonal[k]} * x[graph->neighbour[k]];
-      y[static_cast<Eigen::Index>(i)] = sum;
+      y[i] = sum;
     }
   });
   return y;
@@ -74,14 +75,17 @@ struct MeshPreconditioner::Coarse {
 
 MeshPreconditioner::MeshPreconditioner(const MeshMatrix& matrix)
     : matrix_(matrix), aggregate_(aggregates(*matrix.graph)), coarse_(std::make_unique<Coarse>()) {
-  for (const std::uint32_t a : aggregate_)
-    coarse_->size = std::max(coarse_->size, static_cast<Eigen::Index>(a) + 1);
-  PagedVector<std::uint32_t> next(static_cast<std::size_t>(coarse_->size) + 1, 0);
-  for (const std::uint32_t a : aggregate_) ++next[a + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  first_ = next;
-  member_.resize(aggregate_.size());
-  for (std::uint32_t i = 0; i < aggregate_.size(); ++i) member_[next[aggregate_[i]]++] = i;
+  serial_for(aggregate_.size(), [&](std::size_t i) {
+    coarse_->size = std::max(coarse_->size, static_cast<Eigen::Index>(aggregate_[i]) + 1);
+  });
+  // Until all members are there, the beginning of an aggregate is one place farther.
+  first_ = PagedArray<std::uint32_t>(static_cast<std::size_t>(coarse_->size) + 2);
+  serial_for(aggregate_.size(), [&](std::size_t i) { ++first_[aggregate_[i] + 2]; });
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  member_ = PagedArray<std::uint32_t>(aggregate_.size());
+  serial_for(aggregate_.size(), [&](std::size_t i) {
+    member_[first_[aggregate_[i] + 1]++] = static_cast<std::uint32_t>(i);
+  });
 }
 
 MeshPreconditioner::~MeshPreconditioner() = default;
@@ -89,9 +93,8 @@ MeshPreconditioner::~MeshPreconditioner() = default;
 bool MeshPreconditioner::update() {
   const MeshGraph& graph = *matrix_.graph;
   std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(aggregate_.size());
   std::vector<double> diagonal(static_cast<std::size_t>(coarse_->size), 0.0);
-  for (std::size_t i = 0; i < graph.vertices(); ++i) {
+  serial_for(graph.vertices(), [&](std::size_t i) {
     const std::uint32_t a = aggregate_[i];
     diagonal[a] += matrix_.diagonal[i];
     for (std::size_t k = graph.begin[i]; k < graph.begin[i + 1]; ++k) {
@@ -101,7 +104,7 @@ bool MeshPreconditioner::update() {
       else if (a > b)
         entries.emplace_back(a, b, double{matrix_.off_diagonal[k]});
     }
-  }
+  });
   for (std::size_t a = 0; a < diagonal.size(); ++a)
     entries.emplace_back(static_cast<int>(a), static_cast<int>(a), diagonal[a]);
   Eigen::SparseMatrix<double> lower(coarse_->size, coarse_->size);
@@ -113,19 +116,18 @@ bool MeshPreconditioner::update() {
 }
 
 // The two parts are added (additive Schwarz: Dryja and Widlund 1987), so the sum is symmetric.
-Eigen::VectorXd MeshPreconditioner::operator()(const Eigen::VectorXd& residual) const {
+MeshValues MeshPreconditioner::operator()(const MeshValues& residual) const {
   const MeshGraph& graph = *matrix_.graph;
-  Eigen::VectorXd result(residual.size());
-  const auto at = [](std::size_t i) { return static_cast<Eigen::Index>(i); };
+  MeshValues result(residual.size());
   const auto sweep = [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      double sum = residual[at(i)];
+      double sum = residual[i];
       for (std::size_t k = graph.begin[i]; k < graph.begin[i + 1]; ++k) {
         const std::uint32_t j = graph.neighbour[k];
         if (j >= i) break;
         if (j >= begin) sum -= double{matrix_.off_diagonal[k]} * result[j];
       }
-      result[at(i)] = sum / matrix_.diagonal[i];
+      result[i] = sum / matrix_.diagonal[i];
     }
     for (std::size_t i = end; i-- > begin;) {
       double sum = 0.0;
@@ -134,16 +136,17 @@ Eigen::VectorXd MeshPreconditioner::operator()(const Eigen::VectorXd& residual) 
         if (j <= i) break;
         if (j < end) sum += double{matrix_.off_diagonal[k]} * result[j];
       }
-      result[at(i)] -= sum / matrix_.diagonal[i];
+      result[i] -= sum / matrix_.diagonal[i];
     }
   };
   parallel_for(graph.vertices(), kRange, sweep);
 
   Eigen::VectorXd coarse(coarse_->size);
   const auto for_aggregates = [&](const auto& visit) {
-    parallel_for(first_.size() - 1, kRange, [&](std::size_t begin, auto end) {
+    parallel_for(static_cast<std::size_t>(coarse_->size), kRange, [&](std::size_t begin, auto end) {
       for (std::size_t a = begin; a < end; ++a)
-        visit(at(a), std::span(member_).subspan(first_[a], first_[a + 1] - first_[a]));
+        visit(static_cast<Eigen::Index>(a),
+              member_.span().subspan(first_[a], first_[a + 1] - first_[a]));
     });
   };
   for_aggregates([&](Eigen::Index a, std::span<const std::uint32_t> members) {
@@ -159,38 +162,54 @@ Eigen::VectorXd MeshPreconditioner::operator()(const Eigen::VectorXd& residual) 
 
 namespace {
 
+// The values from `begin` to `end`.
+Eigen::Map<const Eigen::VectorXd> part(const MeshValues& values, std::size_t begin,
+                                       std::size_t end) {
+  return {values.data() + begin, static_cast<Eigen::Index>(end - begin)};
+}
+
 // Sums of ranges, in their order.
-double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  return parallel_sum(static_cast<std::size_t>(a.size()), kRange, 0.0,
-                      [&](std::size_t begin, std::size_t end) {
-                        const auto first = static_cast<Eigen::Index>(begin);
-                        const auto count = static_cast<Eigen::Index>(end - begin);
-                        return a.segment(first, count).dot(b.segment(first, count));
-                      });
+double dot(const MeshValues& a, const MeshValues& b) {
+  return parallel_sum(a.size(), kRange, 0.0, [&](std::size_t begin, std::size_t end) {
+    return part(a, begin, end).dot(part(b, begin, end));
+  });
 }
 
 // y = scale y + factor x.
-void combine(double scale, Eigen::VectorXd& y, double factor, const Eigen::VectorXd& x) {
-  parallel_for(static_cast<std::size_t>(y.size()), kRange, [&](std::size_t begin, std::size_t end) {
-    const auto first = static_cast<Eigen::Index>(begin);
-    const auto count = static_cast<Eigen::Index>(end - begin);
-    y.segment(first, count) = scale * y.segment(first, count) + factor * x.segment(first, count);
+void combine(double scale, MeshValues& y, double factor, const MeshValues& x) {
+  parallel_for(y.size(), kRange, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) y[i] = scale * y[i] + factor * x[i];
   });
 }
 
 }  // namespace
 
+MeshValues copy_of(const MeshValues& values) {
+  MeshValues copy(values.size());
+  combine(0.0, copy, 1.0, values);
+  return copy;
+}
+
+bool all_finite(const MeshValues& values) {
+  const auto finite = [&](std::size_t begin, std::size_t end) {
+    return part(values, begin, end).allFinite() ? 1 : 0;
+  };
+  const std::size_t parts = (values.size() + kRange - 1) / kRange;
+  return parallel_sum<std::size_t>(values.size(), kRange, 0, finite) == parts;
+}
+
 ConjugateGradients conjugate_gradients(const LinearMap& matrix, const LinearMap& preconditioner,
-                                       const Eigen::VectorXd& rhs, double tolerance,
-                                       int max_iterations, Eigen::VectorXd& x) {
+                                       const MeshValues& rhs, double tolerance, int max_iterations,
+                                       MeshValues& x) {
   const double goal = tolerance * tolerance * dot(rhs, preconditioner(rhs));
-  Eigen::VectorXd residual = rhs - matrix(x);
-  Eigen::VectorXd preconditioned = preconditioner(residual);
-  Eigen::VectorXd direction = preconditioned;
+  MeshValues residual = matrix(x);
+  combine(-1.0, residual, 1.0, rhs);
+  MeshValues preconditioned = preconditioner(residual);
+  MeshValues direction = copy_of(preconditioned);
   double energy = dot(residual, preconditioned);
   ConjugateGradients solve;
   while (energy > goal && solve.iterations < max_iterations) {
-    const Eigen::VectorXd image = matrix(direction);
+    const MeshValues image = matrix(direction);
     const double step = energy / dot(direction, image);
     if (!std::isfinite(step)) return solve;
     combine(1.0, x, step, direction);

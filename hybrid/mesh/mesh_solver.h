@@ -5,20 +5,23 @@
 #include <functional>
 #include <memory>
 
-#include <Eigen/Core>
-
 #include "hybrid/mesh/mesh_graph.h"
-#include "relief/scan/page_allocator.h"
+#include "scan/base/memory/paged_array.h"
 
 namespace relief::hybrid {
+
+/// One number for each vertex, or three.
+using MeshValues = PagedArray<double>;
+MeshValues copy_of(const MeshValues& values);
+bool all_finite(const MeshValues& values);
 
 /// A symmetric matrix with one row per vertex and the sparsity of a mesh's edges.
 struct MeshMatrix {
   const MeshGraph* graph = nullptr;
-  PagedVector<double> diagonal;     ///< One per vertex.
-  PagedVector<float> off_diagonal;  ///< In the order of graph->neighbour.
+  MeshValues diagonal;             ///< One per vertex.
+  PagedArray<float> off_diagonal;  ///< In the order of graph->neighbour.
 
-  Eigen::VectorXd operator*(const Eigen::VectorXd& x) const;
+  MeshValues operator*(const MeshValues& x) const;
 };
 
 /// A fixed approximation of the inverse of a positive definite MeshMatrix: symmetric Gauss-Seidel
@@ -33,18 +36,18 @@ class MeshPreconditioner {
 
   /// Takes up new values of the matrix. False when they are not positive definite.
   bool update();
-  Eigen::VectorXd operator()(const Eigen::VectorXd& residual) const;
+  MeshValues operator()(const MeshValues& residual) const;
 
  private:
   struct Coarse;
   const MeshMatrix& matrix_;
-  PagedVector<std::uint32_t> aggregate_;  // of each vertex
+  PagedArray<std::uint32_t> aggregate_;  // of each vertex
   // The vertices of aggregate a, ascending: member_[first_[a]] to member_[first_[a + 1]].
-  PagedVector<std::uint32_t> first_, member_;
+  PagedArray<std::uint32_t> first_, member_;
   std::unique_ptr<Coarse> coarse_;
 };
 
-using LinearMap = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+using LinearMap = std::function<MeshValues(const MeshValues&)>;
 
 struct ConjugateGradients {
   bool converged = false;
@@ -55,7 +58,7 @@ struct ConjugateGradients {
 /// left, until the preconditioned residual is below `tolerance` times that of x = 0. The same on
 /// any number of threads if both maps are.
 ConjugateGradients conjugate_gradients(const LinearMap& matrix, const LinearMap& preconditioner,
-                                       const Eigen::VectorXd& rhs, double tolerance,
-                                       int max_iterations, Eigen::VectorXd& x);
+                                       const MeshValues& rhs, double tolerance, int max_iterations,
+                                       MeshValues& x);
 
 }  // namespace relief::hybrid

@@ -25,6 +25,14 @@ constexpr double kCrease = 0.6;
 // surface by d then takes a way of 2 d at most.
 constexpr double kLeastAgreement = 0.5;
 
+// The vector of vertex i, of one each.
+Eigen::Vector3d at(const MeshValues& values, std::size_t i) {
+  return Eigen::Map<const Eigen::Vector3d>(values.data() + 3 * i);
+}
+void set(MeshValues& values, std::size_t i, const Eigen::Vector3d& vector) {
+  Eigen::Map<Eigen::Vector3d>(values.data() + 3 * i) = vector;
+}
+
 }  // namespace
 
 template <typename Visit>
@@ -37,22 +45,22 @@ void MeshSystem::for_vertices(const Visit& visit) const {
 MeshSystem::MeshSystem(const TriangleMesh& mesh, const MeshGraph& graph, const MeshNormals& normals,
                        const MeshSystemOptions& options)
     : mesh_(mesh), graph_(graph), options_(options) {
-  const std::vector<Eigen::Vector3f> own = vertex_normals(mesh);
-  directions_.assign(own.begin(), own.end());
+  directions_ = vertex_normals(mesh);
   const std::size_t count = mesh.vertices.size();
-  normals_ = directions_;
-  sigma_.assign(count, 0.0f);
-  position_weight_.resize(count);
-  tangential_weight_.resize(count);
+  normals_ = PagedArray<Eigen::Vector3f>(count);
+  sigma_ = PagedArray<float>(count);
+  position_weight_ = MeshValues(count);
+  tangential_weight_ = MeshValues(count);
   sample_area_ = normals.sample_spacing * normals.sample_spacing;
   if (!(sample_area_ > 0.0)) sample_area_ = surface_area(mesh) / static_cast<double>(count);
   // An error that is tiny by accident must not pin its vertex.
-  const double least = 0.2 * median(std::vector<float>(mesh.quality));
+  const double least = 0.2 * median(std::vector<float>(mesh.quality.begin(), mesh.quality.end()));
   const auto share_of = [&](std::size_t i) {
     return graph.vertex_area[i] > 0.0f ? double{graph.vertex_area[i]} / sample_area_ : 1.0;
   };
   for_vertices([&](std::size_t i) {
     const bool measured = normals.views[i] > 0;
+    normals_[i] = directions_[i];
     if (measured) {
       normals_[i] = normals.normals[i];
       if (normals_[i].dot(directions_[i]) > kLeastAgreement) directions_[i] = normals_[i];
@@ -68,9 +76,9 @@ MeshSystem::MeshSystem(const TriangleMesh& mesh, const MeshGraph& graph, const M
                                 ? position_weight_[i] / (options.tangential * options.tangential)
                                 : share / (kShapeSigma * kShapeSigma * sample_area_);
   });
-  for (std::size_t i = 0; i < count; ++i) samples_ += share_of(i);
+  serial_for(count, [&](std::size_t i) { samples_ += share_of(i); });
   if (!normals.edges.empty()) middles_ = &normals.edges;
-  weight_.resize(graph_.neighbour.size());
+  weight_ = PagedArray<float>(graph_.neighbour.size());
   for_vertices([&](std::size_t i) {
     for (std::size_t k = graph_.begin[i]; k < graph_.begin[i + 1]; ++k)
       weight_[k] = static_cast<float>(base_weight(i, k));
@@ -119,34 +127,33 @@ double MeshSystem::base_weight(std::size_t i, std::size_t k) const {
          (sample_area_ * length2 * angular_variance(i, k));
 }
 
-Eigen::Matrix3Xd MeshSystem::in_space(const Eigen::VectorXd& displacements) const {
-  const auto count = static_cast<Eigen::Index>(directions_.size());
-  if (displacements.size() == 3 * count)
-    return Eigen::Map<const Eigen::Matrix3Xd>(displacements.data(), 3, count);
-  Eigen::Matrix3Xd moved(3, count);
-  for (Eigen::Index i = 0; i < count; ++i)
-    moved.col(i) = displacements[i] * directions_[static_cast<std::size_t>(i)].cast<double>();
+MeshMoves MeshSystem::in_space(const MeshValues& displacements) const {
+  const bool full = displacements.size() == 3 * directions_.size();
+  MeshMoves moved(directions_.size());
+  for_vertices([&](std::size_t i) {
+    moved[i] = full ? at(displacements, i)
+                    : Eigen::Vector3d(displacements[i] * directions_[i].cast<double>());
+  });
   return moved;
 }
 
-double MeshSystem::in_errors(const Eigen::VectorXd& displacements) const {
-  const auto count = static_cast<Eigen::Index>(directions_.size());
-  const Eigen::Index entries = displacements.size() / count;
+double MeshSystem::in_errors(const MeshValues& a, const MeshValues& b) const {
+  const std::size_t entries = a.size() / directions_.size();
   double sum = 0.0;
-  for (Eigen::Index i = 0; i < count; ++i)
-    sum += position_weight_[static_cast<std::size_t>(i)] *
-           displacements.segment(entries * i, entries).squaredNorm();
+  serial_for(directions_.size(), [&](std::size_t i) {
+    for (std::size_t k = entries * i; k < entries * (i + 1); ++k)
+      sum += position_weight_[i] * (a[k] - b[k]) * (a[k] - b[k]);
+  });
   return std::sqrt(sum / samples_);
 }
 
-void MeshSystem::reweight(const Eigen::VectorXd& displacements) {
-  const Eigen::Matrix3Xd moved = in_space(displacements);
+void MeshSystem::reweight(const MeshValues& displacements) {
+  const MeshMoves moved = in_space(displacements);
   for_vertices([&](std::size_t i) {
     for (std::size_t k = graph_.begin[i]; k < graph_.begin[i + 1]; ++k) {
       const std::uint32_t j = graph_.neighbour[k];
       const Edge e = edge(i, k);
-      const double left =
-          e.residual + e.normal.dot(moved.col(j) - moved.col(static_cast<Eigen::Index>(i)));
+      const double left = e.residual + e.normal.dot(moved[j] - moved[i]);
       const double variance =
           (mesh_.vertices[j] - mesh_.vertices[i]).squaredNorm() * angular_variance(i, k);
       double weight = base_weight(i, k);
@@ -160,9 +167,10 @@ void MeshSystem::reweight(const Eigen::VectorXd& displacements) {
 MeshMatrix MeshSystem::normal_matrix() const {
   MeshMatrix matrix;
   matrix.graph = &graph_;
-  matrix.diagonal = position_weight_;
-  matrix.off_diagonal.resize(graph_.neighbour.size());
+  matrix.diagonal = MeshValues(graph_.vertices());
+  matrix.off_diagonal = PagedArray<float>(graph_.neighbour.size());
   for_vertices([&](std::size_t i) {
+    matrix.diagonal[i] = position_weight_[i];
     for (std::size_t k = graph_.begin[i]; k < graph_.begin[i + 1]; ++k) {
       const Eigen::Vector3d normal = edge_normal(i, k);
       const double weight = weight_[k], ci = normal.dot(directions_[i].cast<double>()),
@@ -183,52 +191,46 @@ Eigen::Vector3d MeshSystem::edge_residual(std::size_t i) const {
   return sum;
 }
 
-Eigen::VectorXd MeshSystem::normal_rhs() const {
-  Eigen::VectorXd rhs(static_cast<Eigen::Index>(graph_.vertices()));
-  for_vertices([&](std::size_t i) {
-    rhs[static_cast<Eigen::Index>(i)] = directions_[i].cast<double>().dot(edge_residual(i));
-  });
-  return rhs;
-}
-
-Eigen::VectorXd MeshSystem::full_rhs() const {
-  Eigen::VectorXd rhs(3 * static_cast<Eigen::Index>(graph_.vertices()));
+MeshValues MeshSystem::normal_rhs() const {
+  MeshValues rhs(graph_.vertices());
   for_vertices(
-      [&](std::size_t i) { rhs.segment<3>(3 * static_cast<Eigen::Index>(i)) = edge_residual(i); });
+      [&](std::size_t i) { rhs[i] = directions_[i].cast<double>().dot(edge_residual(i)); });
   return rhs;
 }
 
-Eigen::VectorXd MeshSystem::full_product(const Eigen::VectorXd& d) const {
-  Eigen::VectorXd result(d.size());
+MeshValues MeshSystem::full_rhs() const {
+  MeshValues rhs(3 * graph_.vertices());
+  for_vertices([&](std::size_t i) { set(rhs, i, edge_residual(i)); });
+  return rhs;
+}
+
+MeshValues MeshSystem::full_product(const MeshValues& d) const {
+  MeshValues result(d.size());
   for_vertices([&](std::size_t i) {
-    const Eigen::Vector3d here = d.segment<3>(3 * static_cast<Eigen::Index>(i));
+    const Eigen::Vector3d here = at(d, i);
     const Eigen::Vector3d direction = directions_[i].cast<double>();
     const Eigen::Vector3d along = direction * direction.dot(here);
     Eigen::Vector3d sum = position_weight_[i] * along + tangential_weight_[i] * (here - along);
     for (std::size_t k = graph_.begin[i]; k < graph_.begin[i + 1]; ++k) {
-      const std::uint32_t j = graph_.neighbour[k];
       const Eigen::Vector3d normal = edge_normal(i, k);
-      sum += double{weight_[k]} * normal * normal.dot(here - d.segment<3>(3 * Eigen::Index{j}));
+      sum += double{weight_[k]} * normal * normal.dot(here - at(d, graph_.neighbour[k]));
     }
-    result.segment<3>(3 * static_cast<Eigen::Index>(i)) = sum;
+    set(result, i, sum);
   });
   return result;
 }
 
-Eigen::VectorXd MeshSystem::full_precondition(const LinearMap& along_normals,
-                                              const Eigen::VectorXd& r) const {
-  const auto count = static_cast<Eigen::Index>(directions_.size());
-  Eigen::VectorXd lengths(count);
-  for (Eigen::Index i = 0; i < count; ++i)
-    lengths[i] = directions_[static_cast<std::size_t>(i)].cast<double>().dot(r.segment<3>(3 * i));
-  const Eigen::VectorXd solved = along_normals(lengths);
-  Eigen::VectorXd result(r.size());
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Vector3d direction = directions_[static_cast<std::size_t>(i)].cast<double>();
-    result.segment<3>(3 * i) =
-        solved[i] * direction + (r.segment<3>(3 * i) - lengths[i] * direction) /
-                                    tangential_weight_[static_cast<std::size_t>(i)];
-  }
+MeshValues MeshSystem::full_precondition(const LinearMap& along_normals,
+                                         const MeshValues& r) const {
+  MeshValues lengths(directions_.size());
+  for_vertices([&](std::size_t i) { lengths[i] = directions_[i].cast<double>().dot(at(r, i)); });
+  const MeshValues solved = along_normals(lengths);
+  MeshValues result(r.size());
+  for_vertices([&](std::size_t i) {
+    const Eigen::Vector3d direction = directions_[i].cast<double>();
+    set(result, i,
+        solved[i] * direction + (at(r, i) - lengths[i] * direction) / tangential_weight_[i]);
+  });
   return result;
 }
 

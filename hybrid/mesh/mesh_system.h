@@ -5,8 +5,8 @@
 #include "hybrid/mesh/mesh_graph.h"
 #include "hybrid/mesh/mesh_solver.h"
 #include "relief/hybrid/polish_mesh.h"
-#include "relief/scan/page_allocator.h"
 #include "relief/scan/triangle_mesh.h"
+#include "scan/base/memory/paged_array.h"
 
 namespace relief::hybrid {
 
@@ -16,6 +16,8 @@ struct MeshSystemOptions {
   /// Error of positions along the surface over that along the normal: sqrt(a / b) of (H13), > 0.
   double tangential = 1.0;
 };
+
+using MeshMoves = PagedArray<Eigen::Vector3d>;
 
 /// The least-squares problem of equations (H13) and (H14) on a mesh. Displacements are 3-vectors,
 /// one after the other in one vector, or lengths along the normals.
@@ -27,22 +29,22 @@ class MeshSystem {
 
   /// Robust weights (Cauchy) for the residuals that the displacements along the normals, or in
   /// space, leave.
-  void reweight(const Eigen::VectorXd& displacements);
+  void reweight(const MeshValues& displacements);
 
   /// The system in lengths along the vertex normals.
   MeshMatrix normal_matrix() const;
-  Eigen::VectorXd normal_rhs() const;
+  MeshValues normal_rhs() const;
 
   /// The system in 3-vectors: its product with `d`, and its right-hand side.
-  Eigen::VectorXd full_product(const Eigen::VectorXd& d) const;
-  Eigen::VectorXd full_rhs() const;
+  MeshValues full_product(const MeshValues& d) const;
+  MeshValues full_rhs() const;
   /// A preconditioner for it from one for normal_matrix(): normals and tangents apart.
-  Eigen::VectorXd full_precondition(const LinearMap& along_normals, const Eigen::VectorXd& r) const;
+  MeshValues full_precondition(const LinearMap& along_normals, const MeshValues& r) const;
 
-  /// How large displacements are, RMS, in expected errors of the positions.
-  double in_errors(const Eigen::VectorXd& displacements) const;
-  /// Displacements in space, 3 x vertices.
-  Eigen::Matrix3Xd in_space(const Eigen::VectorXd& displacements) const;
+  /// How far two displacements are apart, RMS, in expected errors of the positions.
+  double in_errors(const MeshValues& a, const MeshValues& b) const;
+  /// Displacements in space, of each vertex.
+  MeshMoves in_space(const MeshValues& displacements) const;
 
  private:
   struct Edge {
@@ -65,11 +67,11 @@ class MeshSystem {
   double sample_area_ = 1.0;
   double samples_ = 0.0;                     // that the vertices stand for
   PagedVector<Eigen::Vector3f> directions_;  // unit: blended normals, or those of the mesh
-  PagedVector<Eigen::Vector3f> normals_;     // blended, or those of the mesh where there are none
+  PagedArray<Eigen::Vector3f> normals_;      // blended, or those of the mesh where there are none
   const PagedVector<Eigen::Vector3f>* middles_ = nullptr;  // of edges, if there are any
-  PagedVector<float> sigma_;  // of the blended normals [rad]; 0: none there
-  PagedVector<double> position_weight_, tangential_weight_;  // a and b of (H13)
-  PagedVector<float> weight_;                                // of edges, in the order of graph_
+  PagedArray<float> sigma_;                         // of the blended normals [rad]; 0: none there
+  MeshValues position_weight_, tangential_weight_;  // a and b of (H13)
+  PagedArray<float> weight_;                        // of edges, in the order of graph_
 };
 
 }  // namespace relief::hybrid

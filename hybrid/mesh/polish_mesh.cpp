@@ -8,6 +8,7 @@
 #include "hybrid/mesh/mesh_guard.h"
 #include "hybrid/mesh/mesh_solver.h"
 #include "hybrid/mesh/mesh_system.h"
+#include "scan/base/memory/paged_fill.h"
 #include "scan/base/parallel.h"
 #include "scan/base/stopwatch.h"
 
@@ -37,11 +38,13 @@ Result<void> check(const TriangleMesh& mesh, const MeshNormals& normals,
     return bad("polish: the normals are not those of the mesh's vertices");
   if (!mesh.quality.empty() && mesh.quality.size() != count)
     return bad("polish: the mesh has another number of qualities than vertices");
-  for (const auto& face : mesh.faces)
-    for (const std::uint32_t v : face)
-      if (v >= count) return bad("polish: a face names a vertex that is not there");
-  for (const auto& vertex : mesh.vertices)
-    if (!vertex.allFinite()) return bad("polish: a vertex of the mesh is not finite");
+  bool in_range = true, finite = true;
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
+    for (const std::uint32_t v : mesh.faces[f]) in_range = in_range && v < count;
+  });
+  serial_for(count, [&](std::size_t v) { finite = finite && mesh.vertices[v].allFinite(); });
+  if (!in_range) return bad("polish: a face names a vertex that is not there");
+  if (!finite) return bad("polish: a vertex of the mesh is not finite");
   return {};
 }
 
@@ -60,8 +63,8 @@ class Solve {
  public:
   Solve(MeshSystem& system, const MeshGraph& graph, const PolishOptions& options)
       : system_(system), options_(options), matrix_(system.normal_matrix()), inverse_(matrix_) {
-    const auto count = static_cast<Eigen::Index>(graph.vertices());
-    displacements_.setZero(options.form == MeshForm::kFull ? 3 * count : count);
+    const std::size_t count = graph.vertices();
+    displacements_ = MeshValues(options.form == MeshForm::kFull ? 3 * count : count);
   }
 
   // False when the solver gave up.
@@ -72,28 +75,28 @@ class Solve {
       matrix_ = system_.normal_matrix();
     }
     if (!inverse_.update()) return false;
-    const LinearMap inverse = [&](const Eigen::VectorXd& r) { return inverse_(r); };
-    const Eigen::VectorXd before = displacements_;
+    const LinearMap inverse = [&](const MeshValues& r) { return inverse_(r); };
+    MeshValues before = copy_of(displacements_);
     ConjugateGradients solve;
     if (options_.form == MeshForm::kFull) {
       solve = conjugate_gradients(
-          [&](const Eigen::VectorXd& d) { return system_.full_product(d); },
-          [&](const Eigen::VectorXd& r) { return system_.full_precondition(inverse, r); },
+          [&](const MeshValues& d) { return system_.full_product(d); },
+          [&](const MeshValues& r) { return system_.full_precondition(inverse, r); },
           system_.full_rhs(), options_.tolerance, options_.max_iterations, displacements_);
     } else {
-      solve = conjugate_gradients([&](const Eigen::VectorXd& x) { return matrix_ * x; }, inverse,
+      solve = conjugate_gradients([&](const MeshValues& x) { return matrix_ * x; }, inverse,
                                   system_.normal_rhs(), options_.tolerance, options_.max_iterations,
                                   displacements_);
     }
     ++rounds_;
     iterations_ += solve.iterations;
-    settled_ = system_.in_errors(displacements_ - before) <= kSettled;
-    if (!displacements_.allFinite()) displacements_ = before;
+    settled_ = system_.in_errors(displacements_, before) <= kSettled;
+    if (!all_finite(displacements_)) displacements_ = std::move(before);
     return solve.converged;
   }
 
   bool settled() const { return settled_; }
-  const Eigen::VectorXd& displacements() const { return displacements_; }
+  const MeshValues& displacements() const { return displacements_; }
   int rounds() const { return rounds_; }
   int iterations() const { return iterations_; }
 
@@ -102,15 +105,15 @@ class Solve {
   const PolishOptions& options_;
   MeshMatrix matrix_;
   MeshPreconditioner inverse_;
-  Eigen::VectorXd displacements_;
+  MeshValues displacements_;
   int rounds_ = 0, iterations_ = 0;
   bool settled_ = false;
 };
 
-// Displacements in space (3 x vertices). What the solve took is gone afterwards.
-Result<Eigen::Matrix3Xd> least_squares(const TriangleMesh& mesh, const MeshNormals& normals,
-                                       const PolishOptions& options, const Progress& progress,
-                                       PolishedMesh& polished) {
+// Displacements in space. What the solve took is gone afterwards.
+Result<MeshMoves> least_squares(const TriangleMesh& mesh, const MeshNormals& normals,
+                                const PolishOptions& options, const Progress& progress,
+                                PolishedMesh& polished) {
   const MeshGraph graph = mesh_graph(mesh);
   MeshSystem system(mesh, graph, normals,
                     {options.sigma_position.value_or(0.0), options.sigma_normal.value_or(0.0),
@@ -128,20 +131,31 @@ Result<Eigen::Matrix3Xd> least_squares(const TriangleMesh& mesh, const MeshNorma
   return system.in_space(solve.displacements());
 }
 
+TriangleMesh copy_of_all_but_vertices(const TriangleMesh& mesh) {
+  TriangleMesh copy;
+  copy.faces = paged_copy(mesh.faces);
+  copy.quality = paged_copy(mesh.quality);
+  copy.views = paged_copy(mesh.views);
+  copy.source_views = paged_copy(mesh.source_views);
+  copy.filled = paged_copy(mesh.filled);
+  copy.colours = paged_copy(mesh.colours);
+  return copy;
+}
+
 void take(GuardedMove move, const TriangleMesh& mesh, const MeshNormals& normals,
           PolishedMesh& polished) {
   double sum = 0.0, largest = 0.0;
-  for (std::size_t i = 0; i < move.vertices.size(); ++i) {
+  serial_for(move.vertices.size(), [&](std::size_t i) {
     const double moved = (move.vertices[i] - mesh.vertices[i]).squaredNorm();
     largest = std::max(largest, moved);
     if (normals.views[i] > 0) sum += moved;
-  }
+  });
   polished.max_move = std::sqrt(largest);
   polished.rms_move =
       std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, polished.with_normal)));
   polished.damped = move.damped;
   polished.unmoved = move.unmoved;
-  polished.mesh = mesh;
+  polished.mesh = copy_of_all_but_vertices(mesh);
   polished.mesh.vertices = std::move(move.vertices);
   polished.mesh.normals = vertex_normals(polished.mesh);
 }

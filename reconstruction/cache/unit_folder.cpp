@@ -45,7 +45,7 @@ std::optional<std::string> content_of(const FileDescriptor& file) {
   std::string content;
   content.reserve(size);
   for (std::size_t at = 0; at < size;) {
-    throw_if_stop_requested();
+    check_stop_and_memory();
     if (at == content.size()) content.resize(std::min(size, at + kPiece));
     const ssize_t count = ::read(file.get(), content.data() + at, content.size() - at);
     if (count < 0 && errno == EINTR) continue;
@@ -57,7 +57,7 @@ std::optional<std::string> content_of(const FileDescriptor& file) {
 
 bool write_all(const FileDescriptor& file, std::string_view bytes) {
   for (std::size_t at = 0; at < bytes.size();) {
-    if (at >= kPiece) throw_if_stop_requested();
+    if (at >= kPiece) check_stop_and_memory();
     const ssize_t count =
         ::write(file.get(), bytes.data() + at, std::min(kPiece, bytes.size() - at));
     if (count < 0 && errno == EINTR) continue;

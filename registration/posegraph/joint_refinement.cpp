@@ -265,10 +265,10 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
       const PairMatcher match(surfaces, result.world_from_view, strongest,
                               search_at(levels[l], strongest.size(), kFewestTogether, options),
                               levels[l].signal_level, nearly_degenerate);
-      const auto matches = parallel_map<DirectedMatches>(match.size(), match);
+      auto matches = parallel_map<DirectedMatches>(match.size(), match);
       const auto before = result.world_from_view;
       result.solves.push_back(
-          solve_poses(surfaces, matches, result.held, solver, result.world_from_view));
+          solve_poses(surfaces, std::move(matches), result.held, solver, result.world_from_view));
       if (result.solves.back().termination == SolverTermination::kFailed) {
         result.termination = RefinementTermination::kSolverFailed;
         return result;

@@ -125,12 +125,13 @@ class PairCost : public ceres::SizedCostFunction<7, 7, 7> {
 }  // namespace
 
 SolverSummary solve_poses(const std::vector<ViewSurface>& surfaces,
-                          const std::vector<DirectedMatches>& matches,
-                          const std::vector<bool>& fixed, const JointSolverOptions& options,
+                          std::vector<DirectedMatches> matches, const std::vector<bool>& fixed,
+                          const JointSolverOptions& options,
                           std::vector<RigidMotion>& world_from_view) {
   PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
   CompressedPairs pairs(blocks.values);
-  for (const auto& pair : matches) {
+  for (DirectedMatches& of_pair : matches) {
+    const DirectedMatches pair = std::exchange(of_pair, {});
     if (pair.found.items.empty() || (fixed[pair.source] && fixed[pair.target])) continue;
     pairs.add(pair.source, pair.target,
               terms_of(pair, surfaces[pair.source], surfaces[pair.target],

@@ -26,10 +26,11 @@ struct JointSolverOptions {
 
 /// One minimisation of (R3) and (R9) over all poses with fixed correspondences: Levenberg-Marquardt
 /// with the Cauchy loss and a sparse Cholesky factorisation; the terms of a directed pair make
-/// seven residuals, whatever their number (R6). Poses with `fixed` are not touched; none is if it
+/// seven residuals, whatever their number (R6). Each of `matches`, the largest thing there is, is
+/// gone as soon as it has been taken up. Poses with `fixed` are not touched; none is if it
 /// failed.
 [[nodiscard]] SolverSummary solve_poses(const std::vector<ViewSurface>& surfaces,
-                                        const std::vector<DirectedMatches>& matches,
+                                        std::vector<DirectedMatches> matches,
                                         const std::vector<bool>& fixed,
                                         const JointSolverOptions& options,
                                         std::vector<RigidMotion>& world_from_view);

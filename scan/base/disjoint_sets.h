@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
-#include <vector>
+
+#include "scan/base/memory/paged_array.h"
+#include "scan/base/parallel.h"
 
 namespace relief {
 
@@ -13,7 +14,7 @@ namespace relief {
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
+    serial_for(size, [&](std::size_t i) { parent_[i] = static_cast<std::uint32_t>(i); });
   }
   /// The representative of the set that holds `i`.
   std::uint32_t find(std::uint32_t i) {
@@ -27,7 +28,7 @@ class DisjointSets {
   }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  PagedArray<std::uint32_t> parent_;
 };
 
 }  // namespace relief

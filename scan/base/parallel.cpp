@@ -88,7 +88,7 @@ bool run_until_stopped(const Context& context, const std::function<void()>& work
   return true;
 }
 
-void throw_if_stop_requested() { throw_if_stopped(loop_state); }
+void check_stop_and_memory() { check_stop_and_memory(loop_state); }
 
 MemoryLimit* current_memory_limit() { return loop_state.memory; }
 

@@ -16,9 +16,22 @@ namespace relief {
 void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
 
-/// Ends the computation of the enclosing run_in() when somebody asked it to stop, as each piece of
-/// a loop above does. For long work on one thread, at least once in about a tenth of a second.
-void throw_if_stop_requested();
+/// Ends the computation of the enclosing run_in() when somebody asked it to stop, and keeps to its
+/// memory limit, as each piece of a loop above does. For long work on one thread, at least once in
+/// about a tenth of a second, and under a limit before some megabytes of paged arrays are touched.
+void check_stop_and_memory();
+
+/// Calls `body(i)` for each i of [0, count), in this thread and in this order, and looks now and
+/// then as above.
+template <typename Body>
+void serial_for(std::size_t count, const Body& body) {
+  constexpr std::size_t kBetweenLooks = 4096;  // Changes no result.
+  for (std::size_t begin = 0; begin < count; begin += kBetweenLooks) {
+    check_stop_and_memory();
+    const std::size_t end = std::min(count, begin + kBetweenLooks);
+    for (std::size_t i = begin; i < end; ++i) body(i);
+  }
+}
 
 /// Gives memory that loops' threads have freed, which the C library keeps for each of them, back to
 /// the system as far as it can. Worth it after loops that made large parts of a result.

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <numeric>
+#include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
+#include "scan/base/counter_random.h"
 #include "scan/base/disjoint_sets.h"
+#include "scan/base/memory/paged_array.h"
 #include "scan/base/parallel.h"
 
 namespace relief {
@@ -42,28 +47,28 @@ bool ascending(const TriangleMesh& mesh, const HalfEdge& side) {
   return mesh.faces[side.corner / 3][side.corner % 3] == side.low;
 }
 
+using HalfEdges = PagedArray<HalfEdge>;
+
 // By their lower vertices first, of which each has few.
-std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
+HalfEdges sorted_half_edges(const TriangleMesh& mesh) {
   const auto visit = [&](const auto& side) {
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    serial_for(mesh.faces.size(), [&](std::size_t f) {
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t a = mesh.faces[f][k], b = mesh.faces[f][(k + 1) % 3];
         if (a != b) side(HalfEdge{std::min(a, b), std::max(a, b), corner_of(f, k)});
       }
-    }
+    });
   };
-  std::vector<std::uint32_t> end(mesh.vertices.size() + 1, 0);
-  visit([&](const HalfEdge& side) { ++end[side.low + 1]; });
-  std::partial_sum(end.begin(), end.end(), end.begin());
-  std::vector<HalfEdge> sides(end.back());
-  visit([&](const HalfEdge& side) { sides[end[side.low]++] = side; });
-  throw_if_stop_requested();
-  auto begin = sides.begin();
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    const auto last = sides.begin() + end[v];
-    std::sort(begin, last);
-    begin = last;
-  }
+  // First where the sides of each vertex begin, at last where they end.
+  PagedArray<std::uint32_t> place(mesh.vertices.size());
+  visit([&](const HalfEdge& side) { ++place[side.low]; });
+  std::uint32_t count = 0;
+  serial_for(place.size(), [&](std::size_t v) { count += std::exchange(place[v], count); });
+  HalfEdges sides(count);
+  visit([&](const HalfEdge& side) { sides[place[side.low]++] = side; });
+  serial_for(place.size(), [&](std::size_t v) {
+    std::sort(sides.begin() + (v == 0 ? 0 : place[v - 1]), sides.begin() + place[v]);
+  });
   return sides;
 }
 
@@ -75,48 +80,80 @@ void join_fans(const HalfEdge& a, const HalfEdge& b, bool same_direction, Disjoi
     fans.join(a_ends[end], b_ends[same_direction ? end : 1 - end]);
 }
 
+// The sides of one edge.
+void count_edge(const TriangleMesh& mesh, std::span<const HalfEdge> sides, DisjointSets& fans,
+                MeshCheck& check) {
+  ++check.edges;
+  check.boundary_edges += sides.size() == 1;
+  check.non_manifold_edges += sides.size() > 2;
+  if (sides.size() != 2) return;
+  const bool same_direction = ascending(mesh, sides[0]) == ascending(mesh, sides[1]);
+  check.inconsistent_edges += same_direction;
+  join_fans(sides[0], sides[1], same_direction, fans);
+}
+
 void count_edges(const TriangleMesh& mesh, DisjointSets& fans, MeshCheck& check) {
-  const std::vector<HalfEdge> sides = sorted_half_edges(mesh);
-  throw_if_stop_requested();
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    while (end < sides.size() && sides[end].same_edge(sides[begin])) ++end;
-    ++check.edges;
-    check.boundary_edges += end - begin == 1;
-    check.non_manifold_edges += end - begin > 2;
-    if (end - begin == 2) {
-      const bool same_direction =
-          ascending(mesh, sides[begin]) == ascending(mesh, sides[begin + 1]);
-      check.inconsistent_edges += same_direction;
-      join_fans(sides[begin], sides[begin + 1], same_direction, fans);
-    }
-  }
+  const HalfEdges sides = sorted_half_edges(mesh);
+  std::size_t begin = 0;
+  serial_for(sides.size(), [&](std::size_t i) {
+    const std::size_t end = i + 1;
+    if (end < sides.size() && sides[end].same_edge(sides[begin])) return;
+    count_edge(mesh, sides.span().subspan(begin, end - begin), fans, check);
+    begin = end;
+  });
 }
 
 void count_vertices(const TriangleMesh& mesh, DisjointSets& fans, MeshCheck& check) {
-  std::vector<std::uint32_t> fan_count(mesh.vertices.size(), 0);
+  PagedArray<std::uint32_t> fan_count(mesh.vertices.size());
   DisjointSets components(mesh.vertices.size());
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
     for (std::size_t k = 0; k < 3; ++k) {
       if (fans.find(corner_of(f, k)) == corner_of(f, k)) ++fan_count[mesh.faces[f][k]];
       components.join(mesh.faces[f][0], mesh.faces[f][k]);
     }
-  }
-  for (std::uint32_t v = 0; v < fan_count.size(); ++v) {
+  });
+  serial_for(fan_count.size(), [&](std::size_t v) {
     check.unused_vertices += fan_count[v] == 0;
     check.non_manifold_vertices += fan_count[v] > 1;
-    check.components += fan_count[v] > 0 && components.find(v) == v;
+    check.components += fan_count[v] > 0 && components.find(static_cast<std::uint32_t>(v)) == v;
     check.non_finite_vertices += !mesh.vertices[v].allFinite();
-  }
+  });
 }
 
+using Place = std::array<double, 3>;
+
+// By a hash, so that a part holds all vertices of a place. -0 and 0 are one.
+std::size_t part_of(const Eigen::Vector3d& p, std::size_t parts) {
+  std::uint64_t hash = 0;
+  for (const double x : p)
+    hash = CounterRandom::scrambled(hash ^ std::bit_cast<std::uint64_t>(x + 0.0));
+  return hash % parts;
+}
+
+// Sorts the places in parts that fit into memory.
 std::size_t duplicate_vertices(const TriangleMesh& mesh) {
-  std::vector<std::array<double, 3>> places;
-  places.reserve(mesh.vertices.size());
-  for (const auto& p : mesh.vertices)
-    if (p.allFinite()) places.push_back({p.x(), p.y(), p.z()});
-  std::sort(places.begin(), places.end());
-  const auto first_repeated = std::unique(places.begin(), places.end());
-  return static_cast<std::size_t>(places.end() - first_repeated);
+  constexpr std::size_t kPart = 1 << 16;  // About as many in each; changes no result.
+  const std::size_t parts = mesh.vertices.size() / kPart + 1;
+  const auto visit = [&](const auto& finite) {
+    serial_for(mesh.vertices.size(), [&](std::size_t v) {
+      const Eigen::Vector3d& p = mesh.vertices[v];
+      if (p.allFinite()) finite(part_of(p, parts), p);
+    });
+  };
+  std::vector<std::size_t> end(parts + 1, 0);
+  visit([&](std::size_t part, const Eigen::Vector3d&) { ++end[part + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  PagedArray<Place> places(end.back());
+  visit([&](std::size_t part, const Eigen::Vector3d& p) {
+    places[end[part]++] = {p.x(), p.y(), p.z()};
+  });
+  return parallel_sum<std::size_t>(parts, 1, 0, [&](std::size_t part, std::size_t) {
+    Place *const first = places.begin() + (part == 0 ? 0 : end[part - 1]), *const last =
+                                                                               places.begin() +
+                                                                               end[part];
+    std::sort(first, last);
+    return static_cast<std::size_t>(last - std::unique(first, last));
+  });
 }
 
 // Whether a face has no area that doubles can tell from none.
@@ -146,8 +183,8 @@ MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options) 
   TriangleMesh valid;
   const TriangleMesh* checked = &mesh;
   MeshCheck check;
-  check.invalid_faces = static_cast<std::size_t>(std::count_if(
-      mesh.faces.begin(), mesh.faces.end(), [&](const auto& f) { return !in_range(mesh, f); }));
+  serial_for(mesh.faces.size(),
+             [&](std::size_t f) { check.invalid_faces += !in_range(mesh, mesh.faces[f]); });
   if (check.invalid_faces > 0) {
     valid.vertices = mesh.vertices;
     std::copy_if(mesh.faces.begin(), mesh.faces.end(), std::back_inserter(valid.faces),
@@ -158,15 +195,11 @@ MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options) 
   check.faces = mesh.faces.size();
   assert(checked->faces.size() <= 0xffffffffu / 3);
   DisjointSets fans(3 * checked->faces.size());
-  throw_if_stop_requested();  // Between passes: each takes tenths of a second for millions of
-                              // faces.
   count_edges(*checked, fans, check);
-  throw_if_stop_requested();
   count_vertices(*checked, fans, check);
-  throw_if_stop_requested();
   check.duplicate_vertices = duplicate_vertices(*checked);
-  for (std::size_t f = 0; f < checked->faces.size(); ++f)
-    check.degenerate_faces += degenerate(*checked, f);
+  serial_for(checked->faces.size(),
+             [&](std::size_t f) { check.degenerate_faces += degenerate(*checked, f); });
   check.volume = checked->faces.empty() ? 0.0 : enclosed_volume(*checked);
   if (check.closed() && check.manifold()) {
     // Euler and Poincare: V - E + F = 2 (components - genus).

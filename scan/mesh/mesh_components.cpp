@@ -1,88 +1,100 @@
 #include "scan/mesh/mesh_components.h"
 
 #include <algorithm>
-#include <numeric>
-#include <vector>
+#include <cstdint>
+
+#include "scan/base/disjoint_sets.h"
+#include "scan/base/memory/paged_array.h"
+#include "scan/base/parallel.h"
 
 namespace relief {
 
 namespace {
 
-constexpr std::uint32_t kUnused = 0xffffffffu;
-
-// The smallest vertex connected to each vertex.
-std::vector<std::uint32_t> component_roots(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> root(mesh.vertices.size());
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](std::uint32_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
-  for (const auto& face : mesh.faces) {
-    for (const int k : {1, 2}) {
-      const std::uint32_t a = find(face[0]), b = find(face[k]);
-      root[std::max(a, b)] = std::min(a, b);
-    }
-  }
-  for (std::uint32_t v = 0; v < root.size(); ++v) root[v] = find(v);
-  return root;
-}
-
 template <typename T>
-void compact(std::vector<T>& attribute, const std::vector<std::uint32_t>& new_index) {
+void compact(PagedVector<T>& attribute, const PagedArray<std::uint8_t>& used) {
   if (attribute.empty()) return;
   std::size_t kept = 0;
-  for (std::size_t v = 0; v < new_index.size(); ++v)
-    if (new_index[v] != kUnused) attribute[kept++] = attribute[v];
+  serial_for(used.size(), [&](std::size_t v) {
+    if (used[v]) attribute[kept++] = attribute[v];
+  });
   attribute.resize(kept);
 }
 
 }  // namespace
 
 void drop_unused_vertices(TriangleMesh& mesh) {
-  std::vector<std::uint32_t> new_index(mesh.vertices.size(), kUnused);
-  for (const auto& face : mesh.faces)
-    for (const std::uint32_t v : face) new_index[v] = 0;
-  std::uint32_t next = 0;
-  for (auto& index : new_index)
-    if (index != kUnused) index = next++;
-  for (auto& face : mesh.faces)
-    for (auto& v : face) v = new_index[v];
-  compact(mesh.vertices, new_index);
-  compact(mesh.normals, new_index);
-  compact(mesh.quality, new_index);
-  compact(mesh.views, new_index);
-  compact(mesh.source_views, new_index);
-  compact(mesh.filled, new_index);
-  compact(mesh.colours, new_index);
+  PagedArray<std::uint8_t> used(mesh.vertices.size());
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
+    for (const std::uint32_t v : mesh.faces[f]) used[v] = 1;
+  });
+  PagedArray<std::uint32_t> new_index(used.size());
+  std::uint32_t count = 0;
+  serial_for(used.size(), [&](std::size_t v) { new_index[v] = used[v] ? count++ : count; });
+  if (count == used.size()) return;
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
+    for (auto& v : mesh.faces[f]) v = new_index[v];
+  });
+  compact(mesh.vertices, used);
+  compact(mesh.normals, used);
+  compact(mesh.quality, used);
+  compact(mesh.views, used);
+  compact(mesh.source_views, used);
+  compact(mesh.filled, used);
+  compact(mesh.colours, used);
 }
 
-RemovedComponents keep_largest_component(TriangleMesh& mesh) {
-  const std::vector<std::uint32_t> root = component_roots(mesh);
-  std::vector<double> area(mesh.vertices.size(), -1.0);
-  std::size_t components = 0;
-  double all = 0.0;
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    double& sum = area[root[mesh.faces[f][0]]];
-    if (sum < 0.0) {
-      sum = 0.0;
-      ++components;
-    }
-    const double area_of_face = 0.5 * face_cross(mesh, f).norm();
-    sum += area_of_face;
-    all += area_of_face;
-  }
+MeshComponents find_components(const TriangleMesh& mesh) {
+  DisjointSets sets(mesh.vertices.size());
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
+    for (const std::size_t k : {1u, 2u}) sets.join(mesh.faces[f][0], mesh.faces[f][k]);
+  });
+  MeshComponents components;
+  components.of_vertex = PagedArray<std::uint32_t>(mesh.vertices.size());
+  std::uint32_t count = 0;
+  serial_for(mesh.vertices.size(), [&](std::size_t v) {
+    const std::uint32_t first = sets.find(static_cast<std::uint32_t>(v));
+    components.of_vertex[v] = first == v ? count++ : components.of_vertex[first];
+  });
+  components.area.assign(count, 0.0);
+  components.faces.assign(count, 0);
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
+    const std::uint32_t component = components.of_vertex[mesh.faces[f][0]];
+    components.area[component] += 0.5 * face_cross(mesh, f).norm();
+    ++components.faces[component];
+  });
+  return components;
+}
+
+RemovedComponents keep_components(const MeshComponents& components, const std::vector<bool>& kept,
+                                  TriangleMesh& mesh) {
   RemovedComponents removed;
-  if (components > 0) {
-    const auto largest =
-        static_cast<std::uint32_t>(std::max_element(area.begin(), area.end()) - area.begin());
-    removed.components = components - 1;
-    removed.area_fraction = all > 0.0 ? 1.0 - area[largest] / all : 0.0;
-    removed.faces =
-        std::erase_if(mesh.faces, [&](const auto& face) { return root[face[0]] != largest; });
+  double all = 0.0, area = 0.0;
+  for (std::size_t c = 0; c < components.count(); ++c) {
+    all += components.area[c];
+    if (kept[c] || components.faces[c] == 0) continue;
+    area += components.area[c];
+    ++removed.components;
+    removed.faces += components.faces[c];
+  }
+  removed.area_fraction = all > 0.0 ? area / all : 0.0;
+  if (removed.components > 0) {
+    std::size_t count = 0;
+    serial_for(mesh.faces.size(), [&](std::size_t f) {
+      if (kept[components.of_vertex[mesh.faces[f][0]]]) mesh.faces[count++] = mesh.faces[f];
+    });
+    mesh.faces.resize(count);
   }
   drop_unused_vertices(mesh);
   return removed;
+}
+
+RemovedComponents keep_largest_component(TriangleMesh& mesh) {
+  const MeshComponents components = find_components(mesh);
+  std::vector<bool> kept(components.count(), false);
+  const auto largest = std::max_element(components.area.begin(), components.area.end());
+  if (!kept.empty()) kept[static_cast<std::size_t>(largest - components.area.begin())] = true;
+  return keep_components(components, kept, mesh);
 }
 
 }  // namespace relief

@@ -65,20 +65,22 @@ class Cells {
 
 class MovedFaces {
  public:
-  MovedFaces(const TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& places,
+  MovedFaces(const TriangleMesh& mesh, const PagedVector<Eigen::Vector3d>& places,
              std::vector<std::uint32_t> moved, double reach)
       : mesh_(mesh),
         places_(places),
         faces_(std::move(moved)),
         moved_(faces_.size()),
         cells_(cells_of_moved(reach)) {
-    std::vector<std::uint8_t> known(mesh.faces.size());
+    PagedArray<std::uint8_t> known(mesh.faces.size());
     for (const std::uint32_t f : faces_) {
       cells_.add(box_of(f));
       known[f] = 1;
     }
-    for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+    serial_for(mesh.faces.size(), [&](std::size_t i) {
+      const auto f = static_cast<std::uint32_t>(i);
       if (!known[f] && cells_.meet(box_of(f))) faces_.push_back(f);
+    });
   }
 
   std::vector<std::uint32_t> intersecting() const {
@@ -117,7 +119,7 @@ class MovedFaces {
   }
 
   // Against the longest side.
-  double thickness(std::uint32_t face, const std::vector<Eigen::Vector3d>& at) const {
+  double thickness(std::uint32_t face, const PagedVector<Eigen::Vector3d>& at) const {
     const auto& [a, b, c] = mesh_.faces[face];
     const Eigen::Vector3d u = at[b] - at[a], v = at[c] - at[a], w = at[c] - at[b];
     const double longest = std::max({u.squaredNorm(), v.squaredNorm(), w.squaredNorm()});
@@ -142,7 +144,7 @@ class MovedFaces {
   }
 
   const TriangleMesh& mesh_;
-  const std::vector<Eigen::Vector3d>& places_;
+  const PagedVector<Eigen::Vector3d>& places_;
   std::vector<std::uint32_t> faces_;  // The moved ones, then those near.
   std::size_t moved_;
   Cells cells_;
@@ -151,18 +153,19 @@ class MovedFaces {
 }  // namespace
 
 std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh,
-                                    const std::vector<std::uint8_t>& marked) {
+                                    std::span<const std::uint8_t> marked) {
   std::vector<std::uint32_t> faces;
-  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
     if (std::any_of(mesh.faces[f].begin(), mesh.faces[f].end(),
                     [&](std::uint32_t v) { return marked[v]; }))
-      faces.push_back(f);
+      faces.push_back(static_cast<std::uint32_t>(f));
+  });
   return faces;
 }
 
 std::vector<std::uint32_t> invalid_faces(const TriangleMesh& mesh,
-                                         const std::vector<Eigen::Vector3d>& places,
-                                         const std::vector<std::uint8_t>& moved, double reach) {
+                                         const PagedVector<Eigen::Vector3d>& places,
+                                         std::span<const std::uint8_t> moved, double reach) {
   const MovedFaces faces(mesh, places, faces_at(mesh, moved), reach);
   std::vector<std::uint32_t> invalid = faces.intersecting();
   const std::vector<std::uint32_t> thin = faces.thin();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -13,12 +14,11 @@ namespace relief {
 /// intersect others and those without any width left. Looks at faces with a vertex in `moved` and
 /// at what is near them only. `reach` is about the length of an edge [unit].
 std::vector<std::uint32_t> invalid_faces(const TriangleMesh& mesh,
-                                         const std::vector<Eigen::Vector3d>& places,
-                                         const std::vector<std::uint8_t>& moved, double reach);
+                                         const PagedVector<Eigen::Vector3d>& places,
+                                         std::span<const std::uint8_t> moved, double reach);
 
 /// The faces with a vertex that is marked; in ascending order.
-std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh,
-                                    const std::vector<std::uint8_t>& marked);
+std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh, std::span<const std::uint8_t> marked);
 
 /// Those of `faces`, and of what is near them or of all where they are many, that intersect others;
 /// in ascending order.

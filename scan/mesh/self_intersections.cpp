@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "relief/scan/mesh_check.h"
+#include "scan/base/memory/paged_fill.h"
 #include "scan/base/parallel.h"
 #include "scan/mesh/triangle_overlap.h"
 #include "scan/mesh/triangle_tree.h"
@@ -17,11 +18,11 @@ constexpr std::size_t kGrain = 1024;  // Faces of one range.
 // found do not depend on the threads.
 constexpr std::size_t kRangesAtOnce = 64;
 
-Triangle triangle(const TriangleMesh& mesh, std::uint32_t face) {
+Triangle triangle(const TriangleMesh& mesh, std::size_t face) {
   return {mesh.corner(face, 0), mesh.corner(face, 1), mesh.corner(face, 2)};
 }
 
-bool takes_part(const TriangleMesh& mesh, std::uint32_t face) {
+bool takes_part(const TriangleMesh& mesh, std::size_t face) {
   for (const std::uint32_t vertex : mesh.faces[face])
     if (vertex >= mesh.vertices.size() || !mesh.vertices[vertex].allFinite()) return false;
   return !collinear(triangle(mesh, face));
@@ -32,16 +33,24 @@ bool takes_part(const TriangleMesh& mesh, std::uint32_t face) {
 class Judged {
  public:
   explicit Judged(const TriangleMesh& all) {
-    std::vector<std::uint32_t> judged;
-    for (std::uint32_t face = 0; face < all.faces.size(); ++face)
-      if (takes_part(all, face)) judged.push_back(face);
-    if (judged.size() == all.faces.size()) {
+    const auto count = parallel_sum<std::size_t>(
+        all.faces.size(), kGrain, 0, [&](std::size_t begin, std::size_t end) {
+          std::size_t part = 0;
+          for (std::size_t face = begin; face < end; ++face) part += takes_part(all, face);
+          return part;
+        });
+    if (count == all.faces.size()) {
       mesh_ = &all;
       return;
     }
-    part_.vertices = all.vertices;
-    for (const std::uint32_t face : judged) part_.faces.push_back(all.faces[face]);
-    original_ = std::move(judged);
+    part_.vertices = paged_copy(all.vertices);
+    part_.faces.reserve(count);
+    original_.reserve(count);
+    serial_for(all.faces.size(), [&](std::size_t face) {
+      if (!takes_part(all, face)) return;
+      part_.faces.push_back(all.faces[face]);
+      original_.push_back(static_cast<std::uint32_t>(face));
+    });
     mesh_ = &part_;
   }
   Judged(const Judged&) = delete;
@@ -56,7 +65,7 @@ class Judged {
  private:
   const TriangleMesh* mesh_;
   TriangleMesh part_;
-  std::vector<std::uint32_t> original_;  // Empty: the same.
+  PagedVector<std::uint32_t> original_;  // Empty: the same.
 };
 
 std::vector<FacePair> pairs_in_range(const Judged& judged, const TriangleTree& tree,

@@ -5,12 +5,14 @@
 #include <Eigen/Geometry>
 
 #include "relief/scan/discontinuities.h"
+#include "scan/base/memory/paged_array.h"
+#include "scan/base/parallel.h"
 
 namespace relief {
 
 Eigen::AlignedBox3d bounding_box(const TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& vertex : mesh.vertices) box.extend(vertex);
+  serial_for(mesh.vertices.size(), [&](std::size_t v) { box.extend(mesh.vertices[v]); });
   return box;
 }
 
@@ -21,7 +23,7 @@ Eigen::Vector3d face_cross(const TriangleMesh& mesh, std::size_t face) {
 
 double surface_area(const TriangleMesh& mesh) {
   double area = 0.0;
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) area += 0.5 * face_cross(mesh, f).norm();
+  serial_for(mesh.faces.size(), [&](std::size_t f) { area += 0.5 * face_cross(mesh, f).norm(); });
   return area;
 }
 
@@ -30,18 +32,21 @@ double enclosed_volume(const TriangleMesh& mesh) {
   // Relative to a vertex, so that nothing is lost far from the origin.
   const Eigen::Vector3d origin = mesh.vertices.front();
   double volume = 0.0;
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
     volume += (mesh.corner(f, 0) - origin).dot(face_cross(mesh, f)) / 6.0;
+  });
   return volume;
 }
 
-std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
-  std::vector<Eigen::Vector3d> sums(mesh.vertices.size(), Eigen::Vector3d::Zero());
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+PagedVector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
+  PagedArray<Eigen::Vector3d> sums(mesh.vertices.size());
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
     for (const std::uint32_t vertex : mesh.faces[f]) sums[vertex] += face_cross(mesh, f);
-  std::vector<Eigen::Vector3f> normals;
+  });
+  PagedVector<Eigen::Vector3f> normals;
   normals.reserve(sums.size());
-  for (const auto& sum : sums) normals.push_back(sum.stableNormalized().cast<float>());
+  serial_for(sums.size(),
+             [&](std::size_t v) { normals.push_back(sums[v].stableNormalized().cast<float>()); });
   return normals;
 }
 
@@ -52,7 +57,7 @@ constexpr std::uint32_t kNoVertex = 0xffffffffu;
 // Splits the connected quad with corners a b / c d (rows) into two triangles, or takes the one
 // triangle that its connected edges span.
 void triangulate_cell(const GridEdges& edges, const Grid<std::uint32_t>& vertex, int u, int v,
-                      bool flip, std::vector<TriangleMesh::Face>& faces) {
+                      bool flip, PagedVector<TriangleMesh::Face>& faces) {
   const std::uint32_t a = vertex(u, v), b = vertex(u + 1, v);
   const std::uint32_t c = vertex(u, v + 1), d = vertex(u + 1, v + 1);
   const bool top = edges.right(u, v), bottom = edges.right(u, v + 1);

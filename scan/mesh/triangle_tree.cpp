@@ -14,12 +14,31 @@ namespace {
 
 constexpr std::uint32_t kLeafSize = 4;  // [faces]; bounds the time.
 
-constexpr std::size_t kFacesAtOnce = 4096;  // Of one piece of work.
+constexpr std::ptrdiff_t kFacesAtOnce = 4096;  // Of one piece of work.
 // Of the faces, which are sorted side by side.
 constexpr std::size_t kParts = 16;
 
 // Halving at the median bounds the depth by the bits of the face index.
 constexpr std::size_t kStackSize = 64;
+
+// As std::nth_element() does, of different values. Looks at the memory while many are left.
+template <typename Less>
+void select(std::uint32_t* begin, std::uint32_t* nth, std::uint32_t* end, const Less& less) {
+  while (end - begin > kFacesAtOnce) {
+    // Splits at a value of the middle of a sample: the smaller ones come first.
+    constexpr std::ptrdiff_t kSample = 63;
+    std::array<std::uint32_t, kSample> sample;
+    for (std::ptrdiff_t i = 0; i < kSample; ++i) sample[i] = begin[i * (end - begin) / kSample];
+    std::nth_element(sample.begin(), sample.begin() + kSample / 2, sample.end(), less);
+    const std::uint32_t pivot = sample[kSample / 2];
+    std::uint32_t* split = begin;
+    serial_for(end - begin, [&, first = begin](std::size_t i) {
+      if (less(first[i], pivot)) std::swap(first[i], *split++);
+    });
+    (nth < split ? end : begin) = split;
+  }
+  std::nth_element(begin, nth, end, less);
+}
 
 // The nodes of a tree over so many faces. Halves of one level differ by one face at most.
 std::uint32_t node_count(std::uint32_t faces) {
@@ -146,14 +165,15 @@ struct TriangleTree::Part {
 
 // The upper levels are built one part after the other, the parts below side by side.
 TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(&mesh), faces_(mesh.faces.size()) {
-  if (faces_.empty()) return;
-  std::iota(faces_.begin(), faces_.end(), 0u);
-  std::vector<Eigen::Vector3d> centres(faces_.size());
+  if (faces_.size() == 0) return;
+  Centres centres(faces_.size());
   parallel_for(centres.size(), kFacesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f)
+    for (std::size_t f = begin; f < end; ++f) {
+      faces_[f] = static_cast<std::uint32_t>(f);
       centres[f] = (mesh.corner(f, 0) + mesh.corner(f, 1) + mesh.corner(f, 2)) / 3.0;
+    }
   });
-  nodes_.resize(node_count(static_cast<std::uint32_t>(faces_.size())));
+  nodes_ = PagedArray<Node>(node_count(static_cast<std::uint32_t>(faces_.size())));
 
   std::vector<Part> upper, parts{{0, static_cast<std::uint32_t>(faces_.size()), 0}};
   while (parts.size() < kParts && parts.front().size() > kFacesAtOnce) {
@@ -169,7 +189,7 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(&mesh), faces_(mesh
   });
   for (auto part = upper.rbegin(); part != upper.rend(); ++part) {
     Node& node = nodes_[part->node];
-    node.box = nodes_[part->node + 1].box.merged(nodes_[node.right].box);
+    node.set_box(nodes_[part->node + 1].box().merged(nodes_[node.right].box()));
   }
 }
 
@@ -179,34 +199,33 @@ Eigen::AlignedBox3d TriangleTree::face_box(std::uint32_t face) const {
   return box;
 }
 
-Eigen::AlignedBox3d TriangleTree::build(const Part& part,
-                                        const std::vector<Eigen::Vector3d>& centres) {
+Eigen::AlignedBox3d TriangleTree::build(const Part& part, const Centres& centres) {
   Eigen::AlignedBox3d box;
   if (part.size() > kLeafSize) {
     for (const Part& half : halve(part, centres)) box.extend(build(half, centres));
   } else {
+    std::sort(faces_.begin() + part.begin, faces_.begin() + part.end);
     for (std::uint32_t i = part.begin; i < part.end; ++i) box.extend(face_box(faces_[i]));
     nodes_[part.node].begin = part.begin;
     nodes_[part.node].count = part.size();
     nodes_[part.node].end = part.end;
   }
-  nodes_[part.node].box = box;
+  nodes_[part.node].set_box(box);
   return box;
 }
 
 // Halves at the median along the longest side, and links the node to those of both halves.
-std::array<TriangleTree::Part, 2> TriangleTree::halve(const Part& part,
-                                                      const std::vector<Eigen::Vector3d>& centres) {
+std::array<TriangleTree::Part, 2> TriangleTree::halve(const Part& part, const Centres& centres) {
   Eigen::AlignedBox3d box;
-  for (std::uint32_t i = part.begin; i < part.end; ++i) box.extend(centres[faces_[i]]);
+  serial_for(part.size(), [&](std::size_t i) { box.extend(centres[faces_[part.begin + i]]); });
   int axis = 0;
   box.sizes().maxCoeff(&axis);
   const std::uint32_t middle = part.begin + part.size() / 2;
   // Ties are broken by index, so that the tree is a function of the mesh alone.
-  std::nth_element(faces_.begin() + part.begin, faces_.begin() + middle, faces_.begin() + part.end,
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     return std::pair(centres[a][axis], a) < std::pair(centres[b][axis], b);
-                   });
+  select(faces_.begin() + part.begin, faces_.begin() + middle, faces_.begin() + part.end,
+         [&](std::uint32_t a, std::uint32_t b) {
+           return std::pair(centres[a][axis], a) < std::pair(centres[b][axis], b);
+         });
   const std::uint32_t left = part.node + 1, right = left + node_count(part.size() / 2);
   nodes_[part.node].end = part.end;
   nodes_[part.node].right = right;
@@ -215,13 +234,13 @@ std::array<TriangleTree::Part, 2> TriangleTree::halve(const Part& part,
 
 std::optional<TriangleTree::Closest> TriangleTree::closest(const Eigen::Vector3d& query,
                                                            double max_distance) const {
-  if (nodes_.empty()) return std::nullopt;
+  if (nodes_.size() == 0) return std::nullopt;
   Closest best;
   double best_squared = max_distance * max_distance;
   bool found = false;
   std::array<std::pair<std::uint32_t, double>, kStackSize> stack;
   std::size_t depth = 0;
-  stack[depth++] = {0u, nodes_[0].box.squaredExteriorDistance(query)};
+  stack[depth++] = {0u, nodes_[0].box().squaredExteriorDistance(query)};
   while (depth > 0) {
     const auto [index, box_squared] = stack[--depth];
     if (box_squared > best_squared) continue;
@@ -238,8 +257,8 @@ std::optional<TriangleTree::Closest> TriangleTree::closest(const Eigen::Vector3d
       found = true;
     }
     if (node.count > 0) continue;
-    std::pair near{index + 1, nodes_[index + 1].box.squaredExteriorDistance(query)};
-    std::pair far{node.right, nodes_[node.right].box.squaredExteriorDistance(query)};
+    std::pair near{index + 1, nodes_[index + 1].box().squaredExteriorDistance(query)};
+    std::pair far{node.right, nodes_[node.right].box().squaredExteriorDistance(query)};
     if (far.second < near.second) std::swap(near, far);
     stack[depth++] = far;
     stack[depth++] = near;
@@ -250,13 +269,13 @@ std::optional<TriangleTree::Closest> TriangleTree::closest(const Eigen::Vector3d
 }
 
 std::optional<TriangleTree::Hit> TriangleTree::first_hit(const Ray& ray) const {
-  if (nodes_.empty()) return std::nullopt;
+  if (nodes_.size() == 0) return std::nullopt;
   const ShearedRay sheared(ray);
   std::optional<Hit> best;
   double limit = std::numeric_limits<double>::infinity();
   std::array<std::pair<std::uint32_t, double>, kStackSize> stack;
   std::size_t depth = 0;
-  stack[depth++] = {0u, sheared.entry(nodes_[0].box, limit)};
+  stack[depth++] = {0u, sheared.entry(nodes_[0].box(), limit)};
   while (depth > 0) {
     const auto [index, entry] = stack[--depth];
     if (!(entry <= limit) || std::isinf(entry)) continue;
@@ -268,8 +287,8 @@ std::optional<TriangleTree::Hit> TriangleTree::first_hit(const Ray& ray) const {
       limit = hit->range;
     }
     if (node.count > 0) continue;
-    std::pair near{index + 1, sheared.entry(nodes_[index + 1].box, limit)};
-    std::pair far{node.right, sheared.entry(nodes_[node.right].box, limit)};
+    std::pair near{index + 1, sheared.entry(nodes_[index + 1].box(), limit)};
+    std::pair far{node.right, sheared.entry(nodes_[node.right].box(), limit)};
     if (far.second < near.second) std::swap(near, far);
     stack[depth++] = far;
     stack[depth++] = near;
@@ -289,7 +308,7 @@ void TriangleTree::visit_box_overlaps(
     while (depth > 0) {
       const std::uint32_t index = stack[--depth];
       const Node& node = nodes_[index];
-      if (node.end <= place + 1 || !node.box.intersects(box)) continue;
+      if (node.end <= place + 1 || !node.box().intersects(box)) continue;
       if (node.count == 0) {
         stack[depth++] = node.right;
         stack[depth++] = index + 1;

@@ -13,6 +13,7 @@
 
 #include "relief/scan/projections.h"
 #include "relief/scan/triangle_mesh.h"
+#include "scan/base/memory/paged_array.h"
 
 namespace relief {
 
@@ -64,21 +65,25 @@ class TriangleTree {
  private:
   // Depth first: the left child follows its parent.
   struct Node {
-    Eigen::AlignedBox3d box;
+    Eigen::Vector3d low, high;           // Of the box.
     std::uint32_t begin = 0, count = 0;  // faces of a leaf; count 0: inner node
     std::uint32_t end = 0;               // of the faces below
     std::uint32_t right = 0;
+
+    Eigen::AlignedBox3d box() const { return {low, high}; }
+    void set_box(const Eigen::AlignedBox3d& box) { low = box.min(), high = box.max(); }
   };
 
   struct Part;  // Of the faces, and the first of their nodes.
 
   Eigen::AlignedBox3d face_box(std::uint32_t face) const;
-  Eigen::AlignedBox3d build(const Part& part, const std::vector<Eigen::Vector3d>& centres);
-  std::array<Part, 2> halve(const Part& part, const std::vector<Eigen::Vector3d>& centres);
+  using Centres = PagedArray<Eigen::Vector3d>;  // Of the faces.
+  Eigen::AlignedBox3d build(const Part& part, const Centres& centres);
+  std::array<Part, 2> halve(const Part& part, const Centres& centres);
 
   const TriangleMesh* mesh_;
-  std::vector<std::uint32_t> faces_;
-  std::vector<Node> nodes_;
+  PagedArray<std::uint32_t> faces_;
+  PagedArray<Node> nodes_;
 };
 
 }  // namespace relief

@@ -81,8 +81,8 @@ class ContentHash {
     add_one(value.has_value());
     if (value) add_one(*value);
   }
-  template <typename T>
-  void add_one(const std::vector<T>& values) {
+  template <typename T, typename Allocator>
+  void add_one(const std::vector<T, Allocator>& values) {
     add_array(values.data(), values.size());
   }
   void add_one(const std::vector<bool>& values) {

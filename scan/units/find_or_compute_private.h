@@ -17,11 +17,11 @@ Result<Value> find_or_compute(UnitStore* store, const MakeKey& make_key, const C
   if (store == nullptr) return compute();
   const UnitKey key = make_key();
   if (auto content = store->find(key)) {
-    throw_if_stop_requested();
+    check_stop_and_memory();
     if (auto value = decode_unit<Value>(std::move(*content))) return std::move(*value);
   }
   Result<Value> computed = compute();
-  if (computed) store->keep(key, encode_unit(*computed));
+  if (computed) keep_unit(*store, key, *computed);
   return computed;
 }
 

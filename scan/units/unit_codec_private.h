@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <ostream>
+#include <span>
 #include <sstream>
 #include <streambuf>
 #include <string>
@@ -22,6 +23,8 @@
 #include <cereal/types/vector.hpp>
 
 #include "relief/scan/grid.h"
+#include "relief/scan/unit_store.h"
+#include "scan/base/memory/paged_fill.h"
 
 // How cereal writes the types of the data model: numbers by their bits, so that what is read is
 // what was computed. For source files only.
@@ -46,35 +49,36 @@ void load(Archive& archive, Eigen::Matrix<S, Rows, Columns, Options, Rows, Colum
 }
 
 // All at once, with the bytes of one after the other: meshes have millions.
-template <class Archive, typename S, int Rows, int Columns, int Options>
+template <class Archive, typename S, int Rows, int Columns, int Options, typename Allocator>
 requires(Rows != Eigen::Dynamic && Columns != Eigen::Dynamic) void save(
     Archive& archive,
-    const std::vector<Eigen::Matrix<S, Rows, Columns, Options, Rows, Columns>>& matrices) {
+    const std::vector<Eigen::Matrix<S, Rows, Columns, Options, Rows, Columns>, Allocator>&
+        matrices) {
   static_assert(sizeof(matrices[0]) == sizeof(S) * Rows * Columns);
   archive(make_size_tag(static_cast<size_type>(matrices.size())));
   archive(binary_data(matrices.data(), matrices.size() * sizeof(matrices[0])));
 }
 
-template <class Archive, typename S, int Rows, int Columns, int Options>
+template <class Archive, typename S, int Rows, int Columns, int Options, typename Allocator>
 requires(Rows != Eigen::Dynamic && Columns != Eigen::Dynamic) void load(
     Archive& archive,
-    std::vector<Eigen::Matrix<S, Rows, Columns, Options, Rows, Columns>>& matrices) {
+    std::vector<Eigen::Matrix<S, Rows, Columns, Options, Rows, Columns>, Allocator>& matrices) {
   size_type size = 0;
   archive(make_size_tag(size));
   matrices.resize(static_cast<std::size_t>(size));
   archive(binary_data(matrices.data(), matrices.size() * sizeof(matrices[0])));
 }
 
-template <class Archive, typename T, std::size_t Count>
+template <class Archive, typename T, std::size_t Count, typename Allocator>
 requires std::is_arithmetic_v<T>
-void save(Archive& archive, const std::vector<std::array<T, Count>>& arrays) {
+void save(Archive& archive, const std::vector<std::array<T, Count>, Allocator>& arrays) {
   archive(make_size_tag(static_cast<size_type>(arrays.size())));
   archive(binary_data(arrays.data(), arrays.size() * sizeof(arrays[0])));
 }
 
-template <class Archive, typename T, std::size_t Count>
+template <class Archive, typename T, std::size_t Count, typename Allocator>
 requires std::is_arithmetic_v<T>
-void load(Archive& archive, std::vector<std::array<T, Count>>& arrays) {
+void load(Archive& archive, std::vector<std::array<T, Count>, Allocator>& arrays) {
   size_type size = 0;
   archive(make_size_tag(size));
   arrays.resize(static_cast<std::size_t>(size));
@@ -128,20 +132,20 @@ class CountingBuffer : public std::streambuf {
 /// Appends what is written to it to `content`.
 class AppendingBuffer : public std::streambuf {
  public:
-  explicit AppendingBuffer(std::string& content) : content_(content) {}
+  explicit AppendingBuffer(PagedVector<char>& content) : content_(content) {}
 
  private:
   std::streamsize xsputn(const char* bytes, std::streamsize size) override {
-    content_.append(bytes, static_cast<std::size_t>(size));
+    append_paged(std::span(bytes, static_cast<std::size_t>(size)), content_);
     return size;
   }
 
-  std::string& content_;
+  PagedVector<char>& content_;
 };
 
-/// The size is counted first: to let the text grow copies hundreds of megabytes several times.
+/// The size is counted first: to let the content grow copies hundreds of megabytes several times.
 template <typename Value>
-std::string encode_unit(const Value& value) {
+PagedVector<char> encode_unit(const Value& value) {
   const auto write_to = [&](std::streambuf& buffer) {
     std::ostream stream(&buffer);
     cereal::BinaryOutputArchive archive(stream);
@@ -149,11 +153,18 @@ std::string encode_unit(const Value& value) {
   };
   CountingBuffer counting;
   write_to(counting);
-  std::string content;
+  PagedVector<char> content;
   content.reserve(counting.count());
   AppendingBuffer appending(content);
   write_to(appending);
   return content;
+}
+
+/// Keeps what encode_unit() makes of a value.
+template <typename Value>
+void keep_unit(UnitStore& store, const UnitKey& key, const Value& value) {
+  const PagedVector<char> content = encode_unit(value);
+  store.keep(key, {content.data(), content.size()});
 }
 
 /// Nothing unless `content` is what encode_unit() made of such a value.

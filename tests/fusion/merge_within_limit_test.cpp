@@ -23,13 +23,11 @@ namespace relief::fusion {
 namespace {
 
 using testing::always_near_the_limit;
-using testing::entries_of;
 using testing::kMebibyte;
 
 class MergeWithinLimit : public ::testing::Test {
  protected:
-  const testing::TemporaryFolder temporary_;
-  const std::filesystem::path folder_ = temporary_.path();
+  const testing::TemporaryFolder folder_;
 };
 
 bool same(const TriangleMesh& a, const TriangleMesh& b) {
@@ -69,7 +67,7 @@ TEST_F(MergeWithinLimit, BrickByBrickTheModelIsTheSameToTheByte) {
   const TriangleMesh in_memory = surface_of_scene(views, nullptr);
   EXPECT_GT(in_memory.vertices.size(), 10000u);
   for (const int threads : {1, 3}) {
-    MemoryLimit limit(100 * kMebibyte, folder_, always_near_the_limit);
+    MemoryLimit limit(100 * kMebibyte, folder_.path(), always_near_the_limit);
     EXPECT_TRUE(
         same(on_threads(threads, [&] { return surface_of_scene(views, &limit); }), in_memory));
     EXPECT_GT(limit.releases(), 100u);
@@ -84,14 +82,15 @@ TEST_F(MergeWithinLimit, MergingGivesTheSameWithinAnyLimitThatItCanKeep) {
   const auto free = value_of(merge_views(views));
   for (const std::size_t room : {40, 400}) {
     const auto limited = value_of(merge_views(
-        views, {}, {.memory = resident_memory() + room * kMebibyte, .temporary_folder = folder_}));
+        views, {},
+        {.memory = resident_memory() + room * kMebibyte, .temporary_folder = folder_.path()}));
     EXPECT_TRUE(same(limited.mesh, free.mesh));
   }
-  EXPECT_EQ(entries_of(folder_), 0u);
+  EXPECT_EQ(folder_.size(), 0u);
 }
 
 TEST_F(MergeWithinLimit, ALimitThatCannotBeKeptIsAnErrorThatSaysWhatIsNeeded) {
-  EXPECT_THAT(merge_views(scene(), {}, {.memory = kMebibyte, .temporary_folder = folder_}),
+  EXPECT_THAT(merge_views(scene(), {}, {.memory = kMebibyte, .temporary_folder = folder_.path()}),
               HasError(ErrorKind::kUnsolvable, "limit of 1 MiB"));
 }
 

@@ -105,7 +105,7 @@ hybrid::MeshNormals exact_normals(const TriangleMesh& exact, double spacing, dou
 }
 
 void add_vertex_noise(TriangleMesh& mesh, double sigma, std::uint64_t seed) {
-  const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
+  const PagedVector<Eigen::Vector3f> normals = vertex_normals(mesh);
   const CounterRandom random(seed, 0);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
     mesh.vertices[i] += sigma * random.normal(i) * normals[i].cast<double>();

@@ -218,7 +218,7 @@ TEST(VtkConversion, StripsBecomeTriangles) {
   data->SetPolys(nullptr);
   data->SetStrips(strips);
   const auto found = value_of(to_triangle_mesh(*data));
-  EXPECT_EQ(found.faces, (std::vector<TriangleMesh::Face>{{0, 1, 2}, {2, 1, 3}}));
+  EXPECT_EQ(found.faces, (PagedVector<TriangleMesh::Face>{{0, 1, 2}, {2, 1, 3}}));
   strips->InsertNextCell({0, 1, 7});
   EXPECT_THAT(to_triangle_mesh(*data), HasError("cell 1: vertex index 7 of 4"));
 }

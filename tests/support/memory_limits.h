@@ -1,16 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
-#include <iterator>
 
 namespace relief::testing {
 
 inline constexpr std::size_t kMebibyte = std::size_t{1} << 20;
-
-inline std::size_t entries_of(const std::filesystem::path& folder) {
-  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
-}
 
 /// For a limit of 100 MiB: every call of MemoryLimit::evict_pages() finds the process near it, and
 /// then far below it. It asks three times: before and after it takes the lock, and when pages were

@@ -13,6 +13,7 @@
 #include "apps/reports/stages/model_report.h"
 #include "relief/io/mesh_io.h"
 #include "relief/reconstruction/build_model.h"
+#include "scan/base/memory/memory_limit.h"
 #include "scan/base/stopwatch.h"
 
 namespace relief {
@@ -62,11 +63,9 @@ Result<MergedProject> within_limit(const MergeCommand& command,
 int merge(const MergeCommand& command) {
   const reconstruction::ModelOptions options = command.merge.resolved();
   // Stages tell their progress themselves.
-  Context context = context_of(command.common, "").with_progress({});
-  context.memory = command.memory.bytes();
-  context.temporary_folder = command.output.has_parent_path() ? command.output.parent_path() : ".";
-  const auto merged = context.memory > 0 ? within_limit(command, options, context)
-                                         : in_memory(command, options, context);
+  const Context context = context_of(command.common, "").with_progress({});
+  const auto merged = current_memory_limit() ? within_limit(command, options, context)
+                                             : in_memory(command, options, context);
   if (!merged) return fail(merged.error());
   Json report = to_json(merged->model);
   report["seconds"] = merged->seconds;

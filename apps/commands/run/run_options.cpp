@@ -30,8 +30,6 @@ reconstruction::ReconstructionOptions RunOptions::reconstruction() const {
 
 Context RunOptions::context(UnitStore* store) const {
   Context context = context_of(common, "").with_progress({});
-  context.memory = memory.bytes();
-  context.temporary_folder = output;
   context.store = store;
   return context;
 }

@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "scan/base/parallel.h"
+
 namespace relief::fusion {
 
 namespace {
@@ -48,18 +50,20 @@ FaceShape shape_of(const TriangleMesh& mesh, std::uint32_t face) {
   return shape;
 }
 
-FacesAround::FacesAround(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted)
-    : first_(mesh.vertices.size() + 1, 0) {
+FacesAround::FacesAround(const TriangleMesh& mesh, std::span<const std::uint8_t> wanted)
+    : first_(mesh.vertices.size() + 2) {
   const auto for_wanted = [&](const auto& visit) {
-    for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+    serial_for(mesh.faces.size(), [&](std::size_t f) {
       for (const std::uint32_t v : mesh.faces[f])
-        if (wanted[v]) visit(v, f);
+        if (wanted[v]) visit(v, static_cast<std::uint32_t>(f));
+    });
   };
-  for_wanted([&](std::uint32_t v, std::uint32_t) { ++first_[v + 1]; });
-  for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
-  faces_.resize(first_.back());
-  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for_wanted([&](std::uint32_t v, std::uint32_t f) { faces_[next[v]++] = f; });
+  // Until all faces are there, the beginning of a vertex is one place farther.
+  for_wanted([&](std::uint32_t v, std::uint32_t) { ++first_[v + 2]; });
+  std::uint32_t count = 0;
+  serial_for(first_.size(), [&](std::size_t v) { first_[v] = count += first_[v]; });
+  faces_ = PagedArray<std::uint32_t>(count);
+  for_wanted([&](std::uint32_t v, std::uint32_t f) { faces_[first_[v + 1]++] = f; });
 }
 
 double area_at(const TriangleMesh& mesh, const FacesAround& around, std::uint32_t vertex) {

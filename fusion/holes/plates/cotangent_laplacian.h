@@ -3,12 +3,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "relief/scan/triangle_mesh.h"
+#include "scan/base/memory/paged_array.h"
 
 namespace relief::fusion {
 
@@ -16,7 +18,7 @@ namespace relief::fusion {
 class FacesAround {
  public:
   /// Of the vertices with `wanted` set.
-  FacesAround(const TriangleMesh& mesh, const std::vector<std::uint8_t>& wanted);
+  FacesAround(const TriangleMesh& mesh, std::span<const std::uint8_t> wanted);
 
   /// Calls `visit(face)` for the faces at a vertex, in ascending order; none for unwanted vertices.
   template <typename Visit>
@@ -25,7 +27,7 @@ class FacesAround {
   }
 
  private:
-  std::vector<std::uint32_t> first_, faces_;
+  PagedArray<std::uint32_t> first_, faces_;
 };
 
 /// Edges from the nearest of `start` to each vertex that is no farther than `most` edges, across

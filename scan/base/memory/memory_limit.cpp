@@ -24,10 +24,6 @@ namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
-// The part of a limit up to which arrays lie in memory. Takes at most so much from what the rest of
-// the work may need, which no file can hold. Changes no result.
-constexpr std::size_t kAmple = 8;
-
 // Grids lie in memory as long as the process has no more than this part of the limit.
 constexpr std::size_t kQuarter = 4;
 
@@ -35,9 +31,6 @@ std::filesystem::path default_folder() {
   const char* given = std::getenv("TMPDIR");
   return given && *given ? given : "/tmp";
 }
-
-// Of arrays that are smaller than this none lies in a file [bytes].
-constexpr std::size_t kSmall = std::size_t{1} << 14;
 
 // Half of the mappings that Linux lets a process have (vm.max_map_count). Later grids lie in
 // memory.
@@ -75,7 +68,7 @@ MemoryLimit::MemoryLimit(std::size_t limit, std::filesystem::path folder,
 
 bool MemoryLimit::keep_in_memory(std::size_t bytes) {
   const std::lock_guard lock(mutex_);
-  const std::size_t most = limit_ / kAmple;
+  const std::size_t most = most_in_memory();
   if (in_memory_ + bytes > most || resident_() + in_memory_ + bytes > most) return false;
   in_memory_ += bytes;
   return true;
@@ -169,12 +162,13 @@ void* MemoryLimit::map(std::size_t bytes) {
   return address;
 }
 
-void MemoryLimit::unmap(void* address) { unmap_if_mapped(address); }
-
-bool MemoryLimit::unmap_if_mapped(void* address) {
+bool MemoryLimit::release(void* address, std::size_t bytes) {
   const std::lock_guard lock(mutex_);
   const auto block = blocks_.find(address);
-  if (block == blocks_.end()) return false;
+  if (block == blocks_.end()) {
+    in_memory_ -= std::min(in_memory_, bytes);
+    return false;
+  }
   ::munmap(address, block->second);
   blocks_.erase(block);
   return true;
@@ -183,14 +177,14 @@ bool MemoryLimit::unmap_if_mapped(void* address) {
 bool MemoryLimit::keep_grid_in_memory(std::size_t bytes) {
   const std::lock_guard lock(mutex_);
   const bool ample =
-      in_memory_ + bytes <= most_of_grids(limit_) && resident_() + bytes <= limit_ / kQuarter;
+      in_memory_ + bytes <= most_in_memory() && resident_() + bytes <= limit_ / kQuarter;
   if (!ample && blocks_.size() < kMostFiles) return false;
   in_memory_ += bytes;
   return true;
 }
 
 void* MemoryLimit::allocate(std::size_t bytes) {
-  if (bytes >= kSmall && !keep_grid_in_memory(bytes)) {
+  if (bytes >= kSmallArray && !keep_grid_in_memory(bytes)) {
     evict_in_time(bytes);
     if (void* const mapped = map(bytes)) return mapped;
   }
@@ -198,11 +192,7 @@ void* MemoryLimit::allocate(std::size_t bytes) {
 }
 
 void MemoryLimit::deallocate(void* address, std::size_t bytes) {
-  if (bytes >= kSmall) {
-    if (unmap_if_mapped(address)) return;
-    const std::lock_guard lock(mutex_);
-    in_memory_ -= std::min(in_memory_, bytes);
-  }
+  if (bytes >= kSmallArray && release(address, bytes)) return;
   ::operator delete(address, bytes);
 }
 

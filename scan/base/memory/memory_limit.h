@@ -14,6 +14,9 @@
 
 namespace relief {
 
+/// Smaller arrays lie in memory also under a limit [bytes].
+inline constexpr std::size_t kSmallArray = std::size_t{1} << 14;
+
 /// Keeps a computation below a limit of memory. Large arrays made under a limit (PagedArray, Grid)
 /// lie in temporary files that are mapped to memory. Near the limit evict_pages() hands all pages
 /// of these files back to the system; the next access fetches them again. Work on fields calls it
@@ -33,8 +36,10 @@ class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
   MemoryLimit(const MemoryLimit&) = delete;
   MemoryLimit& operator=(const MemoryLimit&) = delete;
 
-  /// What grids may have in memory at most under a limit [bytes].
-  static std::size_t most_of_grids(std::size_t limit) { return limit / 8; }
+  std::size_t bytes() const { return limit_; }
+
+  /// What arrays and grids may have in memory at most, all together [bytes].
+  std::size_t most_in_memory() const { return limit_ / kAmple; }
 
   /// Whether `needed` [bytes] can be had without handing pages back.
   bool has_room(std::size_t needed) const { return resident_() + needed <= limit_; }
@@ -66,7 +71,9 @@ class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
 
   /// A zeroed block in a file of its own; null when that cannot be made, which check() tells.
   void* map(std::size_t bytes);
-  void unmap(void* address);
+  /// The end of an array of `bytes`. True: it lay in a file, which is gone. False: it lies in
+  /// memory, where others have room for it now.
+  bool release(void* address, std::size_t bytes);
 
   /// Memory of a grid, not zeroed: on the heap where it is small, where all grids there have no
   /// more than an eighth of the limit, or where no file can be made; else in a file. Throws
@@ -75,6 +82,9 @@ class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
   void deallocate(void* address, std::size_t bytes);
 
  private:
+  // The part of a limit up to which arrays lie in memory. Takes at most so much from what the rest
+  // of the work may need, which no file can hold. Changes no result.
+  static constexpr std::size_t kAmple = 8;
   // What the work on a brick takes, and what loops take between two looks. Change no result.
   static constexpr std::size_t kBrickBytes = std::size_t{16} << 20;
   static constexpr std::size_t kLoopBytes = std::size_t{40} << 20;
@@ -82,7 +92,6 @@ class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
   bool keep_grid_in_memory(std::size_t bytes);
   std::size_t evict_all();
   void* map_file(int file, std::size_t bytes);
-  bool unmap_if_mapped(void* address);
   void fail(ErrorKind kind, const std::string& message);
 
   std::size_t limit_;

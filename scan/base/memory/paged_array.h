@@ -3,11 +3,13 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdlib>
+#include <memory>
 #include <new>
 #include <span>
 #include <type_traits>
 #include <utility>
 
+#include "relief/scan/page_allocator.h"
 #include "scan/base/memory/memory_limit.h"
 
 namespace relief {
@@ -21,15 +23,17 @@ class PagedArray {
 
  public:
   PagedArray() = default;
+  /// Under the limit of the enclosing run_in(), if it has one.
+  explicit PagedArray(std::size_t count) : PagedArray(count, current_memory_limit()) {
+    owner_ = shared_memory_limit();
+  }
   /// `limit` may be null and must outlive the array.
   PagedArray(std::size_t count, MemoryLimit* limit) : count_(count) {
     if (count == 0) return;
-    if (limit && !limit->keep_in_memory(count * sizeof(T)))
-      data_ = static_cast<T*>(limit->map(count * sizeof(T)));
-    if (data_)
-      limit_ = limit;
-    else  // also when there is no file, which the limit's check() tells
-      data_ = static_cast<T*>(std::calloc(count, sizeof(T)));
+    if (limit && bytes() >= kSmallArray) limit_ = limit;
+    if (limit_ && !limit_->keep_in_memory(bytes())) data_ = static_cast<T*>(limit_->map(bytes()));
+    // Also when there is no file, which the limit's check() tells.
+    if (!data_) data_ = static_cast<T*>(std::calloc(count, sizeof(T)));
     if (!data_) throw std::bad_alloc();
   }
   PagedArray(PagedArray&& other) noexcept { *this = std::move(other); }
@@ -37,13 +41,11 @@ class PagedArray {
     std::swap(data_, other.data_);
     std::swap(count_, other.count_);
     std::swap(limit_, other.limit_);
+    std::swap(owner_, other.owner_);
     return *this;
   }
   ~PagedArray() {
-    if (limit_)
-      limit_->unmap(data_);
-    else
-      std::free(data_);
+    if (!limit_ || !limit_->release(data_, bytes())) std::free(data_);
   }
 
   std::size_t size() const { return count_; }
@@ -59,9 +61,12 @@ class PagedArray {
   std::span<const T> span() const { return {data_, count_}; }
 
  private:
+  std::size_t bytes() const { return count_ * sizeof(T); }
+
   T* data_ = nullptr;
   std::size_t count_ = 0;
-  MemoryLimit* limit_ = nullptr;  // Null when the data is in memory.
+  MemoryLimit* limit_ = nullptr;        // Null for small arrays, and where there is none.
+  std::shared_ptr<MemoryLimit> owner_;  // Of a limit that may end before the array.
 };
 
 /// A dense image of `width` columns and `height` rows, stored row by row in a PagedArray.

@@ -37,7 +37,7 @@ double median_edge_length(const TriangleMesh& mesh) {
 // A mesh with what the comparison needs of it.
 struct Surface {
   const TriangleMesh& mesh;
-  std::vector<Eigen::Vector3f> normals;
+  PagedVector<Eigen::Vector3f> normals;
   TriangleTree tree;
 
   Surface(const TriangleMesh& m, bool use_own_normals)

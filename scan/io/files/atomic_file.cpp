@@ -92,21 +92,42 @@ bool write_some(const FileDescriptor& file, std::size_t count, std::string_view&
   return written > 0;
 }
 
-// Piece by piece onto the disk, so that a request to stop does not wait for all of a large file.
-Result<void> write_bytes(const fs::path& path, const fs::path& target, std::string_view content) {
-  constexpr std::size_t kPiece = std::size_t{32} << 20;  // [bytes] Tenths of a second on a disk.
-  const int create = is_special(target) ? 0 : O_CREAT | O_EXCL;
-  FileDescriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC | create, 0666));
-  if (!file.is_open()) return write_error(path, "create the file", errno);
-  while (!content.empty()) {
-    throw_if_stop_requested();
-    if (!write_some(file, std::min(kPiece, content.size()), content))
-      return write_error(path, "write", errno);
-    if (!content.empty()) (void)::fdatasync(file.get());  // Errors are known once all is flushed.
+// Some megabytes at a time onto the disk, so that a request to stop does not wait for all of a
+// large file.
+class Output {
+ public:
+  Output(const fs::path& path, const fs::path& target)
+      : path_(path),
+        file_(::open(target.c_str(),
+                     O_WRONLY | O_CLOEXEC | (is_special(target) ? 0 : O_CREAT | O_EXCL), 0666)) {}
+
+  bool is_open() const { return file_.is_open(); }
+
+  Result<void> write(std::string_view content) {
+    while (!content.empty()) {
+      check_stop_and_memory();
+      const std::size_t before = content.size();
+      if (!write_some(file_, std::min(kPiece, before), content))
+        return write_error(path_, "write", errno);
+      unflushed_ += before - content.size();
+      if (unflushed_ < kPiece) continue;
+      (void)::fdatasync(file_.get());  // Errors are known once all is flushed.
+      unflushed_ = 0;
+    }
+    return {};
   }
-  if (!file.close()) return write_error(path, "write", errno);
-  return {};
-}
+
+  Result<void> close() {
+    return file_.close() ? Result<void>() : write_error(path_, "write", errno);
+  }
+
+ private:
+  static constexpr std::size_t kPiece = std::size_t{32} << 20;  // [bytes] Tenths of a second.
+
+  const fs::path& path_;
+  FileDescriptor file_;
+  std::size_t unflushed_ = 0;
+};
 
 // Removes what is left of a file that did not get its name, also when the work is stopped.
 class TemporaryFile {
@@ -137,9 +158,18 @@ Result<void> write_atomically(const fs::path& path,
   return write_and_rename(target, temporary.path(), write);
 }
 
+Result<void> write_in_pieces(const fs::path& path,
+                             const std::function<Result<void>(const WritePiece&)>& produce) {
+  return write_atomically(path, [&](const fs::path& target) -> Result<void> {
+    Output output(path, target);
+    if (!output.is_open()) return write_error(path, "create the file", errno);
+    const auto produced = produce([&](std::string_view piece) { return output.write(piece); });
+    return produced ? output.close() : produced;
+  });
+}
+
 Result<void> write_file(const fs::path& path, std::string_view content) {
-  return write_atomically(
-      path, [&](const fs::path& target) { return write_bytes(path, target, content); });
+  return write_in_pieces(path, [&](const WritePiece& write) { return write(content); });
 }
 
 Result<std::string> read_file(const fs::path& path) {

@@ -18,6 +18,13 @@ Result<void> write_atomically(
     const std::filesystem::path& path,
     const std::function<Result<void>(const std::filesystem::path&)>& write);
 
+/// Writes a piece of a file.
+using WritePiece = std::function<Result<void>(std::string_view)>;
+
+/// The same for content that `produce` makes piece by piece. It ends with the first error.
+Result<void> write_in_pieces(const std::filesystem::path& path,
+                             const std::function<Result<void>(const WritePiece&)>& produce);
+
 /// The same for content that is already in memory.
 Result<void> write_file(const std::filesystem::path& path, std::string_view content);
 

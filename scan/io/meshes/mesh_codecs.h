@@ -16,7 +16,9 @@ Result<TriangleMesh> read_obj_mesh(const std::filesystem::path& path);
 Result<TriangleMesh> read_stl_mesh(const std::filesystem::path& path);
 Result<TriangleMesh> read_vtp_mesh(const std::filesystem::path& path);
 
-Result<std::string> encode_ply_mesh(const TriangleMesh& mesh);
+/// As write_mesh(), piece by piece: large meshes are written as PLY.
+Result<void> write_ply_mesh(const TriangleMesh& mesh, const std::filesystem::path& path);
+
 Result<std::string> encode_vtp_mesh(const TriangleMesh& mesh);
 Result<std::string> encode_obj_mesh(const TriangleMesh& mesh);
 Result<std::string> encode_stl_mesh(const TriangleMesh& mesh);

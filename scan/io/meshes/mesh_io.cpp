@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include "scan/base/parallel.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
@@ -13,30 +14,38 @@ namespace relief {
 
 namespace {
 
-using Encoder = Result<std::string> (*)(const TriangleMesh&);
+template <Result<std::string> (*Encode)(const TriangleMesh&)>
+Result<void> write_encoded(const TriangleMesh& mesh, const std::filesystem::path& path) {
+  const auto bytes = Encode(mesh);
+  if (!bytes) return cannot_write(path, bytes.error().message);
+  return write_file(path, *bytes);
+}
 
-Encoder encoder_of(const std::filesystem::path& path) {
+using Writer = Result<void> (*)(const TriangleMesh&, const std::filesystem::path&);
+
+Writer writer_of(const std::filesystem::path& path) {
   const std::string ending = lower_ending(path);
-  if (ending == ".ply") return encode_ply_mesh;
-  if (ending == ".vtp") return encode_vtp_mesh;
-  if (ending == ".obj") return encode_obj_mesh;
-  if (ending == ".stl") return encode_stl_mesh;
-  if (ending == ".glb") return encode_glb_mesh;
-  if (ending == ".3mf") return encode_3mf_mesh;
+  if (ending == ".ply") return write_ply_mesh;
+  if (ending == ".vtp") return write_encoded<encode_vtp_mesh>;
+  if (ending == ".obj") return write_encoded<encode_obj_mesh>;
+  if (ending == ".stl") return write_encoded<encode_stl_mesh>;
+  if (ending == ".glb") return write_encoded<encode_glb_mesh>;
+  if (ending == ".3mf") return write_encoded<encode_3mf_mesh>;
   return nullptr;
 }
 
 }  // namespace
 
-bool is_mesh_path(const std::filesystem::path& path) { return encoder_of(path) != nullptr; }
+bool is_mesh_path(const std::filesystem::path& path) { return writer_of(path) != nullptr; }
 
 bool needs_doubles(const TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
   double largest = 0.0;
-  for (const auto& vertex : mesh.vertices) {
+  serial_for(mesh.vertices.size(), [&](std::size_t v) {
+    const Eigen::Vector3d& vertex = mesh.vertices[v];
     box.extend(vertex);
     largest = std::max(largest, (vertex - vertex.cast<float>().cast<double>()).norm());
-  }
+  });
   return !box.isEmpty() && largest > 1e-7 * box.diagonal().norm();
 }
 
@@ -50,13 +59,11 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& path) {
 }
 
 Result<void> write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path) {
-  const Encoder encode = encoder_of(path);
-  if (!encode)
+  const Writer write = writer_of(path);
+  if (!write)
     return cannot_write(path, "unknown mesh format '" + lower_ending(path) +
                                   "'; use .ply, .vtp, .obj, .stl, .glb or .3mf");
-  const auto bytes = encode(mesh);
-  if (!bytes) return cannot_write(path, bytes.error().message);
-  return write_file(path, *bytes);
+  return write(mesh, path);
 }
 
 }  // namespace relief

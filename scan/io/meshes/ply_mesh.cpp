@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/binary_writer.h"
@@ -92,7 +93,7 @@ Result<void> read_faces(const PlyElement& element, TriangleMesh& mesh,
   return {};
 }
 
-std::string ply_header(const TriangleMesh& mesh, const std::vector<Colour>& colours,
+std::string ply_header(const TriangleMesh& mesh, std::span<const Colour> colours,
                        const std::string& comment, bool doubles) {
   const std::string real = doubles ? "double" : "float";
   std::string text = "ply\nformat binary_little_endian 1.0\n";
@@ -109,32 +110,65 @@ std::string ply_header(const TriangleMesh& mesh, const std::vector<Colour>& colo
          "\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
-std::string encode(const TriangleMesh& mesh, const std::vector<Colour>& colours,
-                   const std::string& comment) {
+// Collects bytes and writes them some at a time.
+class Pieces {
+ public:
+  explicit Pieces(const WritePiece& write) : write_(write) {}
+
+  std::string& bytes() { return bytes_; }
+  void write_if_many() {
+    constexpr std::size_t kMany = std::size_t{1} << 20;
+    if (bytes_.size() >= kMany) write_all();
+  }
+  Result<void> finish() {
+    write_all();
+    return written_;
+  }
+
+ private:
+  void write_all() {
+    if (written_) written_ = write_(bytes_);
+    bytes_.clear();
+  }
+
+  const WritePiece& write_;
+  std::string bytes_;
+  Result<void> written_;
+};
+
+void append_vertex(const TriangleMesh& mesh, std::span<const Colour> colours, bool doubles,
+                   std::size_t i, std::string& bytes) {
+  for (const double value : mesh.vertices[i]) {
+    if (doubles)
+      append_little_endian(bytes, value);
+    else
+      append_little_endian(bytes, static_cast<float>(value));
+  }
+  if (!mesh.normals.empty())
+    for (const float value : mesh.normals[i]) append_little_endian(bytes, value);
+  if (!mesh.quality.empty()) append_little_endian(bytes, mesh.quality[i]);
+  if (!mesh.views.empty()) append_little_endian(bytes, mesh.views[i]);
+  if (!mesh.source_views.empty()) append_little_endian(bytes, mesh.source_views[i]);
+  if (!mesh.filled.empty()) append_little_endian(bytes, mesh.filled[i]);
+  if (!colours.empty())
+    for (const std::uint8_t value : colours[i]) append_little_endian(bytes, value);
+}
+
+Result<void> encode(const TriangleMesh& mesh, std::span<const Colour> colours,
+                    const std::string& comment, const WritePiece& write) {
   const bool doubles = needs_doubles(mesh);
-  std::string bytes = ply_header(mesh, colours, comment, doubles);
-  bytes.reserve(bytes.size() + mesh.vertices.size() * 45 + mesh.faces.size() * 13);
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    for (const double value : mesh.vertices[i]) {
-      if (doubles)
-        append_little_endian(bytes, value);
-      else
-        append_little_endian(bytes, static_cast<float>(value));
-    }
-    if (!mesh.normals.empty())
-      for (const float value : mesh.normals[i]) append_little_endian(bytes, value);
-    if (!mesh.quality.empty()) append_little_endian(bytes, mesh.quality[i]);
-    if (!mesh.views.empty()) append_little_endian(bytes, mesh.views[i]);
-    if (!mesh.source_views.empty()) append_little_endian(bytes, mesh.source_views[i]);
-    if (!mesh.filled.empty()) append_little_endian(bytes, mesh.filled[i]);
-    if (!colours.empty())
-      for (const std::uint8_t value : colours[i]) append_little_endian(bytes, value);
-  }
-  for (const auto& face : mesh.faces) {
-    append_little_endian(bytes, std::uint8_t{3});
-    for (const std::uint32_t vertex : face) append_little_endian(bytes, vertex);
-  }
-  return bytes;
+  Pieces pieces(write);
+  pieces.bytes() = ply_header(mesh, colours, comment, doubles);
+  serial_for(mesh.vertices.size(), [&](std::size_t i) {
+    append_vertex(mesh, colours, doubles, i, pieces.bytes());
+    pieces.write_if_many();
+  });
+  serial_for(mesh.faces.size(), [&](std::size_t f) {
+    append_little_endian(pieces.bytes(), std::uint8_t{3});
+    for (const std::uint32_t vertex : mesh.faces[f]) append_little_endian(pieces.bytes(), vertex);
+    pieces.write_if_many();
+  });
+  return pieces.finish();
 }
 
 }  // namespace
@@ -155,14 +189,16 @@ Result<TriangleMesh> read_ply_mesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-Result<std::string> encode_ply_mesh(const TriangleMesh& mesh) {
-  return encode(mesh, mesh.colours, "");
+Result<void> write_ply_mesh(const TriangleMesh& mesh, const std::filesystem::path& path) {
+  return write_in_pieces(
+      path, [&](const WritePiece& write) { return encode(mesh, mesh.colours, "", write); });
 }
 
-Result<void> write_coloured_mesh(const TriangleMesh& mesh, const std::vector<Colour>& colours,
+Result<void> write_coloured_mesh(const TriangleMesh& mesh, std::span<const Colour> colours,
                                  const std::string& comment, const std::filesystem::path& path) {
   assert(colours.size() == mesh.vertices.size());
-  return write_file(path, encode(mesh, colours, comment));
+  return write_in_pieces(
+      path, [&](const WritePiece& write) { return encode(mesh, colours, comment, write); });
 }
 
 }  // namespace relief

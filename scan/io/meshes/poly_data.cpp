@@ -47,7 +47,7 @@ Result<void> read_vertices(vtkPolyData& data, TriangleMesh& mesh) {
 }
 
 // The corners of a cell become a fan, or a strip whose every other triangle is turned round.
-void append_triangles(vtkIdList& corners, bool strip, std::vector<TriangleMesh::Face>& faces) {
+void append_triangles(vtkIdList& corners, bool strip, PagedVector<TriangleMesh::Face>& faces) {
   const auto corner = [&](vtkIdType k) { return static_cast<std::uint32_t>(corners.GetId(k)); };
   for (vtkIdType k = 2; k < corners.GetNumberOfIds(); ++k) {
     if (!strip)
@@ -89,7 +89,7 @@ T rounded(double value) {
 // Fills `values` by `get(i)` where the array of that name fits.
 template <typename T, typename Get>
 void read_attribute(vtkDataArray* array, int components, const TriangleMesh& mesh,
-                    std::vector<T>& values, const Get& get) {
+                    PagedVector<T>& values, const Get& get) {
   if (!fits(array, mesh, components)) return;
   values.reserve(mesh.vertices.size());
   for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i) values.push_back(get(i));

@@ -18,6 +18,7 @@
 #include <vtkXMLDataElement.h>
 #include <vtkXMLPolyDataWriter.h>
 
+#include "scan/base/memory/paged_fill.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/meshes/mesh_codecs.h"
@@ -176,19 +177,14 @@ Result<TriangleMesh> read_piece(const VtpFile& file, vtkXMLDataElement& piece) {
   return mesh;
 }
 
-template <typename T>
-void append(const std::vector<T>& more, std::vector<T>& values) {
-  values.insert(values.end(), more.begin(), more.end());
-}
-
 // Attributes that only some pieces have are dropped.
 void append_piece(const TriangleMesh& piece, TriangleMesh& mesh) {
   const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
-  append(piece.vertices, mesh.vertices);
+  append_paged(piece.vertices, mesh.vertices);
   for (const auto& face : piece.faces)
     mesh.faces.push_back({face[0] + offset, face[1] + offset, face[2] + offset});
   const auto add = [&](const auto& more, auto& values) {
-    append(more, values);
+    append_paged(more, values);
     if (values.size() != mesh.vertices.size()) values.clear();
   };
   add(piece.normals, mesh.normals);

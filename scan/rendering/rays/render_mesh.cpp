@@ -17,7 +17,7 @@ namespace relief::rendering {
 struct MeshScene::Parts {
   TriangleMesh mesh;
   RayCaster caster;
-  std::vector<Eigen::Vector3f> geometry_normals;
+  PagedVector<Eigen::Vector3f> geometry_normals;
   double diagonal = 0.0;
 };
 
@@ -28,7 +28,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Traces the rays of one picture.
 class PictureRays {
  public:
-  PictureRays(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& geometry_normals,
+  PictureRays(const TriangleMesh& mesh, const PagedVector<Eigen::Vector3f>& geometry_normals,
               const RayCaster& caster, const PictureCamera& camera, const RenderOptions& options)
       : mesh_(mesh), caster_(caster), camera_(camera), options_(options) {
     if (options.normals == ShadingNormals::kGeometry ||
@@ -121,7 +121,7 @@ class PictureRays {
   }
 
   const TriangleMesh& mesh_;
-  const std::vector<Eigen::Vector3f>* normals_ = nullptr;  // Null: those of the faces.
+  const PagedVector<Eigen::Vector3f>* normals_ = nullptr;  // Null: those of the faces.
   const RayCaster& caster_;
   const PictureCamera& camera_;
   const RenderOptions& options_;

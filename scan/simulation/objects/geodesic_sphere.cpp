@@ -14,7 +14,7 @@ namespace {
 using Index = std::uint32_t;
 
 struct Icosahedron {
-  std::vector<Eigen::Vector3d> corners;
+  PagedVector<Eigen::Vector3d> corners;
   std::array<TriangleMesh::Face, 20> faces;
 };
 

@@ -48,7 +48,7 @@ TriangleMesh sheet() {
 
 auto samples_at(const TriangleMesh& mesh, const std::vector<ViewSampler>& views) {
   return scattered_samples_at(mesh, std::vector<std::uint8_t>(mesh.vertices.size(), 1), views,
-                              kReach, nullptr);
+                              kReach);
 }
 
 std::vector<ViewSampler> samplers_of(const std::vector<RangeView>& views) {

@@ -244,9 +244,8 @@ TEST(PolishMesh, StopsOnRequest) {
 
 TEST(GuardedMove, SoundMovesAreLeftAlone) {
   const TriangleMesh sphere = sphere_mesh(10.0, 8);
-  Eigen::Matrix3Xd outwards(3, static_cast<Eigen::Index>(sphere.vertices.size()));
-  for (std::size_t i = 0; i < sphere.vertices.size(); ++i)
-    outwards.col(static_cast<Eigen::Index>(i)) = 0.1 * sphere.vertices[i];
+  std::vector<Eigen::Vector3d> outwards;
+  for (const Eigen::Vector3d& vertex : sphere.vertices) outwards.push_back(0.1 * vertex);
   const GuardedMove move = guarded_move(sphere, outwards);
   EXPECT_EQ(move.damped, 0u);
   for (std::size_t i = 0; i < sphere.vertices.size(); ++i)
@@ -256,12 +255,10 @@ TEST(GuardedMove, SoundMovesAreLeftAlone) {
 // Both sides of a thin plate would pass through each other.
 TEST(GuardedMove, TheSidesOfAThinPlateDoNotPassThroughEachOther) {
   const TriangleMesh plate = box_mesh({20, 20, 0.2}, 1.0);
-  Eigen::Matrix3Xd moves =
-      Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(plate.vertices.size()));
+  std::vector<Eigen::Vector3d> moves(plate.vertices.size(), Eigen::Vector3d::Zero());
   for (std::size_t i = 0; i < plate.vertices.size(); ++i) {
     const Eigen::Vector3d& vertex = plate.vertices[i];
-    if (vertex.head<2>().norm() < 5.0)
-      moves(2, static_cast<Eigen::Index>(i)) = vertex.z() > 0.0 ? -0.15 : 0.15;
+    if (vertex.head<2>().norm() < 5.0) moves[i].z() = vertex.z() > 0.0 ? -0.15 : 0.15;
   }
   const GuardedMove move = guarded_move(plate, moves);
   EXPECT_GT(move.damped, 0u);
@@ -277,9 +274,9 @@ TEST(GuardedMove, SharpShapesNeitherFlipNorIntersect) {
   for (std::size_t i = 0; i < spikes.vertices.size(); i += 7) spikes.vertices[i] *= 1.4;
   ASSERT_TRUE(find_self_intersections(spikes).pairs.empty());
   const CounterRandom random(9, 0);
-  Eigen::Matrix3Xd moves(3, static_cast<Eigen::Index>(spikes.vertices.size()));
-  for (Eigen::Index k = 0; k < moves.size(); ++k)
-    moves(k % 3, k / 3) = 1.5 * random.normal(static_cast<std::uint64_t>(k));
+  std::vector<Eigen::Vector3d> moves(spikes.vertices.size());
+  for (std::size_t k = 0; k < 3 * moves.size(); ++k)
+    moves[k / 3][static_cast<Eigen::Index>(k % 3)] = 1.5 * random.normal(k);
   const GuardedMove move = guarded_move(spikes, moves);
   EXPECT_GT(move.damped, 100u);
   TriangleMesh moved = spikes;

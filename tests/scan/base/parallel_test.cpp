@@ -90,14 +90,14 @@ TEST(RunIn, EndsWorkThatAsks) {
   int steps = 0;
   const auto result = run_in({.threads = 1, .stop = source.get_token()}, [&]() -> Result<int> {
     for (; steps < 1000; ++steps) {
-      throw_if_stop_requested();
+      check_stop_and_memory();
       if (steps == 10) source.request_stop();
     }
     return steps;
   });
   EXPECT_THAT(result, HasError(ErrorKind::kInterrupted));
   EXPECT_EQ(steps, 11);
-  throw_if_stop_requested();  // Nobody asked outside.
+  check_stop_and_memory();  // Nobody asked outside.
 }
 
 TEST(RunIn, StopsWhatIsCalledWithAContextOfItsOwn) {

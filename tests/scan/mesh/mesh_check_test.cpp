@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "relief/scan/context.h"
 #include "scan/mesh/mesh_components.h"
 #include "scan/simulation/objects/geodesic_sphere.h"
 
@@ -215,6 +216,31 @@ TEST(MeshCheck, SurvivesNonsense) {
   mesh.vertices[0].x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(check_mesh(mesh).non_finite_vertices, 1u);
   EXPECT_FALSE(check_mesh(mesh).watertight());
+}
+
+// So many that they are sorted in parts. Zeros of both signs are one place.
+TEST(MeshCheck, CountsRepeatedPlacesOfManyVertices) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 200000; ++i) mesh.vertices.emplace_back(i % 500, i / 500, 0.0);
+  EXPECT_EQ(check_mesh(mesh).duplicate_vertices, 0u);
+  for (int i = 0; i < 1000; ++i) mesh.vertices.emplace_back((7 * i) % 500, i / 3, -0.0);
+  EXPECT_EQ(check_mesh(mesh).duplicate_vertices, 1000u);
+}
+
+// All arrays lie in files, and each look at the memory evicts them.
+TEST(MeshCheck, IsTheSameWithinAMemoryLimit) {
+  const TriangleMesh mesh = torus(300, 200);
+  const MeshCheckOptions options{.self_intersections = true};
+  const MeshCheck free = check_mesh(mesh, options);
+  run_until_stopped({.memory = 1}, [&] {
+    const TriangleMesh paged = mesh;
+    const MeshCheck check = check_mesh(paged, options);
+    EXPECT_EQ(check.edges, free.edges);
+    EXPECT_EQ(check.volume, free.volume);
+    EXPECT_TRUE(check.watertight());
+    EXPECT_TRUE(check.self_intersections->pairs.empty());
+    EXPECT_EQ(vertex_normals(paged), vertex_normals(mesh));
+  });
 }
 
 TEST(MeshComponents, TheLargestIsKeptWithItsAttributes) {

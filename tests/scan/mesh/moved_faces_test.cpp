@@ -31,7 +31,7 @@ TriangleMesh two_sheets(double distance) {
 
 TEST(MovedFaces, FindsFacesThatCrossOthers) {
   const TriangleMesh mesh = two_sheets(1.0);
-  std::vector<Eigen::Vector3d> places = mesh.vertices;
+  PagedVector<Eigen::Vector3d> places = mesh.vertices;
   std::vector<std::uint8_t> moved(places.size(), 0);
   moved[13] = 1;
   EXPECT_TRUE(invalid_faces(mesh, places, moved, 1.0).empty());
@@ -61,7 +61,7 @@ TEST(MovedFaces, ManyFacesAreSearchedAsFewAre) {
 // Its box has 10^12 places of the size of an edge.
 TEST(MovedFaces, AFaceMayBeStretchedFar) {
   const TriangleMesh mesh = two_sheets(1.0);
-  std::vector<Eigen::Vector3d> places = mesh.vertices;
+  PagedVector<Eigen::Vector3d> places = mesh.vertices;
   std::vector<std::uint8_t> moved(places.size(), 0);
   moved[13] = 1;
   places[13] = Eigen::Vector3d(1e4, 1e4, 1e4);
@@ -72,7 +72,7 @@ TEST(MovedFaces, AFaceMayBeStretchedFar) {
 
 TEST(MovedFaces, FindsFacesWithoutWidth) {
   const TriangleMesh mesh = two_sheets(1.0);
-  std::vector<Eigen::Vector3d> places = mesh.vertices;
+  PagedVector<Eigen::Vector3d> places = mesh.vertices;
   std::vector<std::uint8_t> moved(places.size(), 0);
   moved[1] = 1;
   places[1] = Eigen::Vector3d(0.5, 0.5 + 1e-9, 0.0);  // on the diagonal of the first quad

@@ -87,7 +87,7 @@ class Clusters {
     std::unordered_map<std::uint64_t, Cube> cubes;
     of_.reserve(mesh_.vertices.size());
     for (std::size_t v = 0; v < mesh_.vertices.size(); ++v) {
-      if (v % kBetweenStops == 0) throw_if_stop_requested();
+      if (v % kBetweenStops == 0) check_stop_and_memory();
       Cube& cube = cubes.try_emplace(cube_of(mesh_.vertices[v]), Cube{v}).first->second;
       auto& number = cube.clusters[normals[v].dot(normals[cube.first]) < 0.0f ? 1 : 0];
       if (number == kNone) {
@@ -103,7 +103,7 @@ class Clusters {
 
   void choose() {
     for (std::size_t v = 0; v < mesh_.vertices.size(); ++v) {
-      if (v % kBetweenStops == 0) throw_if_stop_requested();
+      if (v % kBetweenStops == 0) check_stop_and_memory();
       Cluster& cluster = clusters_[of_[v]];
       const double distance = (mesh_.vertices[v] - cluster.sum / cluster.count).squaredNorm();
       if (!(distance < cluster.distance)) continue;

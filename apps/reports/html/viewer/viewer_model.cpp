@@ -49,11 +49,11 @@ void put_errors(const TriangleMesh& mesh, ViewerModel& model) {
 ViewerModel quantised(const TriangleMesh& mesh) {
   ViewerModel model;
   put_positions(mesh, model);
-  model.faces = mesh.faces;
+  model.faces.assign(mesh.faces.begin(), mesh.faces.end());
   put_errors(mesh, model);
   for (const std::uint16_t views : mesh.views) model.views.push_back(to_byte(views));
-  model.sources = mesh.source_views;
-  model.filled = mesh.filled;
+  model.sources.assign(mesh.source_views.begin(), mesh.source_views.end());
+  model.filled.assign(mesh.filled.begin(), mesh.filled.end());
   for (const Colour& colour : mesh.colours) model.colours.push_back(colour);
   return model;
 }

@@ -18,9 +18,9 @@ namespace relief::hybrid {
 
 /// The normals that views measured at the vertices of a mesh. All vectors have an entry a vertex.
 struct MeshNormals {
-  std::vector<Eigen::Vector3f> normals;  ///< Unit, world frame; zero where no view has one.
-  std::vector<float> sigma;  ///< Standard error of the slope along a tangent [rad]; 0 there.
-  std::vector<std::uint16_t> views;  ///< How many views agreed on it.
+  PagedVector<Eigen::Vector3f> normals;  ///< Unit, world frame; zero where no view has one.
+  PagedVector<float> sigma;  ///< Standard error of the slope along a tangent [rad]; 0 there.
+  PagedVector<std::uint16_t> views;  ///< How many views agreed on it.
   double sigma_view = 0.0;           ///< Scatter of one view's normals round the mean [rad].
   double sample_spacing = 0.0;       ///< Median of the views that have normals [unit].
   std::size_t measured = 0;          ///< Vertices that have a normal.

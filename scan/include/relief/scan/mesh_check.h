@@ -55,8 +55,8 @@ struct MeshCheckOptions {
   bool self_intersections = false;
 };
 
-/// Counts in memory linear (about 120 bytes a vertex of a closed mesh) and time log-linear in the
-/// size of the mesh, which has less than 2^32 / 3 faces.
+/// Counts in memory linear (about 120 bytes a vertex of a closed mesh, which lie as its vertices
+/// do) and time log-linear in the size of the mesh, which has less than 2^32 / 3 faces.
 MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options = {});
 
 struct SelfIntersectionOptions {

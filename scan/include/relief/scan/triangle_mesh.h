@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "relief/scan/grid.h"
+#include "relief/scan/page_allocator.h"
 #include "relief/scan/range_view.h"
 
 namespace relief {
@@ -16,20 +17,21 @@ namespace relief {
 inline constexpr std::uint16_t kNoSourceView = 65535;
 
 /// An indexed triangle mesh. Faces wind counter-clockwise seen from outside. The attribute vectors
-/// are empty or have one entry per vertex.
+/// are empty or have one entry per vertex. Under a memory limit they lie as the pixels of a Grid
+/// do.
 struct TriangleMesh {
   using Face = std::array<std::uint32_t, 3>;
 
-  std::vector<Eigen::Vector3d> vertices;  ///< [unit]
-  std::vector<Face> faces;
-  std::vector<Eigen::Vector3f> normals;  ///< Unit vertex normals.
-  std::vector<float> quality;            ///< Expected error of the position [unit].
-  std::vector<std::uint16_t> views;      ///< How many views measured the vertex.
+  PagedVector<Eigen::Vector3d> vertices;  ///< [unit]
+  PagedVector<Face> faces;
+  PagedVector<Eigen::Vector3f> normals;  ///< Unit vertex normals.
+  PagedVector<float> quality;            ///< Expected error of the position [unit].
+  PagedVector<std::uint16_t> views;      ///< How many views measured the vertex.
   /// The view with the largest weight at the vertex, by its index among those merged; or
   /// kNoSourceView.
-  std::vector<std::uint16_t> source_views;
-  std::vector<std::uint8_t> filled;  ///< 1: no view measured here, the surface was closed.
-  std::vector<Colour> colours;
+  PagedVector<std::uint16_t> source_views;
+  PagedVector<std::uint8_t> filled;  ///< 1: no view measured here, the surface was closed.
+  PagedVector<Colour> colours;
 
   Eigen::Vector3d corner(std::size_t face, int k) const { return vertices[faces[face][k]]; }
 };
@@ -45,7 +47,7 @@ double surface_area(const TriangleMesh& mesh);
 double enclosed_volume(const TriangleMesh& mesh);
 
 /// Area-weighted unit vertex normals; zero where a vertex has no face with area.
-std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh);
+PagedVector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh);
 
 /// The samples of a view as a mesh in the world frame, triangulated along its connected grid edges,
 /// faces towards the sensor. Every sample is a vertex, in row order; `normals` are the measured

@@ -174,7 +174,7 @@ TEST(MeshIo, VtpPolygonsBecomeFans) {
   const TemporaryFolder folder;
   const auto read = value_of(read_mesh(
       folder.write("a.vtp", ascii_vtp("NumberOfPoints=\"4\" NumberOfPolys=\"1\"", "0 1 2 3"))));
-  EXPECT_EQ(read.faces, (std::vector<TriangleMesh::Face>{{0, 1, 2}, {0, 2, 3}}));
+  EXPECT_EQ(read.faces, (PagedVector<TriangleMesh::Face>{{0, 1, 2}, {0, 2, 3}}));
 }
 
 TEST(MeshIo, NamesWhatIsWrongWithAVtp) {
@@ -256,8 +256,8 @@ TEST(ColouredMesh, KeepsTheMeshAndSaysWhatColoursMean) {
   const TemporaryFolder folder;
   const TriangleMesh mesh = with_attributes(tetrahedron());
   const auto file = folder.path() / "mesh.ply";
-  ASSERT_TRUE(write_coloured_mesh(mesh, {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {1, 2, 3}},
-                                  "red is far", file));
+  const std::vector<Colour> colours{{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {1, 2, 3}};
+  ASSERT_TRUE(write_coloured_mesh(mesh, colours, "red is far", file));
   const auto text = value_of(read_file(file));
   EXPECT_THAT(text, HasSubstr("\ncomment red is far\n"));
   EXPECT_THAT(text, HasSubstr("property uchar red\nproperty uchar green\nproperty uchar blue\n"));

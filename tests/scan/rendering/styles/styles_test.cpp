@@ -19,8 +19,8 @@ using testing::plate;
 constexpr int kSide = 10;
 
 template <typename Value>
-std::vector<Value> halves(const TriangleMesh& mesh, Value left, Value right) {
-  std::vector<Value> values;
+PagedVector<Value> halves(const TriangleMesh& mesh, Value left, Value right) {
+  PagedVector<Value> values;
   for (const auto& vertex : mesh.vertices) values.push_back(vertex.x() < 0.0 ? left : right);
   return values;
 }
@@ -83,8 +83,9 @@ TEST(Styles, ViewsGoFromZeroToTheMost) {
 
 TEST(Styles, DistancesHaveASign) {
   const TriangleMesh mesh = plate(5.0, kSide);
+  const auto distances = halves(mesh, -0.5, 0.5);
   const Sides sides =
-      rendered(mesh, RenderStyle::kDistance, {.distances = halves(mesh, -0.5, 0.5)});
+      rendered(mesh, RenderStyle::kDistance, {.distances = {distances.begin(), distances.end()}});
   ASSERT_TRUE(sides.legend);
   EXPECT_EQ(sides.legend->low, -0.5);
   EXPECT_EQ(sides.legend->high, 0.5);

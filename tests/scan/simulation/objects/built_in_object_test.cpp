@@ -76,7 +76,7 @@ TEST(BuiltInObject, KeepsTheBoundsThatRayCastingReliesOn) {
 
 TEST(BuiltInObject, NormalsAreContinuous) {
   const TriangleMesh mesh = built_in_truth_mesh(256);
-  const std::vector<Eigen::Vector3f> faceted = vertex_normals(mesh);
+  const PagedVector<Eigen::Vector3f> faceted = vertex_normals(mesh);
   double largest = 0.0;
   for (std::size_t i = 0; i < faceted.size(); ++i)
     largest = std::max(largest, static_cast<double>((faceted[i] - mesh.normals[i]).norm()));
