@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <optional>
 #include <sstream>
 
 #include "fusion/holes/fair_holes.h"
 #include "fusion/holes/filled_regions.h"
 #include "fusion/mesh/crease_edges.h"
+#include "fusion/mesh/measured_components.h"
 #include "fusion/surface/isosurface.h"
 #include "fusion/surface/vertex_attributes.h"
 #include "fusion/surface/vertex_colours.h"
@@ -19,7 +21,6 @@
 #include "scan/base/median_deviation.h"
 #include "scan/base/parallel.h"
 #include "scan/base/usable_pose.h"
-#include "scan/mesh/mesh_components.h"
 #include "scan/units/content_hash.h"
 #include "scan/units/input_hash.h"
 
@@ -164,6 +165,19 @@ void count_samples(const std::vector<ViewSampler>& views, std::size_t samples,
 // only noise below the spacing (docs/results.md, Voxel size).
 constexpr double kRefinedVoxel = 0.8;  // [sample spacings]
 
+// So many times as coarse as the finest view, a lattice loses detail that is worth a note.
+constexpr double kMuchCoarser = 2.0;
+
+void note_lost_detail(const std::vector<double>& spacings, MergeResult& result) {
+  const auto [finest, coarsest] = std::minmax_element(spacings.begin(), spacings.end());
+  if (!(result.voxel_size > kMuchCoarser * *finest)) return;
+  std::ostringstream note;
+  note << std::setprecision(2) << "the sample spacings of the views are from " << *finest << " to "
+       << *coarsest << ", and voxels are as large as in the typical view, " << result.voxel_size
+       << ": --voxel-size " << *finest << " keeps the detail of the finest";
+  result.notes.push_back(note.str());
+}
+
 void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& options, bool refined,
                    const RangeErrors& errors, MergeResult& result) {
   std::vector<double> spacings, noises;
@@ -174,6 +188,7 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
   result.view_noise = median(noises);
   result.voxel_size = options.voxel_size > 0.0 ? options.voxel_size
                                                : (refined ? kRefinedVoxel : 1.0) * median(spacings);
+  if (options.voxel_size == 0.0) note_lost_detail(spacings, result);
   result.inter_view_stddev = errors.stddev;
   result.range_exponent = errors.exponent;
   const double deviation = std::max(result.view_noise, result.inter_view_stddev);
@@ -182,9 +197,6 @@ void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& op
           ? options.truncation
           : std::max(3.0 * result.voxel_size, kTruncatedDeviations * deviation + result.voxel_size);
 }
-
-// Per vertex of the mesh, beyond the mesh itself [bytes]. It changes no result.
-constexpr std::size_t kVertexAttributes = 80;
 
 void note_files_in_memory(const MemoryLimit* limit, std::vector<std::string>& notes) {
   if (limit && limit->folder_is_memory())
@@ -216,19 +228,23 @@ Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views, const
   return mesh;
 }
 
-// Of the area of all components: what stray samples make is less.
-constexpr double kMuchRemoved = 0.05;
+// Of all samples on a surface: so many on components that are left out are worth a note.
+constexpr double kMuchRemoved = 0.02;
 
-void remove_components(MergeResult& result) {
-  const RemovedComponents removed = keep_largest_component(result.mesh);
-  result.components_removed = removed.components;
-  result.faces_removed = removed.faces;
-  if (removed.area_fraction < kMuchRemoved) return;
+void remove_components(const std::vector<ViewSampler>& views, MergeResult& result) {
+  const MeasuredComponents found = keep_measured_components(views, result.truncation, result.mesh);
+  result.components_removed = found.removed.components;
+  result.faces_removed = found.removed.faces;
   std::ostringstream note;
-  note << std::lround(100.0 * removed.area_fraction) << " % of the surface is in "
-       << removed.components << (removed.components == 1 ? " component" : " components")
-       << " apart from the largest one, and left out; --keep-components keeps them";
-  result.notes.push_back(note.str());
+  if (found.kept > 1)
+    note << "the model is of " << found.kept
+         << " components, apart from each other: more than a twentieth of the samples lie on each";
+  if (found.removed_samples >= kMuchRemoved)
+    note << (found.kept > 1 ? "; " : "") << std::lround(100.0 * found.removed_samples)
+         << " % of the samples lie on " << found.removed.components
+         << (found.removed.components == 1 ? " component that is" : " components that are")
+         << " left out; --keep-components keeps all";
+  if (!note.str().empty()) result.notes.push_back(note.str());
 }
 
 bool opens_holes(const MergeOptions& options) {
@@ -271,20 +287,16 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   if (!mesh) return mesh.error();
   result.mesh = std::move(mesh).value();
   release_freed_memory();
-  if (!options.keep_components) remove_components(result);
+  if (!options.keep_components) remove_components(*samplers, result);
   if (result.mesh.faces.empty())
     return Error{ErrorKind::kUnsolvable,
                  "no surface was found: the voxel size is too large for the object"};
   if (!report_progress(context.progress, kMesh, "turn edges along creases")) return interrupted;
-  align_edges_with_creases(result.mesh, {result.voxel_size, result.view_noise, memory});
-  if (const auto room = make_room(memory, kMeshCheckBytes * result.mesh.vertices.size()); !room)
-    return room.error();
+  align_edges_with_creases(result.mesh, {result.voxel_size, result.view_noise});
   result.check = check_mesh(result.mesh);
   if (!result.check.watertight()) return failed_check(result.check);
 
   if (!report_progress(context.progress, kSurface, "measure the surface")) return interrupted;
-  if (const auto room = make_room(memory, kVertexAttributes * result.mesh.vertices.size()); !room)
-    return room.error();
   const VertexAttributeOptions measure{.truncation = result.truncation,
                                        .voxel_size = result.voxel_size,
                                        .view_stddev = std::max(result.view_noise, errors.stddev),
@@ -297,8 +309,6 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   const auto notes = fair_holes(fair, *samplers, result.mesh, result.check, closing);
   if (!notes) return notes.error();
   result.notes.insert(result.notes.end(), notes->begin(), notes->end());
-  if (const auto room = make_room(memory, kVertexAttributes * result.mesh.vertices.size()); !room)
-    return room.error();
   set_filled_quality(result.mesh);
   set_vertex_colours(result.mesh, *samplers, measure);
   result.filled_area_fraction = filled_area_fraction(result.mesh);

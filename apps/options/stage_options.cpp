@@ -206,7 +206,7 @@ void add_merge_options(CLI::App& command, MergeFlags& flags) {
       ->capture_default_str();
   group->add_flag_callback(
       "--keep-components", [&options] { options.keep_components = true; },
-      "Keep surfaces apart from the largest one");
+      "Keep also the components that less than a twentieth of the samples lie on");
   group
       ->add_option_function<std::string>(
           "--holes", [&options](const std::string& holes) { options.keep_holes = holes == "keep"; },

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "fusion/mesh/measured_components.h"
 #include "relief/scan/context.h"
 #include "tests/fusion/scenes.h"
 #include "tests/support/result_matchers.h"
@@ -192,20 +193,51 @@ TEST(MergeViews, OneViewIsClosedBehindWithoutEnteringSpaceSeenEmpty) {
   EXPECT_GT(checked, 100u);
 }
 
-TEST(MergeViews, TellsOfLargePartsThatItLeavesOut) {
-  const auto two_balls = [](const Eigen::Vector3d& p) {
-    return std::min(p.norm() - 30.0, (p - Eigen::Vector3d(0.0, 0.0, 60.0)).norm() - 20.0);
-  };
-  const auto views = views_around(testing::traced(two_balls), 12, 90, 60.0);
+// Two balls, seen from all sides.
+std::vector<RangeView> two_balls(double first, double second) {
+  return views_around(testing::traced([=](const Eigen::Vector3d& p) {
+                        return std::min(p.norm() - first,
+                                        (p - Eigen::Vector3d(0.0, 0.0, 60.0)).norm() - second);
+                      }),
+                      12, 90, 60.0);
+}
+
+TEST(MergeViews, KeepsAllPartsThatManySamplesLieOn) {
+  const MergeResult result = merged(two_balls(30.0, 20.0), {});
+  EXPECT_EQ(result.components_removed, 0u);
+  EXPECT_EQ(result.check.components, 2u);
+  EXPECT_THAT(result.notes, ::testing::Contains(::testing::HasSubstr("2 components, apart")));
+}
+
+TEST(MergeViews, TellsOfPartsThatItLeavesOut) {
   MergeOptions options;
-  const MergeResult largest = merged(views, options);
-  EXPECT_EQ(largest.components_removed, 1u);
-  // 20^2 of 20^2 + 30^2.
-  EXPECT_THAT(
-      largest.notes,
-      ::testing::Contains(::testing::HasSubstr("31 % of the surface is in 1 component apart")));
+  const MergeResult result = merged(two_balls(30.0, 6.0), options);
+  EXPECT_EQ(result.components_removed, 1u);
+  EXPECT_EQ(result.check.components, 1u);
+  EXPECT_THAT(result.notes, ::testing::Contains(::testing::HasSubstr(
+                                "% of the samples lie on 1 component that is left out")));
   options.keep_components = true;
-  EXPECT_EQ(merged(views, options).check.components, 2u);
+  EXPECT_EQ(merged(two_balls(30.0, 6.0), options).check.components, 2u);
+}
+
+// The large sheet is beyond all samples.
+TEST(MergeViews, SamplesAndNotTheAreaTellWhichPartIsTheObject) {
+  const auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 30.0), 4, 60, 50.0);
+  std::vector<ViewSampler> samplers;
+  for (const RangeView& view : views) samplers.push_back(ViewSampler::create(view, {}).value());
+  TriangleMesh mesh;
+  for (const Eigen::Vector3d& corner :
+       {Eigen::Vector3d(900, 0, 0), Eigen::Vector3d(0, 900, 0), Eigen::Vector3d(0, 0, 900)})
+    mesh.vertices.push_back(corner);
+  mesh.faces.push_back({0, 1, 2});
+  const TriangleMesh ball = merged(views, {}).mesh;
+  for (const auto& face : ball.faces) mesh.faces.push_back({face[0] + 3, face[1] + 3, face[2] + 3});
+  mesh.vertices.insert(mesh.vertices.end(), ball.vertices.begin(), ball.vertices.end());
+  const MeasuredComponents found = keep_measured_components(samplers, 4.0, mesh);
+  EXPECT_EQ(found.kept, 1u);
+  EXPECT_EQ(found.removed.components, 1u);
+  EXPECT_EQ(found.removed_samples, 0.0);
+  EXPECT_EQ(mesh.vertices, ball.vertices);
 }
 
 TEST(MergeViews, HolesCanBeKept) {

@@ -29,7 +29,7 @@ struct MergeOptions {
   /// Leave open, whole, the holes that reach farther than this from what was measured [unit], along
   /// the surface that would fill them; 0: no bound.
   double largest_fill = 0.0;
-  /// Keep surfaces apart from the largest one.
+  /// Keep also the components that hardly any samples lie on: less than a twentieth of all.
   bool keep_components = false;
 };
 
