@@ -112,17 +112,32 @@ struct LatticeAxis {
 
 Error no_lattice(const std::string& what) { return {ErrorKind::kUnsolvable, what}; }
 
+// Axes of rows and columns, and the step along each.
+struct LatticeSteps {
+  Eigen::Vector2d axis_u, axis_v;
+  double u = 0.0, v = 0.0;
+
+  bool found() const { return u > 0.0 && v > 0.0; }
+};
+
+LatticeSteps lattice_steps(const Displacements& all, bool turned) {
+  const double angle = turned ? row_angle(all) : 0.0;
+  LatticeSteps steps;
+  steps.axis_u = {std::cos(angle), std::sin(angle)};
+  steps.axis_v = {-steps.axis_u.y(), steps.axis_u.x()};
+  steps.u = step_along(steps.axis_u, all), steps.v = step_along(steps.axis_v, all);
+  return steps;
+}
+
 }  // namespace
 
 Result<CloudLattice> fit_lattice(const std::vector<Eigen::Vector2d>& at, bool turned) {
-  const Displacements all = displacements(at);
-  const double angle = turned ? row_angle(all) : 0.0;
-  const Eigen::Vector2d axis_u(std::cos(angle), std::sin(angle));
-  const Eigen::Vector2d axis_v(-axis_u.y(), axis_u.x());
-  LatticeAxis u, v;
-  u.step = step_along(axis_u, all), v.step = step_along(axis_v, all);
-  if (!(u.step > 0.0) || !(v.step > 0.0))
+  const LatticeSteps steps = lattice_steps(displacements(at), turned);
+  const auto& [axis_u, axis_v, step_u, step_v] = steps;
+  if (!steps.found())
     return no_lattice("the points lie on a line or at one place; they are no scan of a surface");
+  LatticeAxis u, v;
+  u.step = step_u, v.step = step_v;
   for (const auto& place : at) {
     u.values.push_back(place.dot(axis_u));
     v.values.push_back(place.dot(axis_v));
@@ -140,6 +155,22 @@ Result<CloudLattice> fit_lattice(const std::vector<Eigen::Vector2d>& at, bool tu
   lattice.origin = u.first() * axis_u + v.first() * axis_v;
   lattice.width = static_cast<int>(u.places()), lattice.height = static_cast<int>(v.places());
   return lattice;
+}
+
+double part_on_lattice(const std::vector<Eigen::Vector2d>& at) {
+  constexpr double kWhole = 1.0 / 7.0;  // [steps] So near by chance: (2 / 7)^2 = 8 %.
+  const Displacements all = displacements(at);
+  const LatticeSteps steps = lattice_steps(all, true);
+  if (!steps.found()) return 0.0;
+  const auto whole = [](double value) { return std::abs(value - std::round(value)) < kWhole; };
+  double on = 0.0, count = 0.0;
+  for (const auto& neighbours : all) {
+    for (const auto& d : neighbours) {
+      if (whole(d.dot(steps.axis_u) / steps.u) && whole(d.dot(steps.axis_v) / steps.v)) on += 1.0;
+      count += 1.0;
+    }
+  }
+  return count > 0.0 ? on / count : 0.0;
 }
 
 }  // namespace relief

@@ -20,4 +20,8 @@ namespace relief {
 /// apart for their spacing.
 Result<CloudLattice> fit_lattice(const std::vector<Eigen::Vector2d>& at, bool turned);
 
+/// The part of the neighbours of points `at` that are whole steps of such a grid away, to a seventh
+/// of a step: nearly all on the grid of their own sensor, a tenth elsewhere. 0 without a grid.
+double part_on_lattice(const std::vector<Eigen::Vector2d>& at);
+
 }  // namespace relief

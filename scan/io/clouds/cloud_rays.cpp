@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "scan/io/clouds/cloud_lattice.h"
+
 namespace relief {
 
 namespace {
@@ -15,7 +17,10 @@ constexpr double kPinholeHalfAngle = 50.0 * std::numbers::pi / 180.0;
 // Of a few strays. Beyond 75 degrees a place on the plane is 3.7 times as far out as the middle's.
 constexpr double kStrayHalfAngle = 75.0 * std::numbers::pi / 180.0;
 constexpr double kStrays = 0.001;  // Of the points.
-constexpr int kSectors = 72;       // Of 5 degrees each.
+// Of a point's neighbours, those that are whole steps of a grid away: a tenth by chance. On a plane
+// across a camera's own view, and no other surface, nearly all are, however wide the view is.
+constexpr double kOwnPicture = 0.8;
+constexpr int kSectors = 72;  // Of 5 degrees each.
 // Sectors with points, of all. A view of anything but its surroundings leaves half of them empty.
 constexpr double kAllAround = 0.95;
 
@@ -62,23 +67,38 @@ double middle_azimuth(const Eigen::Vector3d& viewpoint,
   return seam + std::numbers::pi;
 }
 
+// Whether a pinhole picture along `forward` holds the points, but for a few strays.
+bool lie_in_cone(const Eigen::Vector3d& viewpoint, const Eigen::Vector3d& forward,
+                 const std::vector<Eigen::Vector3d>& points, double half_angle) {
+  std::size_t strays = 0;
+  for (const auto& point : points) {
+    const double cosine = (point - viewpoint).stableNormalized().dot(forward);
+    if (cosine < std::cos(kStrayHalfAngle)) return false;
+    if (cosine < std::cos(half_angle)) ++strays;
+  }
+  return static_cast<double>(strays) <= kStrays * static_cast<double>(points.size());
+}
+
+// Even angles about +z, or about the y axis of a picture along z, whose middle would be a pole.
 CloudRays spherical_rays(const Eigen::Vector3d& viewpoint,
                          const std::vector<Eigen::Vector3d>& points) {
+  for (const double z : {1.0, -1.0})
+    if (lie_in_cone(viewpoint, z * Eigen::Vector3d::UnitZ(), points, kStrayHalfAngle))
+      return {CloudRays::Kind::kSpherical, viewpoint, picture_axes(z * Eigen::Vector3d::UnitZ())};
   const double middle = middle_azimuth(viewpoint, points);
   const Eigen::Vector3d forward(std::cos(middle), std::sin(middle), 0.0);
   return {CloudRays::Kind::kSpherical, viewpoint, upright_axes(forward, Eigen::Vector3d::UnitZ())};
 }
 
-// Whether a pinhole picture along `forward` holds the points, but for a few strays.
-bool lie_in_cone(const Eigen::Vector3d& viewpoint, const Eigen::Vector3d& forward,
-                 const std::vector<Eigen::Vector3d>& points) {
-  std::size_t strays = 0;
-  for (const auto& point : points) {
-    const double cosine = (point - viewpoint).stableNormalized().dot(forward);
-    if (cosine < std::cos(kStrayHalfAngle)) return false;
-    if (cosine < std::cos(kPinholeHalfAngle)) ++strays;
-  }
-  return static_cast<double>(strays) <= kStrays * static_cast<double>(points.size());
+bool is_about_y(const CloudRays& spherical) { return std::abs(spherical.axes(2, 2)) > 0.5; }
+
+// Whether the points are places of a picture in rows and columns, as a wide camera takes it.
+bool is_own_picture(const CloudRays& picture, const std::vector<Eigen::Vector3d>& points) {
+  if (!lie_in_cone(picture.origin, picture.axes.col(2), points, kStrayHalfAngle)) return false;
+  std::vector<Eigen::Vector2d> at;
+  at.reserve(points.size());
+  for (const auto& point : points) at.push_back(picture.project(point).head<2>());
+  return part_on_lattice(at) > kOwnPicture;
 }
 
 // A projection that is a ratio of affine functions, for parallel and pinhole rays.
@@ -104,7 +124,7 @@ Camera spherical_camera(const CloudRays& rays, const CloudLattice& lattice, Grid
   const SphericalProjection projection = SphericalProjection::even(
       lattice.width, lattice.height, std::atan2(forward.y(), forward.x()) - lattice.origin.x(),
       -lattice.step_u.x(), -lattice.origin.y(), -lattice.step_v.y());
-  if (!rays.origin.isZero(0.0) || !projection.valid())
+  if (!rays.origin.isZero(0.0) || is_about_y(rays) || !projection.valid())
     return Camera::ray_table(std::move(table), std::optional<RationalProjection>());
   return Camera::ray_table(std::move(table), projection);
 }
@@ -135,21 +155,25 @@ CloudRays rays_from(const Eigen::Vector3d& viewpoint, const std::vector<Eigen::V
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& point : points) mean += (point - viewpoint).stableNormalized();
   const Eigen::Vector3d along_z(0.0, 0.0, std::copysign(1.0, mean.z()));
-  if (lie_in_cone(viewpoint, along_z, points))
-    return {CloudRays::Kind::kPinhole, viewpoint, picture_axes(along_z)};
-  if (!(mean.norm() > 1e-6 * static_cast<double>(points.size())))
-    return spherical_rays(viewpoint, points);
   // Programs of robots let cameras look along x, with z upwards.
   const Eigen::Vector3d along_x(std::copysign(1.0, mean.x()), 0.0, 0.0);
-  if (lie_in_cone(viewpoint, along_x, points))
-    return {CloudRays::Kind::kPinhole, viewpoint, upright_axes(along_x, Eigen::Vector3d::UnitZ())};
+  const CloudRays z_picture{CloudRays::Kind::kPinhole, viewpoint, picture_axes(along_z)};
+  const CloudRays x_picture{CloudRays::Kind::kPinhole, viewpoint,
+                            upright_axes(along_x, Eigen::Vector3d::UnitZ())};
+  for (const CloudRays& picture : {z_picture, x_picture})
+    if (lie_in_cone(viewpoint, picture.axes.col(2), points, kPinholeHalfAngle)) return picture;
+  for (const CloudRays& picture : {z_picture, x_picture})
+    if (is_own_picture(picture, points)) return picture;
+  if (!(mean.norm() > 1e-6 * static_cast<double>(points.size())))
+    return spherical_rays(viewpoint, points);
   const Eigen::Vector3d forward = mean.normalized();
-  if (!lie_in_cone(viewpoint, forward, points)) return spherical_rays(viewpoint, points);
+  if (!lie_in_cone(viewpoint, forward, points, kPinholeHalfAngle))
+    return spherical_rays(viewpoint, points);
   return {CloudRays::Kind::kPinhole, viewpoint, picture_axes(forward)};
 }
 
 bool surround(const std::vector<Eigen::Vector3d>& points, const CloudRays& rays) {
-  if (rays.kind != CloudRays::Kind::kSpherical) return false;
+  if (rays.kind != CloudRays::Kind::kSpherical || is_about_y(rays)) return false;
   const auto counts = points_in_sectors(rays.origin, points);
   return static_cast<double>(std::count(counts.begin(), counts.end(), 0u)) <=
          (1.0 - kAllAround) * kSectors;

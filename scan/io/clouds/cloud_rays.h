@@ -39,8 +39,9 @@ CloudRays parallel_rays(const Eigen::Vector3d& direction, const Eigen::Vector3d&
 /// Rays from `viewpoint` towards the points: a pinhole picture along z or against it, as cameras
 /// have it, where the points lie within 50 degrees of that, but for a thousandth that lie
 /// within 75. Else one along x or against it where they lie so, as robots have it, with z upwards.
-/// Else one along their mean direction where they lie so, else a spherical one about +z whose seam
-/// lies where the fewest points are.
+/// Points within 75 degrees, too, where they stand in rows and columns of that picture. Else one
+/// along their mean direction where they lie within 50 degrees, else a spherical one: about y where
+/// the points lie along z within 75 degrees, else about +z, its seam where the fewest points are.
 CloudRays rays_from(const Eigen::Vector3d& viewpoint, const std::vector<Eigen::Vector3d>& points);
 
 /// Whether the points lie all around the origin of `rays`, which rays_from() made for them: in all

@@ -237,6 +237,49 @@ TEST(CloudGrid, TakesTheAxisOfADepthCameraOfARobot) {
       }
 }
 
+// A pinhole picture of 65 degrees to each side, on a surface with a step. `robot`: x is forward.
+PointCloudFile wide_cloud(bool robot, bool own_picture) {
+  PointCloudFile cloud;
+  std::mt19937 generator(5);
+  std::uniform_real_distribution<double> shift(-0.5, 0.5);
+  for (int v = -40; v <= 40; ++v)
+    for (int u = -60; u <= 60; ++u) {
+      const double depth = (u < 10 ? 2.0 : 2.4) + std::sin(0.05 * v) * 0.1;
+      const double x = (u + (own_picture ? 0.0 : shift(generator))) / 28.0 * depth,
+                   y = (v + (own_picture ? 0.0 : shift(generator))) / 28.0 * depth;
+      if (robot)
+        cloud.points.emplace_back(depth, -x, -y);
+      else
+        cloud.points.emplace_back(x, y, depth);
+    }
+  return cloud;
+}
+
+TEST(CloudGrid, TakesThePictureOfAWideCamera) {
+  for (const bool robot : {false, true}) {
+    const PointCloudFile cloud = wide_cloud(robot, true);
+    const auto grid = value_of(grid_from_cloud(cloud, {}));
+    EXPECT_EQ(count_points(grid), cloud.points.size()) << robot;
+    const auto view = value_of(view_from_grid(grid, grid.camera));
+    EXPECT_NEAR(view.width() * view.height(), 121 * 81, 0.05 * 121 * 81) << robot;
+  }
+}
+
+// As lenses give them that are no pinhole: the middle of the view is no pole.
+TEST(CloudGrid, SeesAWideViewAlongZByEvenAngles) {
+  const PointCloudFile cloud = wide_cloud(false, false);
+  const CloudRays rays = rays_from(Eigen::Vector3d::Zero(), cloud.points);
+  EXPECT_EQ(rays.kind, CloudRays::Kind::kSpherical);
+  EXPECT_FALSE(surround(cloud.points, rays));
+  EXPECT_NEAR(rays.project(Eigen::Vector3d(0, 0, 2)).head<2>().norm(), 0.0, 1e-12);
+  const auto grid = value_of(grid_from_cloud(cloud, {}));
+  EXPECT_GT(count_points(grid), cloud.points.size() * 9 / 10);
+  for (const Eigen::Vector3d& point : grid.points)
+    if (point.allFinite()) {
+      EXPECT_GT(point.z(), 1.8);
+    }
+}
+
 TEST(CloudGrid, FindsTheSideOfASolidObject) {
   const PointCloudFile cloud = cloud_of(sphere_view(), true);
   const auto grid = value_of(grid_from_cloud(cloud));
@@ -389,12 +432,13 @@ TEST(CloudGrid, TakesTheOriginOfAScannerInItsSurroundings) {
   EXPECT_THAT(grid.notes, Contains(HasSubstr("all around which the points lie")));
 }
 
-// A cap round the axis of the origin, seen from above: nothing is hidden along parallel rays.
+// A cap round the origin, to 80 degrees off the axis, seen from above: nothing is hidden along
+// parallel rays.
 TEST(CloudGrid, SaysThatPointsLieAroundTheOriginOfAnObject) {
   PointCloudFile cloud;
-  for (double x = -0.85; x <= 0.85; x += 0.01)
-    for (double y = -0.85; y <= 0.85; y += 0.01)
-      if (x * x + y * y < 0.75) cloud.points.emplace_back(x, y, std::sqrt(1.0 - x * x - y * y));
+  for (double x = -0.99; x <= 0.99; x += 0.01)
+    for (double y = -0.99; y <= 0.99; y += 0.01)
+      if (x * x + y * y < 0.97) cloud.points.emplace_back(x, y, std::sqrt(1.0 - x * x - y * y));
   const auto grid = value_of(grid_from_cloud(cloud));
   EXPECT_EQ(grid.camera->model(), Camera::Model::kOrthographic);
   EXPECT_THAT(grid.notes, Contains(HasSubstr("give the viewpoint 0 0 0")));
