@@ -171,6 +171,14 @@ std::optional<ImageSize> image_size(const std::filesystem::path& path) {
   return lower_ending(path) == ".tga" ? tga_size(head) : array_size(head);  // No mark of its own.
 }
 
+bool is_grey_16_bit_png(const std::filesystem::path& path) {
+  constexpr std::size_t kHeader = 26;  // The signature, the sizes, bits a sample, the colour type.
+  std::string bytes(kHeader, '\0');
+  std::ifstream file(path, std::ios::binary);
+  return file.read(bytes.data(), kHeader) && bytes.starts_with("\x89PNG") &&
+         byte_at(bytes, 24) == 16 && byte_at(bytes, 25) == 0;
+}
+
 bool has_depth_image_ending(const std::filesystem::path& path) {
   return ends_like(path, {".png", ".tif", ".tiff", ".exr", ".pfm", ".pgm", ".npy"});
 }

@@ -16,6 +16,9 @@ struct ImageSize {
 /// headers.
 std::optional<ImageSize> image_size(const std::filesystem::path& path);
 
+/// Whether the header of a file is that of a PNG with one channel of 16 bits, as of depth maps.
+bool is_grey_16_bit_png(const std::filesystem::path& path);
+
 /// Whether a file name ends like an image that can hold depths.
 bool has_depth_image_ending(const std::filesystem::path& path);
 

@@ -115,6 +115,23 @@ void add_images(const fs::path& folder, const std::string& folder_name,
       if (auto image = named_image(file, folder_name)) images.push_back(std::move(*image));
 }
 
+bool has_depth(const std::vector<NamedImage>& images) {
+  return std::ranges::any_of(
+      images, [](const NamedImage& image) { return image.role == ImageRole::kDepth; });
+}
+
+// Where no name tells depth maps: `7.png` of 16 grey bits is one, and `7.jpg` has its colours.
+std::vector<NamedImage> images_by_their_bits(const fs::path& folder) {
+  std::vector<NamedImage> images;
+  for (const fs::path& file : files_in(folder)) {
+    const ImageName name = name_of_image(file);
+    if (!is_image(file) || (name.role && name.role != ImageRole::kColour)) continue;
+    const bool depth = !name.role && is_grey_16_bit_png(file);
+    images.push_back({file, depth ? ImageRole::kDepth : ImageRole::kColour, name.view});
+  }
+  return has_depth(images) ? images : std::vector<NamedImage>();
+}
+
 // Those of the folder itself and of the folders in it, by name.
 std::vector<NamedImage> images_in(const fs::path& folder) {
   std::vector<NamedImage> images;
@@ -123,6 +140,8 @@ std::vector<NamedImage> images_in(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, code))
     if (entry.is_directory(code))
       add_images(entry.path(), entry.path().filename().string(), images);
+  if (!has_depth(images))
+    if (auto by_bits = images_by_their_bits(folder); !by_bits.empty()) images = std::move(by_bits);
   std::sort(images.begin(), images.end(), [](const auto& a, const auto& b) {
     return natural_less(a.file.native(), b.file.native());
   });
@@ -227,7 +246,8 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
   if (guess.project.views.empty())
     return bad_input(folder,
                      "no file in it can be a scan: names of depth maps have the word "
-                     "'depth' or 'range'; grids and points end in .ply, .pcd, .ptx, .e57, "
+                     "'depth' or 'range', or they are PNG of 16 grey bits; grids and points end in "
+                     ".ply, .pcd, .ptx, .e57, "
                      ".xyz or .pts. (" +
                          why_not_read + ")");
   guess.project.unit = whole_numbers ? "mm" : "units";
