@@ -209,6 +209,27 @@ Error no_project_in(const fs::path& folder) {
                    "it; name the folder above if these lie there, or try 'relief init'");
 }
 
+// The only project of a folder. Scans beside it that it does not name are told.
+Result<ProjectSpec> spec_of_project_in(const fs::path& folder, const FolderContent& content,
+                                       const ReadProjectOptions& options) {
+  const fs::path& file = content.projects.front();
+  auto project = spec_of_file(file, options);
+  if (!project) return project;
+  std::error_code code;
+  std::vector<std::string> others;
+  for (const auto* files : {&content.grids, &content.points})
+    for (const fs::path& scan : *files)
+      if (std::ranges::none_of(project->views, [&](const ViewSpec& view) {
+            return view.grid && fs::equivalent(*view.grid, scan, code);
+          }))
+        others.push_back(scan.filename().string());
+  if (!others.empty())
+    project->notes.push_back(folder.string() + ": views are those that " +
+                             file.filename().string() + " names; " + std::to_string(others.size()) +
+                             " more files of scans are left out, as " + others.front());
+  return project;
+}
+
 Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOptions& options) {
   std::error_code code;
   if (fs::exists(folder / "scan.json", code)) return spec_of_file(folder / "scan.json", options);
@@ -225,7 +246,7 @@ Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOpti
   if (content->projects.empty() && content->grids.empty() && content->points.empty() &&
       count_images(folder) == 0)
     std::ranges::copy_if(content->texts, std::back_inserter(content->points), begins_with_points);
-  if (content->projects.size() == 1) return spec_of_file(content->projects.front(), options);
+  if (content->projects.size() == 1) return spec_of_project_in(folder, *content, options);
   if (content->grids.empty() && content->points.empty()) {
     if (options.intrinsics && count_images(folder) > 0)
       return read_as("depth maps, by the intrinsics given", folder,

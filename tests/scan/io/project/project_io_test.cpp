@@ -497,5 +497,18 @@ TEST(MemoryBudget, OneViewMayTakeLessThanAllTogether) {
   EXPECT_EQ(budget.left(), 20u);
 }
 
+TEST(ReadProject, TellsOfScansThatTheOnlyProjectDoesNotName) {
+  const TemporaryFolder folder;
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  for (const char* name : {"a.obj", "b.obj", "c.obj"}) folder.write(name, triangle);
+  folder.write("all.aln",
+               "2\na.obj\n#\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\nb.obj\n#\n1 0 0 0\n"
+               "0 1 0 0\n0 0 1 0\n0 0 0 1\n0\n");
+  const auto spec = value_of(read_project_spec(folder.path()));
+  EXPECT_EQ(spec.views.size(), 2u);
+  EXPECT_THAT(spec.notes,
+              Contains(HasSubstr("all.aln names; 1 more files of scans are left out, as c.obj")));
+}
+
 }  // namespace
 }  // namespace relief
