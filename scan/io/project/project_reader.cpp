@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <optional>
+#include <sstream>
+#include <string>
 #include <system_error>
 #include <thread>
 
@@ -111,6 +114,38 @@ bool seem_to_share_a_frame(const std::vector<RangeView>& views) {
   return false;
 }
 
+// Of views with a pinhole, how many have their principal point in the outer half of their pixels.
+// The intrinsics of an image of another size put it there, and so does a crop.
+std::optional<std::string> note_on_principal_points(const std::vector<ViewSpec>& specs,
+                                                    const std::vector<RangeView>& views) {
+  const auto find = [&](const RangeView& view) {
+    const auto spec = std::ranges::find(specs, view.name, &ViewSpec::name);
+    const bool pinhole =
+        spec != specs.end() && spec->camera && spec->camera->model == CameraSpec::Model::kPinhole;
+    return pinhole ? &spec->camera->intrinsics : nullptr;
+  };
+  const auto is_outer = [](double at, int size) {
+    return std::abs(at - 0.5 * (size - 1)) > 0.25 * size;
+  };
+  const RangeView* first = nullptr;
+  std::size_t outer = 0;
+  for (const RangeView& view : views) {
+    const PinholeIntrinsics* const pinhole = find(view);
+    if (!pinhole || !(is_outer(pinhole->cx, view.width()) || is_outer(pinhole->cy, view.height())))
+      continue;
+    if (!first) first = &view;
+    ++outer;
+  }
+  if (!first) return std::nullopt;
+  std::ostringstream note;
+  note << "the principal points of " << outer << " of " << views.size()
+       << " views lie far from the middle of their images, as (" << find(*first)->cx << ", "
+       << find(*first)->cy << ") of " << first->width() << " x " << first->height() << " pixels in "
+       << first->name
+       << ": unless the images are cropped, the intrinsics are those of another size";
+  return note.str();
+}
+
 Result<void> check_shared_frame(const ProjectSpec& spec, const ReadProjectOptions& options,
                                 const std::filesystem::path& path) {
   const bool used = std::any_of(spec.views.begin(), spec.views.end(), [](const ViewSpec& view) {
@@ -146,6 +181,8 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
       for (auto& note : view.notes) project.notes.push_back(std::move(note));
     }
     project.notes.insert(project.notes.end(), notes->begin(), notes->end());
+    if (auto note = note_on_principal_points(spec->views, project.views))
+      project.notes.push_back(std::move(*note));
     if (seem_to_share_a_frame(project.views))
       project.notes.push_back(
           "the scans have no poses, but were seen from sides that are more than 90 degrees apart: "

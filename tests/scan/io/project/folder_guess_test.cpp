@@ -143,6 +143,33 @@ TEST(FolderGuess, DepthMapsAreReadByTheIntrinsicsGiven) {
   EXPECT_NEAR(value_of(read_project(folder / "depth", options)).views[0].range(3, 2), 1.005, 1e-9);
 }
 
+TEST(FolderGuess, SixteenGreyBitsTellDepthMapsWithoutAWord) {
+  const TemporaryFolder folder;
+  Image photograph(12, 9, 3, 255);
+  for (const char* name : {"1", "2"}) {
+    folder.write(std::string(name) + ".png", depth_png());
+    folder.write(std::string(name) + "_rgb.png", *encode_png(photograph));
+  }
+  ReadProjectOptions options;
+  options.intrinsics = PinholeIntrinsics{20.0, 21.0, 5.0, 4.0};
+  const auto project = value_of(read_project(folder.path(), options));
+  ASSERT_EQ(project.views.size(), 2u);
+  EXPECT_NEAR(project.views[0].range(3, 2), 1.005, 1e-9);
+  EXPECT_FALSE(project.views[0].colours.empty());
+}
+
+TEST(FolderGuess, TellsOfIntrinsicsOfAnotherSize) {
+  const TemporaryFolder folder;
+  folder.write("depth_1.png", depth_png());
+  ReadProjectOptions options;
+  options.intrinsics = PinholeIntrinsics{20.0, 21.0, 11.5, 8.0};  // Of 24 x 18 pixels.
+  EXPECT_THAT(value_of(read_project(folder.path(), options)).notes,
+              ::testing::Contains(HasSubstr("1 of 1 views lie far from the middle")));
+  options.intrinsics = PinholeIntrinsics{20.0, 21.0, 5.0, 4.0};
+  EXPECT_THAT(value_of(read_project(folder.path(), options)).notes,
+              ::testing::Not(::testing::Contains(HasSubstr("principal"))));
+}
+
 // Some programs write the largest number where nothing was measured.
 TEST(FolderGuess, OneValueFarBehindAllOthersIsNoDepth) {
   const TemporaryFolder folder;
