@@ -1,6 +1,8 @@
 #include "registration/alignment_report.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <map>
 #include <sstream>
 #include <utility>
@@ -72,6 +74,7 @@ class AlignmentReport {
         main_group(state_.verified, state_.roles, state_.starts.frame, state_.frame);
     for (std::size_t i = 0; i < views_.size(); ++i) result.views.push_back(report_of(i, main));
     note_moves(result);
+    note_refined_guesses(result);
     if (views_.size() == 1) result.notes.push_back("one view only: nothing to align");
     result.pairs = std::move(state_.refined.pairs);
     result.termination = state_.refined.termination;
@@ -114,12 +117,37 @@ class AlignmentReport {
             "; a pose that fits was found by its shape instead");
   }
 
+  // How far refining moved the views that kept given poses, the one that is held being at rest.
+  void note_refined_guesses(Alignment& result) const {
+    std::vector<double> moves;
+    std::size_t farthest = 0;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      const auto& start = state_.starts.world_from_view[i];
+      const bool kept = views_[i].pose == PoseKind::kGuess && start &&
+                        !state_.starts.found_by_shape[i] && result.views[i].aligned;
+      if (!kept || surfaces_[i].samples().empty()) continue;
+      const Eigen::Vector3d centre = surfaces_[i].centre();
+      moves.push_back((result.views[i].world_from_view * centre - *start * centre).norm());
+      if (moves.back() >= *std::ranges::max_element(moves)) farthest = i;
+    }
+    if (moves.size() < 2) return;
+    std::ostringstream note;
+    note << std::setprecision(2) << "refining moved the " << moves.size()
+         << " views with given poses by " << quantile(moves, 0.5) << " (median), and by "
+         << *std::ranges::max_element(moves) << " at most (" << views_[farthest].name << ")";
+    result.notes.push_back(note.str());
+  }
+
   std::string names_of_group(const std::vector<std::size_t>& group, std::size_t except) const {
-    std::string names;
+    constexpr std::size_t kNamed = 4;  // The report of each view has one line.
+    std::vector<std::string> names;
     for (std::size_t i = 0; i < views_.size(); ++i)
-      if (group[i] == group[except] && i != except)
-        names += (names.empty() ? "" : ", ") + views_[i].name;
-    return names;
+      if (group[i] == group[except] && i != except) names.push_back(views_[i].name);
+    std::string text;
+    for (std::size_t k = 0; k < std::min(kNamed, names.size()); ++k)
+      text += (k > 0 ? ", " : "") + names[k];
+    if (names.size() > kNamed) text += " and " + std::to_string(names.size() - kNamed) + " more";
+    return text;
   }
 
   std::string reason_unverified(std::size_t i) const {
@@ -151,12 +179,17 @@ class AlignmentReport {
     if (has_other_unit(i)) return reason_other_unit(relative_spacings_[i]);
     if (!state_.starts.world_from_view[i]) return state_.starts.reasons[i];
     if (state_.taken_out[i])
-      return "other views saw through where a part of it would stand at the pose found by its "
-             "shape; give a guess of its pose";
+      return std::string(
+                 "other views saw through where a part of it would stand at the pose found "
+                 "by its shape; ") +
+             (views_[i].pose == PoseKind::kAbsent ? "give a guess of its pose"
+                                                  : "check its image, and the pose that is given");
     if (state_.roles[i] == ViewRole::kExcluded)
       return "it fits none of the views that it seems to overlap; give a better guess or remove it";
+    const std::string partners = names_of_group(state_.refined.group, i);
+    if (partners.empty()) return "no pose was found at which it fits the main group";
     return "no pose was found at which its group fits the main group; it is aligned only to " +
-           names_of_group(state_.refined.group, i);
+           partners;
   }
 
   static std::string reason_other_unit(double relative_spacing) {

@@ -14,6 +14,7 @@
 namespace relief::registration {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using testing::mean_displacements;
 using testing::perturbed;
@@ -60,6 +61,8 @@ TEST(AlignViews, ClosesARingOfNoisyViews) {
   EXPECT_EQ(aligned.solves.back().stage, SolverStage::kPoseGraph);
   EXPECT_EQ(aligned.solves.size(), static_cast<std::size_t>(aligned.iterations));
   EXPECT_TRUE(same_bytes(aligned.views[0].world_from_view, true_ring()[0].world_from_view));
+  const std::string all = std::to_string(aligned.views.size());
+  EXPECT_THAT(aligned.notes, Contains(HasSubstr("refining moved the " + all + " views")));
   for (const auto& view : aligned.views)
     EXPECT_NEAR(view.world_from_view.linear().determinant(), 1.0, 1e-12);
 }
