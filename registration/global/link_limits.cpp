@@ -69,7 +69,7 @@ std::vector<const PoseLink*> best_of_each_pair(const std::vector<ViewSurface>& s
   using Order = std::pair<bool, double>;
   std::map<std::pair<std::size_t, std::size_t>, std::pair<Order, const PoseLink*>> best;
   for (const PoseLink* link : links) {
-    const Order order{link->evidence.degenerate,
+    const Order order{link->evidence.degenerate || link->may_slide,
                       relative_rms(link->evidence, surfaces[link->a], surfaces[link->b])};
     const std::pair found(order, link);
     const auto [it, added] = best.try_emplace(std::minmax(link->a, link->b), found);
@@ -202,9 +202,9 @@ double stddev_of_loops(const std::vector<ViewSurface>& surfaces,
   const std::vector<int> loops = count_loops(surfaces, links);
   std::vector<PairDeviation> pairs;
   for (std::size_t k = 0; k < links.size(); ++k) {
-    const auto& [a, b, unused, evidence, planar, off_plane] = links[k];
-    const bool known = !pairs.empty() && pairs.back().a == a && pairs.back().b == b;
-    if (loops[k] > 0 && !known) pairs.push_back({a, b, evidence.rms});
+    const PoseLink& link = links[k];
+    const bool known = !pairs.empty() && pairs.back().a == link.a && pairs.back().b == link.b;
+    if (loops[k] > 0 && !known) pairs.push_back({link.a, link.b, link.evidence.rms});
   }
   if (pairs.size() < kTellingLinks) return 0.0;
   std::vector<double> radii;

@@ -125,7 +125,7 @@ std::vector<PoseHypothesis> verify_matches(const CoarseView& a, const CoarseView
                                            const PairSearchOptions& options) {
   return verify_motions(*a.surface, *b.surface,
                         consistent_motions(a, b, matches, scale.cell, options.seeds),
-                        kReach * scale.cell, options.candidates, options.judge);
+                        refinement_reach(scale), options.candidates, options.judge);
 }
 
 }  // namespace
@@ -138,6 +138,8 @@ CoarseView prepare_coarse_view(const ViewSurface& surface, const CoarseScale& sc
   view.features = compute_fpfh(view.points, kSmallFeature * scale.cell, kLargeFeature * scale.cell);
   return view;
 }
+
+double refinement_reach(const CoarseScale& scale) { return kReach * scale.cell; }
 
 PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
                                  const RigidMotion& b_from_a, double search_distance,
@@ -159,7 +161,7 @@ PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
 std::optional<PoseHypothesis> confirm_pose(const ViewSurface& a, const ViewSurface& b,
                                            const RigidMotion& b_from_a, const CoarseScale& scale,
                                            const JudgeOptions& judge) {
-  const double reach = kReach * scale.cell;
+  const double reach = refinement_reach(scale);
   const PoseHypothesis pose = refine_hypothesis(a, b, b_from_a, reach, judge);
   return same_pose(a, pose.b_from_a, b_from_a, reach) ? std::optional(pose) : std::nullopt;
 }
@@ -188,14 +190,14 @@ std::vector<RigidMotion> partial_symmetries(const CoarseView& view, const Coarse
   std::vector<RigidMotion> motions;
   const auto add = [&](const RigidMotion& motion) {
     const bool known = std::any_of(motions.begin(), motions.end(), [&](const RigidMotion& other) {
-      return same_pose(surface, motion, other, kReach * scale.cell);
+      return same_pose(surface, motion, other, refinement_reach(scale));
     });
     if (!known) motions.push_back(motion);
   };
   for (const auto& [motion, evidence] : verify_matches(view, view, matches, scale, options)) {
     if (!plausible(evidence, surface, surface, limits) || misses_coverage(evidence, limits) ||
         misfits_locally(evidence, surface, surface, limits) ||
-        same_pose(surface, motion, RigidMotion::Identity(), kReach * scale.cell))
+        same_pose(surface, motion, RigidMotion::Identity(), refinement_reach(scale)))
       continue;
     add(motion);
     add(motion.inverse());
@@ -208,7 +210,7 @@ std::vector<PoseHypothesis> alternative_poses(const ViewSurface& a, const ViewSu
                                               const std::vector<RigidMotion>& a_symmetries,
                                               const std::vector<RigidMotion>& b_symmetries,
                                               const CoarseScale& scale, const JudgeOptions& judge) {
-  const double reach = kReach * scale.cell;
+  const double reach = refinement_reach(scale);
   const auto is_given = [&](const RigidMotion& motion) {
     return same_pose(a, motion, b_from_a, reach);
   };

@@ -59,6 +59,9 @@ std::vector<PoseHypothesis> alternative_poses(const ViewSurface& a, const ViewSu
                                               const CoarseScale& scale,
                                               const JudgeOptions& judge = {});
 
+/// How far around poses that matches lead to refine_hypothesis() looks for partners [unit].
+double refinement_reach(const CoarseScale& scale);
+
 /// A starting pose refined by a quick ICP, with the association of `judge`, and judged.
 PoseHypothesis refine_hypothesis(const ViewSurface& a, const ViewSurface& b,
                                  const RigidMotion& b_from_a, double search_distance,

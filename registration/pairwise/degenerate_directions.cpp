@@ -1,6 +1,7 @@
 #include "registration/pairwise/degenerate_directions.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdio>
 
@@ -33,31 +34,78 @@ std::string describe(const RigidTangent& motion, const Eigen::Vector3d& centre, 
   return text;
 }
 
+constexpr std::size_t kFewestPoints = 6;
+
+// (R5): j = (x n, n), with x about a centre and scaled to mean length 1.
+class ConstraintRows {
+ public:
+  explicit ConstraintRows(const std::vector<OrientedPoint>& points) {
+    const double count = static_cast<double>(points.size());
+    const Eigen::Vector3d first = points.front().point;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const auto& p : points) sum += p.point - first;
+    centre_ = first + sum / count;
+    double distance = 0.0;
+    for (const auto& p : points) distance += (p.point - centre_).norm();
+    radius_ = distance / count;
+  }
+
+  bool extended() const { return radius_ > 0.0; }
+  const Eigen::Vector3d& centre() const { return centre_; }
+  double radius() const { return radius_; }
+
+  Vector6d row(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
+    Vector6d j;
+    j << ((point - centre_) / radius_).cross(normal), normal;
+    return j;
+  }
+
+ private:
+  Eigen::Vector3d centre_;
+  double radius_ = 0.0;
+};
+
 }  // namespace
 
 ConstraintSpectrum analyse_constraints(const std::vector<OrientedPoint>& points) {
   ConstraintSpectrum result;
-  if (points.size() < 6) return result;
+  if (points.size() < kFewestPoints) return result;
   const double count = static_cast<double>(points.size());
-  const Eigen::Vector3d first = points.front().point;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const auto& p : points) sum += p.point - first;
-  result.centre = first + sum / count;
-  double distance = 0.0;
-  for (const auto& p : points) distance += (p.point - result.centre).norm();
-  if (!(distance > 0.0)) return result;
-  result.radius = distance / count;
-
-  // (R5): C = mean of j j^T, j = (x n, n) with x scaled to mean length 1.
+  const ConstraintRows rows(points);
+  result.centre = rows.centre();
+  if (!rows.extended()) return result;
+  result.radius = rows.radius();
   Matrix6d covariance = Matrix6d::Zero();
-  for (const auto& p : points) {
-    Vector6d j;
-    j << ((p.point - result.centre) / result.radius).cross(p.normal), p.normal;
-    covariance.selfadjointView<Eigen::Lower>().rankUpdate(j);
-  }
+  for (const auto& p : points)
+    covariance.selfadjointView<Eigen::Lower>().rankUpdate(rows.row(p.point, p.normal));
   const auto eigen = eigen_decomposition(Matrix6d(covariance / count));
   result.eigenvalues = eigen.eigenvalues().cwiseMax(0.0);
   result.directions = eigen.eigenvectors();
+  return result;
+}
+
+SharedConstraint least_shared_constraint(const std::vector<OrientedPoint>& points,
+                                         const std::vector<Eigen::Vector3d>& normals) {
+  assert(points.size() == normals.size());
+  SharedConstraint result;
+  if (points.size() < kFewestPoints) return result;
+  const ConstraintRows rows(points);
+  if (!rows.extended()) return result;
+  Matrix6d shared = Matrix6d::Zero(), own = Matrix6d::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector6d a = rows.row(points[i].point, points[i].normal),
+                   b = rows.row(points[i].point, normals[i]);
+    shared.selfadjointView<Eigen::Lower>().rankUpdate(a, b, 0.5);
+    own.selfadjointView<Eigen::Lower>().rankUpdate(a, 0.5).rankUpdate(b, 0.5);
+  }
+  const auto eigen = eigen_decomposition(Matrix6d(shared / static_cast<double>(points.size())));
+  const Vector6d motion = eigen.eigenvectors().col(0);
+  const Vector6d held = own.selfadjointView<Eigen::Lower>() * motion;
+  const double of_both = motion.dot(held) / static_cast<double>(points.size());
+  result.eigenvalue = eigen.eigenvalues()[0];
+  result.correlation = of_both > 0.0 ? result.eigenvalue / of_both : 0.0;
+  result.motion << motion.head<3>() / rows.radius(), motion.tail<3>();
+  result.centre = rows.centre();
   return result;
 }
 

@@ -29,6 +29,26 @@ struct ConstraintSpectrum {
 /// All eigenvalues are zero for fewer than six points.
 ConstraintSpectrum analyse_constraints(const std::vector<OrientedPoint>& points);
 
+/// Of two surfaces that lie on each other, the motion that holds them least by what both show.
+///
+/// Noise of normals holds surfaces as relief does: it adds to the eigenvalues of either surface
+/// alone. The normals of two measurements share relief and no noise, so the mean of
+/// (j_a j_b^T + j_b j_a^T) / 2, with j of (R5), has none on average.
+struct SharedConstraint {
+  double eigenvalue = 0.0;  ///< The least one of that mean; negative ones are chance.
+  /// The same as a fraction of the mean of both surfaces' own, in the direction of that motion: 1
+  /// where both show the same, 0 where what each shows is its own, as noise or another feature.
+  double correlation = 0.0;
+  /// The motion: rotation [rad] and translation [unit] at `centre`, by which points move by one
+  /// unit, about.
+  RigidTangent motion = RigidTangent::Zero();
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+};
+
+/// `normals` are those of the other surface at `points`. Zero for fewer than six points.
+SharedConstraint least_shared_constraint(const std::vector<OrientedPoint>& points,
+                                         const std::vector<Eigen::Vector3d>& normals);
+
 /// The directions whose eigenvalue is below `threshold`. Within their span the basis is chosen so
 /// that pure translations come first.
 std::vector<DegenerateDirection> degenerate_directions(const ConstraintSpectrum& spectrum,

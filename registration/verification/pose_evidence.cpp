@@ -249,27 +249,28 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
   if (a.samples().empty() || b.samples().empty()) return evidence;
   const auto [in_b, in_a] = look_both_ways(a, b, b_from_a, options.probes, options, evidence);
 
-  std::vector<OrientedPoint> shared;
+  const SharedSurface shared(b_from_a, in_b, in_a);
   std::vector<double> distances;  // Of a in front of b.
-  std::vector<double> turns;      // Between the normals.
-  for (const auto& c : in_b.items) {
-    shared.push_back({c.target.point, c.target.normal});
-    distances.push_back(c.distance);
-    turns.push_back((b_from_a.linear() * c.source.normal - c.target.normal).norm());
-  }
-  for (const auto& c : in_a.items) {
-    shared.push_back({b_from_a * c.target.point, b_from_a.linear() * c.target.normal});
-    distances.push_back(-c.distance);
-    turns.push_back((c.source.normal - shared.back().normal).norm());
-  }
+  for (const auto& c : in_b.items) distances.push_back(c.distance);
+  for (const auto& c : in_a.items) distances.push_back(-c.distance);
+  std::vector<double> turns;  // Between the normals.
+  for (std::size_t i = 0; i < shared.points.size(); ++i)
+    turns.push_back((shared.points[i].normal - shared.normals[i]).norm());
   evidence.rms = root_mean_square(distances);
   evidence.normal_rms = root_mean_square(turns);
-  const Eigen::Matrix3Xd points = points_of(shared);
+  const Eigen::Matrix3Xd points = points_of(shared.points);
   evidence.coherent_rms = coherent_rms(points, distances, band(a, b, kNoiseReach, kCoherenceReach));
   evidence.local_rms = coherent_rms(points, distances, band(a, b, 0.0, 1.0));
   const double threshold = eigenvalue_threshold(std::max(a.normal_noise(), b.normal_noise()));
-  evidence.degenerate = analyse_constraints(shared).eigenvalues[0] < threshold;
+  evidence.degenerate = analyse_constraints(shared.points).eigenvalues[0] < threshold;
   return evidence;
+}
+
+SharedSurface shared_surface(const ViewSurface& a, const ViewSurface& b,
+                             const RigidMotion& b_from_a, const JudgeOptions& options) {
+  const CorrespondenceOptions search = shared_samples(a, b, options.probes, options);
+  return {b_from_a, find_correspondences(a, b, b_from_a, search),
+          find_correspondences(b, a, b_from_a.inverse(), search)};
 }
 
 bool shares_one_plane(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,

@@ -2,6 +2,7 @@
 
 #include "registration/pairwise/correspondences.h"
 #include "registration/surface/view_surface.h"
+#include "registration/verification/shared_surface.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {
@@ -115,6 +116,10 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
 /// else of the evidence stays zero. Takes a tenth of the time of judge_pose().
 PoseEvidence judge_free_space(const ViewSurface& a, const ViewSurface& b,
                               const RigidMotion& b_from_a, const JudgeOptions& options = {});
+
+/// What judge_pose() finds the two views to share, in the frame of b.
+SharedSurface shared_surface(const ViewSurface& a, const ViewSurface& b,
+                             const RigidMotion& b_from_a, const JudgeOptions& options);
 
 /// Whether nine tenths of the samples that two views share are on one plane, as far as errors
 /// explain: then they fit at all poses that move the plane in itself.

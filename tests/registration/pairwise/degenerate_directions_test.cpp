@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -105,6 +106,68 @@ TEST(DegenerateDirections, FewPointsHoldNothing) {
   EXPECT_EQ(degenerate_directions(analyse_constraints(few), 1e-4).size(), 6u);
   const std::vector<OrientedPoint> equal(50, {{1, 2, 3}, {0, 0, 1}});
   EXPECT_EQ(degenerate_directions(analyse_constraints(equal), 1e-4).size(), 6u);
+}
+
+// The normals with noise of `size` radians, of their own in each call.
+std::vector<Eigen::Vector3d> noisy_normals(const std::vector<OrientedPoint>& points, double size,
+                                           unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> noise(0.0, size);
+  std::vector<Eigen::Vector3d> normals;
+  for (const auto& p : points)
+    normals.push_back(
+        (p.normal + Eigen::Vector3d(noise(generator), noise(generator), noise(generator)))
+            .normalized());
+  return normals;
+}
+
+std::vector<OrientedPoint> with_normals(std::vector<OrientedPoint> points,
+                                        const std::vector<Eigen::Vector3d>& normals) {
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].normal = normals[i];
+  return points;
+}
+
+TEST(LeastSharedConstraint, IsThatOfEitherSurfaceWhereBothShowTheSame) {
+  const auto points = sampled([](double a, double b) {
+    const double tilt = 0.2 * std::sin(20 * a) * std::cos(15 * b);
+    return OrientedPoint{{8 * a, 5 * b, 0.3 * b * b},
+                         Eigen::Vector3d(tilt, 0.3 * b, 1).normalized()};
+  });
+  std::vector<Eigen::Vector3d> same;
+  for (const auto& p : points) same.push_back(p.normal);
+  const auto shared = least_shared_constraint(points, same);
+  EXPECT_NEAR(shared.eigenvalue, analyse_constraints(points).eigenvalues[0], 1e-12);
+  EXPECT_NEAR(shared.correlation, 1.0, 1e-9);
+}
+
+// Noise holds the cylinder where one surface is looked at, and not where both are.
+TEST(LeastSharedConstraint, HasNoNoise) {
+  const auto points = cylinder();
+  const auto of_a = with_normals(points, noisy_normals(points, 0.1, 1));
+  EXPECT_GT(analyse_constraints(of_a).eigenvalues[0], 0.005);
+  const auto shared = least_shared_constraint(of_a, noisy_normals(points, 0.1, 2));
+  EXPECT_LT(std::abs(shared.eigenvalue), 0.001);
+  EXPECT_LT(shared.correlation, 0.1);
+}
+
+TEST(LeastSharedConstraint, KeepsReliefBelowTheNoise) {
+  const auto points = sampled([](double a, double b) {
+    const double phi = std::numbers::pi * b;
+    const double along = 0.15 * std::sin(9 * a + 4 * b), round = 0.15 * std::cos(11 * b - 5 * a);
+    const Eigen::Vector3d n(std::cos(phi + round), along, std::sin(phi + round));
+    return OrientedPoint{{3 * std::cos(phi), 10 * a, 3 * std::sin(phi)}, n.normalized()};
+  });
+  const double relief = analyse_constraints(points).eigenvalues[0];
+  const auto shared = least_shared_constraint(with_normals(points, noisy_normals(points, 0.1, 1)),
+                                              noisy_normals(points, 0.1, 2));
+  EXPECT_NEAR(shared.eigenvalue, relief, 0.15 * relief);
+  EXPECT_NEAR(shared.correlation, relief / (relief + 0.01), 0.15);
+}
+
+TEST(LeastSharedConstraint, OfFewPointsIsNothing) {
+  const std::vector<OrientedPoint> few(5, {{1, 2, 3}, {0, 0, 1}});
+  EXPECT_EQ(least_shared_constraint(few, std::vector<Eigen::Vector3d>(5, {0, 0, 1})).correlation,
+            0.0);
 }
 
 }  // namespace

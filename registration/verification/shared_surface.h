@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "registration/pairwise/correspondences.h"
+#include "registration/pairwise/degenerate_directions.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief::registration {
+
+/// What two views a and b measured of the same surface, in the frame of b.
+struct SharedSurface {
+  std::vector<OrientedPoint> points;     ///< Of one view.
+  std::vector<Eigen::Vector3d> normals;  ///< Of the other view, at these points.
+
+  /// From what was found of samples of a in b, and of samples of b in a.
+  SharedSurface(const RigidMotion& b_from_a, const Correspondences& in_b,
+                const Correspondences& in_a);
+};
+
+}  // namespace relief::registration
