@@ -41,8 +41,8 @@ int run(const char* project_path, const char* clouds_path, const char* output_pa
   }
   const json clouds = json::parse(std::ifstream(clouds_path));
   const double read = processor_seconds();
-  std::vector<relief::ViewSurface> surfaces;
-  relief::ViewSurfaceOptions geometry;
+  std::vector<relief::registration::ViewSurface> surfaces;
+  relief::registration::ViewSurfaceOptions geometry;
   geometry.normal_signal = false;
   for (const auto& view : project->views) surfaces.emplace_back(view, geometry);
   const double prepared = processor_seconds();
@@ -51,7 +51,8 @@ int run(const char* project_path, const char* clouds_path, const char* output_pa
     const auto source = edge[0].get<std::size_t>(), target = edge[1].get<std::size_t>();
     const auto& from = project->views[source].world_from_view;
     const auto& to = project->views[target].world_from_view;
-    const auto found = relief::align_pair(surfaces[source], surfaces[target], to.inverse() * from);
+    const auto found =
+        relief::registration::align_pair(surfaces[source], surfaces[target], to.inverse() * from);
     motions[source] = motions[target] * to * found.target_from_source * from.inverse();
   }
   json output = {{"reading_seconds", read},
