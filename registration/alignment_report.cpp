@@ -121,6 +121,7 @@ class AlignmentReport {
   void note_refined_guesses(Alignment& result) const {
     std::vector<double> moves;
     std::size_t farthest = 0;
+    double largest = -1.0;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const auto& start = state_.starts.world_from_view[i];
       const bool kept = views_[i].pose == PoseKind::kGuess && start &&
@@ -128,13 +129,13 @@ class AlignmentReport {
       if (!kept || surfaces_[i].samples().empty()) continue;
       const Eigen::Vector3d centre = surfaces_[i].centre();
       moves.push_back((result.views[i].world_from_view * centre - *start * centre).norm());
-      if (moves.back() >= *std::ranges::max_element(moves)) farthest = i;
+      if (moves.back() >= largest) largest = moves.back(), farthest = i;
     }
     if (moves.size() < 2) return;
     std::ostringstream note;
     note << std::setprecision(2) << "refining moved the " << moves.size()
-         << " views with given poses by " << quantile(moves, 0.5) << " (median), and by "
-         << *std::ranges::max_element(moves) << " at most (" << views_[farthest].name << ")";
+         << " views with given poses by " << quantile(moves, 0.5) << " (median), and by " << largest
+         << " at most (" << views_[farthest].name << ")";
     result.notes.push_back(note.str());
   }
 
