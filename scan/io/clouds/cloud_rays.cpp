@@ -79,12 +79,8 @@ bool lie_in_cone(const Eigen::Vector3d& viewpoint, const Eigen::Vector3d& forwar
   return static_cast<double>(strays) <= kStrays * static_cast<double>(points.size());
 }
 
-// Even angles about +z, or about the y axis of a picture along z, whose middle would be a pole.
 CloudRays spherical_rays(const Eigen::Vector3d& viewpoint,
                          const std::vector<Eigen::Vector3d>& points) {
-  for (const double z : {1.0, -1.0})
-    if (lie_in_cone(viewpoint, z * Eigen::Vector3d::UnitZ(), points, kStrayHalfAngle))
-      return {CloudRays::Kind::kSpherical, viewpoint, picture_axes(z * Eigen::Vector3d::UnitZ())};
   const double middle = middle_azimuth(viewpoint, points);
   const Eigen::Vector3d forward(std::cos(middle), std::sin(middle), 0.0);
   return {CloudRays::Kind::kSpherical, viewpoint, upright_axes(forward, Eigen::Vector3d::UnitZ())};
@@ -167,9 +163,12 @@ CloudRays rays_from(const Eigen::Vector3d& viewpoint, const std::vector<Eigen::V
   if (!(mean.norm() > 1e-6 * static_cast<double>(points.size())))
     return spherical_rays(viewpoint, points);
   const Eigen::Vector3d forward = mean.normalized();
-  if (!lie_in_cone(viewpoint, forward, points, kPinholeHalfAngle))
-    return spherical_rays(viewpoint, points);
-  return {CloudRays::Kind::kPinhole, viewpoint, picture_axes(forward)};
+  if (lie_in_cone(viewpoint, forward, points, kPinholeHalfAngle))
+    return {CloudRays::Kind::kPinhole, viewpoint, picture_axes(forward)};
+  // About +z the middle of a view along z would be a pole.
+  if (lie_in_cone(viewpoint, along_z, points, kStrayHalfAngle))
+    return {CloudRays::Kind::kSpherical, viewpoint, z_picture.axes};
+  return spherical_rays(viewpoint, points);
 }
 
 bool surround(const std::vector<Eigen::Vector3d>& points, const CloudRays& rays) {
