@@ -69,7 +69,7 @@ std::vector<const PoseLink*> best_of_each_pair(const std::vector<ViewSurface>& s
   using Order = std::pair<bool, double>;
   std::map<std::pair<std::size_t, std::size_t>, std::pair<Order, const PoseLink*>> best;
   for (const PoseLink* link : links) {
-    const Order order{link->evidence.degenerate || link->may_slide,
+    const Order order{link->degenerate(),
                       relative_rms(link->evidence, surfaces[link->a], surfaces[link->b])};
     const std::pair found(order, link);
     const auto [it, added] = best.try_emplace(std::minmax(link->a, link->b), found);

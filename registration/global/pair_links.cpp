@@ -5,7 +5,7 @@
 
 #include "registration/global/link_limits.h"
 #include "registration/global/off_plane_samples.h"
-#include "registration/global/sliding_poses.h"
+#include "registration/global/shared_constraint.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -54,8 +54,8 @@ std::vector<PoseLink> PairLinks::of_pair(std::size_t a, std::size_t b,
     links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence,
                      mostly_planar && verdict == OffPlaneVerdict::kUnknown,
                      verdict == OffPlaneVerdict::kConfirmed});
-    links.back().may_slide =
-        could_slide(surfaces_[a], surfaces_[b], hypothesis, scale, options_.judge);
+    links.back().lacks_shared_constraint =
+        lacks_shared_constraint(surfaces_[a], surfaces_[b], hypothesis, scale, options_.judge);
   };
   for (const PoseHypothesis& hypothesis : found) add(hypothesis);
   if (!found.empty())

@@ -20,9 +20,7 @@ namespace {
 constexpr std::size_t kPairsAtOnce = 16;  // Judged side by side.
 
 // Whether the two views could as well lie otherwise.
-bool undetermined(const PoseLink& link) {
-  return link.evidence.degenerate || link.planar_only || link.may_slide;
-}
+bool undetermined(const PoseLink& link) { return link.degenerate() || link.planar_only; }
 
 // Best supported first, without those that are not believed: these confirm no others either.
 // `loops_of_all`: of all links.

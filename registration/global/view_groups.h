@@ -20,8 +20,11 @@ struct PoseLink {
   bool planar_only = false;
   /// Flat faces dominate either view, and the samples off these meet (off_plane_samples.h).
   bool off_plane_confirmed = false;
-  /// could_slide() of the two views.
-  bool may_slide = false;
+  /// See lacks_shared_constraint().
+  bool lacks_shared_constraint = false;
+
+  /// Whether a motion between the two views is undetermined.
+  bool degenerate() const { return evidence.degenerate || lacks_shared_constraint; }
 };
 
 /// With these numbers `relief_coarse_runs` places no view of 200 difficult scenes wrongly

@@ -14,7 +14,7 @@
 #include "registration/global/features/view_similarity.h"
 #include "registration/global/pair_search.h"
 #include "registration/global/robust_motion.h"
-#include "registration/global/sliding_poses.h"
+#include "registration/global/shared_constraint.h"
 #include "registration/global/turntable.h"
 #include "registration/verification/coherent_residual.h"
 #include "registration/verification/pose_evidence.h"
@@ -193,7 +193,7 @@ RangeView with_smooth_noise(RangeView view, double size, double phase) {
 }
 
 // At the true pose.
-bool may_slide(const RangeView& first, const RangeView& second) {
+bool is_degenerate(const RangeView& first, const RangeView& second) {
   const std::vector<RangeView> views{first, second};
   std::vector<ViewSurface> surfaces;
   for (const RangeView& view : views) surfaces.emplace_back(view);
@@ -201,27 +201,27 @@ bool may_slide(const RangeView& first, const RangeView& second) {
   const PoseHypothesis pose{truth, judge_pose(surfaces[0], surfaces[1], truth)};
   EXPECT_GT(pose.evidence.overlap, 0.3);
   return pose.evidence.degenerate ||
-         could_slide(surfaces[0], surfaces[1], pose, coarse_scale(surfaces), {});
+         lacks_shared_constraint(surfaces[0], surfaces[1], pose, coarse_scale(surfaces), {});
 }
 
-TEST(CouldSlide, OnASphereThoughNoiseThatNeighboursShareHoldsIt) {
+TEST(LacksSharedConstraint, OnASphereThoughNoiseThatNeighboursShareHoldsIt) {
   const Camera camera = Camera::pinhole(100, 100, {200, 200, 49.5, 49.5});
   const auto sphere = testing::sphere({0, 0, 0}, 40.0);
   const auto first = testing::render(sphere, camera, testing::look_at({200, 0, 0}, {0, 0, 0}));
   const auto second = testing::render(sphere, camera, testing::look_at({150, 130, 0}, {0, 0, 0}));
-  EXPECT_TRUE(may_slide(first, second));
+  EXPECT_TRUE(is_degenerate(first, second));
   const auto noisy = with_smooth_noise(first, 0.5, 0.3),
              other = with_smooth_noise(second, 0.5, 1.9);
   const ViewSurface a(noisy), b(other);
   const RigidMotion truth = second.world_from_view.inverse() * first.world_from_view;
   EXPECT_FALSE(judge_pose(a, b, truth).degenerate);
-  EXPECT_TRUE(may_slide(noisy, other));
+  EXPECT_TRUE(is_degenerate(noisy, other));
 }
 
-TEST(CouldSlide, NotOnRelief) {
-  EXPECT_FALSE(may_slide(ring()[0], ring()[1]));
-  EXPECT_FALSE(
-      may_slide(with_smooth_noise(ring()[0], 0.5, 0.3), with_smooth_noise(ring()[1], 0.5, 1.9)));
+TEST(LacksSharedConstraint, NotOnRelief) {
+  EXPECT_FALSE(is_degenerate(ring()[0], ring()[1]));
+  EXPECT_FALSE(is_degenerate(with_smooth_noise(ring()[0], 0.5, 0.3),
+                             with_smooth_noise(ring()[1], 0.5, 1.9)));
 }
 
 TEST(PoseEvidence, MissesWhatTheOtherSensorShouldHaveSeen) {

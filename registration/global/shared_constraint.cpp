@@ -1,4 +1,4 @@
-#include "registration/global/sliding_poses.h"
+#include "registration/global/shared_constraint.h"
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,8 @@ constexpr double kMoreRelief = 0.5, kNoRelief = 0.1;
 constexpr double kMove = 0.15;
 // Of that, where it rests. Less is on the way back.
 constexpr double kStays = 0.5;
-// Overlap and RMS there, of what they were: views that slide keep both, but for their borders.
+// Overlap and RMS there, of what they were: along a degenerate direction both stay, but for
+// borders.
 constexpr double kOverlapKept = 0.7, kWorseFit = 1.25;
 
 double mean_displacement(const SharedSurface& shared, const RigidMotion& motion) {
@@ -36,8 +37,8 @@ bool fits_as_well(const PoseEvidence& there, const PoseEvidence& here) {
 
 }  // namespace
 
-bool could_slide(const ViewSurface& a, const ViewSurface& b, const PoseHypothesis& pose,
-                 const CoarseScale& scale, const JudgeOptions& judge) {
+bool lacks_shared_constraint(const ViewSurface& a, const ViewSurface& b, const PoseHypothesis& pose,
+                             const CoarseScale& scale, const JudgeOptions& judge) {
   const SharedSurface shared = shared_surface(a, b, pose.b_from_a, judge);
   const SharedConstraint held = least_shared_constraint(shared.points, shared.normals);
   if (held.correlation >= kMoreRelief) return false;
