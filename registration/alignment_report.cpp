@@ -123,12 +123,12 @@ class AlignmentReport {
     std::size_t farthest = 0;
     double largest = -1.0;
     for (std::size_t i = 0; i < views_.size(); ++i) {
-      const auto& start = state_.starts.world_from_view[i];
-      const bool kept = views_[i].pose == PoseKind::kGuess && start &&
+      const bool kept = views_[i].pose == PoseKind::kGuess && checked_.world_from_view[i] &&
                         !state_.starts.found_by_shape[i] && result.views[i].aligned;
       if (!kept || surfaces_[i].samples().empty()) continue;
+      const RigidMotion given = convention_.world_from_view(views_[i].world_from_view);
       const Eigen::Vector3d centre = surfaces_[i].centre();
-      moves.push_back((result.views[i].world_from_view * centre - *start * centre).norm());
+      moves.push_back((result.views[i].world_from_view * centre - given * centre).norm());
       if (moves.back() >= largest) largest = moves.back(), farthest = i;
     }
     if (moves.size() < 2) return;
