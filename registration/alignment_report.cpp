@@ -75,6 +75,7 @@ class AlignmentReport {
     for (std::size_t i = 0; i < views_.size(); ++i) result.views.push_back(report_of(i, main));
     note_moves(result);
     note_refined_guesses(result);
+    note_kept_motions(result);
     if (views_.size() == 1) result.notes.push_back("one view only: nothing to align");
     result.pairs = std::move(state_.refined.pairs);
     result.termination = state_.refined.termination;
@@ -102,6 +103,7 @@ class AlignmentReport {
     view.status = !view.aligned ? PoseStatus::kLeftOut
                   : confirmed   ? PoseStatus::kVerified
                                 : PoseStatus::kUnverified;
+    if (!state_.refined.kept_motions.empty()) view.kept_motions = state_.refined.kept_motions[i];
     if (view.status == PoseStatus::kUnverified) view.reason = reason_unverified(i);
     if (view.status == PoseStatus::kLeftOut) view.reason = reason_left_out(i);
     return view;
@@ -139,11 +141,30 @@ class AlignmentReport {
     result.notes.push_back(note.str());
   }
 
+  void note_kept_motions(Alignment& result) const {
+    std::vector<std::string> names;
+    std::string motion;
+    for (const ViewReport& view : result.views) {
+      if (!view.aligned || view.kept_motions.empty()) continue;
+      names.push_back(view.name);
+      if (motion.empty()) motion = view.kept_motions.front().description;
+    }
+    if (names.empty()) return;
+    result.notes.push_back(some_of(names) +
+                           ": kept where alignment started along motions that the relief shared "
+                           "with other views does not determine, as " +
+                           motion);
+  }
+
   std::string names_of_group(const std::vector<std::size_t>& group, std::size_t except) const {
-    constexpr std::size_t kNamed = 4;  // The report of each view has one line.
     std::vector<std::string> names;
     for (std::size_t i = 0; i < views_.size(); ++i)
       if (group[i] == group[except] && i != except) names.push_back(views_[i].name);
+    return some_of(names);
+  }
+
+  static std::string some_of(const std::vector<std::string>& names) {
+    constexpr std::size_t kNamed = 4;  // The report of each view has one line.
     std::string text;
     for (std::size_t k = 0; k < std::min(kNamed, names.size()); ++k)
       text += (k > 0 ? ", " : "") + names[k];

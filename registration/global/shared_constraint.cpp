@@ -9,10 +9,9 @@ namespace {
 
 // Correlations of what holds the two views. At right poses of scanners they are 0.95 and more, of
 // depth cameras 0.1 to 0.9, as much as noise holds them less firmly than relief
-// (docs/results.md, Scans that nothing was developed against). Above the first there is more relief
-// than noise. Below the second there is no more than chance makes of the samples that are looked
-// at.
-constexpr double kMoreRelief = 0.5, kNoRelief = 0.1;
+// (docs/results.md, Scans that nothing was developed against). Above this there is more relief than
+// noise.
+constexpr double kMoreRelief = 0.5;
 
 // How far a view is moved [its radii]: beyond what ICP makes up for on relief that is half as long.
 constexpr double kMove = 0.15;
@@ -40,14 +39,16 @@ bool fits_as_well(const PoseEvidence& there, const PoseEvidence& here) {
 bool lacks_shared_constraint(const ViewSurface& a, const ViewSurface& b, const PoseHypothesis& pose,
                              const CoarseScale& scale, const JudgeOptions& judge) {
   const SharedSurface shared = shared_surface(a, b, pose.b_from_a, judge);
-  const SharedConstraint held = least_shared_constraint(shared.points, shared.normals);
-  if (held.correlation >= kMoreRelief) return false;
-  if (held.correlation < kNoRelief) return true;
-  const RigidMotion to_centre(Eigen::Translation3d(held.centre));
+  const SharedConstraints held = shared_constraints(shared.points, shared.normals);
+  const double correlation = held.correlations[0];
+  if (correlation >= kMoreRelief) return false;
+  if (correlation < kNoSharedRelief) return true;
+  RigidTangent motion = held.spectrum.directions.col(0);
+  motion.head<3>() /= held.spectrum.radius;  // Points move by one unit, about.
+  const RigidMotion to_centre(Eigen::Translation3d(held.spectrum.centre));
   const double distance = kMove * std::min(a.radius(), b.radius());
   return std::ranges::any_of(std::array{-distance, distance}, [&](double by) {
-    const RigidMotion moved =
-        to_centre * motion_from_tangent(by * held.motion) * to_centre.inverse();
+    const RigidMotion moved = to_centre * motion_from_tangent(by * motion) * to_centre.inverse();
     const PoseHypothesis there =
         refine_hypothesis(a, b, moved * pose.b_from_a, refinement_reach(scale), judge);
     const double rests = mean_displacement(shared, there.b_from_a * pose.b_from_a.inverse());

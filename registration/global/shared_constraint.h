@@ -6,7 +6,7 @@
 namespace relief::registration {
 
 /// Whether the relief that both views show leaves a motion between them undetermined: the one of
-/// least_shared_constraint(). PoseEvidence::degenerate tells it of either view's normals alone, and
+/// shared_constraints(). PoseEvidence::degenerate tells it of either view's normals alone, and
 /// takes noise that neighbouring samples share, or a feature of one view, for a constraint.
 ///
 /// True where the views share next to nothing along that motion. Where they share little, one view

@@ -1,6 +1,7 @@
 #include "registration/pairwise/degenerate_directions.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstdio>
@@ -37,76 +38,108 @@ std::string describe(const RigidTangent& motion, const Eigen::Vector3d& centre, 
 constexpr std::size_t kFewestPoints = 6;
 
 // (R5): j = (x n, n), with x about a centre and scaled to mean length 1.
-class ConstraintRows {
- public:
-  explicit ConstraintRows(const std::vector<OrientedPoint>& points) {
+Vector6d constraint_row(const OrientedPoint& p, const Eigen::Vector3d& centre, double radius) {
+  Vector6d j;
+  j << ((p.point - centre) / radius).cross(p.normal), p.normal;
+  return j;
+}
+
+// The mean of the points, and their mean distance from it.
+struct Extent {
+  Eigen::Vector3d centre;
+  double radius = 0.0;
+
+  explicit Extent(const std::vector<OrientedPoint>& points) {
     const double count = static_cast<double>(points.size());
     const Eigen::Vector3d first = points.front().point;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const auto& p : points) sum += p.point - first;
-    centre_ = first + sum / count;
+    centre = first + sum / count;
     double distance = 0.0;
-    for (const auto& p : points) distance += (p.point - centre_).norm();
-    radius_ = distance / count;
+    for (const auto& p : points) distance += (p.point - centre).norm();
+    radius = distance / count;
   }
-
-  bool extended() const { return radius_ > 0.0; }
-  const Eigen::Vector3d& centre() const { return centre_; }
-  double radius() const { return radius_; }
-
-  Vector6d row(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
-    Vector6d j;
-    j << ((point - centre_) / radius_).cross(normal), normal;
-    return j;
-  }
-
- private:
-  Eigen::Vector3d centre_;
-  double radius_ = 0.0;
 };
 
 }  // namespace
+
+ConstraintSpectrum sorted(const ConstraintSpectrum& spectrum) {
+  std::array<Eigen::Index, 6> order{0, 1, 2, 3, 4, 5};
+  std::ranges::stable_sort(order, {}, [&](Eigen::Index k) { return spectrum.eigenvalues[k]; });
+  ConstraintSpectrum result = spectrum;
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    const Eigen::Index from = order[static_cast<std::size_t>(k)];
+    result.eigenvalues[k] = spectrum.eigenvalues[from];
+    result.directions.col(k) = spectrum.directions.col(from);
+  }
+  return result;
+}
 
 ConstraintSpectrum analyse_constraints(const std::vector<OrientedPoint>& points) {
   ConstraintSpectrum result;
   if (points.size() < kFewestPoints) return result;
   const double count = static_cast<double>(points.size());
-  const ConstraintRows rows(points);
-  result.centre = rows.centre();
-  if (!rows.extended()) return result;
-  result.radius = rows.radius();
+  const Extent extent(points);
+  result.centre = extent.centre;
+  if (!(extent.radius > 0.0)) return result;
+  result.radius = extent.radius;
   Matrix6d covariance = Matrix6d::Zero();
   for (const auto& p : points)
-    covariance.selfadjointView<Eigen::Lower>().rankUpdate(rows.row(p.point, p.normal));
+    covariance.selfadjointView<Eigen::Lower>().rankUpdate(
+        constraint_row(p, result.centre, result.radius));
   const auto eigen = eigen_decomposition(Matrix6d(covariance / count));
   result.eigenvalues = eigen.eigenvalues().cwiseMax(0.0);
   result.directions = eigen.eigenvectors();
   return result;
 }
 
-SharedConstraint least_shared_constraint(const std::vector<OrientedPoint>& points,
-                                         const std::vector<Eigen::Vector3d>& normals) {
-  assert(points.size() == normals.size());
-  SharedConstraint result;
-  if (points.size() < kFewestPoints) return result;
-  const ConstraintRows rows(points);
-  if (!rows.extended()) return result;
-  Matrix6d shared = Matrix6d::Zero(), own = Matrix6d::Zero();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vector6d a = rows.row(points[i].point, points[i].normal),
-                   b = rows.row(points[i].point, normals[i]);
-    shared.selfadjointView<Eigen::Lower>().rankUpdate(a, b, 0.5);
-    own.selfadjointView<Eigen::Lower>().rankUpdate(a, 0.5).rankUpdate(b, 0.5);
+void SharedConstraintSum::add(const OrientedPoint& point, const Eigen::Vector3d& normal) {
+  const Vector6d a = constraint_row(point, centre_, radius_),
+                 b = constraint_row({point.point, normal}, centre_, radius_);
+  shared_.selfadjointView<Eigen::Lower>().rankUpdate(a, b, 0.5);
+  own_.selfadjointView<Eigen::Lower>().rankUpdate(a, 0.5).rankUpdate(b, 0.5);
+  ++count_;
+}
+
+void SharedConstraintSum::add(const SharedConstraintSum& other) {
+  shared_ += other.shared_;
+  own_ += other.own_;
+  count_ += other.count_;
+}
+
+SharedConstraints SharedConstraintSum::constraints() const {
+  SharedConstraints result;
+  result.spectrum.centre = centre_;
+  result.spectrum.radius = radius_;
+  if (count_ < kFewestPoints) return result;
+  const auto eigen = eigen_decomposition(Matrix6d(shared_ / static_cast<double>(count_)));
+  result.spectrum.eigenvalues = eigen.eigenvalues();
+  result.spectrum.directions = eigen.eigenvectors();
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    const Vector6d direction = result.spectrum.directions.col(k);
+    const Vector6d held = own_.selfadjointView<Eigen::Lower>() * direction;
+    const double own = direction.dot(held) / static_cast<double>(count_);
+    if (own > 0.0) result.correlations[k] = result.spectrum.eigenvalues[k] / own;
   }
-  const auto eigen = eigen_decomposition(Matrix6d(shared / static_cast<double>(points.size())));
-  const Vector6d motion = eigen.eigenvectors().col(0);
-  const Vector6d held = own.selfadjointView<Eigen::Lower>() * motion;
-  const double of_both = motion.dot(held) / static_cast<double>(points.size());
-  result.eigenvalue = eigen.eigenvalues()[0];
-  result.correlation = of_both > 0.0 ? result.eigenvalue / of_both : 0.0;
-  result.motion << motion.head<3>() / rows.radius(), motion.tail<3>();
-  result.centre = rows.centre();
   return result;
+}
+
+SharedConstraints shared_constraints(const std::vector<OrientedPoint>& points,
+                                     const std::vector<Eigen::Vector3d>& normals) {
+  assert(points.size() == normals.size());
+  if (points.size() < kFewestPoints) return {};
+  const Extent extent(points);
+  if (!(extent.radius > 0.0)) return {};
+  SharedConstraintSum sum(extent.centre, extent.radius);
+  for (std::size_t i = 0; i < points.size(); ++i) sum.add(points[i], normals[i]);
+  return sum.constraints();
+}
+
+std::vector<DegenerateDirection> directions_without_shared_relief(const SharedConstraints& held,
+                                                                  double least_correlation) {
+  ConstraintSpectrum by_correlation = held.spectrum;
+  by_correlation.eigenvalues = held.correlations;
+  return degenerate_directions(sorted(by_correlation), least_correlation);
 }
 
 std::vector<DegenerateDirection> degenerate_directions(const ConstraintSpectrum& spectrum,
@@ -134,6 +167,17 @@ RigidTangent tangent_about(const Eigen::Vector3d& centre, const DegenerateDirect
   RigidTangent about;
   about << turn, direction.motion.tail<3>() + turn.cross(centre - direction.centre);
   return about;
+}
+
+Matrix6d without_motions(const std::vector<DegenerateDirection>& motions,
+                         const Eigen::Vector3d& centre, const Vector6d& weight) {
+  if (motions.empty()) return Matrix6d::Identity();
+  Eigen::MatrixXd left_out(6, motions.size());
+  for (std::size_t k = 0; k < motions.size(); ++k)
+    left_out.col(static_cast<Eigen::Index>(k)) = tangent_about(centre, motions[k]);
+  const Eigen::MatrixXd weighted = weight.asDiagonal() * left_out;
+  return Matrix6d::Identity() - left_out * solve_symmetric(left_out.transpose() * weighted,
+                                                           Eigen::MatrixXd(weighted.transpose()));
 }
 
 double eigenvalue_threshold(double normal_noise) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -26,28 +27,56 @@ struct ConstraintSpectrum {
   Matrix6d directions = Matrix6d::Identity();  ///< Columns belong to `eigenvalues`.
 };
 
+/// In ascending order of the eigenvalues.
+ConstraintSpectrum sorted(const ConstraintSpectrum& spectrum);
+
 /// All eigenvalues are zero for fewer than six points.
 ConstraintSpectrum analyse_constraints(const std::vector<OrientedPoint>& points);
 
-/// Of two surfaces that lie on each other, the motion that holds them least by what both show.
+/// How firmly two surfaces that lie on each other are held by what both show.
 ///
 /// Noise of normals holds surfaces as relief does: it adds to the eigenvalues of either surface
 /// alone. The normals of two measurements share relief and no noise, so the mean of
 /// (j_a j_b^T + j_b j_a^T) / 2, with j of (R5), has none on average.
-struct SharedConstraint {
-  double eigenvalue = 0.0;  ///< The least one of that mean; negative ones are chance.
-  /// The same as a fraction of the mean of both surfaces' own, in the direction of that motion: 1
-  /// where both show the same, 0 where what each shows is its own, as noise or another feature.
-  double correlation = 0.0;
-  /// The motion: rotation [rad] and translation [unit] at `centre`, by which points move by one
-  /// unit, about.
-  RigidTangent motion = RigidTangent::Zero();
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+struct SharedConstraints {
+  /// Of that mean; negative eigenvalues are chance.
+  ConstraintSpectrum spectrum;
+  /// The eigenvalues as fractions of the mean of both surfaces' own in the same directions: 1 where
+  /// both show the same, 0 where what each shows is its own, as noise or another feature.
+  Vector6d correlations = Vector6d::Zero();
 };
 
-/// `normals` are those of the other surface at `points`. Zero for fewer than six points.
-SharedConstraint least_shared_constraint(const std::vector<OrientedPoint>& points,
-                                         const std::vector<Eigen::Vector3d>& normals);
+/// Sums up points of the surfaces, for SharedConstraints about a centre.
+class SharedConstraintSum {
+ public:
+  /// `radius` [unit], > 0: see ConstraintSpectrum.
+  SharedConstraintSum(const Eigen::Vector3d& centre, double radius)
+      : centre_(centre), radius_(radius) {}
+
+  /// A point of either surface, and the unit normal of the other one there.
+  void add(const OrientedPoint& point, const Eigen::Vector3d& normal);
+  /// What another sum about the same centre holds.
+  void add(const SharedConstraintSum& other);
+  /// Zero for fewer than six points.
+  SharedConstraints constraints() const;
+
+ private:
+  Eigen::Vector3d centre_;
+  double radius_;
+  Matrix6d shared_ = Matrix6d::Zero(), own_ = Matrix6d::Zero();  // Their lower halves.
+  std::size_t count_ = 0;
+};
+
+/// The same for points that are all there, about their mean.
+SharedConstraints shared_constraints(const std::vector<OrientedPoint>& points,
+                                     const std::vector<Eigen::Vector3d>& normals);
+
+/// Correlations of two views below this are no more than chance makes of a thousand samples.
+inline constexpr double kNoSharedRelief = 0.1;
+
+/// The motions whose correlations are below `least_correlation`.
+std::vector<DegenerateDirection> directions_without_shared_relief(
+    const SharedConstraints& held, double least_correlation = kNoSharedRelief);
 
 /// The directions whose eigenvalue is below `threshold`. Within their span the basis is chosen so
 /// that pure translations come first.
@@ -56,6 +85,11 @@ std::vector<DegenerateDirection> degenerate_directions(const ConstraintSpectrum&
 
 /// The motion of a degenerate direction, which is about its own centre, as a tangent about another.
 RigidTangent tangent_about(const Eigen::Vector3d& centre, const DegenerateDirection& direction);
+
+/// Takes the part along `motions` out of tangents about `centre`. `weight`: how much a rotation
+/// about an axis and a translation along it move, squared, for what counts as a part.
+Matrix6d without_motions(const std::vector<DegenerateDirection>& motions,
+                         const Eigen::Vector3d& centre, const Vector6d& weight);
 
 /// The eigenvalue that noise of the normals [rad] alone produces, with a factor of two in the
 /// angle: a direction below it is degenerate. At least (0.6 deg)^2.

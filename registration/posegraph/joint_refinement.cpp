@@ -8,7 +8,7 @@
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/joint_solver.h"
-#include "registration/posegraph/loops/loop_closure.h"
+#include "registration/posegraph/last_steps.h"
 #include "registration/posegraph/pairs/pair_matcher.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "registration/posegraph/view_graph.h"
@@ -18,22 +18,13 @@ namespace relief::registration {
 
 namespace {
 
-// Of all pairs at a time, before the last steps, which use all samples. Bounds the memory.
-constexpr std::size_t kMostCorrespondences = 250'000;
-// Of one direction of a pair, where many pairs are solved for together, and where one is judged:
-// 40 and 120 residuals a pair, for six unknowns.
-constexpr int kFewestTogether = 20, kFewestAlone = 60;
+// Of one direction of a pair: 40 residuals a pair, for six unknowns, where many are solved for
+// together.
+constexpr int kFewestTogether = 20;
 // All pairs of hundreds of views would get so few samples each that most of a view goes unused, and
 // they need gigabytes. What a view's pairs share is its own noise: with n of them its pose errs by
 // the root of 1 + 1/n times what all could give, 2 % more for 24.
 constexpr int kMostPairsOfAView = 24;
-// The last steps are precise enough to stop at less than the levels before them [tolerances]. Poses
-// err by one, and a last step follows anyway. Smaller costs steps, of which there are 6 at most.
-constexpr double kFinalTolerance = 0.5;
-// Residuals of all pairs together in the last step: some ten seconds of processor time. The steps
-// before it take a quarter: they err by twice as much, and the last step leaves a tenth of that.
-constexpr std::size_t kMostLastResiduals = 50'000'000;
-constexpr std::size_t kMostStepResiduals = kMostLastResiduals / 4;
 
 std::vector<SearchLevel> levels_for(const std::vector<ViewSurface>& surfaces,
                                     const JointRefinementOptions& options, int signal_levels) {
@@ -72,18 +63,6 @@ std::vector<ViewPair> pairs_at(const std::vector<ViewSurface>& surfaces,
     return roles[pair.a] == ViewRole::kExcluded || roles[pair.b] == ViewRole::kExcluded;
   });
   return pairs;
-}
-
-// Hundreds of views have thousands of pairs: each then needs fewer, for the same number per view.
-CorrespondenceOptions search_at(const SearchLevel& level, std::size_t pairs, int fewest,
-                                const JointRefinementOptions& options) {
-  const std::size_t share = kMostCorrespondences / std::max<std::size_t>(1, 2 * pairs);
-  CorrespondenceOptions search;
-  search.count = std::min(level.count, std::max(static_cast<int>(share), fewest));
-  search.max_distance = level.max_distance;
-  search.max_normal_angle_deg = options.max_normal_angle_deg;
-  search.association = options.association;
-  return search;
 }
 
 // Views that all their correspondences together hardly hold, and that have normal maps: geometry
@@ -147,86 +126,15 @@ std::vector<bool> hold_one_per_group(const std::vector<std::size_t>& group,
   return held;
 }
 
-// Pair by pair: all matches of hundreds of views would need more memory than all else.
-void describe_fit(const PairMatcher& match, const std::vector<ViewSurface>& surfaces,
-                  JointRefinement& result) {
-  result.pairs = parallel_map<PairFit>(match.size() / 2, [&](std::size_t k) {
-    return fit_of(surfaces, result.world_from_view, match(2 * k), match(2 * k + 1));
-  });
-  double squares = 0.0;
-  std::size_t count = 0;
-  for (const PairFit& fit : result.pairs) {
-    squares += fit.rms * fit.rms * static_cast<double>(fit.correspondences);
-    count += fit.correspondences;
-  }
-  set_pair_statuses(surfaces, result.pairs);
-  if (count > 0) result.rms = std::sqrt(squares / static_cast<double>(count));
-}
-
-// Of one direction of a pair.
-std::size_t share_of(std::size_t residuals, std::size_t pairs) {
-  return std::max<std::size_t>(1000, residuals / (2 * pairs));
-}
-
-std::size_t last_samples(const JointRefinementOptions& options, std::size_t pairs) {
-  const std::size_t share = share_of(kMostLastResiduals, pairs);
-  const auto wanted = static_cast<std::size_t>(options.final_samples);
-  return wanted == 0 ? share : std::min(wanted, share);
-}
-
-bool all_finite(const std::vector<RigidMotion>& poses) {
-  return std::all_of(poses.begin(), poses.end(),
-                     [](const RigidMotion& pose) { return pose.matrix().allFinite(); });
-}
-
-// Whether they are finite; sets them.
-bool set_covariances(const PoseCovariance& covariance, JointRefinement& result) {
-  std::vector<Matrix6d> covariances;
-  std::vector<RigidTangent> deviations;
-  for (std::size_t i = 0; i < result.pose_std.size(); ++i) {
-    covariances.push_back(covariance.of(i));
-    if (!covariances.back().allFinite()) return false;
-    deviations.push_back(covariances.back().diagonal().cwiseMax(0.0).cwiseSqrt());
-  }
-  result.pose_covariance = std::move(covariances);
-  result.pose_std = std::move(deviations);
-  result.joint_covariance = covariance;
-  return true;
-}
-
-// The last steps, with all samples of the strongest pairs; gives the covariance too. Returns what
-// the very last one was made of.
-PoseGraphLastStep finish(const std::vector<ViewSurface>& surfaces,
-                         const std::vector<ViewPair>& pairs, const SearchLevel& level,
-                         const std::vector<bool>& nearly_degenerate,
-                         const JointRefinementOptions& options, JointRefinement& result) {
-  PoseGraphRefinementOptions last;
-  last.search = search_at(level, pairs.size(), kFewestAlone, options);
-  last.last_samples = last_samples(options, pairs.size());
-  last.step_samples =
-      std::min({last.step_samples, last.last_samples, share_of(kMostStepResiduals, pairs.size())});
-  last.tolerance = kFinalTolerance * level.tolerance;
-  if (std::find(nearly_degenerate.begin(), nearly_degenerate.end(), true) !=
-      nearly_degenerate.end()) {
-    const PairMatcher match(surfaces, result.world_from_view, pairs, last.search,
-                            level.signal_level, nearly_degenerate);
-    last.normals = parallel_map<NormalMatches>(match.size(), [&](std::size_t i) {
-      return match.by_normal_maps(i) ? match(i).normals : NormalMatches();
-    });
-  }
-  auto poses = result.world_from_view;
-  auto refined = refine_pose_graph(pointers_to(surfaces), pairs, result.held, last, poses);
-  result.solves.insert(result.solves.end(), refined.solves.begin(), refined.solves.end());
-  if (!refined.solved || !all_finite(poses) || !set_covariances(refined.covariance, result)) {
-    result.termination = RefinementTermination::kSolverFailed;
-    return {};
-  }
-  result.world_from_view = std::move(poses);
-  result.iterations += refined.iterations;
-  result.last_motion = refined.last_motion;
-  if (refined.last_motion > level.tolerance)
-    result.termination = RefinementTermination::kIterationLimit;
-  return std::move(refined.last);
+// Nearly degenerate views that a pair determines, now that normal maps are aligned too.
+std::vector<bool> views_held_by_maps(const std::vector<PairFit>& pairs,
+                                     const std::vector<bool>& nearly_degenerate) {
+  std::vector<bool> held(nearly_degenerate.size());
+  for (const PairFit& pair : pairs)
+    for (const std::size_t i : {pair.a, pair.b})
+      if (nearly_degenerate[i] && pair.normal_maps && pair.degenerate_directions.empty())
+        held[i] = true;
+  return held;
 }
 
 }  // namespace
@@ -250,11 +158,15 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
 
   const auto [levels, nearly_degenerate] = plan_search(surfaces, world_from_view, roles, options);
   std::vector<ViewPair> pairs;
-  for (std::size_t l = 0; l < levels.size(); ++l) {
-    pairs = pairs_at(surfaces, result.world_from_view, roles, levels[l], options);
-    if (pairs.empty()) break;
+  const auto link_views = [&](const SearchLevel& level) {
+    pairs = pairs_at(surfaces, result.world_from_view, roles, level, options);
+    if (pairs.empty()) return;
     result.group = connected_groups(surfaces.size(), pairs);
     result.held = hold_one_per_group(result.group, roles);
+  };
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    link_views(levels[l]);
+    if (pairs.empty()) break;
     result.termination = RefinementTermination::kIterationLimit;
     const JointSolverOptions solver{};
     const auto strongest = largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView);
@@ -289,16 +201,22 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   release_freed_memory();  // What solving took; the last steps grow as large.
   if (!report_progress(progress, 0.0, "computing covariances"))
     return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-  const PoseGraphLastStep last_step =
-      finish(surfaces, largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView), levels.back(),
-             nearly_degenerate, options, result);
-  if (result.termination == RefinementTermination::kSolverFailed) return result;
-  const SearchLevel& last = levels.back();
-  describe_fit(PairMatcher(surfaces, result.world_from_view, pairs,
-                           search_at(last, pairs.size(), kFewestAlone, options), last.signal_level,
-                           nearly_degenerate),
-               surfaces, result);
-  result.loops = loop_closures(surfaces, result.world_from_view, last_step, result.pairs);
+  const auto finish = [&](MotionsOfViews at_rest) {
+    return take_last_steps(surfaces,
+                           {pairs, largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView)},
+                           levels.back(), nearly_degenerate, std::move(at_rest), options, result);
+  };
+  MotionsOfViews drifting = finish({});
+  const auto held_by_maps = views_held_by_maps(result.pairs, nearly_degenerate);
+  for (std::size_t i = 0; i < drifting.size(); ++i)
+    if (result.held[i] || held_by_maps[i]) drifting[i].clear();
+  if (std::ranges::all_of(drifting, [](const auto& motions) { return motions.empty(); }))
+    return result;
+  for (std::size_t i = 0; i < drifting.size(); ++i)
+    result.world_from_view[i] =
+        without_drift(surfaces[i], world_from_view[i], result.world_from_view[i], drifting[i]);
+  link_views(levels.back());
+  if (!pairs.empty()) finish(std::move(drifting));
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "registration/pairwise/correspondences.h"
+#include "registration/posegraph/degenerate_views.h"
 #include "registration/posegraph/pairs/pair_fit.h"
 #include "registration/posegraph/refinement/pose_covariance.h"
 #include "registration/surface/view_surface.h"
@@ -36,6 +37,8 @@ struct JointRefinement {
   std::vector<RigidTangent> pose_std;  ///< The roots of their diagonals.
   /// Of all poses together, between views of up to 32 alone; not kept in a UnitStore.
   PoseCovariance joint_covariance;
+  /// For each view, motions along which it keeps its starting pose, as nothing but noise holds it.
+  MotionsOfViews kept_motions;
   std::vector<SolverSummary> solves;  ///< In their order.
   std::vector<LoopClosure> loops;     ///< Of the pairs, the least explained first.
 };
@@ -49,7 +52,8 @@ enum class ViewRole {
 
 /// Refines all poses at once: minimises the robust point-to-plane distances of all overlapping
 /// pairs, both ways (R3), and renews the correspondences until the poses stand still. Of many views
-/// only the largest overlaps of each take part. The only error is kInterrupted.
+/// only the largest overlaps of each take part. Along motions of which nothing but noise tells,
+/// views keep the poses given. The only error is kInterrupted.
 Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
                                        const std::vector<RigidMotion>& world_from_view,
                                        const std::vector<ViewRole>& roles,

@@ -31,8 +31,9 @@ void serialize(Archive& archive, LoopClosure& loop) {
 
 template <class Archive>
 void serialize(Archive& archive, ViewReport& view) {
-  auto& [name, world_from_view, aligned, status, pose_covariance, pose_std, reason] = view;
-  archive(name, world_from_view, aligned, status, pose_covariance, pose_std, reason);
+  auto& [name, world_from_view, aligned, status, pose_covariance, pose_std, reason, kept_motions] =
+      view;
+  archive(name, world_from_view, aligned, status, pose_covariance, pose_std, reason, kept_motions);
 }
 
 template <class Archive>
@@ -69,10 +70,10 @@ void serialize(Archive& archive, SensorCalibration& calibration) {
 template <class Archive>
 void serialize(Archive& archive, JointRefinement& refined) {
   auto& [world_from_view, termination, iterations, last_motion, rms, pairs, group, held,
-         pose_covariance, pose_std, joint_covariance, solves, loops] = refined;
+         pose_covariance, pose_std, joint_covariance, kept_motions, solves, loops] = refined;
   static_cast<void>(joint_covariance);
   archive(world_from_view, termination, iterations, last_motion, rms, pairs, group, held,
-          pose_covariance, pose_std, solves, loops);
+          pose_covariance, pose_std, kept_motions, solves, loops);
 }
 
 template <class Archive>

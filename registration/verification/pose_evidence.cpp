@@ -249,7 +249,7 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
   if (a.samples().empty() || b.samples().empty()) return evidence;
   const auto [in_b, in_a] = look_both_ways(a, b, b_from_a, options.probes, options, evidence);
 
-  const SharedSurface shared(b_from_a, in_b, in_a);
+  const SharedSurface shared(b_from_a, RigidMotion::Identity(), in_b, in_a);
   std::vector<double> distances;  // Of a in front of b.
   for (const auto& c : in_b.items) distances.push_back(c.distance);
   for (const auto& c : in_a.items) distances.push_back(-c.distance);
@@ -269,7 +269,7 @@ PoseEvidence judge_pose(const ViewSurface& a, const ViewSurface& b, const RigidM
 SharedSurface shared_surface(const ViewSurface& a, const ViewSurface& b,
                              const RigidMotion& b_from_a, const JudgeOptions& options) {
   const CorrespondenceOptions search = shared_samples(a, b, options.probes, options);
-  return {b_from_a, find_correspondences(a, b, b_from_a, search),
+  return {b_from_a, RigidMotion::Identity(), find_correspondences(a, b, b_from_a, search),
           find_correspondences(b, a, b_from_a.inverse(), search)};
 }
 

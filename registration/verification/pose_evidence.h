@@ -1,8 +1,8 @@
 #pragma once
 
 #include "registration/pairwise/correspondences.h"
+#include "registration/pairwise/shared_surface.h"
 #include "registration/surface/view_surface.h"
-#include "registration/verification/shared_surface.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {

@@ -91,6 +91,23 @@ void add_flaws(RangeView& view, const SensorFlaws& flaws, std::uint32_t seed) {
   add_normal_noise(view, flaws.normal_noise_deg * kRadians, seed + 500);
 }
 
+void add_smooth_noise(RangeView& view, double sigma, int reach, std::uint32_t seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal(0.0, sigma * (2 * reach + 1));
+  const int width = view.width(), height = view.height();
+  Grid<double> noise(width, height, 0.0);
+  for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = normal(generator);
+  for (int v = reach; v + reach < height; ++v) {
+    for (int u = reach; u + reach < width; ++u) {
+      double sum = 0.0;
+      for (int y = v - reach; y <= v + reach; ++y)
+        for (int x = u - reach; x <= u + reach; ++x) sum += noise(x, y);
+      const int samples = (2 * reach + 1) * (2 * reach + 1);
+      view.range(u, v) += sum / samples / view.camera.ray(u, v).direction.norm();
+    }
+  }
+}
+
 double mean_displacement(const RangeView& view, const RigidMotion& a, const RigidMotion& b) {
   double sum = 0.0, count = 0.0;
   for (int v = 0; v < view.height(); v += 2) {

@@ -27,6 +27,9 @@ struct SensorFlaws {
 };
 void add_flaws(RangeView& view, const SensorFlaws& flaws, std::uint32_t seed);
 
+/// Range noise that is alike over about `reach` pixels either way; `sigma` [unit]: its deviation.
+void add_smooth_noise(RangeView& view, double sigma, int reach, std::uint32_t seed);
+
 /// Mean distance [unit] between where two motions put the samples of `view`.
 double mean_displacement(const RangeView& view, const RigidMotion& a, const RigidMotion& b);
 

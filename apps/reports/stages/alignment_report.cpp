@@ -49,6 +49,13 @@ std::string count_grades(const registration::Alignment& alignment) {
   return text;
 }
 
+Json in_words(const std::vector<registration::DegenerateDirection>& directions) {
+  Json words = Json::array();
+  for (const registration::DegenerateDirection& direction : directions)
+    words.push_back(direction.description);
+  return words;
+}
+
 Json view_report(const registration::ViewReport& view) {
   Json report = {{"name", view.name},
                  {"world_from_view", to_json(view.world_from_view)},
@@ -59,13 +66,11 @@ Json view_report(const registration::ViewReport& view) {
   for (const auto& row : view.pose_covariance.rowwise())
     covariance.push_back(std::vector<double>(row.begin(), row.end()));
   if (!view.reason.empty()) report["reason"] = view.reason;
+  if (!view.kept_motions.empty()) report["kept_motions"] = in_words(view.kept_motions);
   return report;
 }
 
 Json pair_report(const registration::PairFit& pair, const registration::Alignment& alignment) {
-  Json directions = Json::array();
-  for (const registration::DegenerateDirection& direction : pair.degenerate_directions)
-    directions.push_back(direction.description);
   return {{"a", alignment.views[pair.a].name},
           {"b", alignment.views[pair.b].name},
           {"overlap", pair.overlap},
@@ -73,7 +78,7 @@ Json pair_report(const registration::PairFit& pair, const registration::Alignmen
           {"correspondences", pair.correspondences},
           {"grade", to_string(pair.status)},
           {"normal_maps", pair.normal_maps},
-          {"degenerate_directions", std::move(directions)}};
+          {"degenerate_directions", in_words(pair.degenerate_directions)}};
 }
 
 Json loop_report(const registration::LoopClosure& loop, const registration::Alignment& alignment) {

@@ -127,21 +127,6 @@ double significant_agreement(const std::vector<RowPair>& rows, double redundancy
   return significant ? products : 0.0;
 }
 
-ConstraintSpectrum sorted(const ConstraintSpectrum& spectrum) {
-  std::array<Eigen::Index, 6> order;
-  std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return spectrum.eigenvalues[a] < spectrum.eigenvalues[b];
-  });
-  ConstraintSpectrum result = spectrum;
-  for (Eigen::Index i = 0; i < 6; ++i) {
-    const Eigen::Index from = order[static_cast<std::size_t>(i)];
-    result.eigenvalues[i] = spectrum.eigenvalues[from];
-    result.directions.col(i) = spectrum.directions.col(from);
-  }
-  return result;
-}
-
 }  // namespace
 
 Vector6d NormalMatch::derivative(int k, const Gradient& gradient,

@@ -29,29 +29,32 @@ double degeneracy_threshold(const ViewSurface& a, const ViewSurface& b) {
 }
 
 PairFit fit_of(const std::vector<ViewSurface>& surfaces,
-               const std::vector<RigidMotion>& world_from_view, const DirectedMatches& forward,
-               const DirectedMatches& backward) {
+               const std::vector<RigidMotion>& world_from_view, const SharedSurface& shared,
+               const DirectedMatches& forward, const DirectedMatches& backward) {
   PairFit fit;
   fit.a = forward.source;
   fit.b = forward.target;
   fit.overlap = 0.5 * (forward.found.overlap() + backward.found.overlap());
-  std::vector<OrientedPoint> points;
   NormalMatches normals;
   double squares = 0.0;
   for (const auto* directed : {&forward, &backward}) {
     const RigidMotion& pose = world_from_view[directed->target];
-    for (const auto& c : directed->found.items) {
-      squares += c.distance * c.distance;
-      points.push_back({pose * c.target.point, pose.linear() * c.target.normal});
-    }
+    for (const auto& c : directed->found.items) squares += c.distance * c.distance;
     for (const auto& match : directed->normals.items) normals.items.push_back(match.moved(pose));
     normals.effective_sigma = std::max(normals.effective_sigma, directed->normals.effective_sigma);
     normals.redundancy = std::max(normals.redundancy, directed->normals.redundancy);
   }
-  fit.correspondences = points.size();
-  if (!points.empty()) fit.rms = std::sqrt(squares / static_cast<double>(points.size()));
+  fit.correspondences = shared.points.size();
+  if (!shared.points.empty())
+    fit.rms = std::sqrt(squares / static_cast<double>(shared.points.size()));
   const double threshold = degeneracy_threshold(surfaces[fit.a], surfaces[fit.b]);
-  ConstraintSpectrum spectrum = analyse_constraints(points);
+  const SharedConstraints held = shared_constraints(shared.points, shared.normals);
+  ConstraintSpectrum spectrum = held.spectrum;
+  // Below the threshold is what noise explains, however little of it both views share.
+  for (Eigen::Index k = 0; k < 6; ++k)
+    if (held.correlations[k] < kNoSharedRelief)
+      spectrum.eigenvalues[k] = std::min(spectrum.eigenvalues[k], 0.5 * threshold);
+  spectrum = sorted(spectrum);
   if (!normals.items.empty())
     spectrum = with_normal_maps(
         spectrum, normals,

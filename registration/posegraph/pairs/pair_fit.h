@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "registration/pairwise/degenerate_directions.h"
+#include "registration/pairwise/shared_surface.h"
 #include "registration/posegraph/joint_solver.h"
 #include "registration/surface/view_surface.h"
 #include "relief/registration/pair_fit.h"
@@ -12,10 +13,11 @@
 
 namespace relief::registration {
 
-/// The fit of one pair by its matches in both directions, not graded yet.
+/// The fit of one pair by its matches in both directions, and what they share in the world frame;
+/// not graded yet.
 PairFit fit_of(const std::vector<ViewSurface>& surfaces,
-               const std::vector<RigidMotion>& world_from_view, const DirectedMatches& forward,
-               const DirectedMatches& backward);
+               const std::vector<RigidMotion>& world_from_view, const SharedSurface& shared,
+               const DirectedMatches& forward, const DirectedMatches& backward);
 
 /// Grades pairs beside all others of the same views.
 void set_pair_statuses(const std::vector<ViewSurface>& surfaces, std::vector<PairFit>& pairs);

@@ -1,5 +1,7 @@
 #include "registration/posegraph/pairs/pair_matcher.h"
 
+#include <algorithm>
+
 #include "registration/pairwise/degenerate_directions.h"
 #include "registration/pairwise/normal_maps/normal_matches.h"
 #include "registration/posegraph/pairs/pair_fit.h"
@@ -7,6 +9,9 @@
 namespace relief::registration {
 
 namespace {
+
+// Of all pairs at a time, before the last steps, which use all samples. Bounds the memory.
+constexpr std::size_t kMostCorrespondences = 250'000;
 
 ConstraintSpectrum stability_of(const Correspondences& found) {
   std::vector<OrientedPoint> points;
@@ -32,6 +37,17 @@ NormalMatches normals_of(const std::vector<ViewSurface>& surfaces, const Directe
 }
 
 }  // namespace
+
+CorrespondenceOptions search_at(const SearchLevel& level, std::size_t pairs, int fewest,
+                                const JointRefinementOptions& options) {
+  const std::size_t share = kMostCorrespondences / std::max<std::size_t>(1, 2 * pairs);
+  CorrespondenceOptions search;
+  search.count = std::min(level.count, std::max(static_cast<int>(share), fewest));
+  search.max_distance = level.max_distance;
+  search.max_normal_angle_deg = options.max_normal_angle_deg;
+  search.association = options.association;
+  return search;
+}
 
 DirectedMatches PairMatcher::operator()(std::size_t i) const {
   DirectedMatches directed;

@@ -4,12 +4,20 @@
 #include <vector>
 
 #include "registration/pairwise/correspondences.h"
+#include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/joint_solver.h"
 #include "registration/posegraph/view_graph.h"
 #include "registration/surface/view_surface.h"
+#include "relief/registration/align_options.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {
+
+/// How to search for correspondences of so many pairs of views at a level, `fewest` at least of
+/// each direction. Hundreds of views have thousands of pairs: each then needs fewer, for the same
+/// number per view.
+CorrespondenceOptions search_at(const SearchLevel& level, std::size_t pairs, int fewest,
+                                const JointRefinementOptions& options);
 
 /// Matches pairs of views at poses, one direction of a pair at a time. All that is given has to
 /// outlive it.

@@ -151,19 +151,12 @@ void add_normals(const NormalMatches& normals, const RigidMotion& world_from_tar
 void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen::Vector3d& centre,
                     PairInformation& sum) {
   if (motions.empty() || sum.count == 0) return;
-  Eigen::MatrixXd ignored(6, motions.size());
-  for (std::size_t k = 0; k < motions.size(); ++k)
-    ignored.col(static_cast<Eigen::Index>(k)) = tangent_about(centre, motions[k]);
-  // What is left of a motion without its part along those that are ignored; rotations count by the
-  // lever that they have.
+  // Rotations count by the lever that they have.
   const Vector6d diagonal = sum.information.diagonal();
   const double lever = diagonal.head<3>().sum() / std::max(diagonal.tail<3>().sum(), 1e-300);
   Vector6d weight = Vector6d::Ones();
   weight.head<3>().setConstant(std::max(lever, 1e-300));
-  const Eigen::MatrixXd weighted = weight.asDiagonal() * ignored;
-  const Matrix6d rest =
-      Matrix6d::Identity() - ignored * solve_symmetric(ignored.transpose() * weighted,
-                                                       Eigen::MatrixXd(weighted.transpose()));
+  const Matrix6d rest = without_motions(motions, centre, weight);
   sum.information = rest.transpose() * sum.information * rest;
   sum.independent = rest.transpose() * sum.independent * rest;
   sum.score = rest.transpose() * sum.score;

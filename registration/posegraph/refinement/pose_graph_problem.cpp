@@ -38,14 +38,13 @@ Edges edges_of(const std::vector<PairInformation>& pairs, double step_gain) {
   return edges;
 }
 
-// f + D (x_s - x_t), with the tangents in units of `scale`.
+// f + D (x_s - x_t), with the tangents as products of `source` or `target` and the parameters.
 class EdgeCost : public ceres::SizedCostFunction<7, 6, 6> {
  public:
-  EdgeCost(CompressedTerms terms, const RigidTangent& source_scale,
-           const RigidTangent& target_scale)
+  EdgeCost(CompressedTerms terms, const Matrix6d& source, const Matrix6d& target)
       : terms_(std::move(terms)),
-        by_source_(terms_.derivative * source_scale.asDiagonal()),
-        by_target_(-terms_.derivative * target_scale.asDiagonal()) {}
+        by_source_(terms_.derivative * source),
+        by_target_(-terms_.derivative * target) {}
 
   bool Evaluate(double const* const* tangents, double* residuals,
                 double** jacobians) const override {
@@ -68,22 +67,26 @@ class EdgeCost : public ceres::SizedCostFunction<7, 6, 6> {
 }  // namespace
 
 SymmetricBlocks information_blocks(const std::vector<PairInformation>& pairs,
-                                   const std::vector<RigidTangent>& prior, double step_gain) {
+                                   const ViewFreedom& freedom, double step_gain) {
   SymmetricBlocks matrix;
-  for (std::size_t i = 0; i < prior.size(); ++i) matrix[{i, i}] = prior[i].asDiagonal();
+  for (std::size_t i = 0; i < freedom.prior.size(); ++i)
+    matrix[{i, i}] = freedom.prior[i].asDiagonal();
   for (const auto& [views, edge] : edges_of(pairs, step_gain)) {
     const CompressedTerms terms = compress(edge.sum, edge.losses);
     Matrix6d block = terms.derivative.transpose() * terms.derivative;
     if (!terms.residuals.allFinite()) block.setConstant(std::numeric_limits<double>::quiet_NaN());
-    matrix[{views.first, views.first}] += block;
-    matrix[{views.second, views.second}] += block;
-    matrix[views] = -block;
+    const Matrix6d &first = freedom.projection[views.first],
+                   &second = freedom.projection[views.second];
+    matrix[{views.first, views.first}] += first.transpose() * block * first;
+    matrix[{views.second, views.second}] += second.transpose() * block * second;
+    matrix[views] = -first.transpose() * block * second;
   }
   return matrix;
 }
 
 struct PoseGraphProblem::Parts {
   std::vector<bool> held;
+  std::vector<Matrix6d> projection;
   // What each component is known to with all others held: radians and units differ by orders of
   // magnitude.
   std::vector<RigidTangent> scale;
@@ -94,13 +97,14 @@ struct PoseGraphProblem::Parts {
 };
 
 PoseGraphProblem::PoseGraphProblem(const std::vector<PairInformation>& pairs,
-                                   const std::vector<RigidTangent>& prior,
-                                   const std::vector<bool>& held, double step_gain)
+                                   const ViewFreedom& freedom, const std::vector<bool>& held,
+                                   double step_gain)
     : parts_(std::make_unique<Parts>()) {
   const Edges edges = edges_of(pairs, step_gain);
   parts_->held = held;
+  parts_->projection = freedom.projection;
   parts_->values.assign(held.size(), RigidTangent::Zero());
-  std::vector<RigidTangent> precision = prior;
+  std::vector<RigidTangent> precision = freedom.prior;
   for (const auto& [views, edge] : edges) {
     precision[views.first] += edge.sum.matrix.diagonal().cwiseMax(0.0);
     precision[views.second] += edge.sum.matrix.diagonal().cwiseMax(0.0);
@@ -110,7 +114,7 @@ PoseGraphProblem::PoseGraphProblem(const std::vector<PairInformation>& pairs,
     double* const tangent = parts_->values[i].data();
     parts_->problem.AddParameterBlock(tangent, 6);
     if (held[i]) parts_->problem.SetParameterBlockConstant(tangent);
-    const RigidTangent root = prior[i].cwiseSqrt().cwiseProduct(parts_->scale[i]);
+    const RigidTangent root = freedom.prior[i].cwiseSqrt().cwiseProduct(parts_->scale[i]);
     parts_->problem.AddResidualBlock(
         new ceres::NormalPrior(root.asDiagonal().toDenseMatrix(), Vector6d::Zero()), nullptr,
         tangent);
@@ -121,8 +125,9 @@ PoseGraphProblem::PoseGraphProblem(const std::vector<PairInformation>& pairs,
     auto terms = compress(edge.sum, edge.losses);
     parts_->finite = parts_->finite && terms.residuals.allFinite();
     parts_->problem.AddResidualBlock(
-        new EdgeCost(std::move(terms), parts_->scale[a], parts_->scale[b]), nullptr,
-        parts_->values[a].data(), parts_->values[b].data());
+        new EdgeCost(std::move(terms), freedom.projection[a] * parts_->scale[a].asDiagonal(),
+                     freedom.projection[b] * parts_->scale[b].asDiagonal()),
+        nullptr, parts_->values[a].data(), parts_->values[b].data());
   }
 }
 
@@ -145,7 +150,8 @@ PoseGraphStep PoseGraphProblem::minimise() {
                    {.stage = SolverStage::kPoseGraph, .max_iterations = kSteps, .quadratic = true});
   if (!step.usable()) return step;
   for (std::size_t i = 0; i < parts_->values.size(); ++i)
-    if (!parts_->held[i]) step.tangents[i] = parts_->scale[i].cwiseProduct(parts_->values[i]);
+    if (!parts_->held[i])
+      step.tangents[i] = parts_->projection[i] * parts_->scale[i].cwiseProduct(parts_->values[i]);
   return step;
 }
 

@@ -41,11 +41,19 @@ class MovingPairs {
         since_(start_.size(), RigidTangent::Zero()) {
     compression_.search = options.search;
     compression_.centre = common_centre(surfaces, start_);
+    for (std::size_t i = 0; i < options.at_rest.size(); ++i)
+      projection_.push_back(without_motions_of(i));
     measure_deviations();
   }
 
   const std::vector<RigidMotion>& poses() const { return poses_; }
   const Eigen::Vector3d& centre() const { return compression_.centre; }
+
+  /// The equations that `pairs`, compressed at some poses, give.
+  PoseGraphSystem system(const std::vector<PairInformation>& pairs,
+                         const std::vector<bool>& held) const {
+    return PoseGraphSystem(surfaces_, pairs, held, compression_.centre, projection_);
+  }
 
   /// What residuals of each directed pair deviate by at the present poses, until measured anew.
   void measure_deviations() {
@@ -85,6 +93,16 @@ class MovingPairs {
   }
 
  private:
+  // Along which the view's centre and its rim move in world axes: a part of their displacement.
+  Matrix6d without_motions_of(std::size_t i) const {
+    const Eigen::Vector3d centre = start_[i] * surfaces_[i]->centre();
+    const Matrix6d about_view = tangents_about(centre - compression_.centre),
+                   about_common = tangents_about(compression_.centre - centre);
+    Vector6d weight = Vector6d::Ones();
+    weight.head<3>().setConstant(surfaces_[i]->radius() * surfaces_[i]->radius());
+    return about_common * without_motions(options_.at_rest[i], centre, weight) * about_view;
+  }
+
   // Calls visit(pair) in the order of the pairs.
   template <typename Visit>
   std::vector<PairInformation> compress_all(std::size_t samples, double patch,
@@ -128,16 +146,16 @@ class MovingPairs {
   const std::vector<ViewPair>& pairs_;
   const PoseGraphRefinementOptions& options_;
   PairInformationOptions compression_;
-  std::vector<double> sigmas_;  // Of directed pairs [unit].
+  std::vector<double> sigmas_;        // Of directed pairs [unit].
+  std::vector<Matrix6d> projection_;  // See ViewFreedom.
   std::vector<RigidMotion> start_, poses_;
   std::vector<RigidTangent> since_;  // What the views moved by, all in all.
 };
 
 // What a step of one standard deviation changes, relative to what Gauss-Newton expects.
-double step_gain_at(const MovingPairs& views, const std::vector<const ViewSurface*>& surfaces,
-                    const std::vector<bool>& held, std::size_t samples) {
+double step_gain_at(const MovingPairs& views, const std::vector<bool>& held, std::size_t samples) {
   const auto here = views.compress(samples);
-  const PoseGraphSystem system(surfaces, here, held, views.centre());
+  const PoseGraphSystem system = views.system(here, held);
   const auto random_perturbation = system.random_perturbation();
   MovingPairs beside = views;
   beside.move(random_perturbation);
@@ -163,18 +181,15 @@ std::optional<double> take(const PoseGraphStep& step, MovingPairs& views,
 
 // Steps until the poses stand still. The gain of one step scales the next one (Barzilai and Borwein
 // 1988). Whether all could be taken.
-bool approach(const std::vector<const ViewSurface*>& surfaces, const std::vector<bool>& held,
-              const PoseGraphRefinementOptions& options, MovingPairs& views,
-              PoseGraphRefinement& result) {
+bool approach(const std::vector<bool>& held, const PoseGraphRefinementOptions& options,
+              MovingPairs& views, PoseGraphRefinement& result) {
   std::vector<PairInformation> before;
   PoseGraphStep step;
   do {
     auto pairs = views.compress(options.step_samples);
-    const double step_gain = before.empty()
-                                 ? 1.0
-                                 : PoseGraphSystem(surfaces, before, held, views.centre())
-                                       .step_gain(pairs, step.tangents);
-    step = newton_step(PoseGraphSystem(surfaces, pairs, held, views.centre()), step_gain);
+    const double step_gain =
+        before.empty() ? 1.0 : views.system(before, held).step_gain(pairs, step.tangents);
+    step = newton_step(views.system(pairs, held), step_gain);
     before = std::move(pairs);
     const auto motion = take(step, views, result);
     if (!motion) return false;
@@ -192,12 +207,12 @@ PoseGraphRefinement refine_pose_graph(const std::vector<const ViewSurface*>& sur
                                       std::vector<RigidMotion>& world_from_view) {
   PoseGraphRefinement result;
   MovingPairs views(surfaces, pairs, options, world_from_view);
-  if (!approach(surfaces, held, options, views, result)) return result;
+  if (!approach(held, options, views, result)) return result;
   views.measure_deviations();
-  const double step_gain = step_gain_at(views, surfaces, held, options.step_samples);
+  const double step_gain = step_gain_at(views, held, options.step_samples);
   ClusterScores scores(surfaces.size());
   auto all = views.compress(options.last_samples, options.patch * median_spacing(surfaces), scores);
-  const PoseGraphSystem system(surfaces, all, held, views.centre());
+  const PoseGraphSystem system = views.system(all, held);
   const double inflation = system.variance_inflation(scores);
   auto covariance = system.covariance(views.poses(), scores, inflation, step_gain);
   const PoseGraphStep step = newton_step(system, step_gain);

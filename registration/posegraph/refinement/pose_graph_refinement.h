@@ -32,6 +32,8 @@ struct PoseGraphRefinementOptions {
   /// For two views: relative motions that they do not determine, and that steps leave alone. World
   /// frame.
   std::vector<DegenerateDirection> degenerate_directions;
+  /// For each view, motions that steps do not move it by; empty: none of any. World frame.
+  std::vector<std::vector<DegenerateDirection>> at_rest;
 };
 
 /// The step that gave the poses, and what it was made of.

@@ -58,15 +58,18 @@ void add_edge(const PairInformation& pair, const Matrix6d& block, SymmetricBlock
 
 PoseGraphSystem::PoseGraphSystem(const std::vector<const ViewSurface*>& surfaces,
                                  const std::vector<PairInformation>& pairs,
-                                 const std::vector<bool>& held, const Eigen::Vector3d& centre)
+                                 const std::vector<bool>& held, const Eigen::Vector3d& centre,
+                                 std::vector<Matrix6d> projection)
     : surfaces_(surfaces), pairs_(pairs), held_(held), centre_(centre) {
-  for (const ViewSurface* surface : surfaces) prior_.push_back(prior_precision(*surface));
+  for (const ViewSurface* surface : surfaces) freedom_.prior.push_back(prior_precision(*surface));
+  freedom_.projection = std::move(projection);
+  freedom_.projection.resize(surfaces.size(), Matrix6d::Identity());
 }
 
 // The diagonal blocks of (R11), with the priors.
 std::vector<Matrix6d> PoseGraphSystem::information_of_views() const {
   std::vector<Matrix6d> blocks;
-  for (const RigidTangent& prior : prior_) blocks.push_back(prior.asDiagonal());
+  for (const RigidTangent& prior : freedom_.prior) blocks.push_back(prior.asDiagonal());
   for (const auto& pair : pairs_) {
     blocks[pair.source] += pair.information;
     blocks[pair.target] += pair.information;
@@ -92,9 +95,13 @@ SymmetricBlocks PoseGraphSystem::scatter(const ClusterScores& scores, double inf
   const auto fitted = 6.0 * static_cast<double>(std::count(held_.begin(), held_.end(), false));
   const double factor = inflation * std::min(2.0, count / std::max(1.0, count - fitted));
   for (auto& [place, block] : sum) block *= factor;
-  for (std::size_t i = 0; i < prior_.size(); ++i) add_block(i, i, prior_[i].asDiagonal(), sum);
   for (const auto& pair : pairs_)
     if (!pair.independent.isZero(0.0)) add_edge(pair, pair.independent, sum);
+  for (auto& [place, block] : sum)
+    block =
+        freedom_.projection[place.first].transpose() * block * freedom_.projection[place.second];
+  for (std::size_t i = 0; i < surfaces_.size(); ++i)
+    add_block(i, i, freedom_.prior[i].asDiagonal(), sum);
   return sum;
 }
 
@@ -115,7 +122,7 @@ double PoseGraphSystem::variance_inflation(const ClusterScores& scores) const {
 }
 
 PoseGraphStep PoseGraphSystem::step() const {
-  return PoseGraphProblem(pairs_, prior_, held_).minimise();
+  return PoseGraphProblem(pairs_, freedom_, held_).minimise();
 }
 
 std::vector<RigidTangent> PoseGraphSystem::random_perturbation() const {
@@ -128,8 +135,10 @@ std::vector<RigidTangent> PoseGraphSystem::random_perturbation() const {
       const double sign = (bits >> 63) != 0 ? 1.0 : -1.0;
       const double precision = information[view](k, k);
       // What nothing but the prior holds is not perturbed.
-      if (precision > 2.0 * prior_[view][k]) tangents[view][k] = sign / std::sqrt(precision);
+      if (precision > 2.0 * freedom_.prior[view][k])
+        tangents[view][k] = sign / std::sqrt(precision);
     }
+    tangents[view] = freedom_.projection[view] * tangents[view];
   }
   return tangents;
 }
@@ -158,10 +167,11 @@ std::optional<PoseCovariance> PoseGraphSystem::covariance(
     centres.push_back(world_from_view[i] * surfaces_[i]->centre() - centre_);
   SymmetricBlocks middle = scatter(scores, inflation);
   if (surfaces_.size() > kFewViews) {
-    auto of_views = sandwich_diagonal(information_blocks(pairs_, prior_, step_gain), middle, held_);
+    auto of_views =
+        sandwich_diagonal(information_blocks(pairs_, freedom_, step_gain), middle, held_);
     if (of_views) return PoseCovariance(std::move(*of_views), std::move(centres));
   }
-  PoseGraphProblem information(pairs_, prior_, held_, step_gain);
+  PoseGraphProblem information(pairs_, freedom_, held_, step_gain);
   if (!information.invert()) return std::nullopt;
   return PoseCovariance(std::move(information), std::move(middle), std::move(centres));
 }

@@ -19,10 +19,11 @@ namespace relief::registration {
 /// so nothing in it prefers a view, and any view may be held.
 class PoseGraphSystem {
  public:
-  /// `held` views do not move. `centre`: that of the pairs' tangents, world frame.
+  /// `held` views do not move. `centre`: that of the pairs' tangents, world frame. `projection`:
+  /// see ViewFreedom; empty: all motions.
   PoseGraphSystem(const std::vector<const ViewSurface*>& surfaces,
                   const std::vector<PairInformation>& pairs, const std::vector<bool>& held,
-                  const Eigen::Vector3d& centre);
+                  const Eigen::Vector3d& centre, std::vector<Matrix6d> projection = {});
 
   /// The Gauss-Newton step of every view.
   PoseGraphStep step() const;
@@ -59,7 +60,7 @@ class PoseGraphSystem {
   const std::vector<PairInformation>& pairs_;
   std::vector<bool> held_;
   Eigen::Vector3d centre_;
-  std::vector<RigidTangent> prior_;  // Precisions: what keeps undetermined poses finite.
+  ViewFreedom freedom_;
 };
 
 }  // namespace relief::registration

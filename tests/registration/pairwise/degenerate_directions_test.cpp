@@ -127,7 +127,7 @@ std::vector<OrientedPoint> with_normals(std::vector<OrientedPoint> points,
   return points;
 }
 
-TEST(LeastSharedConstraint, IsThatOfEitherSurfaceWhereBothShowTheSame) {
+TEST(SharedConstraints, IsThatOfEitherSurfaceWhereBothShowTheSame) {
   const auto points = sampled([](double a, double b) {
     const double tilt = 0.2 * std::sin(20 * a) * std::cos(15 * b);
     return OrientedPoint{{8 * a, 5 * b, 0.3 * b * b},
@@ -135,22 +135,25 @@ TEST(LeastSharedConstraint, IsThatOfEitherSurfaceWhereBothShowTheSame) {
   });
   std::vector<Eigen::Vector3d> same;
   for (const auto& p : points) same.push_back(p.normal);
-  const auto shared = least_shared_constraint(points, same);
-  EXPECT_NEAR(shared.eigenvalue, analyse_constraints(points).eigenvalues[0], 1e-12);
-  EXPECT_NEAR(shared.correlation, 1.0, 1e-9);
+  const auto shared = shared_constraints(points, same);
+  const auto own = analyse_constraints(points);
+  EXPECT_LT((shared.spectrum.eigenvalues - own.eigenvalues).norm(), 1e-12);
+  EXPECT_LT((shared.correlations - Vector6d::Ones()).norm(), 1e-9);
+  EXPECT_TRUE(directions_without_shared_relief(shared).empty());
 }
 
 // Noise holds the cylinder where one surface is looked at, and not where both are.
-TEST(LeastSharedConstraint, HasNoNoise) {
+TEST(SharedConstraints, HasNoNoise) {
   const auto points = cylinder();
   const auto of_a = with_normals(points, noisy_normals(points, 0.1, 1));
   EXPECT_GT(analyse_constraints(of_a).eigenvalues[0], 0.005);
-  const auto shared = least_shared_constraint(of_a, noisy_normals(points, 0.1, 2));
-  EXPECT_LT(std::abs(shared.eigenvalue), 0.001);
-  EXPECT_LT(shared.correlation, 0.1);
+  const auto shared = shared_constraints(of_a, noisy_normals(points, 0.1, 2));
+  EXPECT_LT(std::abs(shared.spectrum.eigenvalues[0]), 0.001);
+  EXPECT_LT(shared.correlations[0], 0.1);
+  EXPECT_EQ(directions_without_shared_relief(shared).size(), 2u);  // Along the axis and about it.
 }
 
-TEST(LeastSharedConstraint, KeepsReliefBelowTheNoise) {
+TEST(SharedConstraints, KeepsReliefBelowTheNoise) {
   const auto points = sampled([](double a, double b) {
     const double phi = std::numbers::pi * b;
     const double along = 0.15 * std::sin(9 * a + 4 * b), round = 0.15 * std::cos(11 * b - 5 * a);
@@ -158,16 +161,50 @@ TEST(LeastSharedConstraint, KeepsReliefBelowTheNoise) {
     return OrientedPoint{{3 * std::cos(phi), 10 * a, 3 * std::sin(phi)}, n.normalized()};
   });
   const double relief = analyse_constraints(points).eigenvalues[0];
-  const auto shared = least_shared_constraint(with_normals(points, noisy_normals(points, 0.1, 1)),
-                                              noisy_normals(points, 0.1, 2));
-  EXPECT_NEAR(shared.eigenvalue, relief, 0.15 * relief);
-  EXPECT_NEAR(shared.correlation, relief / (relief + 0.01), 0.15);
+  const auto shared = shared_constraints(with_normals(points, noisy_normals(points, 0.1, 1)),
+                                         noisy_normals(points, 0.1, 2));
+  EXPECT_NEAR(shared.spectrum.eigenvalues[0], relief, 0.15 * relief);
+  EXPECT_NEAR(shared.correlations[0], relief / (relief + 0.01), 0.15);
 }
 
-TEST(LeastSharedConstraint, OfFewPointsIsNothing) {
+TEST(SharedConstraints, OfFewPointsIsNothing) {
   const std::vector<OrientedPoint> few(5, {{1, 2, 3}, {0, 0, 1}});
-  EXPECT_EQ(least_shared_constraint(few, std::vector<Eigen::Vector3d>(5, {0, 0, 1})).correlation,
-            0.0);
+  const auto shared = shared_constraints(few, std::vector<Eigen::Vector3d>(5, {0, 0, 1}));
+  EXPECT_TRUE(shared.correlations.isZero(0.0));
+}
+
+// Sums of parts about one centre are those of the whole.
+TEST(SharedConstraints, AddUp) {
+  const auto points = cylinder();
+  const auto normals = noisy_normals(points, 0.1, 2);
+  const Eigen::Vector3d centre(1, 2, 3);
+  SharedConstraintSum whole(centre, 2.0), first(centre, 2.0), second(centre, 2.0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    whole.add(points[i], normals[i]);
+    (i % 3 == 0 ? first : second).add(points[i], normals[i]);
+  }
+  first.add(second);
+  EXPECT_LT(
+      (whole.constraints().spectrum.eigenvalues - first.constraints().spectrum.eigenvalues).norm(),
+      1e-12);
+}
+
+TEST(WithoutMotions, LeavesOutWhatLiesAlongThemAndKeepsTheRest) {
+  DegenerateDirection along, about;
+  along.motion << 0, 0, 0, 0, 3, 0;
+  about.centre << 5, 0, -2;
+  about.motion << 0, 0.5, 0, 0, 0, 0;
+  const Eigen::Vector3d centre(1, 2, 3);
+  Vector6d weight;
+  weight << 9, 9, 9, 1, 1, 1;
+  const Matrix6d rest = without_motions({along, about}, centre, weight);
+  EXPECT_LT((rest * rest - rest).norm(), 1e-12);
+  EXPECT_LT((rest * tangent_about(centre, along)).norm(), 1e-12);
+  EXPECT_LT((rest * tangent_about(centre, about)).norm(), 1e-12);
+  Vector6d other;  // A turn that neither has a part of.
+  other << 1, 0, 0, 0, 0, 0;
+  EXPECT_LT((rest * other - other).norm(), 1e-12);
+  EXPECT_TRUE(without_motions({}, centre, weight).isIdentity(0.0));
 }
 
 }  // namespace

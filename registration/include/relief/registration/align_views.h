@@ -42,6 +42,9 @@ struct ViewReport {
   Matrix6d pose_covariance = Matrix6d::Zero();
   RigidTangent pose_std = RigidTangent::Zero();
   std::string reason;  ///< Why it is not verified; empty when it is.
+  /// Motions (world frame) along which the view keeps the pose that it started from: nothing but
+  /// noise tells anything about them.
+  std::vector<DegenerateDirection> kept_motions;
 };
 
 enum class SolverTermination {

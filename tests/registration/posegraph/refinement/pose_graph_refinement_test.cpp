@@ -181,29 +181,12 @@ TEST(ClusterScores, AddUpOnLargerPatches) {
   EXPECT_EQ(of_source, (std::vector<double>{5.0, 5.0, -4.0, -3.0}));  // 0 to 3, 4, -8 to -5, rest.
 }
 
-// Range noise that is alike over about `reach` pixels either way.
-void add_smooth_noise(RangeView& view, double sigma, int reach, std::uint32_t seed) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> normal(0.0, sigma * (2 * reach + 1));
-  const int width = view.width(), height = view.height();
-  Grid<double> noise(width, height, 0.0);
-  for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = normal(generator);
-  for (int v = reach; v + reach < height; ++v) {
-    for (int u = reach; u + reach < width; ++u) {
-      double sum = 0.0;
-      for (int y = v - reach; y <= v + reach; ++y)
-        for (int x = u - reach; x <= u + reach; ++x) sum += noise(x, y);
-      const int samples = (2 * reach + 1) * (2 * reach + 1);
-      view.range(u, v) += sum / samples / view.camera.ray(u, v).direction.norm();
-    }
-  }
-}
-
 TEST(PoseGraphSystem, SeesErrorsThatReachFartherThanAPatch) {
   const Ring exact(4, 0.0), white(4);
   auto smooth = exact.truth;
   for (std::size_t i = 0; i < smooth.size(); ++i)
-    add_smooth_noise(smooth[i], 0.1 * exact.spacing(), 7, static_cast<std::uint32_t>(i + 1));
+    testing::add_smooth_noise(smooth[i], 0.1 * exact.spacing(), 7,
+                              static_cast<std::uint32_t>(i + 1));
   const auto variance_inflation = [&](const std::vector<RangeView>& views) {
     std::vector<ViewSurface> surfaces;
     for (const auto& view : views) surfaces.emplace_back(view);

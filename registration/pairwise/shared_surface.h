@@ -10,14 +10,14 @@
 
 namespace relief::registration {
 
-/// What two views a and b measured of the same surface, in the frame of b.
+/// What two views a and b measured of the same surface, in one frame.
 struct SharedSurface {
   std::vector<OrientedPoint> points;     ///< Of one view.
   std::vector<Eigen::Vector3d> normals;  ///< Of the other view, at these points.
 
   /// From what was found of samples of a in b, and of samples of b in a.
-  SharedSurface(const RigidMotion& b_from_a, const Correspondences& in_b,
-                const Correspondences& in_a);
+  SharedSurface(const RigidMotion& frame_from_a, const RigidMotion& frame_from_b,
+                const Correspondences& in_b, const Correspondences& in_a);
 };
 
 }  // namespace relief::registration

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "registration/pairwise/search_schedule.h"
+#include "registration/posegraph/degenerate_views.h"
+#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/view_graph.h"
+#include "registration/surface/view_surface.h"
+#include "relief/registration/align_options.h"
+
+namespace relief::registration {
+
+/// Pairs that overlap, and the strongest of them, by which poses are refined.
+struct LinkedPairs {
+  const std::vector<ViewPair>& all;
+  std::vector<ViewPair> strongest;
+};
+
+/// The last steps of refine_jointly(), from the poses of `result`, which tells the views that are
+/// held: with all samples of the strongest pairs. Sets the poses, their covariances, and how all
+/// pairs fit. Normal maps are matched where either view is `nearly_degenerate`. Steps leave the
+/// motions `at_rest` alone (empty: none), which `result` tells then.
+///
+/// Returns the degenerate directions of the views at these poses.
+MotionsOfViews take_last_steps(const std::vector<ViewSurface>& surfaces, const LinkedPairs& pairs,
+                               const SearchLevel& level, const std::vector<bool>& nearly_degenerate,
+                               MotionsOfViews at_rest, const JointRefinementOptions& options,
+                               JointRefinement& result);
+
+}  // namespace relief::registration

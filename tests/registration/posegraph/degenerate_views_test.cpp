@@ -1,0 +1,97 @@
+// Given poses along motions that no relief of the views tells anything about.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "relief/registration/align_views.h"
+#include "tests/registration/bumpy_object.h"
+#include "tests/registration/relief_views.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/scenes/synthetic_views.h"
+
+namespace relief::registration {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr double kDistance = 500.0, kRadius = 60.0;  // The samples are one unit apart.
+
+// Views of a cylinder about the y axis at their true poses, with noise that neighbours share: it
+// tilts normals as relief does.
+std::vector<RangeView> views_of_cylinder(double noise, bool normal_maps) {
+  const Camera camera = Camera::pinhole(160, 160, {kDistance, kDistance, 79.5, 79.5});
+  std::vector<RangeView> views;
+  for (int i = 0; i < 5; ++i) {
+    const double angle = 0.25 * i, height = i % 2 == 0 ? 20.0 : -20.0;
+    const Eigen::Vector3d eye(kDistance * std::sin(angle), height, -kDistance * std::cos(angle));
+    views.push_back(testing::render(
+        testing::cylinder(kRadius), camera,
+        testing::look_at(eye, Eigen::Vector3d(0, 0.5 * height, 0), Eigen::Vector3d::UnitY())));
+    views.back().name = "view" + std::to_string(i);
+    if (!normal_maps) views.back().normals = {};
+    testing::add_smooth_noise(views.back(), noise, 3, 10 + static_cast<std::uint32_t>(i));
+  }
+  return views;
+}
+
+// How far the view is from its true place along the cylinder's axis, round it, and away from it.
+struct Error {
+  double along = 0.0, round = 0.0, away = 0.0;
+};
+
+Error error_of(const RangeView& view, const RigidMotion& found) {
+  const Eigen::Vector3d front = view.world_from_view * Eigen::Vector3d(0, 0, kDistance - kRadius);
+  const Eigen::Vector3d moved = found * view.world_from_view.inverse() * front - front;
+  const Eigen::Vector3d out = Eigen::Vector3d(front.x(), 0, front.z()).normalized();
+  return {std::abs(moved.y()), std::abs(moved.dot(out.cross(Eigen::Vector3d::UnitY()))),
+          std::abs(moved.dot(out))};
+}
+
+class DegenerateViews : public ::testing::TestWithParam<bool> {};
+
+TEST_P(DegenerateViews, KeepGivenPosesAlongWhatOnlyNoiseHolds) {
+  const auto truth = views_of_cylinder(0.3, GetParam());
+  auto views = truth;
+  for (std::size_t i = 1; i < views.size(); ++i) {  // Off by what the surface tells.
+    const Eigen::Vector3d out =
+        (views[i].world_from_view.translation().cwiseProduct(Eigen::Vector3d(1, 0, 1)))
+            .normalized();
+    views[i].world_from_view.pretranslate((i % 2 == 0 ? 1.5 : -1.5) * out);
+  }
+  const auto aligned = value_of(align_views(views));
+  EXPECT_TRUE(aligned.complete());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Error error = error_of(truth[i], aligned.views[i].world_from_view);
+    EXPECT_LT(error.along, 0.1) << i;
+    EXPECT_LT(error.round, 0.1) << i;
+    EXPECT_LT(error.away, 0.1) << i;
+    EXPECT_EQ(aligned.views[i].kept_motions.size(), i == 0 ? 0u : 2u) << i;
+  }
+  EXPECT_THAT(aligned.notes, Contains(HasSubstr("kept where alignment started")));
+  for (const PairFit& pair : aligned.pairs) EXPECT_EQ(pair.status, PairStatus::kDegenerate);
+  // What nothing tells of is known no better than that the view lies near the others.
+  const Matrix6d& covariance = aligned.views[2].pose_covariance;
+  const Eigen::Vector3d eye = truth[2].world_from_view.translation();
+  const Eigen::Vector3d out = Eigen::Vector3d(eye.x(), 0, eye.z()).normalized();
+  EXPECT_GT(std::sqrt(covariance(4, 4)), 0.3 * kRadius);
+  EXPECT_LT(std::sqrt(out.dot(covariance.bottomRightCorner<3, 3>() * out)), 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(NormalMaps, DegenerateViews, ::testing::Bool(), [](const auto& parameter) {
+  return parameter.param ? "With" : "Without";
+});
+
+TEST(ViewsOfAnObject, KeepNoMotion) {
+  const auto aligned = value_of(align_views(testing::perturbed(
+      testing::ring_of_views({.noise = 1.0}), Eigen::Vector3d::Zero(), 0.03, 1.0)));
+  EXPECT_TRUE(aligned.complete());
+  for (const auto& view : aligned.views) EXPECT_TRUE(view.kept_motions.empty()) << view.name;
+}
+
+}  // namespace
+}  // namespace relief::registration
