@@ -78,11 +78,22 @@ bool fields_fit(const pcl::PCLPointCloud2& cloud) {
   return end == cloud.point_step;
 }
 
+// The size that read_pcd_header() took for WIDTH 0 and HEIGHT 0, which PCL refuses.
+void state_size(const PcdHeader& header, std::string& text) {
+  const auto state = [&](const std::string& keyword, std::size_t size) {
+    const std::size_t line = text.starts_with(keyword) ? 0 : text.find("\n" + keyword) + 1;
+    text.replace(line, text.find('\n', line) - line, keyword + " " + std::to_string(size));
+  };
+  state("WIDTH", header.width);
+  state("HEIGHT", header.height);
+}
+
 // Whether PCL, which trusts what it reads, reads the header alike. It gets the header alone: it
 // would read on in data that begin with a keyword. Makes room for the values.
 bool reads_alike(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
   std::string text(header.data_start, ' ');
   if (!file.read(text.data(), static_cast<std::streamsize>(text.size()))) return false;
+  if (header.sized_by_points) state_size(header, text);
   std::istringstream stream(text);
   pcl::PCLPointCloud2& cloud = to.cloud;
   int data_type = 0;
@@ -92,7 +103,7 @@ bool reads_alike(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
          cloud.width == header.width && cloud.height == header.height &&
          cloud.fields.size() == header.fields && cloud.point_step == header.point_bytes &&
          fields_fit(cloud) && data_type == static_cast<int>(header.data) &&
-         data_start == header.data_start;
+         data_start == text.size();
 }
 
 bool read_bytes(std::ifstream& file, std::vector<std::uint8_t>& bytes) {

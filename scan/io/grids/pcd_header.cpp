@@ -135,6 +135,12 @@ class PcdHeaderReader {
 
   Result<void> check() {
     if (auto fields = add_up_fields(); !fields) return fields;
+    if (header_.width == 0 && header_.height == 0 &&
+        known_.contains("HEIGHT")) {  // Of programs that know POINTS alone.
+      header_.width = header_.points;
+      header_.height = 1;
+      header_.sized_by_points = true;
+    }
     if (organized_ && header_.height == 1)
       return bad_input(path_,
                        "this PCD is not organized (HEIGHT 1); a scan needs the sensor's grid");

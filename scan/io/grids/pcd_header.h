@@ -12,6 +12,7 @@ struct PcdHeader {
   enum class Data { kAscii, kBinary, kCompressed };
 
   std::size_t width = 0, height = 0;  ///< Places of the grid; `height` 1: not organized.
+  bool sized_by_points = false;       ///< WIDTH and HEIGHT are 0 in the file; POINTS tells them.
   std::size_t points = 0;
   std::size_t fields = 0;
   bool has_position = false;  ///< There is a field x: PCL also writes files of normals alone.

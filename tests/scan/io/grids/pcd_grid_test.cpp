@@ -246,6 +246,22 @@ TEST(PcdGrid, NamesTheLineOfABadHeader) {
   EXPECT_THAT(error("WIDTH 3\nHEIGHT 3\n"), HasError("bad size"));
 }
 
+// Of programs that know POINTS alone.
+TEST(PcdGrid, PointsTellTheSizeWhereItIsZero) {
+  const TemporaryFolder folder;
+  for (const bool ascii : {true, false}) {
+    const auto path =
+        folder.write("a.pcd", header("WIDTH 0\nHEIGHT 0\n", ascii ? "ascii" : "binary") +
+                                  (ascii ? std::string(kPoints) : binary_points()));
+    const auto cloud = value_of(read_pcd_points(path));
+    EXPECT_EQ(cloud.points.width(), 6);
+    EXPECT_EQ(cloud.points.height(), 1);
+    EXPECT_THAT(read_pcd_grid(path), HasError("not organized"));
+  }
+  EXPECT_THAT(read_pcd_points(folder.write("a.pcd", header("WIDTH 0\nHEIGHT 2\n", "ascii"))),
+              HasError("bad size"));
+}
+
 TEST(PcdGrid, DamagedFilesNeverCrash) {
   const TemporaryFolder folder;
   std::mt19937 random(3);
