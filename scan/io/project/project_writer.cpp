@@ -15,6 +15,7 @@
 #include "scan/io/project/json/camera_json_private.h"
 #include "scan/io/project/json/spec_json_private.h"
 #include "scan/io/project/view_spec.h"
+#include "scan/io/workspaces/rgbd/nerf_transforms.h"
 
 namespace relief {
 
@@ -173,10 +174,13 @@ json document_of_spec(const ScanProject& project, const ProjectSpec& spec, const
   return document;
 }
 
-// The scan.json that a source stands for, if it is one.
+// The scan.json that a source stands for, if it is one. The frames of nerfstudio are .json as well.
 std::optional<fs::path> scan_json_of(const fs::path& source) {
   std::error_code code;
-  if (lower_ending(source) == ".json") return source;
+  if (lower_ending(source) == ".json") {
+    const auto text = read_file(source);
+    return text && looks_like_nerf_transforms(*text) ? std::nullopt : std::optional(source);
+  }
   if (fs::is_directory(source, code) && fs::exists(source / "scan.json", code))
     return source / "scan.json";
   return std::nullopt;
