@@ -31,6 +31,16 @@ std::optional<PosedDepth> read_posed_depth(const ViewSpec& view) {
   return PosedDepth{std::move(*depth), view.world_from_view};
 }
 
+// Depths along the optical axis, of which those of a map may be distances along the rays.
+Image along_axis(Image depth, const PinholeIntrinsics& k, bool along_ray) {
+  if (!along_ray) return depth;
+  for (int v = 0; v < depth.height; ++v)
+    for (int u = 0; u < depth.width; ++u)
+      depth(u, v) /=
+          static_cast<float>(Eigen::Vector3d((u - k.cx) / k.fx, (v - k.cy) / k.fy, 1.0).norm());
+  return depth;
+}
+
 std::vector<Eigen::Vector3d> points_in_world(const Image& depth, const PinholeIntrinsics& k,
                                              const RigidMotion& world_from_view) {
   const Camera camera = Camera::pinhole(depth.width, depth.height, k);
@@ -75,10 +85,13 @@ std::vector<std::optional<double>> disagreements_at_poses(
     const auto &from = frames[a], &onto = frames[b];
     if (!from || !onto) continue;
     for (std::size_t k = 0; k < readings.size(); ++k) {
-      const auto& [intrinsics, factor] = readings[k];
-      const auto found =
-          depth_differences(onto->depth, intrinsics, pose_in_units(*onto, factor),
-                            points_in_world(from->depth, intrinsics, pose_in_units(*from, factor)));
+      const auto& [intrinsics, factor, along_ray] = readings[k];
+      const auto depth_of = [&](const PosedDepth& frame) {
+        return along_axis(frame.depth, intrinsics, along_ray);
+      };
+      const auto found = depth_differences(
+          depth_of(*onto), intrinsics, pose_in_units(*onto, factor),
+          points_in_world(depth_of(*from), intrinsics, pose_in_units(*from, factor)));
       differences[k].insert(differences[k].end(), found.begin(), found.end());
     }
   }

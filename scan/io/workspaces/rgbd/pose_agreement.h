@@ -11,7 +11,8 @@ namespace relief {
 /// A way to read the depth maps of a project.
 struct DepthReading {
   PinholeIntrinsics intrinsics;
-  double factor = 1.0;  ///< Of the scale of each depth map.
+  double factor = 1.0;     ///< Of the scale of each depth map.
+  bool along_ray = false;  ///< Depths are distances along the rays, not along the optical axis.
 };
 
 /// How much the depth maps disagree at their poses, for each reading: the median of |depth - z| / z
