@@ -17,8 +17,8 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using ::testing::Not;
 using testing::mean_displacements;
+using ::testing::Not;
 using testing::perturbed;
 using testing::poses_of;
 

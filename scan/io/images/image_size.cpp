@@ -142,6 +142,21 @@ std::optional<ImageSize> npy_size(std::string_view bytes) {
                       static_cast<unsigned>(header->shape[0]));
 }
 
+// Corners of the pixels that are there, both inclusive.
+std::optional<ImageSize> exr_size(std::string_view bytes) {
+  constexpr std::string_view kDataWindow("dataWindow\0box2i\0\x10\0\0\0", 21);
+  const std::size_t place = bytes.find(kDataWindow);
+  if (place == std::string_view::npos || bytes.size() < place + kDataWindow.size() + 16)
+    return std::nullopt;
+  const auto corner = [&](std::size_t k) {
+    return std::int64_t{little_endian_at<std::int32_t>(bytes, place + kDataWindow.size() + 4 * k)};
+  };
+  const std::int64_t width = corner(2) - corner(0) + 1, height = corner(3) - corner(1) + 1;
+  if (width < 1 || height < 1 || width > kMaxImageSide || height > kMaxImageSide)
+    return std::nullopt;
+  return ImageSize{static_cast<int>(width), static_cast<int>(height)};
+}
+
 std::string read_head(std::ifstream& file, std::size_t bytes) {
   std::string head(bytes, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
@@ -164,9 +179,10 @@ std::optional<ImageSize> image_size(const std::filesystem::path& path) {
   if (head.starts_with("\xff\xd8")) return jpeg_size(more());
   if (head.starts_with("BM")) return bmp_size(head);
   if (head.starts_with("RIFF") && head.substr(8, 4) == "WEBP") return webp_size(head);
+  if (head.starts_with("\x76\x2f\x31\x01")) return exr_size(more());
   if (head.starts_with("#?")) return hdr_size(more());
   if (head.starts_with("\x93NUMPY")) return npy_size(more());
-  if (head.size() > 2 && head[0] == 'P' && std::string_view("2356").find(head[1]) < 4)
+  if (head.size() > 2 && head[0] == 'P' && std::string_view("2356Ff").find(head[1]) < 6)
     return pnm_size(head);
   return lower_ending(path) == ".tga" ? tga_size(head) : array_size(head);  // No mark of its own.
 }

@@ -45,7 +45,8 @@ bool has_calibration_name(const std::filesystem::path& path);
 
 /// The calibration file of a folder: of its .json files those with an `intrinsic_matrix`, of its
 /// .txt files those named like `calibration`, `camera` or `intrinsic`. One whose name says `depth`
-/// goes before the others. Nothing where there is none; kBadInput where several differ.
+/// goes before the others. In a folder `intrinsic` of its own, if there is one, as ScanNet exports
+/// have. Nothing where there is none; kBadInput where several differ.
 Result<std::optional<Calibration>> find_calibration(const std::filesystem::path& folder);
 
 }  // namespace relief

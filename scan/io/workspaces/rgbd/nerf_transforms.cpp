@@ -5,12 +5,15 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/file_ending.h"
 #include "scan/io/project/json/json_object_private.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/ray_lengths.h"
 #include "scan/io/workspaces/workspace_text.h"
 
 namespace relief {
@@ -106,7 +109,7 @@ class Frames {
 
   ProjectSpec read() {
     project_.unit = "m";
-    step_ = depth_step();
+    step_ = stated_step();
     const json& frames = all_.at("frames");
     if (!frames.is_array()) throw JsonError("frames: expected a list");
     for (std::size_t i = 0; i < frames.size(); ++i)
@@ -115,17 +118,28 @@ class Frames {
       throw JsonError(
           "frames: none names a depth map that is there (depth_file_path); relief needs ranges");
     note_losses(frames.size());
+    take_ray_lengths(project_);
     return std::move(project_);
   }
 
  private:
-  double depth_step() {
+  std::optional<double> stated_step() {
     if (options_.depth_scale) return metres_per_step(*options_.depth_scale);
     if (all_.has("integer_depth_scale"))
       return metres_per_step(all_.positive("integer_depth_scale"));
-    project_.notes.emplace_back(
-        "depths are taken in steps of 0.001 m, as nerfstudio does; --depth-scale tells another");
-    return kNerfstudioStep;
+    return std::nullopt;
+  }
+
+  // nerfstudio reads no OpenEXR: these are of other programs, which write metres as real numbers.
+  double step_of(const fs::path& depth) {
+    if (step_) return *step_;
+    const bool real = lower_ending(depth) == ".exr";
+    if (!std::exchange(assumed_, true))
+      project_.notes.emplace_back(
+          real ? "depths are taken as metres; --depth-scale tells another unit"
+               : "depths are taken in steps of 0.001 m, as nerfstudio does; --depth-scale tells "
+                 "another");
+    return real ? 1.0 : kNerfstudioStep;
   }
 
   void add(JsonObject frame) {
@@ -135,7 +149,7 @@ class Frames {
     view.name = free_view_name(depth->stem().string(),
                                [&](const std::string& name) { return names_.contains(name); });
     names_.insert(view.name);
-    view.depth = DepthSpec{*depth, step_, false};
+    view.depth = DepthSpec{*depth, step_of(*depth), false};
     view.camera = camera_of(frame, all_, *depth, options_);
     distorted_ |= is_distorted(frame, all_);
     if (const auto mask = file_of(frame, "mask_path", folder_)) view.mask = ImageFile{*mask};
@@ -160,7 +174,8 @@ class Frames {
   JsonObject all_;
   ProjectSpec project_;
   std::set<std::string> names_;
-  double step_ = 0.0;  // [m]
+  std::optional<double> step_;  // [m]
+  bool assumed_ = false;        // Whether a note tells of the step.
   bool distorted_ = false;
 };
 

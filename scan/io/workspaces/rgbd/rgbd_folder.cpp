@@ -11,6 +11,8 @@
 #include "scan/io/workspaces/rgbd/depth_scale.h"
 #include "scan/io/workspaces/rgbd/mirrored_images.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
+#include "scan/io/workspaces/rgbd/ray_lengths.h"
+#include "scan/io/workspaces/rgbd/record3d.h"
 #include "scan/io/workspaces/rgbd/rgbd_layouts.h"
 #include "scan/io/workspaces/workspace_text.h"
 
@@ -113,8 +115,9 @@ Result<FramePoses> assign_poses(const Trajectory& trajectory, const fs::path& pa
                                : counts + "; a trajectory without times needs one pose for each");
 }
 
-// The poses of all frames, from their own files or from a trajectory.
+// The poses of all frames, from their own files, from `metadata`, or from a trajectory.
 Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& found,
+                                    const std::optional<Record3dMetadata>& metadata,
                                     std::vector<std::string>& notes) {
   FramePoses poses(found.frames.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -123,6 +126,13 @@ Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& fo
     poses[i]->world_from_view = *found.frames[i].pose;
   }
   if (found.poses_in_files) return poses;
+  if (metadata && !metadata->poses.empty()) {
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      if (const auto pose = metadata->poses.find(found.frames[i].name);
+          pose != metadata->poses.end())
+        poses[i] = pose->second;
+    return poses;
+  }
   const auto file = find_trajectory(folder);
   if (!file) return file.error();
   if (!*file) return poses;
@@ -149,6 +159,7 @@ Error without_scale(const fs::path& folder) {
 }
 
 Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found,
+                                 const std::optional<Record3dMetadata>& metadata,
                                  const RgbdOptions& options, std::vector<std::string>& notes) {
   if (options.intrinsics && !can_be_intrinsics(*options.intrinsics))
     return bad_input(folder, "the focal lengths FX and FY of --intrinsics must not be 0");
@@ -157,6 +168,7 @@ Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found
   if (!options.intrinsics || !options.depth_scale) {
     auto file = find_calibration(folder);
     if (!file) return file.error();
+    if (!*file && metadata) *file = metadata->calibration;
     if (*file) {
       calibration = std::move(**file);
       notes.insert(notes.end(), calibration.notes.begin(), calibration.notes.end());
@@ -248,9 +260,11 @@ Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& 
   ProjectSpec project;
   project.unit = "m";
   project.notes = std::move(found->notes);
-  const auto setting = find_setting(folder, *found, options, project.notes);
+  const auto metadata = read_record3d_metadata(folder);
+  if (!metadata) return metadata.error();
+  const auto setting = find_setting(folder, *found, *metadata, options, project.notes);
   if (!setting) return setting.error();
-  const auto poses = find_frame_poses(folder, *found, project.notes);
+  const auto poses = find_frame_poses(folder, *found, *metadata, project.notes);
   if (!poses) return poses.error();
   std::set<std::string> names;
   std::size_t misfits = 0;
@@ -263,6 +277,7 @@ Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& 
   if (!setting->depth_step)
     if (auto taken = take_assumed_scale(folder, found->usual_depth_scale, project); !taken)
       return taken.error();
+  take_ray_lengths(project);
   if (auto note = note_on_mirrored_images(project)) project.notes.push_back(std::move(*note));
   return project;
 }

@@ -264,6 +264,7 @@ TEST(ImageIo, ExrReadsDepthAndNormals) {
   for (const char* channel : {"Z", "Y", "R", "distance"}) {
     write_exr(path, {channel}, depth);
     expect_same(read_image(path), depth);
+    EXPECT_EQ(image_size(path), (ImageSize{20, 11}));
   }
   write_exr(path, {"R", "G", "B"}, normals);
   expect_same(read_image(path), normals);

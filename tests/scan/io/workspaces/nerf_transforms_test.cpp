@@ -74,6 +74,22 @@ TEST_F(NerfTransformsTest, FramesAreViewsInMetres) {
   EXPECT_THAT(project.notes, Contains(HasSubstr("steps of 0.001 m")));
 }
 
+// By the file, or by the folder that holds it.
+TEST_F(NerfTransformsTest, PosesOfItsFramesAreWritten) {
+  const auto file = write(all_, frame("a") + ", " + frame("b"));
+  for (const auto& source : {file, folder_.path()}) {
+    auto project = value_of(read_project(source));
+    project.views[1].world_from_view.translation().x() = 7.0;
+    const auto output = folder_ / "out" / "aligned.json";
+    std::filesystem::create_directories(output.parent_path());
+    ASSERT_TRUE(write_project_poses(project, source, {}, output));
+    const auto written = value_of(read_project(output));
+    ASSERT_EQ(written.views.size(), 2u);
+    EXPECT_EQ(written.views[1].world_from_view.translation().x(), 7.0);
+    EXPECT_NEAR(written.views[1].range(3, 4), 1.5, 1e-9);
+  }
+}
+
 TEST_F(NerfTransformsTest, OptionsAndTheFileTellTheScale) {
   const auto path = write(all_ + R"(, "integer_depth_scale": 0.0002)", frame("a"));
   EXPECT_NEAR(value_of(read_project(path)).views[0].range(3, 4), 0.3, 1e-9);

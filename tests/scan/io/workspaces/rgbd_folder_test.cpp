@@ -298,7 +298,7 @@ TEST_F(RgbdFolder, CalibrationsThatDifferAreNamed) {
 
 // Two frames in front of a slope, the second one higher, with so many values per metre.
 void write_frames(const TemporaryFolder& folder, const Camera& camera, double scale = 1000.0,
-                  float factor = 1.0f) {
+                  float factor = 1.0f, bool along_ray = false) {
   for (int i = 0; i < 2; ++i) {
     RigidMotion pose = RigidMotion::Identity();
     pose.translation().y() = 0.4 * i;
@@ -306,12 +306,51 @@ void write_frames(const TemporaryFolder& folder, const Camera& camera, double sc
     Image depth(view.width(), view.height(), 1, 65535);
     for (int v = 0; v < view.height(); ++v)
       for (int u = 0; u < view.width(); ++u)
-        depth(u, v) = factor * static_cast<float>(std::lround(scale * view.range(u, v)));
+        depth(u, v) =
+            factor *
+            static_cast<float>(std::lround(scale * view.range(u, v) *
+                                           (along_ray ? camera.ray(u, v).direction.norm() : 1.0)));
     const std::string frame = "frame-" + std::to_string(i);
     folder.write(frame + ".depth.png", *encode_png(depth));
     folder.write(frame + ".pose.txt",
                  "1 0 0 0\n0 1 0 " + std::to_string(0.4 * i) + "\n0 0 1 0\n0 0 0 1\n");
   }
+}
+
+TEST_F(RgbdFolder, ReadsScanNetExports) {
+  write("depth/0.png", png_head(5));
+  write("pose/0.txt", kPose);
+  write("intrinsic/extrinsic_depth.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  write("intrinsic/intrinsic_color.txt", "11 0 5 0\n0 12 6 0\n0 0 1 0\n0 0 0 1\n");
+  write("intrinsic/intrinsic_depth.txt", "7 0 3 0\n0 8 4 0\n0 0 1 0\n0 0 0 1\n");
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), {std::nullopt, 1000.0}));
+  ASSERT_EQ(spec.views.size(), 1u);
+  EXPECT_EQ(spec.views[0].camera->intrinsics.fx, 7.0);
+  EXPECT_EQ(spec.views[0].camera->intrinsics.cy, 4.0);
+}
+
+// A camera at (1, 2, 3), turned by 90 degrees about its line of sight; y up, z back.
+TEST_F(RgbdFolder, ReadsRecordingsOfRecord3d) {
+  const auto metadata = [&](const std::string& k) {
+    write("metadata.json", R"({"w": 20, "h": 40, "dw": 5, "dh": 10, "K": )" + k +
+                               R"(, "poses": [[0, 0, 0, 1, 0, 0, 0],
+                                  [0, 0, 0.5, 0.5, 1, 2, 3]]})");
+  };
+  write("depth/1.png", png_head(5));
+  metadata("[16, 0, 0, 0, 20, 0, 10, 22, 1]");
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), {std::nullopt, 1000.0}));
+  ASSERT_EQ(spec.views.size(), 1u);
+  const auto& camera = *spec.views[0].camera;
+  EXPECT_EQ(camera.intrinsics.fx, 4.0);
+  EXPECT_EQ(camera.intrinsics.fy, 5.0);
+  EXPECT_EQ(camera.intrinsics.cx, 2.0);  // The middle of the first pixel is at 0, not at 0.5.
+  EXPECT_EQ(camera.intrinsics.cy, 5.0);
+  EXPECT_EQ(camera.width, 5);
+  const Eigen::Vector3d right_and_ahead = spec.views[0].world_from_view * Eigen::Vector3d(1, 0, 1);
+  EXPECT_TRUE(right_and_ahead.isApprox(Eigen::Vector3d(1, 3, 2), 1e-12));
+  metadata("[0, 0, 0, 0, 20, 0, 10, 22, 1]");
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), {std::nullopt, 1000.0}),
+              HasError("metadata.json", "focal lengths"));
 }
 
 TEST_F(RgbdFolder, SaysThatImagesSeemMirrored) {
@@ -321,6 +360,20 @@ TEST_F(RgbdFolder, SaysThatImagesSeemMirrored) {
   EXPECT_THAT(right.notes, Not(Contains(HasSubstr("mirrored"))));
   const auto wrong = value_of(read_rgbd_folder(folder_.path(), {upright, 1000.0}));
   EXPECT_THAT(wrong.notes, Contains(HasSubstr("give --intrinsics 120 -120 79.5 59.5")));
+}
+
+TEST_F(RgbdFolder, TakesRayLengthsWhereDepthsAgreeSo) {
+  const PinholeIntrinsics intrinsics{120, 120, 79.5, 59.5};
+  for (const bool along_ray : {true, false}) {
+    write_frames(folder_, Camera::pinhole(160, 120, intrinsics), 1000.0, 1.0f, along_ray);
+    const auto spec = value_of(read_rgbd_folder(folder_.path(), {intrinsics, 1000.0}));
+    for (const ViewSpec& view : spec.views) EXPECT_EQ(view.depth->along_ray, along_ray);
+    const auto told = Contains(HasSubstr("taken as distances along the rays"));
+    if (along_ray)
+      EXPECT_THAT(spec.notes, told);
+    else
+      EXPECT_THAT(spec.notes, Not(told));
+  }
 }
 
 TEST_F(RgbdFolder, TakesAUsualScaleWhereNoneIsStated) {
