@@ -12,7 +12,7 @@
 
 #include <Eigen/Dense>
 
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 #include "relief/simulation/simulate.h"
 #include "scan/evaluation/poses/pose_bound.h"
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 
 namespace relief::registration {
 

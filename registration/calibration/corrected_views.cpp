@@ -5,7 +5,7 @@
 
 #include "registration/calibration/calibration_input.h"
 #include "registration/pairwise/search_schedule.h"
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {

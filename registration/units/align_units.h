@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "registration/global/pair_search.h"
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 #include "relief/registration/align_options.h"
 #include "relief/registration/calibrate_views.h"
 #include "relief/scan/range_view.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "registration/global/pair_search.h"
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 #include "relief/registration/align_views.h"
 #include "relief/registration/calibrate_views.h"
 #include "scan/units/unit_codec_private.h"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 #include "registration/surface/view_surface.h"
 #include "registration/units/align_units.h"
 #include "registration/verification/pose_convention.h"

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 #include "registration/surface/view_surface.h"
 #include "registration/verification/pose_evidence.h"
 #include "relief/scan/rigid_motion.h"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/pairwise/icp.h"
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/support/result_matchers.h"
 

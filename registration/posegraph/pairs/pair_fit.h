@@ -6,7 +6,7 @@
 
 #include "registration/pairwise/degenerate_directions.h"
 #include "registration/pairwise/shared_surface.h"
-#include "registration/posegraph/joint_solver.h"
+#include "registration/posegraph/joint/joint_solver.h"
 #include "registration/surface/view_surface.h"
 #include "relief/registration/pair_fit.h"
 #include "relief/scan/rigid_motion.h"

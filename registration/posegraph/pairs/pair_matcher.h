@@ -5,7 +5,7 @@
 
 #include "registration/pairwise/correspondences.h"
 #include "registration/pairwise/search_schedule.h"
-#include "registration/posegraph/joint_solver.h"
+#include "registration/posegraph/joint/joint_solver.h"
 #include "registration/posegraph/view_graph.h"
 #include "registration/surface/view_surface.h"
 #include "relief/registration/align_options.h"

@@ -12,8 +12,8 @@
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/json/spec_json_private.h"
 #include "scan/io/workspaces/middlebury_par.h"
+#include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
-#include "scan/io/workspaces/rgbd/depth_scale.h"
 
 namespace relief {
 

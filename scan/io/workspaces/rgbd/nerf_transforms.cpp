@@ -12,8 +12,8 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/project/json/json_object_private.h"
+#include "scan/io/workspaces/rgbd/agreement/ray_lengths.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
-#include "scan/io/workspaces/rgbd/ray_lengths.h"
 #include "scan/io/workspaces/workspace_text.h"
 
 namespace relief {

@@ -8,7 +8,7 @@
 
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
-#include "scan/io/workspaces/rgbd/depth_scale.h"
+#include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
 #include "scan/io/workspaces/rgbd/trajectories.h"
 
 namespace relief {

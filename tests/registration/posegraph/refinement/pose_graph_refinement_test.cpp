@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/pairwise/robust.h"
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 #include "registration/posegraph/refinement/pair_information.h"
 #include "registration/posegraph/refinement/pose_graph_system.h"
 #include "relief/scan/context.h"

@@ -1,4 +1,4 @@
-#include "scan/io/workspaces/rgbd/depth_scale.h"
+#include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "scan/base/median.h"
 #include "scan/io/images/image_io.h"
-#include "scan/io/workspaces/rgbd/pose_agreement.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_agreement.h"
 
 namespace relief {
 

@@ -1,4 +1,4 @@
-#include "registration/posegraph/pose_parameters.h"
+#include "registration/posegraph/joint/pose_parameters.h"
 
 #include <Eigen/Geometry>
 

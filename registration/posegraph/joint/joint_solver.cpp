@@ -1,4 +1,4 @@
-#include "registration/posegraph/joint_solver.h"
+#include "registration/posegraph/joint/joint_solver.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <Eigen/Core>
 #include <ceres/ceres.h>
 
+#include "registration/posegraph/joint/pose_parameters.h"
 #include "registration/posegraph/pairs/pair_terms.h"
-#include "registration/posegraph/pose_parameters.h"
 #include "registration/posegraph/sparse_solver.h"
 #include "scan/base/parallel.h"
 

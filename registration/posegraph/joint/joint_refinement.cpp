@@ -1,4 +1,4 @@
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 
 #include <algorithm>
 #include <cassert>
@@ -7,8 +7,8 @@
 
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
-#include "registration/posegraph/joint_solver.h"
-#include "registration/posegraph/last_steps.h"
+#include "registration/posegraph/joint/joint_solver.h"
+#include "registration/posegraph/joint/last_steps.h"
 #include "registration/posegraph/pairs/pair_matcher.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "registration/posegraph/view_graph.h"

@@ -1,8 +1,8 @@
-#include "scan/io/workspaces/rgbd/mirrored_images.h"
+#include "scan/io/workspaces/rgbd/agreement/mirrored_images.h"
 
 #include <cstdio>
 
-#include "scan/io/workspaces/rgbd/pose_agreement.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_agreement.h"
 
 namespace relief {
 

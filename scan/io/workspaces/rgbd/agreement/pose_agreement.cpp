@@ -1,4 +1,4 @@
-#include "scan/io/workspaces/rgbd/pose_agreement.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_agreement.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "registration/pairwise/search_schedule.h"
-#include "registration/posegraph/degenerate_views.h"
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/degenerate_views.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 #include "registration/posegraph/view_graph.h"
 #include "registration/surface/view_surface.h"
 #include "relief/registration/align_options.h"

@@ -1,4 +1,4 @@
-#include "registration/posegraph/last_steps.h"
+#include "registration/posegraph/joint/last_steps.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "registration/posegraph/degenerate_views.h"
+#include "registration/posegraph/joint/degenerate_views.h"
 
 #include <algorithm>
 #include <map>

@@ -1,11 +1,11 @@
-#include "registration/posegraph/joint_solver.h"
+#include "registration/posegraph/joint/joint_solver.h"
 
 #include <cstring>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "registration/posegraph/joint_refinement.h"
+#include "registration/posegraph/joint/joint_refinement.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/support/result_matchers.h"
 

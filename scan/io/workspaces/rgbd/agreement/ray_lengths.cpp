@@ -1,8 +1,8 @@
-#include "scan/io/workspaces/rgbd/ray_lengths.h"
+#include "scan/io/workspaces/rgbd/agreement/ray_lengths.h"
 
 #include <cstdio>
 
-#include "scan/io/workspaces/rgbd/pose_agreement.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_agreement.h"
 
 namespace relief {
 
