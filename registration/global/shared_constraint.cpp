@@ -7,9 +7,9 @@ namespace relief::registration {
 
 namespace {
 
-// Correlations of what holds the two views. At right poses of scanners they are 0.95 and more, of
-// depth cameras 0.1 to 0.9, as much as noise holds them less firmly than relief
-// (docs/results.md, Scans that nothing was developed against). Above this there is more relief than
+// Correlations of what holds the two views. At right poses of scanners they are 0.95 and more. Of
+// depth cameras they are 0.1 to 0.9: the more noise, the less (docs/results.md, Scans that nothing
+// was developed against). Above this there is more relief than
 // noise.
 constexpr double kMoreRelief = 0.5;
 

@@ -170,8 +170,10 @@ RigidTangent tangent_about(const Eigen::Vector3d& centre, const DegenerateDirect
 }
 
 Matrix6d without_motions(const std::vector<DegenerateDirection>& motions,
-                         const Eigen::Vector3d& centre, const Vector6d& weight) {
+                         const Eigen::Vector3d& centre, double squared_lever) {
   if (motions.empty()) return Matrix6d::Identity();
+  Vector6d weight = Vector6d::Ones();
+  weight.head<3>().setConstant(squared_lever);
   Eigen::MatrixXd left_out(6, motions.size());
   for (std::size_t k = 0; k < motions.size(); ++k)
     left_out.col(static_cast<Eigen::Index>(k)) = tangent_about(centre, motions[k]);

@@ -86,10 +86,13 @@ std::vector<DegenerateDirection> degenerate_directions(const ConstraintSpectrum&
 /// The motion of a degenerate direction, which is about its own centre, as a tangent about another.
 RigidTangent tangent_about(const Eigen::Vector3d& centre, const DegenerateDirection& direction);
 
-/// Takes the part along `motions` out of tangents about `centre`. `weight`: how much a rotation
-/// about an axis and a translation along it move, squared, for what counts as a part.
+/// For each view, some of its motions; world frame.
+using MotionsOfViews = std::vector<std::vector<DegenerateDirection>>;
+
+/// Takes the part along `motions` out of tangents about `centre`. A turn by one radian counts for
+/// as much as a translation by the lever [unit], which is given squared.
 Matrix6d without_motions(const std::vector<DegenerateDirection>& motions,
-                         const Eigen::Vector3d& centre, const Vector6d& weight);
+                         const Eigen::Vector3d& centre, double squared_lever);
 
 /// The eigenvalue that noise of the normals [rad] alone produces, with a factor of two in the
 /// angle: a direction below it is degenerate. At least (0.6 deg)^2.

@@ -1,10 +1,8 @@
 #include "registration/pairwise/normal_maps/normal_matches.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <utility>
 

@@ -58,9 +58,8 @@ RigidMotion without_drift(const ViewSurface& surface, const RigidMotion& start,
   const Eigen::AngleAxisd turn((refined * start.inverse()).linear());
   RigidTangent moved_by;
   moved_by << turn.angle() * turn.axis(), refined * surface.centre() - centre;
-  Vector6d weight = Vector6d::Ones();
-  weight.head<3>().setConstant(surface.radius() * surface.radius());
-  return moved(start, without_motions(motions, centre, weight) * moved_by, centre);
+  const double squared_radius = surface.radius() * surface.radius();
+  return moved(start, without_motions(motions, centre, squared_radius) * moved_by, centre);
 }
 
 }  // namespace relief::registration

@@ -11,9 +11,6 @@
 
 namespace relief::registration {
 
-/// For each view, motions that all its pairs together do not determine; world frame.
-using MotionsOfViews = std::vector<std::vector<DegenerateDirection>>;
-
 /// What both views of a pair show, as it holds either view.
 struct PairConstraint {
   std::size_t a = 0, b = 0;

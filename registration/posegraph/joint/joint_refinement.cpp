@@ -201,10 +201,10 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
   release_freed_memory();  // What solving took; the last steps grow as large.
   if (!report_progress(progress, 0.0, "computing covariances"))
     return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-  const auto finish = [&](MotionsOfViews at_rest) {
-    return take_last_steps(surfaces,
-                           {pairs, largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView)},
-                           levels.back(), nearly_degenerate, std::move(at_rest), options, result);
+  const auto finish = [&](MotionsOfViews kept_motions) {
+    return take_last_steps(
+        surfaces, {pairs, largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView)},
+        levels.back(), nearly_degenerate, std::move(kept_motions), options, result);
   };
   MotionsOfViews drifting = finish({});
   const auto held_by_maps = views_held_by_maps(result.pairs, nearly_degenerate);

@@ -94,7 +94,7 @@ PoseGraphLastStep refine(const std::vector<ViewSurface>& surfaces,
                          const std::vector<bool>& nearly_degenerate,
                          const JointRefinementOptions& options, JointRefinement& result) {
   PoseGraphRefinementOptions last;
-  last.at_rest = result.kept_motions;
+  last.kept_motions = result.kept_motions;
   last.search = search_at(level, pairs.size(), kFewestAlone, options);
   last.last_samples = last_samples(options, pairs.size());
   last.step_samples =
@@ -127,9 +127,9 @@ PoseGraphLastStep refine(const std::vector<ViewSurface>& surfaces,
 
 MotionsOfViews take_last_steps(const std::vector<ViewSurface>& surfaces, const LinkedPairs& pairs,
                                const SearchLevel& level, const std::vector<bool>& nearly_degenerate,
-                               MotionsOfViews at_rest, const JointRefinementOptions& options,
+                               MotionsOfViews kept_motions, const JointRefinementOptions& options,
                                JointRefinement& result) {
-  result.kept_motions = std::move(at_rest);
+  result.kept_motions = std::move(kept_motions);
   const PoseGraphLastStep last_step =
       refine(surfaces, pairs.strongest, level, nearly_degenerate, options, result);
   if (result.termination == RefinementTermination::kSolverFailed) return {};

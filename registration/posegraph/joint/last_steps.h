@@ -20,12 +20,12 @@ struct LinkedPairs {
 /// The last steps of refine_jointly(), from the poses of `result`, which tells the views that are
 /// held: with all samples of the strongest pairs. Sets the poses, their covariances, and how all
 /// pairs fit. Normal maps are matched where either view is `nearly_degenerate`. Steps leave the
-/// motions `at_rest` alone (empty: none), which `result` tells then.
+/// motions `kept_motions` alone (empty: none), which `result` tells then.
 ///
 /// Returns the degenerate directions of the views at these poses.
 MotionsOfViews take_last_steps(const std::vector<ViewSurface>& surfaces, const LinkedPairs& pairs,
                                const SearchLevel& level, const std::vector<bool>& nearly_degenerate,
-                               MotionsOfViews at_rest, const JointRefinementOptions& options,
+                               MotionsOfViews kept_motions, const JointRefinementOptions& options,
                                JointRefinement& result);
 
 }  // namespace relief::registration

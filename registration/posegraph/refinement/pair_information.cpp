@@ -154,9 +154,7 @@ void ignore_motions(const std::vector<DegenerateDirection>& motions, const Eigen
   // Rotations count by the lever that they have.
   const Vector6d diagonal = sum.information.diagonal();
   const double lever = diagonal.head<3>().sum() / std::max(diagonal.tail<3>().sum(), 1e-300);
-  Vector6d weight = Vector6d::Ones();
-  weight.head<3>().setConstant(std::max(lever, 1e-300));
-  const Matrix6d rest = without_motions(motions, centre, weight);
+  const Matrix6d rest = without_motions(motions, centre, std::max(lever, 1e-300));
   sum.information = rest.transpose() * sum.information * rest;
   sum.independent = rest.transpose() * sum.independent * rest;
   sum.score = rest.transpose() * sum.score;

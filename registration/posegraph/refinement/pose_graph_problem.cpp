@@ -67,16 +67,16 @@ class EdgeCost : public ceres::SizedCostFunction<7, 6, 6> {
 }  // namespace
 
 SymmetricBlocks information_blocks(const std::vector<PairInformation>& pairs,
-                                   const ViewFreedom& freedom, double step_gain) {
+                                   const AllowedMotions& allowed, double step_gain) {
   SymmetricBlocks matrix;
-  for (std::size_t i = 0; i < freedom.prior.size(); ++i)
-    matrix[{i, i}] = freedom.prior[i].asDiagonal();
+  for (std::size_t i = 0; i < allowed.prior.size(); ++i)
+    matrix[{i, i}] = allowed.prior[i].asDiagonal();
   for (const auto& [views, edge] : edges_of(pairs, step_gain)) {
     const CompressedTerms terms = compress(edge.sum, edge.losses);
     Matrix6d block = terms.derivative.transpose() * terms.derivative;
     if (!terms.residuals.allFinite()) block.setConstant(std::numeric_limits<double>::quiet_NaN());
-    const Matrix6d &first = freedom.projection[views.first],
-                   &second = freedom.projection[views.second];
+    const Matrix6d &first = allowed.projection[views.first],
+                   &second = allowed.projection[views.second];
     matrix[{views.first, views.first}] += first.transpose() * block * first;
     matrix[{views.second, views.second}] += second.transpose() * block * second;
     matrix[views] = -first.transpose() * block * second;
@@ -97,14 +97,14 @@ struct PoseGraphProblem::Parts {
 };
 
 PoseGraphProblem::PoseGraphProblem(const std::vector<PairInformation>& pairs,
-                                   const ViewFreedom& freedom, const std::vector<bool>& held,
+                                   const AllowedMotions& allowed, const std::vector<bool>& held,
                                    double step_gain)
     : parts_(std::make_unique<Parts>()) {
   const Edges edges = edges_of(pairs, step_gain);
   parts_->held = held;
-  parts_->projection = freedom.projection;
+  parts_->projection = allowed.projection;
   parts_->values.assign(held.size(), RigidTangent::Zero());
-  std::vector<RigidTangent> precision = freedom.prior;
+  std::vector<RigidTangent> precision = allowed.prior;
   for (const auto& [views, edge] : edges) {
     precision[views.first] += edge.sum.matrix.diagonal().cwiseMax(0.0);
     precision[views.second] += edge.sum.matrix.diagonal().cwiseMax(0.0);
@@ -114,7 +114,7 @@ PoseGraphProblem::PoseGraphProblem(const std::vector<PairInformation>& pairs,
     double* const tangent = parts_->values[i].data();
     parts_->problem.AddParameterBlock(tangent, 6);
     if (held[i]) parts_->problem.SetParameterBlockConstant(tangent);
-    const RigidTangent root = freedom.prior[i].cwiseSqrt().cwiseProduct(parts_->scale[i]);
+    const RigidTangent root = allowed.prior[i].cwiseSqrt().cwiseProduct(parts_->scale[i]);
     parts_->problem.AddResidualBlock(
         new ceres::NormalPrior(root.asDiagonal().toDenseMatrix(), Vector6d::Zero()), nullptr,
         tangent);
@@ -125,8 +125,8 @@ PoseGraphProblem::PoseGraphProblem(const std::vector<PairInformation>& pairs,
     auto terms = compress(edge.sum, edge.losses);
     parts_->finite = parts_->finite && terms.residuals.allFinite();
     parts_->problem.AddResidualBlock(
-        new EdgeCost(std::move(terms), freedom.projection[a] * parts_->scale[a].asDiagonal(),
-                     freedom.projection[b] * parts_->scale[b].asDiagonal()),
+        new EdgeCost(std::move(terms), allowed.projection[a] * parts_->scale[a].asDiagonal(),
+                     allowed.projection[b] * parts_->scale[b].asDiagonal()),
         nullptr, parts_->values[a].data(), parts_->values[b].data());
   }
 }

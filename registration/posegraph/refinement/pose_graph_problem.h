@@ -20,7 +20,7 @@ struct PoseGraphStep {
 };
 
 /// What each view may do.
-struct ViewFreedom {
+struct AllowedMotions {
   std::vector<RigidTangent> prior;  ///< Precisions of the components of each view's tangent.
   /// For each view the projection of tangents onto the motions that its pairs may move it by. The
   /// prior alone holds the others, and steps do not take them.
@@ -29,7 +29,7 @@ struct ViewFreedom {
 
 /// The matrix of PoseGraphProblem, held views and all. Not finite if the sums of a pair are not.
 SymmetricBlocks information_blocks(const std::vector<PairInformation>& pairs,
-                                   const ViewFreedom& freedom, double step_gain);
+                                   const AllowedMotions& allowed, double step_gain);
 
 /// The quadratic sum (R11) over the small motions of all views, as Ceres takes it: a block of six
 /// tangent components per view, seven residuals per pair of views (R6), and a prior per view that
@@ -38,7 +38,7 @@ class PoseGraphProblem {
  public:
   /// `held` views do not move. `step_gain` scales the information of ranges, not that of normal
   /// maps.
-  PoseGraphProblem(const std::vector<PairInformation>& pairs, const ViewFreedom& freedom,
+  PoseGraphProblem(const std::vector<PairInformation>& pairs, const AllowedMotions& allowed,
                    const std::vector<bool>& held, double step_gain = 1.0);
   ~PoseGraphProblem();
   PoseGraphProblem(PoseGraphProblem&&) noexcept;

@@ -41,7 +41,7 @@ class MovingPairs {
         since_(start_.size(), RigidTangent::Zero()) {
     compression_.search = options.search;
     compression_.centre = common_centre(surfaces, start_);
-    for (std::size_t i = 0; i < options.at_rest.size(); ++i)
+    for (std::size_t i = 0; i < options.kept_motions.size(); ++i)
       projection_.push_back(without_motions_of(i));
     measure_deviations();
   }
@@ -98,9 +98,9 @@ class MovingPairs {
     const Eigen::Vector3d centre = start_[i] * surfaces_[i]->centre();
     const Matrix6d about_view = tangents_about(centre - compression_.centre),
                    about_common = tangents_about(compression_.centre - centre);
-    Vector6d weight = Vector6d::Ones();
-    weight.head<3>().setConstant(surfaces_[i]->radius() * surfaces_[i]->radius());
-    return about_common * without_motions(options_.at_rest[i], centre, weight) * about_view;
+    const double radius = surfaces_[i]->radius();
+    return about_common * without_motions(options_.kept_motions[i], centre, radius * radius) *
+           about_view;
   }
 
   // Calls visit(pair) in the order of the pairs.
@@ -147,7 +147,7 @@ class MovingPairs {
   const PoseGraphRefinementOptions& options_;
   PairInformationOptions compression_;
   std::vector<double> sigmas_;        // Of directed pairs [unit].
-  std::vector<Matrix6d> projection_;  // See ViewFreedom.
+  std::vector<Matrix6d> projection_;  // See AllowedMotions.
   std::vector<RigidMotion> start_, poses_;
   std::vector<RigidTangent> since_;  // What the views moved by, all in all.
 };

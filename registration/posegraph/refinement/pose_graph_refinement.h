@@ -33,7 +33,7 @@ struct PoseGraphRefinementOptions {
   /// frame.
   std::vector<DegenerateDirection> degenerate_directions;
   /// For each view, motions that steps do not move it by; empty: none of any. World frame.
-  std::vector<std::vector<DegenerateDirection>> at_rest;
+  MotionsOfViews kept_motions;
 };
 
 /// The step that gave the poses, and what it was made of.

@@ -61,15 +61,15 @@ PoseGraphSystem::PoseGraphSystem(const std::vector<const ViewSurface*>& surfaces
                                  const std::vector<bool>& held, const Eigen::Vector3d& centre,
                                  std::vector<Matrix6d> projection)
     : surfaces_(surfaces), pairs_(pairs), held_(held), centre_(centre) {
-  for (const ViewSurface* surface : surfaces) freedom_.prior.push_back(prior_precision(*surface));
-  freedom_.projection = std::move(projection);
-  freedom_.projection.resize(surfaces.size(), Matrix6d::Identity());
+  for (const ViewSurface* surface : surfaces) allowed_.prior.push_back(prior_precision(*surface));
+  allowed_.projection = std::move(projection);
+  allowed_.projection.resize(surfaces.size(), Matrix6d::Identity());
 }
 
 // The diagonal blocks of (R11), with the priors.
 std::vector<Matrix6d> PoseGraphSystem::information_of_views() const {
   std::vector<Matrix6d> blocks;
-  for (const RigidTangent& prior : freedom_.prior) blocks.push_back(prior.asDiagonal());
+  for (const RigidTangent& prior : allowed_.prior) blocks.push_back(prior.asDiagonal());
   for (const auto& pair : pairs_) {
     blocks[pair.source] += pair.information;
     blocks[pair.target] += pair.information;
@@ -99,9 +99,9 @@ SymmetricBlocks PoseGraphSystem::scatter(const ClusterScores& scores, double inf
     if (!pair.independent.isZero(0.0)) add_edge(pair, pair.independent, sum);
   for (auto& [place, block] : sum)
     block =
-        freedom_.projection[place.first].transpose() * block * freedom_.projection[place.second];
+        allowed_.projection[place.first].transpose() * block * allowed_.projection[place.second];
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
-    add_block(i, i, freedom_.prior[i].asDiagonal(), sum);
+    add_block(i, i, allowed_.prior[i].asDiagonal(), sum);
   return sum;
 }
 
@@ -122,7 +122,7 @@ double PoseGraphSystem::variance_inflation(const ClusterScores& scores) const {
 }
 
 PoseGraphStep PoseGraphSystem::step() const {
-  return PoseGraphProblem(pairs_, freedom_, held_).minimise();
+  return PoseGraphProblem(pairs_, allowed_, held_).minimise();
 }
 
 std::vector<RigidTangent> PoseGraphSystem::random_perturbation() const {
@@ -135,10 +135,10 @@ std::vector<RigidTangent> PoseGraphSystem::random_perturbation() const {
       const double sign = (bits >> 63) != 0 ? 1.0 : -1.0;
       const double precision = information[view](k, k);
       // What nothing but the prior holds is not perturbed.
-      if (precision > 2.0 * freedom_.prior[view][k])
+      if (precision > 2.0 * allowed_.prior[view][k])
         tangents[view][k] = sign / std::sqrt(precision);
     }
-    tangents[view] = freedom_.projection[view] * tangents[view];
+    tangents[view] = allowed_.projection[view] * tangents[view];
   }
   return tangents;
 }
@@ -168,10 +168,10 @@ std::optional<PoseCovariance> PoseGraphSystem::covariance(
   SymmetricBlocks middle = scatter(scores, inflation);
   if (surfaces_.size() > kFewViews) {
     auto of_views =
-        sandwich_diagonal(information_blocks(pairs_, freedom_, step_gain), middle, held_);
+        sandwich_diagonal(information_blocks(pairs_, allowed_, step_gain), middle, held_);
     if (of_views) return PoseCovariance(std::move(*of_views), std::move(centres));
   }
-  PoseGraphProblem information(pairs_, freedom_, held_, step_gain);
+  PoseGraphProblem information(pairs_, allowed_, held_, step_gain);
   if (!information.invert()) return std::nullopt;
   return PoseCovariance(std::move(information), std::move(middle), std::move(centres));
 }

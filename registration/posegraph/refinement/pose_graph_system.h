@@ -20,7 +20,7 @@ namespace relief::registration {
 class PoseGraphSystem {
  public:
   /// `held` views do not move. `centre`: that of the pairs' tangents, world frame. `projection`:
-  /// see ViewFreedom; empty: all motions.
+  /// see AllowedMotions; empty: all motions.
   PoseGraphSystem(const std::vector<const ViewSurface*>& surfaces,
                   const std::vector<PairInformation>& pairs, const std::vector<bool>& held,
                   const Eigen::Vector3d& centre, std::vector<Matrix6d> projection = {});
@@ -60,7 +60,7 @@ class PoseGraphSystem {
   const std::vector<PairInformation>& pairs_;
   std::vector<bool> held_;
   Eigen::Vector3d centre_;
-  ViewFreedom freedom_;
+  AllowedMotions allowed_;
 };
 
 }  // namespace relief::registration

@@ -195,16 +195,14 @@ TEST(WithoutMotions, LeavesOutWhatLiesAlongThemAndKeepsTheRest) {
   about.centre << 5, 0, -2;
   about.motion << 0, 0.5, 0, 0, 0, 0;
   const Eigen::Vector3d centre(1, 2, 3);
-  Vector6d weight;
-  weight << 9, 9, 9, 1, 1, 1;
-  const Matrix6d rest = without_motions({along, about}, centre, weight);
+  const Matrix6d rest = without_motions({along, about}, centre, 9.0);
   EXPECT_LT((rest * rest - rest).norm(), 1e-12);
   EXPECT_LT((rest * tangent_about(centre, along)).norm(), 1e-12);
   EXPECT_LT((rest * tangent_about(centre, about)).norm(), 1e-12);
   Vector6d other;  // A turn that neither has a part of.
   other << 1, 0, 0, 0, 0, 0;
   EXPECT_LT((rest * other - other).norm(), 1e-12);
-  EXPECT_TRUE(without_motions({}, centre, weight).isIdentity(0.0));
+  EXPECT_TRUE(without_motions({}, centre, 9.0).isIdentity(0.0));
 }
 
 }  // namespace

@@ -31,9 +31,8 @@ std::optional<PosedDepth> read_posed_depth(const ViewSpec& view) {
   return PosedDepth{std::move(*depth), view.world_from_view};
 }
 
-// Depths along the optical axis, of which those of a map may be distances along the rays.
-Image along_axis(Image depth, const PinholeIntrinsics& k, bool along_ray) {
-  if (!along_ray) return depth;
+// Depths along the optical axis of a map of distances along the rays.
+Image along_axis(Image depth, const PinholeIntrinsics& k) {
   for (int v = 0; v < depth.height; ++v)
     for (int u = 0; u < depth.width; ++u)
       depth(u, v) /=
@@ -86,12 +85,14 @@ std::vector<std::optional<double>> disagreements_at_poses(
     if (!from || !onto) continue;
     for (std::size_t k = 0; k < readings.size(); ++k) {
       const auto& [intrinsics, factor, along_ray] = readings[k];
-      const auto depth_of = [&](const PosedDepth& frame) {
-        return along_axis(frame.depth, intrinsics, along_ray);
+      const auto compare = [&](const Image& of_from, const Image& of_onto) {
+        return depth_differences(
+            of_onto, intrinsics, pose_in_units(*onto, factor),
+            points_in_world(of_from, intrinsics, pose_in_units(*from, factor)));
       };
-      const auto found = depth_differences(
-          depth_of(*onto), intrinsics, pose_in_units(*onto, factor),
-          points_in_world(depth_of(*from), intrinsics, pose_in_units(*from, factor)));
+      const auto found = along_ray ? compare(along_axis(from->depth, intrinsics),
+                                             along_axis(onto->depth, intrinsics))
+                                   : compare(from->depth, onto->depth);
       differences[k].insert(differences[k].end(), found.begin(), found.end());
     }
   }
