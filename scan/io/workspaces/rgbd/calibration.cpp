@@ -191,7 +191,8 @@ Result<Calibration> parse_calibration_text(std::string_view text, const fs::path
 
 Result<std::optional<Calibration>> find_calibration(const fs::path& folder) {
   for (const char* of_its_own : {"intrinsic", "intrinsics"})
-    if (fs::is_directory(folder / of_its_own)) return find_calibration(folder / of_its_own);
+    if (fs::is_directory(folder / of_its_own))
+      if (auto found = find_calibration(folder / of_its_own); !found || *found) return found;
   std::vector<fs::path> files = files_in(folder);
   const auto rank = [](const fs::path& file) {
     return file.stem().string().find("depth") == std::string::npos;

@@ -329,6 +329,14 @@ TEST_F(RgbdFolder, ReadsScanNetExports) {
   EXPECT_EQ(spec.views[0].camera->intrinsics.cy, 4.0);
 }
 
+TEST_F(RgbdFolder, LooksBesideAFolderWithoutCalibration) {
+  write("depth/0.png", png_head(5));
+  write("intrinsic/extrinsic_depth.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  write("camera.txt", "7 8 3 4\n");
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), {std::nullopt, 1000.0}));
+  EXPECT_EQ(spec.views.at(0).camera->intrinsics.fx, 7.0);
+}
+
 // A camera at (1, 2, 3), turned by 90 degrees about its line of sight; y up, z back.
 TEST_F(RgbdFolder, ReadsRecordingsOfRecord3d) {
   const auto metadata = [&](const std::string& k) {
