@@ -6,6 +6,8 @@
 #include "registration/calibration/calibration_input.h"
 #include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/joint/joint_refinement.h"
+#include "registration/posegraph/pose_step.h"
+#include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {

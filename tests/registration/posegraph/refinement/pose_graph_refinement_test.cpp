@@ -17,6 +17,7 @@
 #include "scan/base/linear_algebra.h"
 #include "scan/base/robust_scales.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/registration/relief_views.h"
 
 namespace relief::registration {
 namespace {
