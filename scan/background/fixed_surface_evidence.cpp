@@ -15,8 +15,12 @@ namespace {
 // Samples of a set that are carried into other views; bounds the time. Fractions are told to 0.009.
 constexpr std::size_t kProbes = 3000;
 constexpr std::size_t kOtherViews = 16;  // at most, for each sample; bounds the time
-constexpr double kFar = 0.1;             // of the radius of what moves
-constexpr double kEdgeOfImage = 0.02;    // part of the moving pixels that may lie beyond a side
+// Of the radius of what moves, but of a sample's distance from the camera where that is less:
+// errors of poses that turn the camera carry near samples less far.
+constexpr double kFar = 0.1;
+// Poses that carry a sample less far than that leave it where it stands, and tell nothing [kFar].
+constexpr double kTelling = 2.0;
+constexpr double kEdgeOfImage = 0.02;  // part of the moving pixels that may lie beyond a side
 constexpr double kIsland = 0.05;  // part of a view's moving samples: less is no piece of the object
 
 // A sample of a view of the stack.
@@ -95,9 +99,9 @@ Sight look_at(const RangeView& view, const Eigen::Vector3d& point, double far) {
   return Sight::kThrough;
 }
 
-// Carries the probes into other views.
+// Carries the probes into other views. `radius`: of what moves [unit].
 CarriedSamples test_poses(const std::vector<RangeView>& views, const DepthStack& stack,
-                          const std::vector<Probe>& probes, double far) {
+                          const std::vector<Probe>& probes, double radius) {
   const std::size_t step = std::max<std::size_t>(1, stack.size() / kOtherViews);
   const auto add = [](CarriedSamples a, const CarriedSamples& b) {
     return CarriedSamples{a.confirmed + b.confirmed, a.refuted + b.refuted};
@@ -108,11 +112,14 @@ CarriedSamples test_poses(const std::vector<RangeView>& views, const DepthStack&
     CarriedSamples& part = parts[begin / kAtOnce];
     for (std::size_t k = begin; k < end; ++k) {
       const RangeView& from = views[stack.views[probes[k].view]];
-      const Eigen::Vector3d in_world = from.world_from_view * from.point(probes[k].u, probes[k].v);
+      const Eigen::Vector3d in_view = from.point(probes[k].u, probes[k].v);
+      const Eigen::Vector3d in_world = from.world_from_view * in_view;
+      const double far = kFar * std::min(radius, in_view.norm());
       for (std::size_t other = probes[k].view % step; other < stack.size(); other += step) {
         if (other == probes[k].view) continue;
         const RangeView& to = views[stack.views[other]];
         const Eigen::Vector3d point = to.world_from_view.inverse() * in_world;
+        if ((point - in_view).norm() < kTelling * far) continue;
         switch (look_at(to, point, far)) {
           case Sight::kThrough:
             ++part.refuted;
@@ -254,10 +261,10 @@ FixedSurfaceEvidence gather_evidence(const std::vector<RangeView>& views, const 
         if (kinds[i](u, v) == SampleKind::kStanding)
           sets[static_cast<std::size_t>(surface.piece(u, v))].offer({i, u, v});
       }
-  const double far = kFar * moving_radius(views, stack, moving.probes());
-  evidence.moving_poses = test_poses(views, stack, moving.probes(), far);
+  const double radius = moving_radius(views, stack, moving.probes());
+  evidence.moving_poses = test_poses(views, stack, moving.probes(), radius);
   for (std::size_t k = 0; k < surface.pieces; ++k)
-    evidence.pieces[k].poses = test_poses(views, stack, sets[k].probes(), far);
+    evidence.pieces[k].poses = test_poses(views, stack, sets[k].probes(), radius);
   return evidence;
 }
 
