@@ -214,7 +214,7 @@ function(relief_add_thread_tests name)
       COMMAND relief_${name}_tests "--gtest_filter=*Thread*:ParallelFor.*:RunIn.*-${left_out}")
     set_tests_properties(${name}.threads.${half} PROPERTIES TIMEOUT 1800
       ENVIRONMENT "VTK_SMP_BACKEND_IN_USE=Sequential;GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=${half}")
-    if(name STREQUAL "registration")
+    if(name MATCHES "^(registration|reconstruction)$")  # Longest: see RELIEF_LONG_SUITES.
       set_tests_properties(${name}.threads.${half} PROPERTIES COST 100)
     endif()
   endforeach()
