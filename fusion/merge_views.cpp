@@ -16,11 +16,10 @@
 #include "fusion/tsdf/closed_field.h"
 #include "fusion/units/merge_units.h"
 #include "fusion/views/inter_view_errors.h"
-#include "fusion/views/view_sampler.h"
+#include "fusion/views/prepared_samplers.h"
 #include "scan/base/median.h"
 #include "scan/base/median_deviation.h"
 #include "scan/base/parallel.h"
-#include "scan/base/usable_pose.h"
 #include "scan/units/content_hash.h"
 #include "scan/units/input_hash.h"
 
@@ -67,82 +66,6 @@ Result<Inputs> look_at(const ViewSource& views, bool hashed, MemoryLimit* memory
   quality.deviation = median(std::move(medians));
   return inputs;
 }
-
-// What preparing a view takes for a while, per pixel of its grid [bytes]: normals, edges, borders,
-// and a copy of it with its small gaps filled.
-constexpr std::size_t kPreparation = 150;
-
-class Preparation {
- public:
-  Preparation(const MergeOptions& options, double nominal_deviation, MemoryLimit* memory,
-              const Progress& progress)
-      : progress_(progress) {
-    options_.weights.silhouette_ramp = options.silhouette_ramp;
-    options_.weights.nominal_deviation = nominal_deviation;
-    options_.memory = memory;
-  }
-
-  /// Of the samplers' views among those given.
-  const std::vector<std::uint16_t>& indices() const { return indices_; }
-
-  Result<std::vector<ViewSampler>> operator()(const ViewSource& views,
-                                              std::vector<std::string>& notes) {
-    if (views.count == 0) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
-    // Side by side as many as there are threads; under a limit one after the other.
-    const auto at_once = options_.memory ? 1 : static_cast<std::size_t>(thread_count());
-    for (std::size_t i = 0; i < views.count; i += at_once) {
-      if (!report_progress(progress_, static_cast<double>(i) / static_cast<double>(views.count),
-                           "prepare views"))
-        return Error{ErrorKind::kInterrupted, "merging was interrupted"};
-      if (const auto added = add(views, i, std::min(i + at_once, views.count), notes); !added)
-        return added.error();
-    }
-    if (!samplers_.empty()) return std::move(samplers_);
-    if (without_pose_ == views.count)
-      return Error{ErrorKind::kUnsolvable, "no view has a pose: align the views before merging"};
-    return Error{ErrorKind::kUnsolvable, "no view with a pose has connected samples to merge"};
-  }
-
- private:
-  Result<void> add(const ViewSource& views, std::size_t begin, std::size_t end,
-                   std::vector<std::string>& notes) {
-    std::vector<std::shared_ptr<const RangeView>> used;
-    std::vector<std::size_t> index;
-    for (std::size_t i = begin; i < end; ++i) {
-      auto view = views.load(i);
-      if (!view) return view.error();
-      if (has_usable_pose(**view, views.count)) {
-        used.push_back(std::move(view).value());
-        index.push_back(i);
-        continue;
-      }
-      ++without_pose_;
-      notes.push_back("view `" + (*view)->name + "` has no pose and is left out; align it first");
-    }
-    for (const auto& view : used) evict_pages(options_.memory, kPreparation * view->range.size());
-    using Prepared = std::optional<Result<ViewSampler>>;
-    auto samplers = parallel_map<Prepared>(used.size(), [&](std::size_t k) {
-      return Prepared(ViewSampler::create(*used[k], options_));
-    });
-    for (std::size_t k = 0; k < used.size(); ++k) {
-      if (!*samplers[k]) return samplers[k]->error();
-      if ((*samplers[k])->empty()) {
-        notes.push_back("view `" + used[k]->name + "` has no connected samples and is left out");
-        continue;
-      }
-      samplers_.push_back(std::move(**samplers[k]));
-      indices_.push_back(
-          static_cast<std::uint16_t>(std::min<std::size_t>(index[k], kNoSourceView)));
-    }
-    return check(options_.memory);
-  }
-
-  const Progress& progress_;
-  PagedSurfaceOptions options_;
-  std::vector<ViewSampler> samplers_;
-  std::vector<std::uint16_t> indices_;
-  std::size_t without_pose_ = 0;
-};
 
 // Of all samples: worth a note.
 constexpr double kManyNoisy = 0.01;
@@ -272,22 +195,26 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   if (!inputs) return inputs.error();
   const SampleQuality& quality = inputs->quality;
   const Progress preparing = part_of(context.progress, 0.0, kPrepared);
-  Preparation prepare(options, quality.deviation, memory, preparing);
-  auto samplers = prepare(views, result.notes);
-  if (!samplers) return samplers.error();
+  PagedSurfaceOptions surfaces{.memory = memory};
+  surfaces.weights.silhouette_ramp = options.silhouette_ramp;
+  surfaces.weights.nominal_deviation = quality.deviation;
+  auto prepared = prepare_samplers(views, surfaces, preparing);
+  if (!prepared) return prepared.error();
+  auto& [samplers, indices, left_out] = *prepared;
+  result.notes.insert(result.notes.end(), left_out.begin(), left_out.end());
   release_freed_memory();
-  count_samples(*samplers, inputs->samples, result);
-  RangeErrors errors = inter_view_errors(*samplers);
+  count_samples(samplers, inputs->samples, result);
+  RangeErrors errors = inter_view_errors(samplers);
   if (quality.deviation > 0.0) errors.exponent = 0.0;  // Views know theirs.
-  for (ViewSampler& sampler : *samplers) sampler.set_range_errors(errors);
-  choose_scales(*samplers, options, quality.refined, errors, result);
+  for (ViewSampler& sampler : samplers) sampler.set_range_errors(errors);
+  choose_scales(samplers, options, quality.refined, errors, result);
 
   const FieldUnits units(context.store, ContentHash().add(inputs->hashes, options).hex());
-  auto mesh = closed_surface(*samplers, units, result, memory, context.progress);
+  auto mesh = closed_surface(samplers, units, result, memory, context.progress);
   if (!mesh) return mesh.error();
   result.mesh = std::move(mesh).value();
   release_freed_memory();
-  if (!options.keep_components) remove_components(*samplers, result);
+  if (!options.keep_components) remove_components(samplers, result);
   if (result.mesh.faces.empty())
     return Error{ErrorKind::kUnsolvable,
                  "no surface was found: the voxel size is too large for the object"};
@@ -302,15 +229,15 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
                                        .view_stddev = std::max(result.view_noise, errors.stddev),
                                        .nominal_deviation = quality.deviation,
                                        .memory = memory,
-                                       .view_indices = prepare.indices()};
-  set_vertex_attributes(result.mesh, *samplers, measure);
+                                       .view_indices = indices};
+  set_vertex_attributes(result.mesh, samplers, measure);
   const FairFillOptions fair{result.truncation, result.voxel_size, memory};
   const Progress closing = part_of(context.progress, kMeasured, kMeasured);
-  const auto notes = fair_holes(fair, *samplers, result.mesh, result.check, closing);
+  const auto notes = fair_holes(fair, samplers, result.mesh, result.check, closing);
   if (!notes) return notes.error();
   result.notes.insert(result.notes.end(), notes->begin(), notes->end());
   set_filled_quality(result.mesh);
-  set_vertex_colours(result.mesh, *samplers, measure);
+  set_vertex_colours(result.mesh, samplers, measure);
   result.filled_area_fraction = filled_area_fraction(result.mesh);
   if (opens_holes(options)) {
     open_holes(result.mesh, options.keep_holes ? 0.0 : options.largest_fill);

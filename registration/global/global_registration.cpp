@@ -10,8 +10,9 @@
 
 #include "registration/global/features/view_similarity.h"
 #include "registration/global/judged_pairs.h"
-#include "registration/global/link_limits.h"
-#include "registration/global/pair_links.h"
+#include "registration/global/links/link_limits.h"
+#include "registration/global/links/nearest_poses.h"
+#include "registration/global/links/pair_links.h"
 #include "registration/global/pair_search.h"
 #include "registration/global/turntable.h"
 #include "scan/base/parallel.h"
@@ -36,7 +37,8 @@ class GlobalRegistration {
         progress_(progress),
         units_(units),
         judged_(surfaces),
-        pair_links_(surfaces, grouping_) {
+        pair_links_(surfaces, grouping_),
+        nearest_(surfaces, options.limits) {
     grouping_.limits = options.limits;
     grouping_.ambiguity = options.ambiguity;
     grouping_.judge.association = options.association;
@@ -50,7 +52,7 @@ class GlobalRegistration {
         add_links(pair_links_.of_pair(link.a, link.b, {{link.b_from_a, link.evidence}}, scale_));
       regroup();
     }
-    note_best_rejected();
+    groups_.best_rejected = nearest_.between_groups(groups_.group, links_);
     return std::move(groups_);
   }
 
@@ -72,37 +74,6 @@ class GlobalRegistration {
   static Error interrupted() { return Error{ErrorKind::kInterrupted, "alignment was interrupted"}; }
 
   void regroup() { groups_ = join_views(surfaces_, links_, start_, known_, grouping_, judged_); }
-
-  void note_best_rejected() {
-    groups_.best_rejected.assign(surfaces_.size(), std::nullopt);
-    for (const PoseLink& link : links_) {
-      if (groups_.group[link.a] == groups_.group[link.b]) continue;
-      for (const std::size_t i : {link.a, link.b}) {
-        auto& most = groups_.best_rejected[i];
-        if (!most || link.evidence.overlap > most->evidence.overlap) most = link;
-      }
-    }
-    for (std::size_t i = 0; i < best_found_.size(); ++i) {
-      const auto& found = best_found_[i];
-      if (found && !groups_.best_rejected[i] && groups_.group[found->a] != groups_.group[found->b])
-        groups_.best_rejected[i] = found;
-    }
-  }
-
-  // Keeps for each view the pose that deviates least of all that were found, also of those that
-  // are no candidates.
-  void note_best_found(std::size_t a, std::size_t b, const std::vector<PoseHypothesis>& found) {
-    const auto ratio = [&](const PoseLink& link) {
-      return largest_ratio(link.evidence, surfaces_[link.a], surfaces_[link.b], options_.limits);
-    };
-    best_found_.resize(surfaces_.size());
-    for (const PoseHypothesis& hypothesis : found) {
-      if (hypothesis.evidence.overlap < options_.limits.min_overlap) continue;
-      const PoseLink link{a, b, hypothesis.b_from_a, hypothesis.evidence};
-      for (const std::size_t i : {a, b})
-        if (!best_found_[i] || ratio(link) < ratio(*best_found_[i])) best_found_[i] = link;
-    }
-  }
 
   // Whether all views that have samples are in one group.
   bool complete() const {
@@ -247,7 +218,7 @@ class GlobalRegistration {
     std::set<std::size_t> linked_views;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const auto& [a, b] = pairs[k];
-      note_best_found(a, b, (*found)[k]);
+      nearest_.add(a, b, (*found)[k]);
       pair_links_.keep_candidates(a, b, (*found)[k]);
       if (!(*found)[k].empty()) linked_views.insert({a, b});
     }
@@ -309,8 +280,8 @@ class GlobalRegistration {
   Pairs ranked_;          // The most promising pairs of views first.
   std::size_t next_ = 0;  // Of them, to be searched.
   std::vector<PoseLink> links_;
-  std::vector<PoseLink> known_links_;                // Of these, those of link_known_pairs().
-  std::vector<std::optional<PoseLink>> best_found_;  // By view, for messages.
+  std::vector<PoseLink> known_links_;  // Of these, those of link_known_pairs().
+  NearestPoses nearest_;
   ViewGroups groups_;
 };
 

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
-#include "registration/global/consistency_graph.h"
 #include "registration/global/features/feature_matches.h"
+#include "registration/global/links/consistency_graph.h"
 #include "registration/global/robust_motion.h"
 #include "registration/pairwise/icp.h"
 

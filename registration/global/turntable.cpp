@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "registration/global/link_limits.h"
+#include "registration/global/links/link_limits.h"
 #include "registration/global/pair_search.h"
 #include "scan/base/parallel.h"
 

@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "registration/global/judged_pairs.h"
-#include "registration/global/link_limits.h"
-#include "registration/global/pair_support.h"
+#include "registration/global/links/link_limits.h"
+#include "registration/global/links/pair_support.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {

@@ -7,14 +7,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "registration/global/consistency_graph.h"
 #include "registration/global/features/feature_matches.h"
 #include "registration/global/features/local_features.h"
 #include "registration/global/features/resampled_view.h"
 #include "registration/global/features/view_similarity.h"
+#include "registration/global/links/consistency_graph.h"
+#include "registration/global/links/shared_constraint.h"
 #include "registration/global/pair_search.h"
 #include "registration/global/robust_motion.h"
-#include "registration/global/shared_constraint.h"
 #include "registration/global/turntable.h"
 #include "registration/verification/coherent_residual.h"
 #include "registration/verification/pose_evidence.h"

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/global/features/planar_view.h"
-#include "registration/global/off_plane_samples.h"
+#include "registration/global/links/off_plane_samples.h"
 #include "registration/global/pair_search.h"
 #include "relief/registration/align_views.h"
 #include "tests/registration/bumpy_object.h"

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "registration/global/link_limits.h"
-#include "registration/global/pair_support.h"
+#include "registration/global/links/link_limits.h"
+#include "registration/global/links/pair_support.h"
 #include "tests/registration/bumpy_object.h"
 
 namespace relief::registration {

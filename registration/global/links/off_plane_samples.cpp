@@ -1,4 +1,4 @@
-#include "registration/global/off_plane_samples.h"
+#include "registration/global/links/off_plane_samples.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "registration/global/link_limits.h"
+#include "registration/global/links/link_limits.h"
 
 #include <algorithm>
 #include <cmath>

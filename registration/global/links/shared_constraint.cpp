@@ -1,4 +1,4 @@
-#include "registration/global/shared_constraint.h"
+#include "registration/global/links/shared_constraint.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "registration/global/consistency_graph.h"
+#include "registration/global/links/consistency_graph.h"
 
 #include <bit>
 #include <cmath>

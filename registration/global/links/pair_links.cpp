@@ -1,11 +1,11 @@
-#include "registration/global/pair_links.h"
+#include "registration/global/links/pair_links.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "registration/global/link_limits.h"
-#include "registration/global/off_plane_samples.h"
-#include "registration/global/shared_constraint.h"
+#include "registration/global/links/link_limits.h"
+#include "registration/global/links/off_plane_samples.h"
+#include "registration/global/links/shared_constraint.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {

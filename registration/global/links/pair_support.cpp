@@ -1,4 +1,4 @@
-#include "registration/global/pair_support.h"
+#include "registration/global/links/pair_support.h"
 
 #include <algorithm>
 #include <limits>

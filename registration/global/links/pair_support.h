@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "registration/global/judged_pairs.h"
-#include "registration/global/link_index.h"
-#include "registration/global/link_limits.h"
+#include "registration/global/links/link_index.h"
+#include "registration/global/links/link_limits.h"
 #include "registration/global/view_groups.h"
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"

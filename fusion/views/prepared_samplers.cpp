@@ -1,0 +1,79 @@
+#include "fusion/views/prepared_samplers.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "scan/base/parallel.h"
+#include "scan/base/usable_pose.h"
+
+namespace relief::fusion {
+
+namespace {
+
+// What preparing a view takes for a while, per pixel of its grid [bytes]: normals, edges, borders,
+// and a copy of it with its small gaps filled.
+constexpr std::size_t kPreparation = 150;
+
+// Adds views begin to end - 1, prepared side by side. `any_pose`: whether one had a pose so far.
+Result<void> add_views(const ViewSource& views, std::size_t begin, std::size_t end,
+                       const PagedSurfaceOptions& options, PreparedSamplers& prepared,
+                       bool& any_pose) {
+  std::vector<std::shared_ptr<const RangeView>> used;
+  std::vector<std::size_t> index;
+  for (std::size_t i = begin; i < end; ++i) {
+    auto view = views.load(i);
+    if (!view) return view.error();
+    if (has_usable_pose(**view, views.count)) {
+      used.push_back(std::move(view).value());
+      index.push_back(i);
+      continue;
+    }
+    prepared.notes.push_back("view `" + (*view)->name +
+                             "` has no pose and is left out; align it first");
+  }
+  any_pose = any_pose || !used.empty();
+  for (const auto& view : used) evict_pages(options.memory, kPreparation * view->range.size());
+  using Prepared = std::optional<Result<ViewSampler>>;
+  auto samplers = parallel_map<Prepared>(
+      used.size(), [&](std::size_t k) { return Prepared(ViewSampler::create(*used[k], options)); });
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    if (!*samplers[k]) return samplers[k]->error();
+    if ((*samplers[k])->empty()) {
+      prepared.notes.push_back("view `" + used[k]->name +
+                               "` has no connected samples and is left out");
+      continue;
+    }
+    prepared.samplers.push_back(std::move(**samplers[k]));
+    prepared.indices.push_back(
+        static_cast<std::uint16_t>(std::min<std::size_t>(index[k], kNoSourceView)));
+  }
+  return check(options.memory);
+}
+
+}  // namespace
+
+Result<PreparedSamplers> prepare_samplers(const ViewSource& views,
+                                          const PagedSurfaceOptions& options,
+                                          const Progress& progress) {
+  if (views.count == 0) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
+  PreparedSamplers prepared;
+  bool any_pose = false;
+  // Side by side as many as there are threads; under a limit one after the other.
+  const auto at_once = options.memory ? 1 : static_cast<std::size_t>(thread_count());
+  for (std::size_t i = 0; i < views.count; i += at_once) {
+    if (!report_progress(progress, static_cast<double>(i) / static_cast<double>(views.count),
+                         "prepare views"))
+      return Error{ErrorKind::kInterrupted, "merging was interrupted"};
+    const std::size_t end = std::min(i + at_once, views.count);
+    if (const auto added = add_views(views, i, end, options, prepared, any_pose); !added)
+      return added.error();
+  }
+  if (!prepared.samplers.empty()) return prepared;
+  if (!any_pose)
+    return Error{ErrorKind::kUnsolvable, "no view has a pose: align the views before merging"};
+  return Error{ErrorKind::kUnsolvable, "no view with a pose has connected samples to merge"};
+}
+
+}  // namespace relief::fusion

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fusion/views/view_sampler.h"
+#include "relief/fusion/merge_views.h"
+#include "relief/scan/context.h"
+#include "relief/scan/result.h"
+
+namespace relief::fusion {
+
+/// The views that take part in merging, prepared for queries.
+struct PreparedSamplers {
+  std::vector<ViewSampler> samplers;
+  std::vector<std::uint16_t> indices;  ///< Of the samplers' views among those given.
+  std::vector<std::string> notes;      ///< On views that are left out.
+};
+
+/// Prepares all views that have a pose and connected samples. kUnsolvable when there are none;
+/// kInterrupted; otherwise errors of reading views, or of memory.
+Result<PreparedSamplers> prepare_samplers(const ViewSource& views,
+                                          const PagedSurfaceOptions& options,
+                                          const Progress& progress);
+
+}  // namespace relief::fusion
