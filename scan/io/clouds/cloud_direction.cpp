@@ -18,8 +18,13 @@ namespace {
 constexpr std::size_t kMostPoints = 40000;  // That a direction is judged by; bounds the time.
 // All over the sphere, sqrt(4 pi / 240) = 13 degrees apart: refine_direction() turns by 8 at first.
 constexpr int kDirections = 240;
-// [spacings] Side of a cell; depth that hides. One surface is as deep in a cell at atan 4 = 76 deg.
+// Side of a cell [spacings], and depth that hides [sides]: one surface is as deep in a cell at
+// atan 4 = 76 degrees.
 constexpr double kCell = 1.0, kBehind = 4.0;
+// The same where points lie all around, near ones close together and far ones apart, and a lidar
+// without rows of rays puts them at random. In smaller cells far points lie alone, and none hides
+// another one. In larger ones edges hide points from their own sensor.
+constexpr double kCellAround = 4.0;
 // Cosine beyond which a normal looks away: 12 degrees past grazing, as estimated ones may err.
 constexpr double kAverted = 0.2;
 // Of the picture's area against hidden points: half of the area is worth 2.5 % of the points. 0
@@ -33,8 +38,11 @@ constexpr double kAsGood = 0.005;
 constexpr double kOutermost = 0.01;
 
 // Fraction of the points that parallel rays hide of what was seen from one side, at most: of scans
-// that were tried up to 0.03. Stations in their surroundings have 0.1 and more.
+// that were tried up to 0.03. Stations in their surroundings have 0.07 and more.
 constexpr double kOneSide = 0.05;
+// Of the points that parallel rays hide, so many may be hidden from the sensor itself: 0 to 0.34 in
+// surroundings that were tried, where edges hide some in large cells. At 1 noise decides.
+constexpr double kHiddenFromSensor = 0.5;
 
 // The least depth of each cell of a plane, by hashing.
 class DepthCells {
@@ -79,8 +87,11 @@ struct DirectionScore {
 // Judges rays by an even choice of the points.
 class DirectionJudge {
  public:
-  explicit DirectionJudge(const PointCloudFile& cloud)
-      : chosen_(some_points(cloud.points.size(), kMostPoints)), cells_(chosen_.size()) {
+  /// `cell`: side of a cell [spacings].
+  explicit DirectionJudge(const PointCloudFile& cloud, double cell = kCell)
+      : cell_(cell),
+        chosen_(some_points(cloud.points.size(), kMostPoints)),
+        cells_(chosen_.size()) {
     const auto& normals = cloud.facing.empty() ? cloud.normals : cloud.facing;
     for (const std::size_t i : chosen_) {
       points_.push_back(cloud.points[i]);
@@ -101,7 +112,7 @@ class DirectionJudge {
       projected_.push_back(rays.project(point));
       distance += projected_.back().z() / static_cast<double>(points_.size());
     }
-    const double size = kCell * spacing_ / std::max(rays.scale(distance), 1e-300);
+    const double size = cell_ * spacing_ / std::max(rays.scale(distance), 1e-300);
     const auto nearest = [&](const Eigen::Vector3d& p) -> double& {
       return cells_.depth(cell(p.x() / size), cell(p.y() / size), p.z());
     };
@@ -109,7 +120,8 @@ class DirectionJudge {
       if (double& depth = nearest(p); p.z() < depth) depth = p.z();
     std::size_t hidden = 0;
     for (std::size_t i = 0; i < points_.size(); ++i)
-      if (projected_[i].z() > nearest(projected_[i]) + kBehind * spacing_ || averted(i, rays))
+      if (projected_[i].z() > nearest(projected_[i]) + kBehind * cell_ * spacing_ ||
+          averted(i, rays))
         ++hidden;
     return {
         static_cast<double>(hidden) / static_cast<double>(std::max<std::size_t>(1, points_.size())),
@@ -138,6 +150,7 @@ class DirectionJudge {
     return normals_[i].dot(direction) > kAverted;
   }
 
+  double cell_;                      // [spacings]
   std::vector<std::size_t> chosen_;  // Of the cloud's points.
   std::vector<Eigen::Vector3d> points_, normals_, projected_;
   DepthCells cells_;
@@ -282,9 +295,11 @@ CloudDirection find_direction(const PointCloudFile& cloud) {
       return {from_origin, hidden, "the origin of the frame, in front of which all points lie"};
   }
   const bool around_origin = surround(cloud.points, from_origin);
-  if (around_origin && best.score.hidden > kOneSide) {
-    const double hidden = judge.score(from_origin).hidden;
-    if (hidden < best.score.hidden)
+  if (around_origin) {
+    DirectionJudge coarse(cloud, kCellAround);
+    const double hidden = coarse.score(from_origin).hidden;
+    const double from_far = best_direction(coarse).score.hidden;
+    if (from_far > kOneSide && hidden < kHiddenFromSensor * from_far)
       return {from_origin, hidden, "the origin of the frame, all around which the points lie"};
   }
   const CloudRays rays = parallel_rays(best.direction, judge.centre());

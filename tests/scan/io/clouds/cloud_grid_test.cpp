@@ -432,6 +432,25 @@ TEST(CloudGrid, TakesTheOriginOfAScannerInItsSurroundings) {
   EXPECT_THAT(grid.notes, Contains(HasSubstr("all around which the points lie")));
 }
 
+// A lidar without rows of rays: they are at random, half of them close together to either side.
+// Most points of the others lie alone, and few hide another one in cells of the typical spacing.
+TEST(CloudGrid, TakesTheOriginOfALidarWithoutRows) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> gauss;
+  PointCloudFile cloud;
+  for (int i = 0; i < 20000; ++i) {
+    Eigen::Vector3d d(gauss(random), gauss(random), 0.4 * gauss(random));
+    if (i % 2 == 0) d = 0.15 * d.cwiseProduct(Eigen::Vector3d(1.0, 1.0, 2.5));
+    if (i % 2 == 0) d.x() += i % 4 == 0 ? 1.0 : -1.0;
+    d.normalize();
+    cloud.points.push_back(d * std::min({8.0 / std::abs(d.x()), 5.0 / std::abs(d.y()),
+                                         (d.z() < 0.0 ? 1.2 : 2.0) / std::abs(d.z())}));
+  }
+  const auto grid = value_of(grid_from_cloud(cloud));
+  EXPECT_TRUE(grid.camera->spherical_projection());
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("all around which the points lie")));
+}
+
 // A cap round the origin, to 80 degrees off the axis, seen from above: nothing is hidden along
 // parallel rays.
 TEST(CloudGrid, SaysThatPointsLieAroundTheOriginOfAnObject) {
