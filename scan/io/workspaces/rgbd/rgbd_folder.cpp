@@ -1,6 +1,7 @@
 #include "scan/io/workspaces/rgbd/rgbd_folder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -12,7 +13,7 @@
 #include "scan/io/workspaces/rgbd/agreement/ray_lengths.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
-#include "scan/io/workspaces/rgbd/record3d.h"
+#include "scan/io/workspaces/rgbd/recordings/recording.h"
 #include "scan/io/workspaces/rgbd/rgbd_layouts.h"
 #include "scan/io/workspaces/workspace_text.h"
 
@@ -115,9 +116,33 @@ Result<FramePoses> assign_poses(const Trajectory& trajectory, const fs::path& pa
                                : counts + "; a trajectory without times needs one pose for each");
 }
 
-// The poses of all frames, from their own files, from `metadata`, or from a trajectory.
+std::optional<int> number_of(const RgbdFrame& frame) {
+  double number = -1.0;
+  if (!parse_number(frame.name, number) || number != std::floor(number) || !(number < 1e9))
+    return std::nullopt;
+  return static_cast<int>(number);
+}
+
+// What a recording tells of the frames. Poses in files of their own go first.
+void take_recording(const Recording& recording, RgbdFrames& found) {
+  const bool wants_poses = !found.has_poses;
+  for (RgbdFrame& frame : found.frames) {
+    frame.intrinsics = recording.calibration.intrinsics;
+    frame.size = recording.calibration.size;
+    const auto number = number_of(frame);
+    const auto told = number ? recording.frames.find(*number) : recording.frames.end();
+    if (told == recording.frames.end()) continue;
+    const RecordedFrame& recorded = told->second;
+    if (recorded.intrinsics) frame.intrinsics = recorded.intrinsics;
+    frame.depth_step = recorded.depth_step;
+    if (!wants_poses || !recorded.world_from_view) continue;
+    frame.pose = recorded.world_from_view;
+    found.has_poses = true;
+  }
+}
+
+// The poses of all frames, their own or from a trajectory.
 Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& found,
-                                    const std::optional<Record3dMetadata>& metadata,
                                     std::vector<std::string>& notes) {
   FramePoses poses(found.frames.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -125,14 +150,7 @@ Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& fo
     poses[i].emplace();
     poses[i]->world_from_view = *found.frames[i].pose;
   }
-  if (found.poses_in_files) return poses;
-  if (metadata && !metadata->poses.empty()) {
-    for (std::size_t i = 0; i < poses.size(); ++i)
-      if (const auto pose = metadata->poses.find(found.frames[i].name);
-          pose != metadata->poses.end())
-        poses[i] = pose->second;
-    return poses;
-  }
+  if (found.has_poses) return poses;
   const auto file = find_trajectory(folder);
   if (!file) return file.error();
   if (!*file) return poses;
@@ -159,7 +177,7 @@ Error without_scale(const fs::path& folder) {
 }
 
 Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found,
-                                 const std::optional<Record3dMetadata>& metadata,
+                                 const std::optional<Recording>& recording,
                                  const RgbdOptions& options, std::vector<std::string>& notes) {
   if (options.intrinsics && !can_be_intrinsics(*options.intrinsics))
     return bad_input(folder, "the focal lengths FX and FY of --intrinsics must not be 0");
@@ -168,11 +186,13 @@ Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found
   if (!options.intrinsics || !options.depth_scale) {
     auto file = find_calibration(folder);
     if (!file) return file.error();
-    if (!*file && metadata) *file = metadata->calibration;
     if (*file) {
       calibration = std::move(**file);
-      notes.insert(notes.end(), calibration.notes.begin(), calibration.notes.end());
+    } else if (recording) {  // Frames have its intrinsics already.
+      calibration.depth_scale = recording->calibration.depth_scale;
+      calibration.notes = recording->calibration.notes;
     }
+    notes.insert(notes.end(), calibration.notes.begin(), calibration.notes.end());
   }
   setting.intrinsics = options.intrinsics ? options.intrinsics : calibration.intrinsics;
   if (!options.intrinsics) setting.size = calibration.size;
@@ -184,12 +204,19 @@ Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found
   return setting;
 }
 
-Result<CameraSpec> camera_of_frame(const fs::path& folder, const RgbdSetting& setting,
+Result<CameraSpec> camera_of_frame(const fs::path& folder, const RgbdFrame& frame,
+                                   const RgbdSetting& setting,
                                    const std::optional<TrajectoryPose>& pose) {
   CameraSpec camera;
-  const bool own = !setting.intrinsics && pose && pose->intrinsics;
-  const auto intrinsics = own ? pose->intrinsics : setting.intrinsics;
-  const auto size = own ? pose->size : setting.size;
+  auto intrinsics = setting.intrinsics;
+  auto size = setting.size;
+  if (!intrinsics && frame.intrinsics) {
+    intrinsics = frame.intrinsics;
+    size = frame.size;
+  } else if (!intrinsics && pose && pose->intrinsics) {
+    intrinsics = pose->intrinsics;
+    size = pose->size;
+  }
   if (!intrinsics)
     return bad_input(folder,
                      "depth maps without intrinsics: give --intrinsics FX FY CX CY, or put a "
@@ -212,13 +239,14 @@ bool colours_fit(const RgbdFrame& frame) {
 Result<void> add_frame(const fs::path& folder, const RgbdFrame& frame,
                        const std::optional<TrajectoryPose>& pose, const RgbdSetting& setting,
                        std::set<std::string>& names, ProjectSpec& project, std::size_t& misfits) {
-  const auto camera = camera_of_frame(folder, setting, pose);
+  const auto camera = camera_of_frame(folder, frame, setting, pose);
   if (!camera) return camera.error();
   ViewSpec view;
   view.name =
       free_view_name(frame.name, [&](const std::string& name) { return names.contains(name); });
   names.insert(view.name);
-  view.depth = DepthSpec{frame.depth, setting.depth_step.value_or(1.0), false};
+  view.depth =
+      DepthSpec{frame.depth, setting.depth_step.value_or(frame.depth_step.value_or(1.0)), false};
   view.camera = *camera;
   if (frame.colour && colours_fit(frame))
     view.colour = ImageFile{*frame.colour};
@@ -260,11 +288,12 @@ Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& 
   ProjectSpec project;
   project.unit = "m";
   project.notes = std::move(found->notes);
-  const auto metadata = read_record3d_metadata(folder);
-  if (!metadata) return metadata.error();
-  const auto setting = find_setting(folder, *found, *metadata, options, project.notes);
+  const auto recording = find_recording(folder);
+  if (!recording) return recording.error();
+  if (*recording) take_recording(**recording, *found);
+  const auto setting = find_setting(folder, *found, *recording, options, project.notes);
   if (!setting) return setting.error();
-  const auto poses = find_frame_poses(folder, *found, *metadata, project.notes);
+  const auto poses = find_frame_poses(folder, *found, project.notes);
   if (!poses) return poses.error();
   std::set<std::string> names;
   std::size_t misfits = 0;
@@ -274,7 +303,9 @@ Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& 
         !added)
       return added.error();
   add_counts(*poses, misfits, project.notes);
-  if (!setting->depth_step)
+  const bool steps_known = std::ranges::all_of(
+      found->frames, [](const RgbdFrame& frame) { return frame.depth_step.has_value(); });
+  if (!setting->depth_step && !steps_known)
     if (auto taken = take_assumed_scale(folder, found->usual_depth_scale, project); !taken)
       return taken.error();
   take_ray_lengths(project);

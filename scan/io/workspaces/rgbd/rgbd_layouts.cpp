@@ -164,7 +164,7 @@ Result<void> take_pose_file(const fs::path& path, RgbdFrames& found, RgbdFrame& 
   auto pose = pose_in_file(path);
   if (!pose) return pose.error();
   frame.pose = *pose;
-  found.poses_in_files = true;
+  found.has_poses = true;
   return {};
 }
 

@@ -22,12 +22,17 @@ struct RgbdFrame {
   std::filesystem::path depth;
   std::optional<std::filesystem::path> colour;
   std::optional<double> time;       ///< [s], from a list of files.
-  std::optional<RigidMotion> pose;  ///< From a file of its own.
+  std::optional<RigidMotion> pose;  ///< From a file of its own, or a recording.
+  /// Of the depth map, where a recording tells them: with the size it should have, and the length
+  /// of its steps [m].
+  std::optional<PinholeIntrinsics> intrinsics;
+  std::optional<ImageSize> size;
+  std::optional<double> depth_step;
 };
 
 struct RgbdFrames {
   std::vector<RgbdFrame> frames;
-  bool poses_in_files = false;              ///< Each frame may have a file with its pose.
+  bool has_poses = false;                   ///< Of single frames: no trajectory is looked for.
   std::optional<double> depth_scale;        ///< Where the layout defines it.
   double usual_depth_scale = kMillimetres;  ///< Of sets in this layout, where nobody says another.
   std::vector<std::string> notes;

@@ -361,6 +361,75 @@ TEST_F(RgbdFolder, ReadsRecordingsOfRecord3d) {
               HasError("metadata.json", "focal lengths"));
 }
 
+TEST_F(RgbdFolder, ReadsRecordingsOfStrayScanner) {
+  write("camera_matrix.csv", "1440.0, 0.0, 959.5\n0.0, 1500.0, 719.5\n0.0, 0.0, 1.0");
+  const std::string header = "timestamp, frame, x, y, z, qx, qy, qz, qw\n";
+  const std::string first = "8.5, 000000, 0, 0, 0, 0, 0, 0, 1\n";
+  write("odometry.csv", header + first + "8.6, 000020, 1, 2, 3, 0, 0, 1, 0\n");
+  write("depth/000020.png", png_head(5));
+  write("depth/000021.png", png_head(5));
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), {}));
+  ASSERT_EQ(spec.views.size(), 2u);
+  const auto& camera = *spec.views[0].camera;
+  EXPECT_NEAR(camera.intrinsics.fx, 192.0, 1e-12);  // Of the video, 7.5 times as wide.
+  EXPECT_NEAR(camera.intrinsics.fy, 200.0, 1e-12);
+  EXPECT_NEAR(camera.intrinsics.cx, 127.5, 1e-12);
+  EXPECT_EQ(spec.views[0].depth->scale, 0.001);
+  const Eigen::Vector3d moved = spec.views[0].world_from_view * Eigen::Vector3d(1, 0, 1);
+  EXPECT_TRUE(moved.isApprox(Eigen::Vector3d(0, 2, 4), 1e-12));
+  EXPECT_EQ(spec.views[1].pose, PoseKind::kAbsent);
+
+  write("odometry.csv", header + "8.6, 000020, 1, 2, 3, 0, 0, 1, 0, 750, 750, 959.5, 719.5\n");
+  const auto later = value_of(read_rgbd_folder(folder_.path(), {}));
+  EXPECT_NEAR(later.views[0].camera->intrinsics.fx, 100.0, 1e-12);
+  EXPECT_NEAR(later.views[1].camera->intrinsics.fx, 192.0, 1e-12);
+
+  write("odometry.csv", header + first + "8.6, 1, 2, 3\n");
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), {}), HasError("odometry.csv", "line 3"));
+  write("odometry.csv", header + "8.6, 000020, 1, 2, 3, 0, 0, 2, 0\n");
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), {}), HasError("line 2", "quaternion"));
+  write("camera_matrix.csv", "1440.0, 0.0\n");
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), {}), HasError("camera_matrix.csv", "three numbers"));
+}
+
+TEST_F(RgbdFolder, ReadsScenesOfTheBopBenchmark) {
+  const auto camera = [](const std::string& fx, const std::string& more) {
+    return R"({"cam_K": [)" + fx + R"(, 0, 2, 0, 9, 5, 0, 0, 1], "depth_scale": 0.1)" + more + "}";
+  };
+  const std::string turn = "[0, -1, 0, 1, 0, 0, 0, 0, 1]";
+  write("depth/000000.png", png_head(5));
+  write("depth/000003.png", png_head(5));
+  write("scene_camera.json", R"({"0": )" + camera("8", "") + R"(, "3": )" + camera("7", "") + "}");
+  const auto none = value_of(read_rgbd_folder(folder_.path(), {}));
+  ASSERT_EQ(none.views.size(), 2u);
+  EXPECT_EQ(none.views[0].camera->intrinsics.fx, 8.0);
+  EXPECT_EQ(none.views[1].camera->intrinsics.fx, 7.0);
+  EXPECT_EQ(none.views[1].camera->intrinsics.cy, 5.0);
+  EXPECT_NEAR(none.views[0].depth->scale, 1e-4, 1e-15);
+  EXPECT_EQ(none.views[0].pose, PoseKind::kAbsent);
+
+  const std::string object =
+      R"({"obj_id": 4, "cam_R_m2c": )" + turn + R"(, "cam_t_m2c": [0, 0, 500]})";
+  write("scene_gt.json", R"({"0": [)" + object + R"(], "3": [)" + object + "]}");
+  const auto of_object = value_of(read_rgbd_folder(folder_.path(), {}));
+  const Eigen::Vector3d seen = of_object.views[1].world_from_view * Eigen::Vector3d(0, 1, 0.5);
+  EXPECT_TRUE(seen.isApprox(Eigen::Vector3d(1, 0, 0), 1e-12)) << seen.transpose();
+  EXPECT_THAT(of_object.notes, Contains(HasSubstr("in the frame of the one object")));
+  write("scene_gt.json", R"({"0": [)" + object + R"(], "3": [)" + object + "," + object + "]}");
+  EXPECT_EQ(value_of(read_rgbd_folder(folder_.path(), {})).views[0].pose, PoseKind::kAbsent);
+
+  const std::string known = R"(, "cam_R_w2c": )" + turn + R"(, "cam_t_w2c": [0, 0, 250])";
+  write("scene_camera.json",
+        R"({"0": )" + camera("8", known) + R"(, "3": )" + camera("7", known) + "}");
+  const auto of_world = value_of(read_rgbd_folder(folder_.path(), {}));
+  EXPECT_NEAR((of_world.views[0].world_from_view * Eigen::Vector3d::Zero()).z(), -0.25, 1e-12);
+
+  write("scene_camera.json", R"({"0": {"cam_K": [1, 2]}})");
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), {}), HasError("scene_camera.json", "0.cam_K"));
+  write("scene_camera.json", R"({"first": )" + camera("8", "") + "}");
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), {}), HasError("first", "number of an image"));
+}
+
 TEST_F(RgbdFolder, SaysThatImagesSeemMirrored) {
   const PinholeIntrinsics upright{120, 120, 79.5, 59.5}, mirrored{120, -120, 79.5, 59.5};
   write_frames(folder_, Camera::pinhole(160, 120, mirrored));

@@ -1,4 +1,4 @@
-#include "scan/io/workspaces/rgbd/record3d.h"
+#include "scan/io/workspaces/rgbd/recordings/record3d.h"
 
 #include <cstddef>
 #include <utility>
@@ -30,7 +30,7 @@ Calibration calibration_of(JsonObject& metadata) {
   return calibration;
 }
 
-TrajectoryPose pose_of(const json& row, const std::string& place) {
+RigidMotion pose_of(const json& row, const std::string& place) {
   if (!row.is_array() || row.size() != 7)
     throw JsonError(place + ": expected qx qy qz qw tx ty tz");
   Eigen::Matrix<double, 7, 1> n;
@@ -40,33 +40,34 @@ TrajectoryPose pose_of(const json& row, const std::string& place) {
   }
   const Eigen::Quaterniond turn(n[3], n[0], n[1], n[2]);
   if (!(turn.norm() > 0.5)) throw JsonError(place + ": the quaternion has not the length 1");
-  TrajectoryPose pose;
-  pose.world_from_view.linear() = turn.normalized().toRotationMatrix();
-  pose.world_from_view.linear().rightCols<2>() *= -1.0;  // From y up and z back.
-  pose.world_from_view.translation() = n.tail<3>();
+  RigidMotion pose = RigidMotion::Identity();
+  pose.linear() = turn.normalized().toRotationMatrix();
+  pose.linear().rightCols<2>() *= -1.0;  // From y up and z back.
+  pose.translation() = n.tail<3>();
   return pose;
 }
 
 }  // namespace
 
-Result<std::optional<Record3dMetadata>> read_record3d_metadata(const fs::path& folder) {
+Result<std::optional<Recording>> read_record3d_metadata(const fs::path& folder) {
   const fs::path path = folder / "metadata.json";
   std::error_code code;
-  if (!fs::is_regular_file(path, code)) return std::optional<Record3dMetadata>();
+  if (!fs::is_regular_file(path, code)) return std::optional<Recording>();
   const auto text = read_file(path);
   if (!text) return text.error();
   const json document = json::parse(*text, nullptr, false);
-  if (!document.is_object() || !document.contains("K")) return std::optional<Record3dMetadata>();
+  if (!document.is_object() || !document.contains("K")) return std::optional<Recording>();
   try {
     JsonObject metadata(document, "");
-    Record3dMetadata found;
+    Recording found;
     found.calibration = calibration_of(metadata);
     found.calibration.notes.push_back("intrinsics from " + path.string());
     if (metadata.has("poses")) {
       const json& poses = metadata.at("poses");
       if (!poses.is_array()) throw JsonError("poses: expected a list");
       for (std::size_t i = 0; i < poses.size(); ++i)
-        found.poses[std::to_string(i)] = pose_of(poses[i], "poses[" + std::to_string(i) + "]");
+        found.frames[static_cast<int>(i)].world_from_view =
+            pose_of(poses[i], "poses[" + std::to_string(i) + "]");
     }
     return std::optional(std::move(found));
   } catch (const JsonError& error) {
