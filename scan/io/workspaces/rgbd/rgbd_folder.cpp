@@ -129,6 +129,11 @@ void take_recording(const Recording& recording, RgbdFrames& found) {
   for (RgbdFrame& frame : found.frames) {
     frame.intrinsics = recording.calibration.intrinsics;
     frame.size = recording.calibration.size;
+    if (recording.masks) {
+      const fs::path mask = *recording.masks / frame.depth.filename();
+      std::error_code code;
+      if (fs::is_regular_file(mask, code)) frame.mask = mask;
+    }
     const auto number = number_of(frame);
     const auto told = number ? recording.frames.find(*number) : recording.frames.end();
     if (told == recording.frames.end()) continue;
@@ -248,6 +253,7 @@ Result<void> add_frame(const fs::path& folder, const RgbdFrame& frame,
   view.depth =
       DepthSpec{frame.depth, setting.depth_step.value_or(frame.depth_step.value_or(1.0)), false};
   view.camera = *camera;
+  if (frame.mask) view.mask = ImageFile{*frame.mask};
   if (frame.colour && colours_fit(frame))
     view.colour = ImageFile{*frame.colour};
   else if (frame.colour)

@@ -28,6 +28,7 @@ struct RgbdFrame {
   std::optional<PinholeIntrinsics> intrinsics;
   std::optional<ImageSize> size;
   std::optional<double> depth_step;
+  std::optional<std::filesystem::path> mask;  ///< 0: no sample.
 };
 
 struct RgbdFrames {

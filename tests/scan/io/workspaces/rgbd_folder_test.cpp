@@ -378,6 +378,11 @@ TEST_F(RgbdFolder, ReadsRecordingsOfStrayScanner) {
   const Eigen::Vector3d moved = spec.views[0].world_from_view * Eigen::Vector3d(1, 0, 1);
   EXPECT_TRUE(moved.isApprox(Eigen::Vector3d(0, 2, 4), 1e-12));
   EXPECT_EQ(spec.views[1].pose, PoseKind::kAbsent);
+  EXPECT_FALSE(spec.views[0].mask);
+  write("confidence/000021.png", png_head(5));
+  const auto masked = value_of(read_rgbd_folder(folder_.path(), {}));
+  EXPECT_FALSE(masked.views[0].mask);
+  EXPECT_EQ(masked.views[1].mask->file, folder_.path() / "confidence/000021.png");
 
   write("odometry.csv", header + "8.6, 000020, 1, 2, 3, 0, 0, 1, 0, 750, 750, 959.5, 719.5\n");
   const auto later = value_of(read_rgbd_folder(folder_.path(), {}));

@@ -23,6 +23,8 @@ struct Recording {
   Calibration calibration;  ///< Of all depth maps, as far as they have one.
   /// By the number of a frame, which is the name of its files: 7 for `000007.png`.
   std::map<int, RecordedFrame> frames;
+  /// The folder of images, named as the depth maps, that are 0 where these are not to be believed.
+  std::optional<std::filesystem::path> masks;
 };
 
 /// The recording of a folder by its files: read_record3d_metadata(), read_stray_scanner() or

@@ -80,6 +80,12 @@ Result<std::optional<Recording>> read_stray_scanner(const fs::path& folder) {
   recording.calibration.size = kDepth;
   recording.calibration.depth_scale = kDepthScale;
   recording.calibration.notes.push_back("intrinsics from " + matrix.string());
+  std::error_code code;
+  if (fs::is_directory(folder / "confidence", code)) {
+    recording.masks = folder / "confidence";
+    recording.calibration.notes.push_back(
+        "depths of confidence 0, the least of three, are left out");
+  }
   if (is_file(odometry)) {
     const auto poses = read_file(odometry);
     if (!poses) return poses.error();
