@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "registration/pairwise/robust.h"
+#include "registration/verification/given_pose_notes.h"
 
 namespace relief::registration {
 
@@ -74,7 +75,7 @@ class AlignmentReport {
         main_group(state_.verified, state_.roles, state_.starts.frame, state_.frame);
     for (std::size_t i = 0; i < views_.size(); ++i) result.views.push_back(report_of(i, main));
     note_moves(result);
-    note_refined_guesses(result);
+    note_given_poses(result);
     note_kept_motions(result);
     if (views_.size() == 1) result.notes.push_back("one view only: nothing to align");
     result.pairs = std::move(state_.refined.pairs);
@@ -119,26 +120,15 @@ class AlignmentReport {
             "; a pose that fits was found by its shape instead");
   }
 
-  // How far refining moved the views that kept given poses, the one that is held being at rest.
-  void note_refined_guesses(Alignment& result) const {
-    std::vector<double> moves;
-    std::size_t farthest = 0;
-    double largest = -1.0;
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      const bool kept = views_[i].pose == PoseKind::kGuess && checked_.world_from_view[i] &&
-                        !state_.starts.found_by_shape[i] && result.views[i].aligned;
-      if (!kept || surfaces_[i].samples().empty()) continue;
-      const RigidMotion given = convention_.world_from_view(views_[i].world_from_view);
-      const Eigen::Vector3d centre = surfaces_[i].centre();
-      moves.push_back((result.views[i].world_from_view * centre - given * centre).norm());
-      if (moves.back() >= largest) largest = moves.back(), farthest = i;
-    }
-    if (moves.size() < 2) return;
-    std::ostringstream note;
-    note << std::setprecision(2) << "refining moved the " << moves.size()
-         << " views with given poses by " << quantile(moves, 0.5) << " (median), and by " << largest
-         << " at most (" << views_[farthest].name << ")";
-    result.notes.push_back(note.str());
+  void note_given_poses(Alignment& result) const {
+    std::vector<GivenAndFound> given;
+    for (std::size_t i = 0; i < views_.size(); ++i)
+      if (views_[i].pose == PoseKind::kGuess && given_poses_ != GivenPoses::kIgnore &&
+          result.views[i].aligned && !surfaces_[i].samples().empty())
+        given.push_back({views_[i].name, convention_.world_from_view(views_[i].world_from_view),
+                         result.views[i].world_from_view, surfaces_[i].centre(),
+                         checked_.world_from_view[i] && !state_.starts.found_by_shape[i]});
+    for (std::string& note : notes_on_given_poses(given)) result.notes.push_back(std::move(note));
   }
 
   void note_kept_motions(Alignment& result) const {

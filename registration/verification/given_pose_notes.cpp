@@ -1,0 +1,132 @@
+#include "registration/verification/given_pose_notes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iomanip>
+#include <sstream>
+#include <utility>
+
+#include "registration/pairwise/robust.h"
+
+namespace relief::registration {
+
+namespace {
+
+constexpr std::size_t kFewestViews = 4;  // Three distances agree by chance.
+// Errors of poses must be so many times smaller another way for it to be told, as for depth maps.
+constexpr double kFarBetter = 4.0;
+// Least difference of a scale from 1 that is told: calibrations of sensors are no better.
+constexpr double kLeastScale = 1e-3;
+// Places so much nearer than the farthest pair say nothing of the scale [fraction].
+constexpr double kNear = 0.05;
+
+// Pairs of neighbours in the order of the views, and of views half of them apart.
+std::vector<std::pair<std::size_t, std::size_t>> some_pairs(std::size_t views) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t i = 0; i < views; ++i)
+    for (const std::size_t step : {std::size_t{1}, views / 2})
+      pairs.emplace_back(i, (i + step) % views);
+  return pairs;
+}
+
+double place_distance(const RigidMotion& a, const RigidMotion& b) {
+  return (a.translation() - b.translation()).norm();
+}
+
+// Medians over pairs of views of how much their relative poses differ.
+struct Differences {
+  double angle = 0.0;  // [rad]
+  double shift = 0.0;  // [unit]
+};
+
+// The given poses being those in a mirror along `axis` of each view; none: as they are.
+Differences differences(const std::vector<GivenAndFound>& views, std::optional<int> axis) {
+  Eigen::Vector3d sides = Eigen::Vector3d::Ones();
+  if (axis) sides[*axis] = -1.0;
+  std::vector<double> angles, shifts;
+  for (const auto& [i, j] : some_pairs(views.size())) {
+    const RigidMotion found = views[i].found.inverse() * views[j].found;
+    const RigidMotion given = views[i].given.inverse() * views[j].given;
+    const Eigen::Matrix3d rotation = sides.asDiagonal() * given.linear() * sides.asDiagonal();
+    angles.push_back(Eigen::AngleAxisd(rotation.transpose() * found.linear()).angle());
+    shifts.push_back((found.translation() - sides.cwiseProduct(given.translation())).norm());
+  }
+  return {quantile(std::move(angles), 0.5), quantile(std::move(shifts), 0.5)};
+}
+
+std::optional<std::string> note_on_moves(const std::vector<GivenAndFound>& views) {
+  std::vector<double> moves;
+  const GivenAndFound* farthest = nullptr;
+  double largest = -1.0;
+  for (const GivenAndFound& view : views) {
+    if (!view.refined) continue;
+    moves.push_back((view.found * view.centre - view.given * view.centre).norm());
+    if (moves.back() >= largest) largest = moves.back(), farthest = &view;
+  }
+  if (moves.size() < 2) return std::nullopt;
+  std::ostringstream note;
+  note << std::setprecision(2) << "refining moved the " << moves.size()
+       << " views with given poses by " << quantile(moves, 0.5) << " (median), and by " << largest
+       << " at most (" << farthest->name << ")";
+  return note.str();
+}
+
+std::string note_on_scale(double scale) {
+  std::ostringstream note;
+  note << std::setprecision(4) << "views were found " << scale
+       << " times as far apart as their given poses are: ranges are " << std::setprecision(2)
+       << 100.0 * std::abs(scale - 1.0) << " % too " << (scale > 1.0 ? "long" : "short")
+       << ", as with a wrong focal length or depth scale, or the unit of the poses is another";
+  return note.str();
+}
+
+std::string note_on_mirror(int axis) {
+  return std::string("the poses found are the given ones in a mirror: the images are mirrored, ") +
+         (axis == 0 ? "left to right" : "top to bottom") +
+         ", and so is the model, or the given poses turn the wrong way round";
+}
+
+}  // namespace
+
+std::optional<double> common_scale(const std::vector<GivenAndFound>& views) {
+  if (views.size() < kFewestViews) return std::nullopt;
+  const auto pairs = some_pairs(views.size());
+  double farthest = 0.0;
+  for (const auto& [i, j] : pairs)
+    farthest = std::max(farthest, place_distance(views[i].given, views[j].given));
+  std::vector<double> ratios;
+  for (const auto& [i, j] : pairs) {
+    const double given = place_distance(views[i].given, views[j].given);
+    if (given > kNear * farthest)
+      ratios.push_back(place_distance(views[i].found, views[j].found) / given);
+  }
+  if (ratios.size() < kFewestViews) return std::nullopt;
+  const double scale = quantile(ratios, 0.5);
+  for (double& ratio : ratios) ratio = std::abs(ratio - scale);
+  const double scatter = quantile(std::move(ratios), 0.5);
+  const double off = std::abs(scale - 1.0);
+  return off > std::max(kLeastScale, kFarBetter * scatter) ? std::optional(scale) : std::nullopt;
+}
+
+std::optional<int> mirrored_axis(const std::vector<GivenAndFound>& views) {
+  if (views.size() < kFewestViews) return std::nullopt;
+  const Differences as_given = differences(views, std::nullopt);
+  for (const int axis : {0, 1}) {
+    const Differences mirrored = differences(views, axis);
+    if (as_given.angle > kFarBetter * mirrored.angle &&
+        as_given.shift > kFarBetter * mirrored.shift)
+      return axis;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> notes_on_given_poses(const std::vector<GivenAndFound>& views) {
+  std::vector<std::string> notes;
+  if (auto moves = note_on_moves(views)) notes.push_back(std::move(*moves));
+  if (const auto scale = common_scale(views)) notes.push_back(note_on_scale(*scale));
+  if (const auto axis = mirrored_axis(views)) notes.push_back(note_on_mirror(*axis));
+  return notes;
+}
+
+}  // namespace relief::registration
