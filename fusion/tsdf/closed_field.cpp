@@ -25,6 +25,14 @@ Eigen::AlignedBox3d box_of(const SparseField& field, std::size_t b) {
           field.lattice().position(first + Node::Constant(kBlockSide - 1))};
 }
 
+// The box of several blocks; empty where none is active.
+Eigen::AlignedBox3d box_of(const SparseField& field, std::size_t begin, std::size_t end) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t b = begin; b < end; ++b)
+    if (field.active(b)) box.extend(box_of(field, b));
+  return box;
+}
+
 // Sets the nodes of a block that views measured to their distance and bounds the others from below
 // by what is known empty.
 void integrate_block(std::size_t b, TsdfIntegrator& integrator, double limit, SparseField& field,
@@ -61,13 +69,15 @@ bool integrate_views(SparseField& field, const std::vector<ViewSampler>& views, 
                      double limit, PagedArray<NodeConstraint>& constraints,
                      const ClosedFieldOptions& options, const ProgressPart& progress) {
   constexpr std::size_t kBlocksAtOnce = 4096;  // Of 512 nodes: about a second of work.
+  constexpr std::size_t kBlocksNearby = 32;    // In a row of the field: seen by few of many views.
   const std::size_t count = field.block_count();
   for (std::size_t first = 0; first < count; first += kBlocksAtOnce) {
     if (!progress(static_cast<double>(first) / static_cast<double>(count))) return false;
     const std::size_t blocks = std::min(kBlocksAtOnce, count - first);
-    parallel_for(blocks, 4, [&](std::size_t begin, std::size_t end) {
+    parallel_for(blocks, kBlocksNearby, [&](std::size_t begin, std::size_t end) {
       evict_pages(options.memory);
       TsdfIntegrator integrator(views, truncation, field.lattice().spacing);
+      integrator.narrow(box_of(field, first + begin, first + end));
       for (std::size_t b = first + begin; b < first + end; ++b)
         if (field.active(b)) integrate_block(b, integrator, limit, field, constraints);
     });

@@ -76,10 +76,20 @@ void TsdfIntegrator::drop_far_side() {
   });
 }
 
+bool TsdfIntegrator::has_to_say(const ViewSampler& view, const Eigen::AlignedBox3d& box) const {
+  return view.concerns(box, largest_range_gap(view));
+}
+
+void TsdfIntegrator::narrow(const Eigen::AlignedBox3d& box) {
+  candidates_.clear();
+  for (const ViewSampler& view : views_)
+    if (has_to_say(view, box)) candidates_.push_back(&view);
+}
+
 void TsdfIntegrator::focus(const Eigen::AlignedBox3d& box) {
   concerned_.clear();
-  for (const ViewSampler& view : views_)
-    if (view.concerns(box, largest_range_gap(view))) concerned_.push_back(&view);
+  for (const ViewSampler* view : candidates_)
+    if (has_to_say(*view, box)) concerned_.push_back(view);
 }
 
 // What of it is due to the errors of views grows with them.

@@ -41,9 +41,12 @@ class TsdfIntegrator {
   /// of its standard deviations as a truncation holds.
   TsdfIntegrator(const std::vector<ViewSampler>& views, double truncation, double spacing)
       : views_(views), truncation_(truncation), spacing_(spacing) {
-    for (const ViewSampler& view : views_) concerned_.push_back(&view);
+    for (const ViewSampler& view : views_) candidates_.push_back(&view);
+    concerned_ = candidates_;
   }
 
+  /// Says that boxes for focus() lie in `box` from now on: focus() then looks at few of many views.
+  void narrow(const Eigen::AlignedBox3d& box);
   /// Asks from now on only the views that have something to say of points in `box`.
   void focus(const Eigen::AlignedBox3d& box);
 
@@ -65,6 +68,7 @@ class TsdfIntegrator {
   std::optional<std::size_t> strongest_view() const;
 
  private:
+  bool has_to_say(const ViewSampler& view, const Eigen::AlignedBox3d& box) const;
   void find_quads(const Eigen::Vector3d& point);
   TsdfSample combine(const Eigen::Vector3d* normal);
 
@@ -88,7 +92,8 @@ class TsdfIntegrator {
 
   const std::vector<ViewSampler>& views_;
   double truncation_, spacing_;
-  std::vector<const ViewSampler*> concerned_;
+  std::vector<const ViewSampler*> candidates_;  // By narrow(), of all views.
+  std::vector<const ViewSampler*> concerned_;   // By focus(), of these.
   std::vector<Sighting> sightings_;  // Of the point, by views that it is not behind the surface of.
   std::vector<TsdfObservation> near_, empty_;
 };
