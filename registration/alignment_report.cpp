@@ -51,6 +51,12 @@ std::vector<double> relative_spacings(const std::vector<ViewSurface>& surfaces) 
   return relative;
 }
 
+// Whether all rays do.
+bool starts_at_origin(const Camera& camera) {
+  return camera.ray(0, 0).origin.isZero() &&
+         camera.ray(camera.width() - 1, camera.height() - 1).origin.isZero();
+}
+
 class AlignmentReport {
  public:
   AlignmentReport(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
@@ -127,7 +133,8 @@ class AlignmentReport {
           result.views[i].aligned && !surfaces_[i].samples().empty())
         given.push_back({views_[i].name, convention_.world_from_view(views_[i].world_from_view),
                          result.views[i].world_from_view, surfaces_[i].centre(),
-                         checked_.world_from_view[i] && !state_.starts.found_by_shape[i]});
+                         checked_.world_from_view[i] && !state_.starts.found_by_shape[i],
+                         starts_at_origin(views_[i].camera)});
     for (std::string& note : notes_on_given_poses(given)) result.notes.push_back(std::move(note));
   }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iomanip>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -89,7 +90,9 @@ std::string note_on_mirror(int axis) {
 
 }  // namespace
 
-std::optional<double> common_scale(const std::vector<GivenAndFound>& views) {
+std::optional<double> common_scale(const std::vector<GivenAndFound>& all) {
+  std::vector<GivenAndFound> views;
+  std::ranges::copy_if(all, std::back_inserter(views), &GivenAndFound::from_origin);
   if (views.size() < kFewestViews) return std::nullopt;
   const auto pairs = some_pairs(views.size());
   double farthest = 0.0;

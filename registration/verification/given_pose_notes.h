@@ -17,12 +17,15 @@ struct GivenAndFound {
   RigidMotion given = RigidMotion::Identity(), found = RigidMotion::Identity();
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< Of its samples, view frame.
   bool refined = false;  ///< From the given pose, not found by shape; the world is the same.
+  /// All its rays start at the origin of its frame, where the sensor stood.
+  bool from_origin = false;
 };
 
-/// How many times as far apart as given the views were found: 1.02 where ranges are 2 % too long
-/// for the poses, or the poses in a smaller unit. Nothing for fewer than four views, and where it
-/// is no more than a thousandth, or not four times what single distances scatter by.
-std::optional<double> common_scale(const std::vector<GivenAndFound>& views);
+/// How many times as far apart as given the sensors of views `from_origin` were found: 1.02 where
+/// ranges are 2 % too long for the poses, or the poses in a smaller unit. Nothing for fewer than
+/// four of them, and where it is no more than a thousandth, or not four times what single distances
+/// scatter by.
+std::optional<double> common_scale(const std::vector<GivenAndFound>& all);
 
 /// 0 or 1 where the poses found are the given ones in a mirror that exchanges the sides of x or of
 /// y in the frame of each view: four times nearer than without. Nothing for fewer than four views.

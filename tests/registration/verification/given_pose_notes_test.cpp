@@ -45,7 +45,7 @@ std::vector<GivenAndFound> ring(double noise, double scale = 1.0, int mirrored =
     view.found = world * view.found;
     view.found.translation() +=
         noise * Eigen::Vector3d(gauss(random), gauss(random), gauss(random));
-    view.refined = true;
+    view.refined = view.from_origin = true;
     views.push_back(view);
   }
   return views;
@@ -67,6 +67,9 @@ TEST(GivenPoseNotes, TellNoScaleWherePlacesScatter) {
   auto few = ring(0.0, 1.02);
   few.resize(3);
   EXPECT_FALSE(common_scale(few));
+  auto elsewhere = ring(0.2, 1.02);  // The origins of views that stand for no sensor.
+  for (auto& view : elsewhere) view.from_origin = false;
+  EXPECT_FALSE(common_scale(elsewhere));
   auto one_place = ring(0.0);
   for (auto& view : one_place) view.given.translation() = view.found.translation().setZero();
   EXPECT_FALSE(common_scale(one_place));
