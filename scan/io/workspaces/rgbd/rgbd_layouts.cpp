@@ -193,8 +193,12 @@ Result<RgbdFrames> named_frames(const fs::path& folder) {
     frame.depth = file;
     if (const auto colour = colours.find(frame.name); colour != colours.end())
       frame.colour = colour->second;
-    if (auto taken = take_pose_file(named->beside(file, "pose.txt"), found, frame); !taken)
+    const fs::path pose = named->beside(file, "pose.txt");
+    const bool posed = is_file(pose);
+    const fs::path extrinsic = named->beside(file, "extrinsic.txt");
+    if (auto taken = take_pose_file(posed ? pose : extrinsic, found, frame); !taken)
       return taken.error();
+    if (!posed && frame.pose) frame.pose = frame.pose->inverse();  // It is view from world.
     found.frames.push_back(std::move(frame));
   }
   return found;

@@ -219,6 +219,18 @@ TEST_F(RgbdFolder, NamedFrames) {
               HasError("frame-000001.pose.txt: line 4: the pose is not a rigid motion"));
 }
 
+TEST_F(RgbdFolder, ExtrinsicsOfFramesAreViewFromWorld) {
+  write("frame-000000.depth.png", png_head(5));
+  write("frame-000001.depth.png", png_head(5));
+  write("frame-000000.extrinsic.txt", "0 -1 0 5\n1 0 0 6\n0 0 1 7\n0 0 0 1\n");
+  const auto spec =
+      value_of(read_rgbd_folder(folder_.path(), {PinholeIntrinsics{525, 525, 2, 2}, 1000.0}));
+  ASSERT_EQ(spec.views.size(), 2u);
+  const Eigen::Vector3d origin = spec.views[0].world_from_view * Eigen::Vector3d(5, 6, 7);
+  EXPECT_LT(origin.norm(), 1e-12);
+  EXPECT_EQ(spec.views[1].pose, PoseKind::kAbsent);
+}
+
 TEST_F(RgbdFolder, NamedFramesWithOtherSeparators) {
   write("000000_depth.png", png_head(5));
   write("000000_RGB.PNG", png_head(5));
