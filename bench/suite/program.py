@@ -5,6 +5,9 @@ import pathlib
 
 from suite.measure import run
 
+STEPS = ["align", "calibrate", "compare", "refine", "align-again", "merge", "polish", "finish"]
+"""Of `relief run`, as `relief step` takes them, in their order."""
+
 
 class Relief:
     def __init__(self, executable):
