@@ -17,23 +17,19 @@ inline Eigen::AlignedBox3d box_of(const TriangleMesh& mesh, std::size_t begin, s
   return box;
 }
 
-/// Calls visit(v) for the vertices [begin, end) of a mesh. `collector` then asks only the views
-/// that have something to say near v: all views are looked at once for each region, those that are
-/// left once for each group in it. Vertices of near indices are near each other in an extracted
-/// mesh. In others the result is the same, in more time.
+/// Calls visit(v) for the vertices [begin, end) of a mesh, some thousands at most. `collector` then
+/// asks only the views that have something to say near v: all views are looked at once for all of
+/// the vertices, those that are left once for each group. Vertices of near indices are near each
+/// other in an extracted mesh. In others the result is the same, in more time.
 template <typename Visit>
 void visit_in_groups(const TriangleMesh& mesh, std::size_t begin, std::size_t end,
                      TsdfIntegrator& collector, const Visit& visit) {
-  constexpr std::size_t kGroup = 128;           // About the vertices of one block of the field.
-  constexpr std::size_t kRegion = 32 * kGroup;  // As of the blocks that are integrated together.
-  for (std::size_t region = begin; region < end; region += kRegion) {
-    const std::size_t region_end = std::min(region + kRegion, end);
-    collector.narrow(box_of(mesh, region, region_end));
-    for (std::size_t first = region; first < region_end; first += kGroup) {
-      const std::size_t last = std::min(first + kGroup, region_end);
-      collector.focus(box_of(mesh, first, last));
-      for (std::size_t v = first; v < last; ++v) visit(v);
-    }
+  constexpr std::size_t kGroup = 128;  // About the vertices of one block of the field.
+  collector.narrow(box_of(mesh, begin, end));
+  for (std::size_t first = begin; first < end; first += kGroup) {
+    const std::size_t last = std::min(first + kGroup, end);
+    collector.focus(box_of(mesh, first, last));
+    for (std::size_t v = first; v < last; ++v) visit(v);
   }
 }
 

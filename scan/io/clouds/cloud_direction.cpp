@@ -87,11 +87,8 @@ struct DirectionScore {
 // Judges rays by an even choice of the points.
 class DirectionJudge {
  public:
-  /// `cell`: side of a cell [spacings].
-  explicit DirectionJudge(const PointCloudFile& cloud, double cell = kCell)
-      : cell_(cell),
-        chosen_(some_points(cloud.points.size(), kMostPoints)),
-        cells_(chosen_.size()) {
+  explicit DirectionJudge(const PointCloudFile& cloud)
+      : chosen_(some_points(cloud.points.size(), kMostPoints)), cells_(chosen_.size()) {
     const auto& normals = cloud.facing.empty() ? cloud.normals : cloud.facing;
     for (const std::size_t i : chosen_) {
       points_.push_back(cloud.points[i]);
@@ -132,6 +129,9 @@ class DirectionJudge {
     return score(parallel_rays(direction, centre_));
   }
 
+  /// The side of a cell [spacings].
+  void set_cell(double cell) { cell_ = cell; }
+
   bool has_normals() const { return !normals_.empty(); }
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
   const Eigen::Vector3d& centre() const { return centre_; }
@@ -150,7 +150,7 @@ class DirectionJudge {
     return normals_[i].dot(direction) > kAverted;
   }
 
-  double cell_;                      // [spacings]
+  double cell_ = kCell;              // [spacings]
   std::vector<std::size_t> chosen_;  // Of the cloud's points.
   std::vector<Eigen::Vector3d> points_, normals_, projected_;
   DepthCells cells_;
@@ -296,9 +296,9 @@ CloudDirection find_direction(const PointCloudFile& cloud) {
   }
   const bool around_origin = surround(cloud.points, from_origin);
   if (around_origin) {
-    DirectionJudge coarse(cloud, kCellAround);
-    const double hidden = coarse.score(from_origin).hidden;
-    const double from_far = best_direction(coarse).score.hidden;
+    judge.set_cell(kCellAround);
+    const double hidden = judge.score(from_origin).hidden;
+    const double from_far = best_direction(judge).score.hidden;
     if (from_far > kOneSide && hidden < kHiddenFromSensor * from_far)
       return {from_origin, hidden, "the origin of the frame, all around which the points lie"};
   }
