@@ -10,8 +10,8 @@
 
 #include "registration/global/features/view_similarity.h"
 #include "registration/global/judged_pairs.h"
+#include "registration/global/links/best_rejected_poses.h"
 #include "registration/global/links/link_limits.h"
-#include "registration/global/links/nearest_poses.h"
 #include "registration/global/links/pair_links.h"
 #include "registration/global/pair_search.h"
 #include "registration/global/turntable.h"
@@ -38,7 +38,7 @@ class GlobalRegistration {
         units_(units),
         judged_(surfaces),
         pair_links_(surfaces, grouping_),
-        nearest_(surfaces, options.limits) {
+        best_rejected_(surfaces, options.limits) {
     grouping_.limits = options.limits;
     grouping_.ambiguity = options.ambiguity;
     grouping_.judge.association = options.association;
@@ -52,7 +52,7 @@ class GlobalRegistration {
         add_links(pair_links_.of_pair(link.a, link.b, {{link.b_from_a, link.evidence}}, scale_));
       regroup();
     }
-    groups_.best_rejected = nearest_.between_groups(groups_.group, links_);
+    groups_.best_rejected = best_rejected_.between_groups(groups_.group, links_);
     return std::move(groups_);
   }
 
@@ -218,7 +218,7 @@ class GlobalRegistration {
     std::set<std::size_t> linked_views;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const auto& [a, b] = pairs[k];
-      nearest_.add(a, b, (*found)[k]);
+      best_rejected_.add(a, b, (*found)[k]);
       pair_links_.keep_candidates(a, b, (*found)[k]);
       if (!(*found)[k].empty()) linked_views.insert({a, b});
     }
@@ -281,7 +281,7 @@ class GlobalRegistration {
   std::size_t next_ = 0;  // Of them, to be searched.
   std::vector<PoseLink> links_;
   std::vector<PoseLink> known_links_;  // Of these, those of link_known_pairs().
-  NearestPoses nearest_;
+  BestRejectedPoses best_rejected_;
   ViewGroups groups_;
 };
 

@@ -13,10 +13,10 @@ namespace relief::registration {
 
 /// For each view the pose nearest to being believed, of all that a search found: what a user is
 /// told of a view that finds no place.
-class NearestPoses {
+class BestRejectedPoses {
  public:
   /// Both must outlive this.
-  NearestPoses(const std::vector<ViewSurface>& surfaces, const VerificationThresholds& limits)
+  BestRejectedPoses(const std::vector<ViewSurface>& surfaces, const VerificationThresholds& limits)
       : surfaces_(surfaces), limits_(limits) {}
 
   /// Keeps for views a and b the pose that deviates least, also of those that are no candidates.
@@ -32,7 +32,7 @@ class NearestPoses {
 
   const std::vector<ViewSurface>& surfaces_;
   const VerificationThresholds& limits_;
-  std::vector<std::optional<PoseLink>> nearest_;  // By view.
+  std::vector<std::optional<PoseLink>> best_;  // By view.
 };
 
 }  // namespace relief::registration
