@@ -47,6 +47,11 @@ void sort_naturally(std::vector<fs::path>& paths) {
   });
 }
 
+bool is_file(const fs::path& path) {
+  std::error_code code;
+  return fs::is_regular_file(path, code);
+}
+
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::error_code code, ignored;
   std::vector<fs::path> files;

@@ -18,6 +18,9 @@ struct NaturalOrder {
 /// Puts paths into the natural order of their whole text.
 void sort_naturally(std::vector<std::filesystem::path>& paths);
 
+/// Whether there is a file at a path; no for what cannot be looked at.
+bool is_file(const std::filesystem::path& path);
+
 /// The files of a folder in natural order; none where it cannot be listed.
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
 

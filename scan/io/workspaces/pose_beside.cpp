@@ -6,6 +6,7 @@
 #include <string>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/folder_files.h"
 #include "scan/io/workspaces/workspace_text.h"
 
 namespace relief {
@@ -16,11 +17,6 @@ namespace fs = std::filesystem;
 
 // Sixteen numbers take less; a larger text beside a scan is no matrix.
 constexpr std::uintmax_t kMaxMatrixBytes = 4096;
-
-bool is_matrix_file(const fs::path& path) {
-  std::error_code code;
-  return fs::is_regular_file(path, code);
-}
 
 // The matrix that CloudCompare saves after a registration; the date follows in its name.
 Result<std::optional<fs::path>> registration_matrix(const fs::path& folder,
@@ -82,13 +78,13 @@ Result<std::optional<RigidMotion>> pose_beside(const fs::path& scan_path) {
   const fs::path folder = scan_path.parent_path();
   const std::string stem = scan_path.stem().string();
   for (const char* ending : {".xf", ".mat.txt", ".matrix.txt", "_matrix.txt"})
-    if (const fs::path path = folder / (stem + ending); is_matrix_file(path))
+    if (const fs::path path = folder / (stem + ending); is_file(path))
       return read_matrix_file(path, true);
   const auto saved = registration_matrix(folder, stem);
   if (!saved) return saved.error();
   if (*saved) return read_matrix_file(**saved, true);
   const fs::path text = folder / (stem + ".txt");
-  if (text != scan_path && is_matrix_file(text)) return read_matrix_file(text, false);
+  if (text != scan_path && is_file(text)) return read_matrix_file(text, false);
   return std::optional<RigidMotion>();
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/folder_files.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/image_limits.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -18,16 +19,11 @@ namespace fs = std::filesystem;
 template <typename T>
 using ColmapParser = Result<T> (*)(std::string_view, const fs::path&);
 
-bool is_colmap_file(const fs::path& path) {
-  std::error_code code;
-  return fs::is_regular_file(path, code);
-}
-
 // Reads `stem`.bin with one parser, or else `stem`.txt with the other.
 template <typename T>
 Result<T> read_colmap_part(const fs::path& stem, ColmapParser<T> binary, ColmapParser<T> text) {
   const fs::path bin = stem.string() + ".bin", txt = stem.string() + ".txt";
-  const bool is_text = !is_colmap_file(bin) && is_colmap_file(txt);
+  const bool is_text = !is_file(bin) && is_file(txt);
   const fs::path& path = is_text ? txt : bin;
   const auto content = read_file(path);
   if (!content) return content.error();
@@ -35,7 +31,7 @@ Result<T> read_colmap_part(const fs::path& stem, ColmapParser<T> binary, ColmapP
 }
 
 bool has_colmap_part(const fs::path& stem) {
-  return is_colmap_file(stem.string() + ".bin") || is_colmap_file(stem.string() + ".txt");
+  return is_file(stem.string() + ".bin") || is_file(stem.string() + ".txt");
 }
 
 template <typename T>

@@ -62,8 +62,7 @@ void index_model(ColmapSource& source) {
 }
 
 std::optional<fs::path> existing_file(const fs::path& path) {
-  std::error_code code;
-  return fs::is_regular_file(path, code) ? std::optional(path) : std::nullopt;
+  return is_file(path) ? std::optional(path) : std::nullopt;
 }
 
 // Both axes have their own ratio: a depth map has a whole number of pixels.

@@ -11,6 +11,7 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
+#include "scan/io/files/folder_files.h"
 #include "scan/io/project/json/json_object_private.h"
 #include "scan/io/workspaces/rgbd/agreement/ray_lengths.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
@@ -31,8 +32,7 @@ constexpr const char* kDepthKeys[] = {"depth_file_path", "depth_path"};
 std::optional<fs::path> file_of(JsonObject& frame, const char* key, const fs::path& folder) {
   if (!frame.has(key)) return std::nullopt;
   const fs::path file = folder / frame.text(key);
-  std::error_code code;
-  return fs::is_regular_file(file, code) ? std::optional(file.lexically_normal()) : std::nullopt;
+  return is_file(file) ? std::optional(file.lexically_normal()) : std::nullopt;
 }
 
 std::optional<fs::path> depth_of(JsonObject& frame, const fs::path& folder) {
@@ -187,8 +187,7 @@ bool looks_like_nerf_transforms(std::string_view text) {
 }
 
 bool is_nerf_folder(const fs::path& folder) {
-  std::error_code code;
-  if (!fs::is_regular_file(folder / "transforms.json", code)) return false;
+  if (!is_file(folder / "transforms.json")) return false;
   const auto text = read_file(folder / "transforms.json");
   if (!text || !looks_like_nerf_transforms(*text)) return false;
   return std::any_of(std::begin(kDepthKeys), std::end(kDepthKeys), [&](const char* key) {

@@ -1,7 +1,6 @@
 #include "scan/io/workspaces/rgbd/rgbd_folder.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
 
@@ -116,13 +115,6 @@ Result<FramePoses> assign_poses(const Trajectory& trajectory, const fs::path& pa
                                : counts + "; a trajectory without times needs one pose for each");
 }
 
-std::optional<int> number_of(const RgbdFrame& frame) {
-  double number = -1.0;
-  if (!parse_number(frame.name, number) || number != std::floor(number) || !(number < 1e9))
-    return std::nullopt;
-  return static_cast<int>(number);
-}
-
 // What a recording tells of the frames. Poses in files of their own go first.
 void take_recording(const Recording& recording, RgbdFrames& found) {
   const bool wants_poses = !found.has_poses;
@@ -131,10 +123,9 @@ void take_recording(const Recording& recording, RgbdFrames& found) {
     frame.size = recording.calibration.size;
     if (recording.masks) {
       const fs::path mask = *recording.masks / frame.depth.filename();
-      std::error_code code;
-      if (fs::is_regular_file(mask, code)) frame.mask = mask;
+      if (is_file(mask)) frame.mask = mask;
     }
-    const auto number = number_of(frame);
+    const auto number = frame_number(frame.name);
     const auto told = number ? recording.frames.find(*number) : recording.frames.end();
     if (told == recording.frames.end()) continue;
     const RecordedFrame& recorded = told->second;

@@ -20,11 +20,6 @@ namespace fs = std::filesystem;
 // Depth values per metre that define the format of TUM's sequences.
 constexpr double kTumDepthScale = 5000.0;
 
-bool is_file(const fs::path& path) {
-  std::error_code code;
-  return fs::is_regular_file(path, code);
-}
-
 // `frame-000000` and `.` of `frame-000000.depth.png`.
 struct FrameName {
   std::string name, separator;

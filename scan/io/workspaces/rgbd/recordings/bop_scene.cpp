@@ -1,6 +1,5 @@
 #include "scan/io/workspaces/rgbd/recordings/bop_scene.h"
 
-#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -8,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/folder_files.h"
 #include "scan/io/project/json/json_object_private.h"
 
 namespace relief {
@@ -20,11 +20,9 @@ using nlohmann::json;
 constexpr double kMillimetre = 1e-3;  // [m]
 
 int number_of_image(const std::string& key) {
-  char* end = nullptr;
-  const long number = std::strtol(key.c_str(), &end, 10);
-  if (key.empty() || *end != '\0' || number < 0 || number > 1'000'000'000)
-    throw JsonError(key + ": expected the number of an image");
-  return static_cast<int>(number);
+  const auto number = frame_number(key);
+  if (!number) throw JsonError(key + ": expected the number of an image");
+  return *number;
 }
 
 // A motion of millimetres, its rotation row by row, as one of metres.
@@ -69,8 +67,7 @@ bool take_object_poses(const json& truth, Recording& recording) {
 
 // A document whose errors are thrown as JsonError; an empty object where the file is not there.
 Result<json> read_object(const fs::path& path) {
-  std::error_code code;
-  if (!fs::is_regular_file(path, code)) return json::object();
+  if (!is_file(path)) return json::object();
   const auto text = read_file(path);
   if (!text) return text.error();
   json document = json::parse(*text, nullptr, false);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/folder_files.h"
 #include "scan/io/project/json/json_object_private.h"
 
 namespace relief {
@@ -51,8 +52,7 @@ RigidMotion pose_of(const json& row, const std::string& place) {
 
 Result<std::optional<Recording>> read_record3d_metadata(const fs::path& folder) {
   const fs::path path = folder / "metadata.json";
-  std::error_code code;
-  if (!fs::is_regular_file(path, code)) return std::optional<Recording>();
+  if (!is_file(path)) return std::optional<Recording>();
   const auto text = read_file(path);
   if (!text) return text.error();
   const json document = json::parse(*text, nullptr, false);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <string_view>
 
 #include "relief/scan/camera.h"
 #include "relief/scan/result.h"
@@ -26,6 +27,9 @@ struct Recording {
   /// The folder of images, named as the depth maps, that are 0 where these are not to be believed.
   std::optional<std::filesystem::path> masks;
 };
+
+/// The number of a frame by its name, from 0 to a thousand million; nothing for other names.
+std::optional<int> frame_number(std::string_view name);
 
 /// The recording of a folder by its files: read_record3d_metadata(), read_stray_scanner() or
 /// read_bop_scene(). Nothing where there is none of them; kBadInput names what is wrong in one.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "scan/io/files/atomic_file.h"
+#include "scan/io/files/folder_files.h"
 #include "scan/io/workspaces/workspace_text.h"
 
 namespace relief {
@@ -17,11 +18,6 @@ namespace fs = std::filesystem;
 constexpr ImageSize kVideo{1920, 1440}, kDepth{256, 192};
 constexpr double kDepthScale = 1000.0;                     // Values per metre.
 constexpr std::size_t kPose = 9, kPoseAndIntrinsics = 13;  // Numbers of a line of odometry.
-
-bool is_file(const fs::path& path) {
-  std::error_code code;
-  return fs::is_regular_file(path, code);
-}
 
 // Of the depth maps, whose pixels cover several of the video's: centres are at whole numbers.
 PinholeIntrinsics scaled_to_depth(double fx, double fy, double cx, double cy) {
