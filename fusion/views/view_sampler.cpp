@@ -196,12 +196,13 @@ std::optional<Eigen::Vector3d> ViewSampler::colour(const Eigen::Vector3d& point_
 }
 
 bool ViewSampler::concerns(const Eigen::AlignedBox3d& box_in_world, double reach) const {
+  if (box_in_world.isEmpty()) return false;
   Eigen::AlignedBox2i pixels;
   double nearest = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3d& corner : corners_of(box_in_world)) {
     const Eigen::Vector3d point = view_from_world_ * corner;
     const auto projected = projection_.pixel_of(point);
-    if (!projected || !(projected->cwiseAbs().maxCoeff() < 1e8)) return true;
+    if (!projected || !(projected->array().abs() < 1e8).all()) return true;
     const Eigen::Vector2i pixel = projected->array().floor().cast<int>();
     pixels.extend(pixel - Eigen::Vector2i(surface_.first_u, surface_.first_v));
     nearest = std::min(nearest, depth_axis_.dot(point - surface_.centre));

@@ -102,6 +102,7 @@ TEST_P(ViewSamplerOfCamera, LeavesOutOnlyBoxesItKnowsNothingAbout) {
   constexpr double kReach = 3.0;
   const testing::Surface sphere = testing::sphere({1, 2, 3}, 15.0);
   const ViewSampler sampler = sampler_of(render(sphere, GetParam(), kPose));
+  EXPECT_FALSE(sampler.concerns(Eigen::AlignedBox3d(), kReach)) << "an empty box";
   int left_out = 0;
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector3d low(number(-25, 25), number(-25, 25), number(-25, 25));
