@@ -52,11 +52,13 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, code);
 }
 
+bool is_hidden(const fs::path& path) { return path.filename().native().starts_with('.'); }
+
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::error_code code, ignored;
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder, code))
-    if (entry.is_regular_file(ignored)) files.push_back(entry.path());
+    if (entry.is_regular_file(ignored) && !is_hidden(entry.path())) files.push_back(entry.path());
   sort_naturally(files);
   return files;
 }

@@ -21,7 +21,10 @@ void sort_naturally(std::vector<std::filesystem::path>& paths);
 /// Whether there is a file at a path; no for what cannot be looked at.
 bool is_file(const std::filesystem::path& path);
 
-/// The files of a folder in natural order; none where it cannot be listed.
+/// Whether a name begins with a point: what systems keep beside the user's files (`._1.png`).
+bool is_hidden(const std::filesystem::path& path);
+
+/// The files of a folder in natural order, without hidden ones; none where it cannot be listed.
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
 
 }  // namespace relief

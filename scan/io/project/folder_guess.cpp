@@ -138,7 +138,7 @@ std::vector<NamedImage> images_in(const fs::path& folder) {
   std::error_code code;
   add_images(folder, fs::weakly_canonical(folder, code).filename().string(), images);
   for (const auto& entry : fs::directory_iterator(folder, code))
-    if (entry.is_directory(code))
+    if (entry.is_directory(code) && !is_hidden(entry.path()))
       add_images(entry.path(), entry.path().filename().string(), images);
   if (!has_depth(images))
     if (auto by_bits = images_by_their_bits(folder); !by_bits.empty()) images = std::move(by_bits);

@@ -142,6 +142,7 @@ Result<FolderContent> look_into(const fs::path& folder) {
   std::error_code code;
   for (const auto& entry : fs::directory_iterator(folder, code)) {
     const fs::path& path = entry.path();
+    if (is_hidden(path)) continue;
     if (is_project_file(path)) {
       if (lower_ending(path) != ".json") content.projects.push_back(path);
       continue;
@@ -187,11 +188,8 @@ Result<ProjectSpec> read_as(const char* what, const fs::path& folder, Result<Pro
 }
 
 std::size_t count_images(const fs::path& folder) {
-  std::error_code code;
-  std::size_t images = 0;
-  for (const auto& entry : fs::directory_iterator(folder, code))
-    images += has_depth_image_ending(entry.path()) ? 1 : 0;
-  return images;
+  const auto files = files_in(folder);
+  return static_cast<std::size_t>(std::ranges::count_if(files, has_depth_image_ending));
 }
 
 Error no_project_in(const fs::path& folder) {
