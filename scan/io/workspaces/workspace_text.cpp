@@ -1,10 +1,24 @@
 #include "scan/io/workspaces/workspace_text.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "scan/io/files/unit_quaternion.h"
 
 namespace relief {
+
+namespace {
+
+// `[1, 0, 0, 5]` as `1 0 0 5`.
+std::string without_list_signs(std::string_view line) {
+  std::string numbers(line);
+  std::ranges::replace_if(
+      numbers, [](char c) { return std::string_view("[](),;").find(c) != std::string_view::npos; },
+      ' ');
+  return numbers;
+}
+
+}  // namespace
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
@@ -71,9 +85,12 @@ Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& w
   for (Eigen::Index r = 0; r < 4; ++r) {
     std::string_view line;
     if (!lines.next(line)) return lines.end_error("a row of four numbers of " + what);
-    if (!parse_row(line, 4, matrix.data() + 4 * r))
+    if (!parse_row(without_list_signs(line), 4, matrix.data() + 4 * r))
       return lines.error("expected a row of four numbers of " + what);
   }
+  const Eigen::RowVector4d last(0.0, 0.0, 0.0, 1.0);
+  if (matrix.row(3) != last && matrix.col(3) == last.transpose())
+    matrix.transposeInPlace();  // Stored by columns, as graphics libraries do.
   auto motion = rigid_motion_from_matrix(matrix, what);
   if (!motion) return lines.error(motion.error().message);
   return motion;

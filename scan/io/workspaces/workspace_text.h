@@ -58,7 +58,8 @@ std::vector<std::string_view> words_of(std::string_view line, std::size_t limit 
 std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
                                                 const Eigen::Vector3d& t);
 
-/// Reads four rows of four numbers, the next lines, as a rigid motion. Errors name the line and
+/// Reads four rows of four numbers, the next lines, as a rigid motion. Commas and brackets may
+/// stand between the numbers, and the matrix may be stored by columns. Errors name the line and
 /// `what`.
 Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& what);
 
