@@ -13,6 +13,7 @@
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/project/json/json_object_private.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_convention.h"
 #include "scan/io/workspaces/rgbd/agreement/ray_lengths.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -24,7 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kNerfstudioStep = 0.001;  // depth_unit_scale_factor by default [m].
+const Eigen::Vector3d kStoredAxes(1.0, -1.0, -1.0);  // x right, y up, z back
+constexpr double kNerfstudioStep = 0.001;            // depth_unit_scale_factor by default [m].
 
 constexpr const char* kDepthKeys[] = {"depth_file_path", "depth_path"};
 
@@ -98,7 +100,7 @@ RigidMotion pose_of(JsonObject& frame) {
   const auto pose = rigid_motion_from_matrix(matrix, frame.place("transform_matrix"));
   if (!pose) throw JsonError(pose.error().message);
   RigidMotion world_from_view = *pose;
-  world_from_view.linear().rightCols<2>() *= -1.0;  // From y up and z back.
+  world_from_view.linear() = world_from_view.linear() * kStoredAxes.asDiagonal();
   return world_from_view;
 }
 
@@ -118,7 +120,9 @@ class Frames {
       throw JsonError(
           "frames: none names a depth map that is there (depth_file_path); relief needs ranges");
     note_losses(frames.size());
+    take_pose_convention(project_, kStoredAxes.asDiagonal());
     take_ray_lengths(project_);
+    note_disagreement_at_poses(project_);
     return std::move(project_);
   }
 

@@ -8,10 +8,10 @@
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
-#include "scan/io/workspaces/rgbd/agreement/mirrored_images.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_convention.h"
 #include "scan/io/workspaces/rgbd/agreement/ray_lengths.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
-#include "scan/io/workspaces/rgbd/open3d_json.h"
+#include "scan/io/workspaces/rgbd/frame_poses.h"
 #include "scan/io/workspaces/rgbd/recordings/recording.h"
 #include "scan/io/workspaces/rgbd/rgbd_layouts.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -21,99 +21,6 @@ namespace relief {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The parser for a file, if the file is a trajectory.
-using TrajectoryParser = Result<Trajectory> (*)(std::string_view, const fs::path&);
-
-TrajectoryParser trajectory_parser(const fs::path& file) {
-  const std::string ending = lower_ending(file);
-  const bool is_json = ending == ".json";
-  if (!is_json && ending != ".txt" && ending != ".log" && ending != ".tum" &&
-      ending != ".freiburg" && ending != ".traj")
-    return nullptr;
-  const std::string head = first_bytes(file);
-  if (is_json) return looks_like_open3d_trajectory(head) ? parse_open3d_trajectory : nullptr;
-  if (has_calibration_name(file)) return nullptr;
-  switch (kind_of_rgbd_text(head)) {
-    case RgbdText::kTumPoses:
-    case RgbdText::kPlainPoses:
-      return parse_tum_trajectory;
-    case RgbdText::kLogPoses:
-      return parse_log_trajectory;
-    default:
-      return nullptr;
-  }
-}
-
-struct TrajectoryFile {
-  fs::path path;
-  TrajectoryParser parse = nullptr;
-};
-
-// Which of several trajectories is taken, the larger the sooner: Open3D writes `odometry.log`,
-// which drifts, beside the `trajectory.log` of the whole.
-int precedence(const fs::path& file) {
-  if (file.stem() == "groundtruth") return 2;
-  return file.stem() == "trajectory" ? 1 : 0;
-}
-
-// The trajectory of a folder. Two of the same precedence are an error.
-Result<std::optional<TrajectoryFile>> find_trajectory(const fs::path& folder) {
-  std::optional<TrajectoryFile> found;
-  std::optional<fs::path> rival;
-  for (const fs::path& file : files_in(folder)) {
-    const TrajectoryParser parse = trajectory_parser(file);
-    if (!parse) continue;
-    const int order = found ? precedence(file) - precedence(found->path) : 1;
-    if (order == 0) rival = file;
-    if (order <= 0) continue;
-    found = TrajectoryFile{file, parse};
-    rival.reset();
-  }
-  if (rival)
-    return bad_input(*rival, "is a trajectory, and so is " + found->path.filename().string() +
-                                 " beside it; keep one of them, or call it groundtruth.txt");
-  return found;
-}
-
-// The time of a frame: from a list, or the number that is its name.
-std::optional<double> frame_time(const RgbdFrame& frame) {
-  double time = 0.0;
-  if (frame.time) return frame.time;
-  return parse_number(frame.name, time) ? std::optional(time) : std::nullopt;
-}
-
-using FramePoses = std::vector<std::optional<TrajectoryPose>>;
-
-// Poses by time; nothing where no frame has one.
-std::optional<FramePoses> poses_by_time(const Trajectory& trajectory,
-                                        const std::vector<RgbdFrame>& frames) {
-  FramePoses poses(frames.size());
-  bool any = false;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const auto time = frame_time(frames[i]);
-    const auto motion = time ? pose_at(trajectory, *time, kSameMoment) : std::nullopt;
-    if (!motion) continue;
-    poses[i].emplace();
-    poses[i]->world_from_view = *motion;
-    any = true;
-  }
-  return any ? std::optional(std::move(poses)) : std::nullopt;
-}
-
-Result<FramePoses> assign_poses(const Trajectory& trajectory, const fs::path& path,
-                                const std::vector<RgbdFrame>& frames) {
-  const bool timed = !trajectory.empty() && trajectory.front().time.has_value();
-  if (timed)
-    if (auto poses = poses_by_time(trajectory, frames)) return std::move(*poses);
-  if (trajectory.size() == frames.size()) return FramePoses(trajectory.begin(), trajectory.end());
-  const std::string counts = std::to_string(trajectory.size()) + " poses for " +
-                             std::to_string(frames.size()) + " depth maps";
-  return bad_input(path, timed ? counts +
-                                     ", and none within 0.02 s of a depth map; give the "
-                                     "trajectory of this sequence"
-                               : counts + "; a trajectory without times needs one pose for each");
-}
 
 // What a recording tells of the frames. Poses in files of their own go first.
 void take_recording(const Recording& recording, RgbdFrames& found) {
@@ -135,27 +42,6 @@ void take_recording(const Recording& recording, RgbdFrames& found) {
     frame.pose = recorded.world_from_view;
     found.has_poses = true;
   }
-}
-
-// The poses of all frames, their own or from a trajectory.
-Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& found,
-                                    std::vector<std::string>& notes) {
-  FramePoses poses(found.frames.size());
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (!found.frames[i].pose) continue;
-    poses[i].emplace();
-    poses[i]->world_from_view = *found.frames[i].pose;
-  }
-  if (found.has_poses) return poses;
-  const auto file = find_trajectory(folder);
-  if (!file) return file.error();
-  if (!*file) return poses;
-  const auto text = read_file((*file)->path);
-  if (!text) return text.error();
-  const auto trajectory = (*file)->parse(*text, (*file)->path);
-  if (!trajectory) return trajectory.error();
-  notes.push_back("poses from " + (*file)->path.string());
-  return assign_poses(*trajectory, (*file)->path, found.frames);
 }
 
 // What holds for all frames of a folder.
@@ -305,8 +191,9 @@ Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& 
   if (!setting->depth_step && !steps_known)
     if (auto taken = take_assumed_scale(folder, found->usual_depth_scale, project); !taken)
       return taken.error();
+  take_pose_convention(project);
   take_ray_lengths(project);
-  if (auto note = note_on_mirrored_images(project)) project.notes.push_back(std::move(*note));
+  note_disagreement_at_poses(project);
   return project;
 }
 

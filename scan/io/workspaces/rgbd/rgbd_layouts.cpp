@@ -199,10 +199,31 @@ Result<RgbdFrames> named_frames(const fs::path& folder) {
   return found;
 }
 
+// Whether a file of the folder itself holds the poses of a camera.
+bool has_trajectory(const fs::path& folder) {
+  return std::ranges::any_of(files_in(folder), [](const fs::path& file) {
+    if (lower_ending(file) != ".txt") return false;
+    const RgbdText kind = kind_of_rgbd_text(first_bytes(file));
+    return kind == RgbdText::kTumPoses || kind == RgbdText::kPlainPoses ||
+           kind == RgbdText::kLogPoses;
+  });
+}
+
+// Of the folder of depth maps: nothing behind `depth`, or, beside poses, `_left` of TartanAir.
+std::optional<std::string> depth_folder_suffix(const fs::path& folder) {
+  if (!depth_images(folder / "depth").empty()) return "";
+  for (const char* suffix : {"_left", "_right"})
+    if (!depth_images(folder / (std::string("depth") + suffix)).empty() && has_trajectory(folder))
+      return suffix;
+  return std::nullopt;
+}
+
 // The colour images of `frames`: those of the same name, or else, where there are as many, those in
 // the same place of the order.
-void pair_colours(const fs::path& folder, std::vector<RgbdFrame>& frames) {
-  for (const char* name : {"color", "colour", "image", "rgb"}) {
+void pair_colours(const fs::path& folder, const std::string& suffix,
+                  std::vector<RgbdFrame>& frames) {
+  for (const char* kind : {"color", "colour", "image", "rgb"}) {
+    const std::string name = kind + suffix;
     auto files = files_in(folder / name);
     std::erase_if(files, [](const fs::path& file) { return !has_photograph_ending(file); });
     if (files.empty()) continue;
@@ -222,7 +243,8 @@ void pair_colours(const fs::path& folder, std::vector<RgbdFrame>& frames) {
 
 Result<RgbdFrames> folder_frames(const fs::path& folder) {
   RgbdFrames found;
-  for (const fs::path& file : depth_images(folder / "depth")) {
+  found.suffix = depth_folder_suffix(folder).value_or("");
+  for (const fs::path& file : depth_images(folder / ("depth" + found.suffix))) {
     RgbdFrame frame;
     frame.name = file.stem().string();
     frame.depth = file;
@@ -231,7 +253,7 @@ Result<RgbdFrames> folder_frames(const fs::path& folder) {
         return taken.error();
     found.frames.push_back(std::move(frame));
   }
-  pair_colours(folder, found.frames);
+  pair_colours(folder, found.suffix, found.frames);
   return found;
 }
 
@@ -250,7 +272,7 @@ RgbdLayout rgbd_layout(const fs::path& folder) {
   if (has_tum_list(folder)) return RgbdLayout::kTum;
   if (has_frames(folder)) return RgbdLayout::kFrames;
   if (association_file(folder)) return RgbdLayout::kTum;
-  return depth_images(folder / "depth").empty() ? RgbdLayout::kNone : RgbdLayout::kFolders;
+  return depth_folder_suffix(folder) ? RgbdLayout::kFolders : RgbdLayout::kNone;
 }
 
 Result<RgbdFrames> list_rgbd_frames(const fs::path& folder) {

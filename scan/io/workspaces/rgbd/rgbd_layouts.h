@@ -36,6 +36,7 @@ struct RgbdFrames {
   bool has_poses = false;                   ///< Of single frames: no trajectory is looked for.
   std::optional<double> depth_scale;        ///< Where the layout defines it.
   double usual_depth_scale = kMillimetres;  ///< Of sets in this layout, where nobody says another.
+  std::string suffix;  ///< `_left` of `depth_left`: images and poses with it are those of these.
   std::vector<std::string> notes;
 };
 

@@ -341,6 +341,42 @@ TEST_F(RgbdFolder, ReadsScanNetExports) {
   EXPECT_EQ(spec.views[0].camera->intrinsics.cy, 4.0);
 }
 
+TEST_F(RgbdFolder, ReadsTartanAirsSides) {
+  write("depth_left/000000_left_depth.png", png_head(5));
+  write("depth_right/000000_right_depth.png", png_head(5));
+  write("image_left/000000_left.png", png_head(5));
+  EXPECT_FALSE(is_rgbd_folder(folder_.path()));
+  write("pose_left.txt", "1 2 3 0 0 0 1\n");
+  write("pose_right.txt", "4 5 6 0 0 0 1\n");
+  const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
+  ASSERT_EQ(spec.views.size(), 1u);
+  EXPECT_EQ(spec.views[0].name, "000000_left_depth");
+  EXPECT_EQ(spec.views[0].world_from_view.translation(), Eigen::Vector3d(1, 2, 3));
+  ASSERT_TRUE(spec.views[0].colour);
+  EXPECT_EQ(spec.views[0].colour->file.filename(), "000000_left.png");
+}
+
+TEST_F(RgbdFolder, SkipsHiddenFiles) {
+  write("depth/0.png", png_head(5));
+  write("depth/._0.png", "Mac OS X");
+  write("._trajectory.txt", "Mac OS X");
+  write("trajectory.txt", "1 2 3 0 0 0 1\n");
+  EXPECT_EQ(value_of(read_rgbd_folder(folder_.path(), kOptions)).views.size(), 1u);
+}
+
+TEST_F(RgbdFolder, ReadsPosesOfLists) {
+  write("depth/0.png", png_head(5));
+  for (const char* pose : {kPose, "1,0,0,5\n0,0,-1,6\n0,1,0,7\n0,0,0,1\n",
+                           "[[1, 0, 0, 5],\n [0, 0, -1, 6],\n [0, 1, 0, 7],\n [0, 0, 0, 1]]\n",
+                           "1 0 0 0\n0 0 1 0\n0 -1 0 0\n5 6 7 1\n"}) {
+    write("pose/0.txt", pose);
+    const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
+    const RigidMotion& found = spec.views.at(0).world_from_view;
+    EXPECT_EQ(found.translation(), Eigen::Vector3d(5, 6, 7)) << pose;
+    EXPECT_EQ(found * Eigen::Vector3d::UnitY(), Eigen::Vector3d(5, 6, 8)) << pose;
+  }
+}
+
 TEST_F(RgbdFolder, LooksBesideAFolderWithoutCalibration) {
   write("depth/0.png", png_head(5));
   write("intrinsic/extrinsic_depth.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
@@ -447,15 +483,6 @@ TEST_F(RgbdFolder, ReadsScenesOfTheBopBenchmark) {
   EXPECT_THAT(read_rgbd_folder(folder_.path(), {}), HasError("first", "number of an image"));
 }
 
-TEST_F(RgbdFolder, SaysThatImagesSeemMirrored) {
-  const PinholeIntrinsics upright{120, 120, 79.5, 59.5}, mirrored{120, -120, 79.5, 59.5};
-  write_frames(folder_, Camera::pinhole(160, 120, mirrored));
-  const auto right = value_of(read_rgbd_folder(folder_.path(), {mirrored, 1000.0}));
-  EXPECT_THAT(right.notes, Not(Contains(HasSubstr("mirrored"))));
-  const auto wrong = value_of(read_rgbd_folder(folder_.path(), {upright, 1000.0}));
-  EXPECT_THAT(wrong.notes, Contains(HasSubstr("give --intrinsics 120 -120 79.5 59.5")));
-}
-
 TEST_F(RgbdFolder, TakesRayLengthsWhereDepthsAgreeSo) {
   const PinholeIntrinsics intrinsics{120, 120, 79.5, 59.5};
   for (const bool along_ray : {true, false}) {
@@ -508,13 +535,14 @@ TEST(RgbdOnRealData, TellTheScaleByTheirPoses) {
   EXPECT_EQ(spec.views[0].depth->scale, 1.0 / 5000.0);
 }
 
-TEST(RgbdOnRealData, SayThatImagesSeemMirrored) {
+// ICL-NUIM's poses are those of a left-handed world.
+TEST(RgbdOnRealData, PosesOfALeftHandedWorldAreFound) {
   RELIEF_REQUIRE_TEST_DATA(folder, "rgbd");
   const auto notes = [&](double fy) {
     return read_rgbd_folder(folder, {PinholeIntrinsics{481.2, fy, 319.5, 239.5}, 5000.0})->notes;
   };
-  EXPECT_THAT(notes(-480), Not(Contains(HasSubstr("mirrored"))));
-  EXPECT_THAT(notes(480), Contains(HasSubstr("give --intrinsics 481.2 -480 319.5 239.5")));
+  EXPECT_THAT(notes(-480), Not(Contains(HasSubstr("left-handed"))));
+  EXPECT_THAT(notes(480), Contains(HasSubstr("left-handed")));
 }
 
 TEST(RgbdOnRealData, TumTexts) {

@@ -87,13 +87,13 @@ std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, 
   const auto found = disagreements_at_poses(project, readings);
   std::size_t best = 0;
   for (std::size_t k = 1; k < scales.size(); ++k)
-    if (found[0] && found[k] && *found[k] < *found[best]) best = k;
-  if (best == 0 || !(*found[0] > kFarBetter * *found[best]))
+    if (found[0] && found[k] && found[k]->median < found[best]->median) best = k;
+  if (best == 0 || !(found[0]->median > kFarBetter * found[best]->median))
     return assumed(usual, shifted ? ", since all are multiples of 8, as SUN3D writes them" : "");
   char why[120];
   std::snprintf(why, sizeof why,
                 ", with which they agree at their poses to %.2g %% (as %s %.2g %%)",
-                100.0 * *found[best], words(usual).c_str(), 100.0 * *found[0]);
+                100.0 * found[best]->median, words(usual).c_str(), 100.0 * found[0]->median);
   return assumed(scales[best], why);
 }
 

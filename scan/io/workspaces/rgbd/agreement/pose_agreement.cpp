@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t kFrameSteps = 4;      // between frames compared with all; bounds the time
 constexpr int kPixelStep = 8;               // between pixels compared; bounds the time
 constexpr std::size_t kEnoughPixels = 200;  // for a median that chance does not decide
+constexpr double kSamePose = 1e-9;          // relative to the pose: rounding
+constexpr double kStill = 0.02;             // relative to the depth: what depth cameras err
 
 struct PosedDepth {
   Image depth;
@@ -51,6 +53,29 @@ std::vector<Eigen::Vector3d> points_in_world(const Image& depth, const PinholeIn
   return points;
 }
 
+using PosedDepths = std::map<std::size_t, std::optional<PosedDepth>>;
+
+// Takes out what stands still in all frames, as the table under an object that turns: it disagrees
+// at the right poses.
+void take_out_still_pixels(PosedDepths& frames) {
+  const PosedDepth* first = nullptr;
+  for (const auto& [index, frame] : frames) {
+    if (!frame) continue;
+    if (!first) first = &*frame;
+    if (frame->depth.samples.size() != first->depth.samples.size()) return;
+  }
+  if (!first) return;
+  auto nearest = first->depth.samples, farthest = nearest;
+  for (const auto& [index, frame] : frames)
+    for (std::size_t i = 0; frame && i < nearest.size(); ++i) {
+      nearest[i] = std::min(nearest[i], frame->depth.samples[i]);
+      farthest[i] = std::max(farthest[i], frame->depth.samples[i]);
+    }
+  for (auto& [index, frame] : frames)
+    for (std::size_t i = 0; frame && i < nearest.size(); ++i)
+      if (farthest[i] - nearest[i] < kStill * nearest[i]) frame->depth.samples[i] = 0.0f;
+}
+
 // A few frames with the ones after them, which overlap, and with each other, whose poses tell more
 // of the scale.
 std::vector<std::pair<std::size_t, std::size_t>> pairs_to_compare(std::size_t frames) {
@@ -64,42 +89,60 @@ std::vector<std::pair<std::size_t, std::size_t>> pairs_to_compare(std::size_t fr
   return pairs;
 }
 
-// The frame in a world of which `factor` is the unit: depths keep their values, and agree as
-// before.
-RigidMotion pose_in_units(const PosedDepth& frame, double factor) {
-  RigidMotion pose = frame.world_from_view;
-  pose.translation() /= factor;
+// As read, in a world of which the factor of depths is the unit: depths keep their values, and
+// agree as before.
+RigidMotion pose_as_read(const PosedDepth& frame, const DepthReading& reading) {
+  RigidMotion pose = reading.poses.world_from_view(frame.world_from_view);
+  pose.translation() /= reading.factor;
   return pose;
+}
+
+bool at_the_same_pose(const PosedDepth& a, const PosedDepth& b) {
+  return a.world_from_view.isApprox(b.world_from_view, kSamePose);
 }
 
 }  // namespace
 
-std::vector<std::optional<double>> disagreements_at_poses(
+RigidMotion PoseConvention::world_from_view(const RigidMotion& pose) const {
+  RigidMotion read = view_from_world ? pose.inverse() : pose;
+  read.linear() = read.linear() * axes;
+  if (axes.determinant() > 0.0) return read;
+  const Eigen::Vector3d mirror(1.0, -1.0, 1.0);
+  read.linear() = mirror.asDiagonal() * read.linear();
+  read.translation() = mirror.asDiagonal() * read.translation();
+  return read;
+}
+
+std::vector<std::optional<Disagreement>> disagreements_at_poses(
     const ProjectSpec& project, const std::vector<DepthReading>& readings) {
-  std::map<std::size_t, std::optional<PosedDepth>> frames;
-  std::vector<std::vector<double>> differences(readings.size());
-  for (const auto& [a, b] : pairs_to_compare(project.views.size())) {
+  const auto pairs = pairs_to_compare(project.views.size());
+  PosedDepths frames;
+  for (const auto& [a, b] : pairs)
     for (const std::size_t i : {a, b})
       if (!frames.contains(i)) frames[i] = read_posed_depth(project.views[i]);
+  take_out_still_pixels(frames);
+  std::vector<std::vector<double>> differences(readings.size());
+  for (const auto& [a, b] : pairs) {
     const auto &from = frames[a], &onto = frames[b];
-    if (!from || !onto) continue;
+    if (!from || !onto || at_the_same_pose(*from, *onto)) continue;
     for (std::size_t k = 0; k < readings.size(); ++k) {
-      const auto& [intrinsics, factor, along_ray] = readings[k];
+      const PinholeIntrinsics& intrinsics = readings[k].intrinsics;
       const auto compare = [&](const Image& of_from, const Image& of_onto) {
         return depth_differences(
-            of_onto, intrinsics, pose_in_units(*onto, factor),
-            points_in_world(of_from, intrinsics, pose_in_units(*from, factor)));
+            of_onto, intrinsics, pose_as_read(*onto, readings[k]),
+            points_in_world(of_from, intrinsics, pose_as_read(*from, readings[k])));
       };
-      const auto found = along_ray ? compare(along_axis(from->depth, intrinsics),
-                                             along_axis(onto->depth, intrinsics))
-                                   : compare(from->depth, onto->depth);
+      const auto found = readings[k].along_ray ? compare(along_axis(from->depth, intrinsics),
+                                                         along_axis(onto->depth, intrinsics))
+                                               : compare(from->depth, onto->depth);
       differences[k].insert(differences[k].end(), found.begin(), found.end());
     }
   }
-  std::vector<std::optional<double>> medians(readings.size());
+  std::vector<std::optional<Disagreement>> found(readings.size());
   for (std::size_t k = 0; k < readings.size(); ++k)
-    if (differences[k].size() >= kEnoughPixels) medians[k] = median(std::move(differences[k]));
-  return medians;
+    if (const std::size_t pixels = differences[k].size(); pixels >= kEnoughPixels)
+      found[k] = Disagreement{median(std::move(differences[k])), pixels};
+  return found;
 }
 
 }  // namespace relief

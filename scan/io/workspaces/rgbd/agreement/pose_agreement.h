@@ -1,29 +1,51 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "relief/scan/camera.h"
+#include "relief/scan/rigid_motion.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {
 
-/// A way to read the depth maps of a project.
+/// How poses are stored.
+struct PoseConvention {
+  bool view_from_world = false;  ///< Stored is the motion from the world to the camera.
+  /// Of the stored camera from those of the view (x right, y down, z forward): a signed
+  /// permutation. With determinant -1 camera and world are left-handed.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+
+  /// The pose that is stored as `pose`. A left-handed world is mirrored in y.
+  RigidMotion world_from_view(const RigidMotion& pose) const;
+};
+
+/// A way to read the depth maps of a project and their poses.
 struct DepthReading {
   PinholeIntrinsics intrinsics;
   double factor = 1.0;     ///< Of the scale of each depth map.
   bool along_ray = false;  ///< Depths are distances along the rays, not along the optical axis.
+  PoseConvention poses;
 };
 
-/// How much the depth maps disagree at their poses, for each reading: the median of |depth - z| / z
-/// over a few pairs of frames. Nothing where too few pixels meet, where frames have no poses, or
-/// where they cannot be read.
-std::vector<std::optional<double>> disagreements_at_poses(
+/// How much depth maps disagree at their poses.
+struct Disagreement {
+  double median = 0.0;     ///< Of |depth - z| / z over the pixels that meet.
+  std::size_t pixels = 0;  ///< That meet.
+};
+
+/// How much the depth maps of a few pairs of frames disagree at their poses, for each reading.
+/// Pairs at the same pose agree in any reading and are left out. Nothing where too few pixels meet,
+/// where frames have no poses, or where they cannot be read.
+std::vector<std::optional<Disagreement>> disagreements_at_poses(
     const ProjectSpec& project, const std::vector<DepthReading>& readings);
 
 /// How much better one reading must agree than another to be told from it. Scenes that are their
-/// own mirror image agree alike; of the views of a room (ICL-NUIM) the right sign of fy agrees nine
-/// times better.
+/// own mirror image agree alike; the views of a room (ICL-NUIM) agree nine times better in a
+/// left-handed world, as they are meant.
 inline constexpr double kFarBetter = 4.0;
 
 }  // namespace relief

@@ -10,14 +10,14 @@ void take_ray_lengths(ProjectSpec& project) {
   if (project.views.empty() || !project.views.front().camera) return;
   const PinholeIntrinsics& intrinsics = project.views.front().camera->intrinsics;
   const auto found = disagreements_at_poses(project, {{intrinsics}, {intrinsics, 1.0, true}});
-  if (!found[0] || !found[1] || !(*found[0] > kFarBetter * *found[1])) return;
+  if (!found[0] || !found[1] || !(found[0]->median > kFarBetter * found[1]->median)) return;
   for (ViewSpec& view : project.views)
     if (view.depth) view.depth->along_ray = true;
   char note[200];
   std::snprintf(note, sizeof note,
                 "depths are taken as distances along the rays, with which they agree at their "
                 "poses to %.2g %% (as distances along the optical axis %.2g %%)",
-                100.0 * *found[1], 100.0 * *found[0]);
+                100.0 * found[1]->median, 100.0 * found[0]->median);
   project.notes.emplace_back(note);
 }
 

@@ -1,0 +1,144 @@
+#include "scan/io/workspaces/rgbd/agreement/pose_convention.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/LU>
+
+namespace relief {
+
+namespace {
+
+// Two conventions are told apart where one agrees so much better. Those that give the same poses
+// relative to each other agree alike to rounding.
+constexpr double kBetter = 1.5;
+constexpr double kRounding = 1e-9;
+
+// Of the pixels that meet as the poses are given, how many must meet in another convention: few
+// pixels may agree by chance.
+constexpr double kEnoughMeet = 0.5;
+
+// Relative to the depth, what depth cameras err, and by how much none errs.
+constexpr double kCameraError = 0.02, kNoCamera = 0.1;
+
+// All signed permutations of the axes, the identity first, those that keep the hand before the
+// others.
+std::vector<Eigen::Matrix3d> all_axes() {
+  std::vector<Eigen::Matrix3d> all;
+  std::array<int, 3> order = {0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+      for (int i = 0; i < 3; ++i)
+        axes(i, order[static_cast<std::size_t>(i)]) = (signs >> i) % 2 == 0 ? 1.0 : -1.0;
+      all.push_back(axes);
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
+  std::stable_partition(all.begin(), all.end(),
+                        [](const Eigen::Matrix3d& axes) { return axes.determinant() > 0.0; });
+  return all;
+}
+
+std::vector<DepthReading> all_readings(const PinholeIntrinsics& intrinsics) {
+  const auto axes_first_to_last = all_axes();
+  std::vector<DepthReading> readings;
+  for (const bool view_from_world : {false, true})
+    for (const Eigen::Matrix3d& axes : axes_first_to_last)
+      readings.push_back({intrinsics, 1.0, false, {view_from_world, axes}});
+  return readings;
+}
+
+// Where x, y and z of the stored camera point to: `x right, y down, z forward`.
+std::string axes_text(const Eigen::Matrix3d& axes) {
+  constexpr const char* kForth[] = {"right", "down", "forward"};
+  constexpr const char* kBack[] = {"left", "up", "back"};
+  std::string text;
+  for (int i = 0; i < 3; ++i) {
+    Eigen::Index along = 0;
+    axes.row(i).cwiseAbs().maxCoeff(&along);
+    text += std::string(i == 0 ? "" : ", ") + "xyz"[i] + " " +
+            (axes(i, along) > 0.0 ? kForth : kBack)[along];
+  }
+  return text;
+}
+
+std::string note_text(const PoseConvention& convention, const Eigen::Matrix3d& stored_axes,
+                      const std::optional<Disagreement>& as_given, double as_read) {
+  const bool mirrored = convention.axes.determinant() < 0.0;
+  const Eigen::Matrix3d axes =
+      convention.view_from_world ? convention.axes : stored_axes * convention.axes;
+  std::string text = "the poses are read as ";
+  text += convention.view_from_world ? "those of the world in cameras" : "those of cameras";
+  text += " with " + axes_text(axes);
+  if (mirrored) text += ", in a left-handed world, of which y is reversed";
+  char agreement[160];
+  std::snprintf(agreement, sizeof agreement, ": so the depth maps agree to %.2g %% of the depth, ",
+                100.0 * as_read);
+  text += agreement;
+  if (as_given) {
+    std::snprintf(agreement, sizeof agreement, "as given to %.2g %%", 100.0 * as_given->median);
+    text += agreement;
+  } else {
+    text += "as given they do not meet";
+  }
+  if (mirrored) text += "; the images may be mirrored instead, and the model then is";
+  return text;
+}
+
+// The reading that agrees far better than the first, and better than all that are not the same.
+// Where views do not meet in the first, it must agree as depth cameras do.
+std::optional<std::size_t> far_better(const std::vector<std::optional<Disagreement>>& found) {
+  std::optional<std::size_t> best;
+  const auto least = static_cast<std::size_t>(
+      found[0] ? kEnoughMeet * static_cast<double>(found[0]->pixels) : 0.0);
+  const auto is_candidate = [&](std::size_t k) { return found[k] && found[k]->pixels >= least; };
+  for (std::size_t k = 1; k < found.size(); ++k)
+    if (is_candidate(k) && (!best || found[k]->median < (1.0 - kRounding) * found[*best]->median))
+      best = k;
+  if (!best) return std::nullopt;
+  const double median = found[*best]->median;
+  if (found[0] ? !(found[0]->median > kFarBetter * median) : median > kCameraError)
+    return std::nullopt;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    if (is_candidate(k) && found[k]->median < kBetter * median &&
+        found[k]->median > (1.0 + kRounding) * median)
+      return std::nullopt;
+  return best;
+}
+
+}  // namespace
+
+void take_pose_convention(ProjectSpec& project, const Eigen::Matrix3d& stored_axes) {
+  if (project.views.empty() || !project.views.front().camera) return;
+  const auto readings = all_readings(project.views.front().camera->intrinsics);
+  const auto found = disagreements_at_poses(project, readings);
+  const auto best = far_better(found);
+  if (!best) return;
+  const PoseConvention& taken = readings[*best].poses;
+  for (ViewSpec& view : project.views)
+    if (view.pose != PoseKind::kAbsent)
+      view.world_from_view = taken.world_from_view(view.world_from_view);
+  project.notes.push_back(note_text(taken, stored_axes, found[0], found[*best]->median));
+}
+
+void note_disagreement_at_poses(ProjectSpec& project) {
+  if (project.views.empty() || !project.views.front().camera || !project.views.front().depth)
+    return;
+  const ViewSpec& first = project.views.front();
+  const auto found =
+      disagreements_at_poses(project, {{first.camera->intrinsics, 1.0, first.depth->along_ray}})[0];
+  if (!found || found->median < kNoCamera) return;
+  char note[240];
+  std::snprintf(note, sizeof note,
+                "the depth maps disagree at their poses by %.2g %% of the depth, in any convention "
+                "of poses: check the poses, the intrinsics, and what the depths are",
+                100.0 * found->median);
+  project.notes.emplace_back(note);
+}
+
+}  // namespace relief

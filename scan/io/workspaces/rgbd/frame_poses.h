@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "relief/scan/result.h"
+#include "scan/io/workspaces/rgbd/rgbd_layouts.h"
+#include "scan/io/workspaces/rgbd/trajectories.h"
+
+namespace relief {
+
+/// The pose of each frame; nothing where a frame has none.
+using FramePoses = std::vector<std::optional<TrajectoryPose>>;
+
+/// The poses of all frames of a folder, their own or from a trajectory in it. A note tells which
+/// file they are from. Two trajectories, or one of another count, are an error.
+Result<FramePoses> find_frame_poses(const std::filesystem::path& folder, const RgbdFrames& found,
+                                    std::vector<std::string>& notes);
+
+}  // namespace relief

@@ -1,0 +1,171 @@
+#include "scan/io/workspaces/rgbd/agreement/pose_convention.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scan/io/images/image_io.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/scenes/synthetic_views.h"
+#include "tests/support/temporary_folder.h"
+
+namespace relief {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::TemporaryFolder;
+
+constexpr PinholeIntrinsics kIntrinsics{120, 120, 79.5, 59.5};
+
+// A ball before a slanted wall, beside a smaller one: its mirror image is another scene.
+std::optional<testing::SurfaceHit> scene(const Ray& ray) {
+  static const std::vector<testing::Surface> parts = {testing::plane({0, 0, 4}, {0.3, 0.2, -1}),
+                                                      testing::sphere({0.4, -0.2, 2.8}, 0.5),
+                                                      testing::sphere({-0.7, 0.5, 3.2}, 0.3)};
+  std::optional<testing::SurfaceHit> nearest;
+  for (const testing::Surface& part : parts)
+    if (const auto hit = part(ray); hit && (!nearest || hit->t < nearest->t)) nearest = hit;
+  return nearest;
+}
+
+// Five views of the scene, their depth maps in files. What `still` says is put before all of them.
+class PoseConventions : public ::testing::Test {
+ protected:
+  void write_views(float still = 0.0f) {
+    const Camera camera = Camera::pinhole(160, 120, kIntrinsics);
+    for (int i = 0; i < 5; ++i) {
+      const Eigen::Vector3d eye(0.35 * i - 0.6, 0.1 * i * i - 0.8, 0.3 * std::sin(2.0 * i));
+      const RigidMotion pose =
+          testing::look_at(eye, {0.1 * i, 0, 3}, Eigen::Vector3d(0.3 * std::cos(i), -1, 0));
+      const RangeView view = testing::render(scene, camera, pose);
+      Image depth(view.width(), view.height(), 1, 65535);
+      for (int v = 0; v < view.height(); ++v)
+        for (int u = 0; u < view.width(); ++u)
+          depth(u, v) = still > 0.0f && u > 60 ? still : std::round(1000.0f * view.range(u, v));
+      ViewSpec spec;
+      spec.name = std::to_string(i);
+      spec.depth = DepthSpec{folder_.write(spec.name + ".png", *encode_png(depth)), 0.001, false};
+      spec.camera.emplace();
+      spec.camera->intrinsics = kIntrinsics;
+      spec.world_from_view = pose;
+      spec.pose = PoseKind::kGuess;
+      project_.views.push_back(std::move(spec));
+    }
+  }
+
+  // The same views with their poses stored in a convention.
+  ProjectSpec stored(const PoseConvention& convention) const {
+    ProjectSpec project = project_;
+    for (ViewSpec& view : project.views) {
+      RigidMotion& pose = view.world_from_view;
+      pose.linear() = pose.linear() * convention.axes.transpose();
+      if (convention.axes.determinant() < 0.0) {
+        const Eigen::Vector3d mirror(1, -1, 1);
+        pose.linear() = mirror.asDiagonal() * pose.linear();
+        pose.translation() = mirror.asDiagonal() * pose.translation();
+      }
+      if (convention.view_from_world) pose = pose.inverse();
+    }
+    return project;
+  }
+
+  // Of the poses of the views relative to the first: the largest entry.
+  double difference(const ProjectSpec& project) const {
+    double largest = 0.0;
+    const auto relative = [](const ProjectSpec& of, std::size_t i) {
+      return of.views[0].world_from_view.inverse() * of.views[i].world_from_view;
+    };
+    for (std::size_t i = 1; i < project.views.size(); ++i)
+      largest = std::max(
+          largest,
+          (relative(project, i).matrix() - relative(project_, i).matrix()).cwiseAbs().maxCoeff());
+    return largest;
+  }
+
+  TemporaryFolder folder_;
+  ProjectSpec project_;
+};
+
+TEST_F(PoseConventions, AreFoundWhicheverTheyAre) {
+  write_views();
+  std::array<int, 3> order = {0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      for (const bool view_from_world : {false, true}) {
+        PoseConvention convention{view_from_world, Eigen::Matrix3d::Zero()};
+        for (int i = 0; i < 3; ++i)
+          convention.axes(i, order[static_cast<std::size_t>(i)]) = (signs >> i) % 2 ? -1.0 : 1.0;
+        ProjectSpec project = stored(convention);
+        take_pose_convention(project);
+        EXPECT_LT(difference(project), 1e-9) << convention.axes << view_from_world;
+        const bool as_stated = !view_from_world && convention.axes.isIdentity();
+        EXPECT_EQ(project.notes.empty(), as_stated);
+        note_disagreement_at_poses(project);
+        EXPECT_EQ(project.notes.size(), as_stated ? 0u : 1u);
+      }
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
+}
+
+TEST_F(PoseConventions, AreFoundBesideWhatStandsStill) {
+  write_views(900.0f);
+  PoseConvention forward_left_up;
+  forward_left_up.axes << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  ProjectSpec project = stored(forward_left_up);
+  take_pose_convention(project);
+  EXPECT_LT(difference(project), 1e-9);
+  EXPECT_THAT(project.notes, Contains(HasSubstr("x forward, y left, z up")));
+}
+
+TEST_F(PoseConventions, AreToldInTheAxesOfTheFormat) {
+  write_views();
+  PoseConvention opencv;  // Of a format with y up and z back.
+  opencv.axes = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  ProjectSpec project = stored(opencv);
+  take_pose_convention(project, opencv.axes);
+  EXPECT_THAT(project.notes, Contains(HasSubstr("x right, y down, z forward")));
+}
+
+TEST_F(PoseConventions, OfLeftHandedWorldsReverseY) {
+  write_views();
+  PoseConvention unity;
+  unity.axes = Eigen::Vector3d(1, -1, 1).asDiagonal();
+  ProjectSpec project = stored(unity);
+  take_pose_convention(project);
+  EXPECT_THAT(project.notes, Contains(AllOf(HasSubstr("x right, y up, z forward"),
+                                            HasSubstr("left-handed world, of which y"))));
+  EXPECT_TRUE(project.views[3].world_from_view.isApprox(project_.views[3].world_from_view));
+}
+
+TEST_F(PoseConventions, PosesOfOtherViewsAreOnlyTold) {
+  write_views();
+  ProjectSpec project = project_;
+  for (std::size_t i = 0; i < 5; ++i)
+    project.views[i].world_from_view = project_.views[(2 * i + 1) % 5].world_from_view;
+  const ProjectSpec before = project;
+  take_pose_convention(project);
+  for (std::size_t i = 0; i < 5; ++i)
+    EXPECT_TRUE(project.views[i].world_from_view.isApprox(before.views[i].world_from_view, 0.0));
+  note_disagreement_at_poses(project);
+  EXPECT_THAT(project.notes, ::testing::ElementsAre(HasSubstr("disagree at their poses by")));
+}
+
+TEST_F(PoseConventions, ViewsWithoutPosesTellNothing) {
+  write_views();
+  ProjectSpec project = project_;
+  for (ViewSpec& view : project.views) view.pose = PoseKind::kAbsent;
+  take_pose_convention(project);
+  note_disagreement_at_poses(project);
+  EXPECT_THAT(project.notes, IsEmpty());
+}
+
+}  // namespace
+}  // namespace relief
