@@ -80,18 +80,29 @@ std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
   return motion;
 }
 
-Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& what) {
-  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix;
-  for (Eigen::Index r = 0; r < 4; ++r) {
-    std::string_view line;
-    if (!lines.next(line)) return lines.end_error("a row of four numbers of " + what);
-    if (!parse_row(without_list_signs(line), 4, matrix.data() + 4 * r))
-      return lines.error("expected a row of four numbers of " + what);
-  }
+Result<RigidMotion> motion_of_numbers(std::span<const double> numbers, const std::string& what) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    matrix(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) = numbers[i];
   const Eigen::RowVector4d last(0.0, 0.0, 0.0, 1.0);
   if (matrix.row(3) != last && matrix.col(3) == last.transpose())
     matrix.transposeInPlace();  // Stored by columns, as graphics libraries do.
-  auto motion = rigid_motion_from_matrix(matrix, what);
+  return rigid_motion_from_matrix(matrix, what);
+}
+
+Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& what) {
+  std::vector<double> numbers(16);
+  for (std::size_t r = 0; r < 4; ++r) {
+    std::string_view line;
+    if (!lines.next(line)) {
+      if (r < 3) return lines.end_error("a row of four numbers of " + what);
+      numbers.resize(12);
+      break;
+    }
+    if (!parse_row(without_list_signs(line), 4, numbers.data() + 4 * r))
+      return lines.error("expected a row of four numbers of " + what);
+  }
+  auto motion = motion_of_numbers(numbers, what);
   if (!motion) return lines.error(motion.error().message);
   return motion;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -58,9 +59,12 @@ std::vector<std::string_view> words_of(std::string_view line, std::size_t limit 
 std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
                                                 const Eigen::Vector3d& t);
 
-/// Reads four rows of four numbers, the next lines, as a rigid motion. Commas and brackets may
-/// stand between the numbers, and the matrix may be stored by columns. Errors name the line and
-/// `what`.
+/// The rigid motion of a 4x4 matrix by rows, of which the last may be missing, or by columns.
+/// `numbers`: 12 or 16. Errors as those of rigid_motion_from_matrix.
+Result<RigidMotion> motion_of_numbers(std::span<const double> numbers, const std::string& what);
+
+/// Reads rows of four numbers, the next four lines or the last three of the text, as a rigid
+/// motion. Commas and brackets may stand between the numbers. Errors name the line and `what`.
 Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& what);
 
 /// `wanted`, made fit for a file name, and with a number behind it when `taken` says that it is in

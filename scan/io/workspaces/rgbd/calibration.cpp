@@ -172,7 +172,7 @@ bool has_calibration_name(const fs::path& path) {
   const std::string stem = path.stem().string();
   const auto has = [&](const char* part) { return stem.find(part) != std::string::npos; };
   return lower_ending(path) == ".txt" && !has("traj") &&
-         (has("calib") || has("intrinsic") || stem.starts_with("camera"));
+         (has("calib") || has("intrinsic") || stem.starts_with("camera") || stem == "K");
 }
 
 Result<Calibration> parse_calibration_text(std::string_view text, const fs::path& path) {

@@ -39,8 +39,8 @@ Result<Calibration> parse_calibration_text(std::string_view text,
 /// column, and `depth_scale` if there.
 Result<Calibration> parse_open3d_camera(std::string_view text, const std::filesystem::path& path);
 
-/// Whether a file is named like a calibration: .json, or .txt with `calib`, `intrinsic` or, at its
-/// begin, `camera` in its name, but not `traj`.
+/// Whether a file is named like a calibration: .json, K.txt, or .txt with `calib`, `intrinsic` or,
+/// at its begin, `camera` in its name, but not `traj`.
 bool has_calibration_name(const std::filesystem::path& path);
 
 /// The calibration file of a folder: of its .json files those with an `intrinsic_matrix`, of its

@@ -1,5 +1,8 @@
 #include "scan/io/workspaces/rgbd/frame_poses.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -9,6 +12,7 @@
 #include "scan/io/files/text_lines.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
+#include "scan/io/workspaces/rgbd/recordings/recording.h"
 #include "scan/io/workspaces/workspace_text.h"
 
 namespace relief {
@@ -35,6 +39,8 @@ TrajectoryParser trajectory_parser(const fs::path& file) {
       return parse_tum_trajectory;
     case RgbdText::kLogPoses:
       return parse_log_trajectory;
+    case RgbdText::kMatrixPoses:
+      return parse_matrix_trajectory;
     default:
       return nullptr;
   }
@@ -96,12 +102,39 @@ std::optional<FramePoses> poses_by_time(const Trajectory& trajectory,
   return any ? std::optional(std::move(poses)) : std::nullopt;
 }
 
+// Of a trajectory that has more poses than there are frames: those of the numbers in the names of
+// frames, which count from 0, or from 1 where the last one is the number of poses.
+std::optional<FramePoses> poses_by_number(const Trajectory& trajectory,
+                                          const std::vector<RgbdFrame>& frames) {
+  std::vector<std::size_t> numbers;
+  for (const RgbdFrame& frame : frames) {
+    const auto number = frame_number(frame.name);
+    if (!number) return std::nullopt;
+    numbers.push_back(static_cast<std::size_t>(*number));
+  }
+  const auto [least, most] = std::minmax_element(numbers.begin(), numbers.end());
+  if (numbers.empty() || std::set(numbers.begin(), numbers.end()).size() < numbers.size())
+    return std::nullopt;
+  const std::size_t first = *least > 0 && *most == trajectory.size() ? 1 : 0;
+  if (*most - first >= trajectory.size()) return std::nullopt;
+  FramePoses poses;
+  for (const std::size_t number : numbers) poses.emplace_back(trajectory[number - first]);
+  return poses;
+}
+
 Result<FramePoses> assign_poses(const Trajectory& trajectory, const fs::path& path,
-                                const std::vector<RgbdFrame>& frames) {
+                                const std::vector<RgbdFrame>& frames,
+                                std::vector<std::string>& notes) {
   const bool timed = !trajectory.empty() && trajectory.front().time.has_value();
   if (timed)
     if (auto poses = poses_by_time(trajectory, frames)) return std::move(*poses);
   if (trajectory.size() == frames.size()) return FramePoses(trajectory.begin(), trajectory.end());
+  if (!timed)
+    if (auto poses = poses_by_number(trajectory, frames)) {
+      notes.emplace_back("the trajectory has " + std::to_string(trajectory.size()) +
+                         " poses: each frame takes that of its number");
+      return std::move(*poses);
+    }
   const std::string counts = std::to_string(trajectory.size()) + " poses for " +
                              std::to_string(frames.size()) + " depth maps";
   return bad_input(path, timed ? counts +
@@ -129,7 +162,7 @@ Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& fo
   const auto trajectory = (*file)->parse(*text, (*file)->path);
   if (!trajectory) return trajectory.error();
   notes.push_back("poses from " + (*file)->path.string());
-  return assign_poses(*trajectory, (*file)->path, found.frames);
+  return assign_poses(*trajectory, (*file)->path, found.frames, notes);
 }
 
 }  // namespace relief

@@ -205,7 +205,7 @@ bool has_trajectory(const fs::path& folder) {
     if (lower_ending(file) != ".txt") return false;
     const RgbdText kind = kind_of_rgbd_text(first_bytes(file));
     return kind == RgbdText::kTumPoses || kind == RgbdText::kPlainPoses ||
-           kind == RgbdText::kLogPoses;
+           kind == RgbdText::kLogPoses || kind == RgbdText::kMatrixPoses;
   });
 }
 

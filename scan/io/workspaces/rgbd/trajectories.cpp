@@ -54,6 +54,11 @@ bool begins_with_number(std::string_view line) {
   return parse_number(next_word(line), number);
 }
 
+// Whether a line of so many words holds the numbers of a motion, and nothing else.
+bool is_matrix(const std::vector<double>& numbers, std::size_t words) {
+  return (numbers.size() == 12 || numbers.size() == 16) && numbers.size() == words;
+}
+
 bool parse_time(std::string_view word, double& time) {
   return parse_number(word, time) && std::isfinite(time);
 }
@@ -153,6 +158,20 @@ Result<Trajectory> parse_tum_trajectory(std::string_view text, const fs::path& p
   return trajectory;
 }
 
+Result<Trajectory> parse_matrix_trajectory(std::string_view text, const fs::path& path) {
+  NumberedLines lines(text, path);
+  Trajectory trajectory;
+  for (std::string_view line; lines.next(line);) {
+    const std::vector<double> numbers = leading_numbers(line);
+    if (!is_matrix(numbers, words_of(line).size()))
+      return lines.error("expected the 12 or 16 numbers of a matrix");
+    auto motion = motion_of_numbers(numbers, "the matrix");
+    if (!motion) return lines.error(motion.error().message);
+    trajectory.emplace_back().world_from_view = *motion;
+  }
+  return trajectory;
+}
+
 Result<Trajectory> parse_log_trajectory(std::string_view text, const fs::path& path) {
   NumberedLines lines(text, path);
   Trajectory trajectory;
@@ -183,7 +202,10 @@ RgbdText kind_of_rgbd_text(std::string_view text) {
     if (entry_behind_header(line)) return RgbdText::kList;
     if (line.front() == '#' || !begins_with_number(line)) continue;
     const std::size_t words = words_of(line).size();
-    const std::size_t numbers = leading_numbers(line).size();
+    const auto row = leading_numbers(line);
+    const std::size_t numbers = row.size();
+    if (is_matrix(row, words))
+      return motion_of_numbers(row, "") ? RgbdText::kMatrixPoses : RgbdText::kUnknown;
     if (numbers == words && words == 8) return RgbdText::kTumPoses;
     if (numbers == words && words == 7) return RgbdText::kPlainPoses;
     if (numbers == words && words == 3) {

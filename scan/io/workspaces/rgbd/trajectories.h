@@ -47,6 +47,11 @@ Result<std::vector<FilePair>> parse_tum_associations(std::string_view text,
 /// behind it (`# ... <qw>0.0 1 2 3 0 0 0 1`), as Open3D writes it. Times must not decrease.
 Result<Trajectory> parse_tum_trajectory(std::string_view text, const std::filesystem::path& path);
 
+/// Parses a pose a line: the 12 numbers of a 3x4 matrix by rows (KITTI) or the 16 of a 4x4 matrix
+/// (Replica), world from view, in the order of the frames.
+Result<Trajectory> parse_matrix_trajectory(std::string_view text,
+                                           const std::filesystem::path& path);
+
 /// Parses the `.log` of Open3D and Redwood: a line of three whole numbers, then world from view in
 /// four rows. kBadInput for a list of relative poses of pairs.
 Result<Trajectory> parse_log_trajectory(std::string_view text, const std::filesystem::path& path);
@@ -56,7 +61,15 @@ Result<Trajectory> parse_open3d_trajectory(std::string_view text,
                                            const std::filesystem::path& path);
 
 /// The kinds of text that an RGB-D folder can have, told by their first lines of data.
-enum class RgbdText { kUnknown, kList, kAssociations, kTumPoses, kPlainPoses, kLogPoses };
+enum class RgbdText {
+  kUnknown,
+  kList,
+  kAssociations,
+  kTumPoses,
+  kPlainPoses,
+  kLogPoses,
+  kMatrixPoses
+};
 RgbdText kind_of_rgbd_text(std::string_view text);
 
 /// The pose at `time`: between the two neighbours when both lie within `tolerance` [s] of it, else

@@ -366,15 +366,47 @@ TEST_F(RgbdFolder, SkipsHiddenFiles) {
 
 TEST_F(RgbdFolder, ReadsPosesOfLists) {
   write("depth/0.png", png_head(5));
-  for (const char* pose : {kPose, "1,0,0,5\n0,0,-1,6\n0,1,0,7\n0,0,0,1\n",
-                           "[[1, 0, 0, 5],\n [0, 0, -1, 6],\n [0, 1, 0, 7],\n [0, 0, 0, 1]]\n",
-                           "1 0 0 0\n0 0 1 0\n0 -1 0 0\n5 6 7 1\n"}) {
+  for (const char* pose :
+       {kPose, "1,0,0,5\n0,0,-1,6\n0,1,0,7\n0,0,0,1\n",
+        "[[1, 0, 0, 5],\n [0, 0, -1, 6],\n [0, 1, 0, 7],\n [0, 0, 0, 1]]\n",
+        "1 0 0 5\n0 0 -1 6\n0 1 0 7\n", "1 0 0 0\n0 0 1 0\n0 -1 0 0\n5 6 7 1\n"}) {
     write("pose/0.txt", pose);
     const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
     const RigidMotion& found = spec.views.at(0).world_from_view;
     EXPECT_EQ(found.translation(), Eigen::Vector3d(5, 6, 7)) << pose;
     EXPECT_EQ(found * Eigen::Vector3d::UnitY(), Eigen::Vector3d(5, 6, 8)) << pose;
   }
+}
+
+TEST_F(RgbdFolder, ReadsAMatrixALine) {
+  write("depth/0.png", png_head(5));
+  for (const char* line : {"1 0 0 5 0 0 -1 6 0 1 0 7\n", "1 0 0 5 0 0 -1 6 0 1 0 7 0 0 0 1\n"}) {
+    write("traj.txt", line);
+    const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
+    EXPECT_EQ(spec.views.at(0).world_from_view * Eigen::Vector3d::UnitY(),
+              Eigen::Vector3d(5, 6, 8));
+  }
+  write("traj.txt", "1 0 0 5 0 0 -1 6 0 1 0 7\n1 0 0 5 0 0 -1 6 0 1 0\n");
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions), HasError("line 2", "12 or 16 numbers"));
+}
+
+// Frames that were picked from a longer sequence.
+TEST_F(RgbdFolder, TakesPosesByTheNumbersOfFrames) {
+  write("depth/frame1.png", png_head(5));
+  write("depth/frame3.png", png_head(5));
+  const auto z_of_views = [&](const std::string& poses) {
+    write("trajectory.txt", poses);
+    std::vector<double> z;
+    for (const ViewSpec& view : value_of(read_rgbd_folder(folder_.path(), kOptions)).views)
+      z.push_back(view.world_from_view.translation().z());
+    return z;
+  };
+  const auto pose = [](int z) { return "0 0 " + std::to_string(z) + " 0 0 0 1\n"; };
+  EXPECT_EQ(z_of_views(pose(0) + pose(1) + pose(2) + pose(3)), (std::vector<double>{1, 3}));
+  EXPECT_EQ(z_of_views(pose(1) + pose(2) + pose(3)), (std::vector<double>{1, 3}));
+  EXPECT_EQ(z_of_views(pose(7) + pose(8)), (std::vector<double>{7, 8}));
+  write("depth/last.png", png_head(5));
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions), HasError("2 poses for 3 depth maps"));
 }
 
 TEST_F(RgbdFolder, LooksBesideAFolderWithoutCalibration) {
