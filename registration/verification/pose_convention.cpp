@@ -23,8 +23,10 @@ constexpr double kClearlyBetter = 0.3;
 std::vector<PoseConvention> all_conventions() {
   std::vector<PoseConvention> all;
   for (const double unit : {1.0, 0.001, 1000.0})
-    for (const bool inverse : {false, true})
-      for (const bool opengl_axes : {false, true}) all.push_back({unit, inverse, opengl_axes});
+    for (const bool view_from_world : {false, true})
+      for (const Eigen::Matrix3d& axes :
+           {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), opengl_axes()})
+        all.push_back({unit, view_from_world, axes});
   return all;
 }
 
@@ -78,21 +80,6 @@ class Agreement {
 };
 
 }  // namespace
-
-RigidMotion PoseConvention::world_from_view(RigidMotion pose) const {
-  pose.translation() *= unit;
-  if (inverse) pose = pose.inverse();
-  if (opengl_axes) pose.linear().rightCols<2>() *= -1.0;
-  return pose;
-}
-
-std::string PoseConvention::describe() const {
-  std::string text = inverse ? "view_from_world" : "world_from_view";
-  if (opengl_axes) text += " with the axes of OpenGL";
-  if (unit < 1.0) text += ", translations times 0.001";
-  if (unit > 1.0) text += ", translations times 1000";
-  return text;
-}
 
 PoseConvention find_pose_convention(const std::vector<ViewSurface>& surfaces,
                                     const std::vector<RigidMotion>& poses,

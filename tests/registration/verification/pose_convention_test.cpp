@@ -34,8 +34,8 @@ class PoseConventionTest : public ::testing::Test {
   // What a program writes whose poses are meant in this convention.
   static RigidMotion written(const PoseConvention& convention, const RigidMotion& world_from_view) {
     RigidMotion pose = world_from_view;
-    if (convention.opengl_axes) pose = pose * Eigen::AngleAxisd(EIGEN_PI, Eigen::Vector3d::UnitX());
-    if (convention.inverse) pose = pose.inverse();
+    pose.linear() = pose.linear() * convention.axes.transpose();
+    if (convention.view_from_world) pose = pose.inverse();
     pose.translation() /= convention.unit;
     return pose;
   }
@@ -64,12 +64,13 @@ TEST_F(PoseConventionTest, NoUnitPutsAllViewsAtOnePlace) {
 }
 
 TEST_F(PoseConventionTest, OthersAreFound) {
-  for (const PoseConvention& convention : {PoseConvention{1.0, true, false},
-                                           {1.0, false, true},
-                                           {1.0, true, true},
-                                           {1000.0, false, false},
-                                           {0.001, true, false},
-                                           {0.001, false, true}}) {
+  const Eigen::Matrix3d opencv = Eigen::Matrix3d::Identity();
+  for (const PoseConvention& convention : {PoseConvention{1.0, true, opencv},
+                                           {1.0, false, opengl_axes()},
+                                           {1.0, true, opengl_axes()},
+                                           {1000.0, false, opencv},
+                                           {0.001, true, opencv},
+                                           {0.001, false, opengl_axes()}}) {
     std::vector<RigidMotion> poses;
     for (const RigidMotion& pose : testing::poses_of(views()))
       poses.push_back(written(convention, pose));

@@ -25,8 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const Eigen::Vector3d kStoredAxes(1.0, -1.0, -1.0);  // x right, y up, z back
-constexpr double kNerfstudioStep = 0.001;            // depth_unit_scale_factor by default [m].
+constexpr double kNerfstudioStep = 0.001;  // depth_unit_scale_factor by default [m].
 
 constexpr const char* kDepthKeys[] = {"depth_file_path", "depth_path"};
 
@@ -100,7 +99,7 @@ RigidMotion pose_of(JsonObject& frame) {
   const auto pose = rigid_motion_from_matrix(matrix, frame.place("transform_matrix"));
   if (!pose) throw JsonError(pose.error().message);
   RigidMotion world_from_view = *pose;
-  world_from_view.linear() = world_from_view.linear() * kStoredAxes.asDiagonal();
+  world_from_view.linear() = world_from_view.linear() * opengl_axes();
   return world_from_view;
 }
 
@@ -120,7 +119,7 @@ class Frames {
       throw JsonError(
           "frames: none names a depth map that is there (depth_file_path); relief needs ranges");
     note_losses(frames.size());
-    take_pose_convention(project_, kStoredAxes.asDiagonal());
+    take_pose_convention(project_, opengl_axes());
     take_ray_lengths(project_);
     note_disagreement_at_poses(project_);
     return std::move(project_);

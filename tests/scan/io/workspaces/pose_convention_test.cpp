@@ -100,7 +100,7 @@ TEST_F(PoseConventions, AreFoundWhicheverTheyAre) {
   do {
     for (int signs = 0; signs < 8; ++signs) {
       for (const bool view_from_world : {false, true}) {
-        PoseConvention convention{view_from_world, Eigen::Matrix3d::Zero()};
+        PoseConvention convention{1.0, view_from_world, Eigen::Matrix3d::Zero()};
         for (int i = 0; i < 3; ++i)
           convention.axes(i, order[static_cast<std::size_t>(i)]) = (signs >> i) % 2 ? -1.0 : 1.0;
         ProjectSpec project = stored(convention);
@@ -128,10 +128,10 @@ TEST_F(PoseConventions, AreFoundBesideWhatStandsStill) {
 TEST_F(PoseConventions, AreToldInTheAxesOfTheFormat) {
   write_views();
   PoseConvention opencv;  // Of a format with y up and z back.
-  opencv.axes = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  opencv.axes = opengl_axes();
   ProjectSpec project = stored(opencv);
-  take_pose_convention(project, opencv.axes);
-  EXPECT_THAT(project.notes, Contains(HasSubstr("x right, y down, z forward")));
+  take_pose_convention(project, opengl_axes());
+  EXPECT_THAT(project.notes, Contains(HasSubstr("taken as world_from_view: ")));
 }
 
 TEST_F(PoseConventions, OfLeftHandedWorldsReverseY) {
@@ -141,7 +141,7 @@ TEST_F(PoseConventions, OfLeftHandedWorldsReverseY) {
   ProjectSpec project = stored(unity);
   take_pose_convention(project);
   EXPECT_THAT(project.notes, Contains(AllOf(HasSubstr("x right, y up, z forward"),
-                                            HasSubstr("left-handed world, of which y"))));
+                                            HasSubstr("left-handed world (its y is reversed)"))));
   EXPECT_TRUE(project.views[3].world_from_view.isApprox(project_.views[3].world_from_view));
 }
 

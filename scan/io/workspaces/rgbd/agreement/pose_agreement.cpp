@@ -103,16 +103,6 @@ bool at_the_same_pose(const PosedDepth& a, const PosedDepth& b) {
 
 }  // namespace
 
-RigidMotion PoseConvention::world_from_view(const RigidMotion& pose) const {
-  RigidMotion read = view_from_world ? pose.inverse() : pose;
-  read.linear() = read.linear() * axes;
-  if (axes.determinant() > 0.0) return read;
-  const Eigen::Vector3d mirror(1.0, -1.0, 1.0);
-  read.linear() = mirror.asDiagonal() * read.linear();
-  read.translation() = mirror.asDiagonal() * read.translation();
-  return read;
-}
-
 std::vector<std::optional<Disagreement>> disagreements_at_poses(
     const ProjectSpec& project, const std::vector<DepthReading>& readings) {
   const auto pairs = pairs_to_compare(project.views.size());

@@ -4,24 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "relief/scan/camera.h"
-#include "relief/scan/rigid_motion.h"
 #include "scan/io/project/view_spec.h"
+#include "scan/views/pose_convention.h"
 
 namespace relief {
-
-/// How poses are stored.
-struct PoseConvention {
-  bool view_from_world = false;  ///< Stored is the motion from the world to the camera.
-  /// Of the stored camera from those of the view (x right, y down, z forward): a signed
-  /// permutation. With determinant -1 camera and world are left-handed.
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-
-  /// The pose that is stored as `pose`. A left-handed world is mirrored in y.
-  RigidMotion world_from_view(const RigidMotion& pose) const;
-};
 
 /// A way to read the depth maps of a project and their poses.
 struct DepthReading {

@@ -49,37 +49,18 @@ std::vector<DepthReading> all_readings(const PinholeIntrinsics& intrinsics) {
   std::vector<DepthReading> readings;
   for (const bool view_from_world : {false, true})
     for (const Eigen::Matrix3d& axes : axes_first_to_last)
-      readings.push_back({intrinsics, 1.0, false, {view_from_world, axes}});
+      readings.push_back({intrinsics, 1.0, false, {1.0, view_from_world, axes}});
   return readings;
 }
 
-// Where x, y and z of the stored camera point to: `x right, y down, z forward`.
-std::string axes_text(const Eigen::Matrix3d& axes) {
-  constexpr const char* kForth[] = {"right", "down", "forward"};
-  constexpr const char* kBack[] = {"left", "up", "back"};
-  std::string text;
-  for (int i = 0; i < 3; ++i) {
-    Eigen::Index along = 0;
-    axes.row(i).cwiseAbs().maxCoeff(&along);
-    text += std::string(i == 0 ? "" : ", ") + "xyz"[i] + " " +
-            (axes(i, along) > 0.0 ? kForth : kBack)[along];
-  }
-  return text;
-}
-
-std::string note_text(const PoseConvention& convention, const Eigen::Matrix3d& stored_axes,
+std::string note_text(PoseConvention convention, const Eigen::Matrix3d& stored_axes,
                       const std::optional<Disagreement>& as_given, double as_read) {
   const bool mirrored = convention.axes.determinant() < 0.0;
-  const Eigen::Matrix3d axes =
-      convention.view_from_world ? convention.axes : stored_axes * convention.axes;
-  std::string text = "the poses are read as ";
-  text += convention.view_from_world ? "those of the world in cameras" : "those of cameras";
-  text += " with " + axes_text(axes);
-  if (mirrored) text += ", in a left-handed world, of which y is reversed";
+  if (!convention.view_from_world) convention.axes = stored_axes * convention.axes;
   char agreement[160];
   std::snprintf(agreement, sizeof agreement, ": so the depth maps agree to %.2g %% of the depth, ",
                 100.0 * as_read);
-  text += agreement;
+  std::string text = "the poses are taken as " + convention.describe() + agreement;
   if (as_given) {
     std::snprintf(agreement, sizeof agreement, "as given to %.2g %%", 100.0 * as_given->median);
     text += agreement;

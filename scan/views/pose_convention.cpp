@@ -1,0 +1,50 @@
+#include "scan/views/pose_convention.h"
+
+#include <Eigen/LU>
+
+namespace relief {
+
+namespace {
+
+bool is_left_handed(const Eigen::Matrix3d& axes) { return axes.determinant() < 0.0; }
+
+// Where x, y and z of the stored camera point to: `x right, y down, z forward`.
+std::string directions(const Eigen::Matrix3d& axes) {
+  constexpr const char* kForth[] = {"right", "down", "forward"};
+  constexpr const char* kBack[] = {"left", "up", "back"};
+  std::string text;
+  for (int i = 0; i < 3; ++i) {
+    Eigen::Index along = 0;
+    axes.row(i).cwiseAbs().maxCoeff(&along);
+    text += std::string(i == 0 ? "" : ", ") + "xyz"[i] + " " +
+            (axes(i, along) > 0.0 ? kForth : kBack)[along];
+  }
+  return text;
+}
+
+}  // namespace
+
+RigidMotion PoseConvention::world_from_view(const RigidMotion& pose) const {
+  RigidMotion read = pose;
+  read.translation() *= unit;
+  if (view_from_world) read = read.inverse();
+  read.linear() = read.linear() * axes;
+  if (!is_left_handed(axes)) return read;
+  const Eigen::Vector3d mirror(1.0, -1.0, 1.0);
+  read.linear() = mirror.asDiagonal() * read.linear();
+  read.translation() = mirror.asDiagonal() * read.translation();
+  return read;
+}
+
+std::string PoseConvention::describe() const {
+  std::string text = view_from_world ? "view_from_world" : "world_from_view";
+  if (!axes.isIdentity(0.0)) text += " with " + directions(axes);
+  if (is_left_handed(axes)) text += " in a left-handed world (its y is reversed)";
+  if (unit < 1.0) text += ", translations times 0.001";
+  if (unit > 1.0) text += ", translations times 1000";
+  return text;
+}
+
+Eigen::Matrix3d opengl_axes() { return Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal(); }
+
+}  // namespace relief

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+
+#include "relief/scan/rigid_motion.h"
+
+namespace relief {
+
+/// What a program may mean by the poses that it writes, other than world_from_view of cameras with
+/// x right, y down and z forward.
+struct PoseConvention {
+  double unit = 1.0;             ///< Of the translations [unit of the views].
+  bool view_from_world = false;  ///< The inverse is stored.
+  /// Of the stored camera from those of the view: a signed permutation. With determinant -1 camera
+  /// and world are left-handed.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+
+  bool as_given() const { return unit == 1.0 && !view_from_world && axes.isIdentity(0.0); }
+  /// world_from_view of a pose in this convention. Of a left-handed world y is reversed.
+  RigidMotion world_from_view(const RigidMotion& pose) const;
+  /// In words, as `view_from_world with x right, y up, z back`.
+  std::string describe() const;
+};
+
+/// Those of OpenGL: x right, y up, z back.
+Eigen::Matrix3d opengl_axes();
+
+}  // namespace relief
