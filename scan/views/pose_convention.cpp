@@ -1,5 +1,7 @@
 #include "scan/views/pose_convention.h"
 
+#include <cstdio>
+
 #include <Eigen/LU>
 
 namespace relief {
@@ -40,8 +42,9 @@ std::string PoseConvention::describe() const {
   std::string text = view_from_world ? "view_from_world" : "world_from_view";
   if (!axes.isIdentity(0.0)) text += " with " + directions(axes);
   if (is_left_handed(axes)) text += " in a left-handed world (its y is reversed)";
-  if (unit < 1.0) text += ", translations times 0.001";
-  if (unit > 1.0) text += ", translations times 1000";
+  char times[40];
+  std::snprintf(times, sizeof times, ", translations times %g", unit);
+  if (unit != 1.0) text += times;
   return text;
 }
 
