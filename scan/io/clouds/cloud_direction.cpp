@@ -9,6 +9,7 @@
 
 #include "scan/base/linear_algebra.h"
 #include "scan/base/median.h"
+#include "scan/io/clouds/lidar_rings.h"
 #include "scan/io/clouds/nearest_points.h"
 
 namespace relief {
@@ -40,8 +41,12 @@ constexpr double kOutermost = 0.01;
 // Fraction of the points that parallel rays hide of what was seen from one side, at most: of scans
 // that were tried up to 0.03. Stations in their surroundings have 0.07 and more.
 constexpr double kOneSide = 0.05;
+// What parallel rays hide of a height map, whose points may stand in rows, at most. Of streets,
+// seen from above, it is 0.03.
+constexpr double kHeightMap = 0.002;
 // Of the points that parallel rays hide, so many may be hidden from the sensor itself: 0 to 0.34 in
-// surroundings that were tried, where edges hide some in large cells. At 1 noise decides.
+// surroundings that were tried, where edges hide some in large cells. At 1 noise decides. Of all
+// points on the rings of a lidar: up to 0.07, and more than half where normals look away.
 constexpr double kHiddenFromSensor = 0.5;
 
 // The least depth of each cell of a plane, by hashing.
@@ -301,6 +306,13 @@ CloudDirection find_direction(const PointCloudFile& cloud) {
     const double from_far = best_direction(judge).score.hidden;
     if (from_far > kOneSide && hidden < kHiddenFromSensor * from_far)
       return {from_origin, hidden, "the origin of the frame, all around which the points lie"};
+  }
+  if (around_origin && best.score.hidden > kHeightMap && on_lidar_rings(cloud.points)) {
+    judge.set_cell(kCell);
+    const double hidden = judge.score(from_origin).hidden;
+    if (hidden < kHiddenFromSensor)
+      return {from_origin, hidden,
+              "the origin of the frame, around which the points lie on the rings of a lidar"};
   }
   const CloudRays rays = parallel_rays(best.direction, judge.centre());
   if (judge.has_normals())

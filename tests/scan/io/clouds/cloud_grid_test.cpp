@@ -1,6 +1,7 @@
 #include "scan/io/clouds/cloud_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -449,6 +450,46 @@ TEST(CloudGrid, TakesTheOriginOfALidarWithoutRows) {
   const auto grid = value_of(grid_from_cloud(cloud));
   EXPECT_TRUE(grid.camera->spherical_projection());
   EXPECT_THAT(grid.notes, Contains(HasSubstr("all around which the points lie")));
+}
+
+// A street with trunks between walls, thinned to one point in each cube of 20 cm: from above hardly
+// anything is hidden. Elevations are those of a lidar of 32 lasers, or any.
+PointCloudFile thinned_street(bool rings) {
+  std::mt19937 random(5);
+  const auto number = [&] { return static_cast<double>(random()) / 4294967296.0; };
+  std::set<std::array<int, 3>> taken;
+  PointCloudFile cloud;
+  for (int i = 0; i < 120000; ++i) {
+    const double step = rings ? std::floor(32.0 * number()) : 32.0 * number();
+    const double elevation = (-30.0 + 1.3 * step) * EIGEN_PI / 180.0;
+    const double azimuth = 2.0 * EIGEN_PI * number();
+    const Eigen::Vector3d ray(std::cos(azimuth) * std::cos(elevation),
+                              std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
+    double range = 50.0;
+    if (ray.z() < 0.0) range = std::min(range, -1.8 / ray.z());
+    range = std::min(range, (ray.y() > 0.0 ? 6.0 : 9.0) / std::abs(ray.y()));
+    for (int k = -4; k <= 4; ++k) {  // Trunks of 40 cm.
+      const Eigen::Vector2d trunk(3.0 * k + 1.0, k % 2 == 0 ? 3.0 : -4.0);
+      const Eigen::Vector2d along = ray.head<2>().normalized();
+      const double off = along.x() * trunk.y() - along.y() * trunk.x();
+      const double distance = along.dot(trunk) - std::sqrt(std::max(0.0, 0.04 - off * off));
+      if (std::abs(off) < 0.2 && distance > 0.0)
+        range = std::min(range, distance / ray.head<2>().norm());
+    }
+    if (range >= 50.0) continue;
+    const Eigen::Vector3d point = (range + 0.04 * (number() - 0.5)) * ray;
+    const Eigen::Vector3i cube = (point / 0.2).array().floor().cast<int>();
+    if (taken.insert({cube.x(), cube.y(), cube.z()}).second) cloud.points.push_back(point);
+  }
+  return cloud;
+}
+
+TEST(CloudGrid, TakesTheOriginWherePointsLieOnTheRingsOfALidar) {
+  const auto grid = value_of(grid_from_cloud(thinned_street(true)));
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("lie on the rings of a lidar")));
+  EXPECT_TRUE(grid.camera->spherical_projection());
+  const auto other = value_of(grid_from_cloud(thinned_street(false)));
+  EXPECT_THAT(other.notes, Not(Contains(HasSubstr("rings"))));
 }
 
 // A cap round the origin, to 80 degrees off the axis, seen from above: nothing is hidden along
