@@ -105,15 +105,23 @@ class AlignmentReport {
                    state_.roles[i] != ViewRole::kExcluded && !has_other_unit(i);
     // More may speak against the pose than confirms it: then what only allows the pose keeps it.
     const bool contradicted = verified.violation > verified.support;
-    const bool confirmed = (state_.verified.group[i] == main_group && !contradicted) ||
-                           views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
+    if (!state_.refined.kept_motions.empty()) view.kept_motions = state_.refined.kept_motions[i];
+    const bool confirmed =
+        (state_.verified.group[i] == main_group && !contradicted && !is_guess_along_a_motion(i)) ||
+        views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
     view.status = !view.aligned ? PoseStatus::kLeftOut
                   : confirmed   ? PoseStatus::kVerified
                                 : PoseStatus::kUnverified;
-    if (!state_.refined.kept_motions.empty()) view.kept_motions = state_.refined.kept_motions[i];
     if (view.status == PoseStatus::kUnverified) view.reason = reason_unverified(i);
     if (view.status == PoseStatus::kLeftOut) view.reason = reason_left_out(i);
     return view;
+  }
+
+  // Along a motion that nothing determines a pose found by its shape is what the search left: it
+  // fits wherever the view is moved so.
+  bool is_guess_along_a_motion(std::size_t i) const {
+    return state_.starts.found_by_shape[i] && !state_.refined.kept_motions.empty() &&
+           !state_.refined.kept_motions[i].empty();
   }
 
   void note_moves(Alignment& result) const {
@@ -177,6 +185,10 @@ class AlignmentReport {
       return "it overlaps no other view at its pose; it is kept there, and nothing confirms it";
     if (view.violation > 0.0)
       return "other views saw through where a part of it stands; check its pose";
+    if (is_guess_along_a_motion(i))
+      return "its pose was found by its shape, which fits as well when moved by " +
+             state_.refined.kept_motions[i].front().description +
+             "; check it, or give a guess in world_from_view";
     const std::string partners = names_of_group(state_.verified.group, i);
     if (!partners.empty())
       return "it is confirmed only by " + partners + ", which nothing confirms in turn";

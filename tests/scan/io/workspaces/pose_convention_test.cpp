@@ -73,6 +73,7 @@ class PoseConventions : public ::testing::Test {
         pose.translation() = mirror.asDiagonal() * pose.translation();
       }
       if (convention.view_from_world) pose = pose.inverse();
+      pose.translation() /= convention.unit;
     }
     return project;
   }
@@ -113,6 +114,19 @@ TEST_F(PoseConventions, AreFoundWhicheverTheyAre) {
       }
     }
   } while (std::next_permutation(order.begin(), order.end()));
+}
+
+TEST_F(PoseConventions, OfOtherUnitsAreFound) {
+  write_views();
+  for (const double unit : {0.001, 0.01, 100.0, 1000.0}) {
+    PoseConvention convention;
+    convention.unit = unit;
+    convention.view_from_world = unit < 1.0;
+    ProjectSpec project = stored(convention);
+    take_pose_convention(project);
+    EXPECT_LT(difference(project), 1e-9) << unit;
+    EXPECT_EQ(project.notes.size(), 1u);
+  }
 }
 
 TEST_F(PoseConventions, AreFoundBesideWhatStandsStill) {

@@ -44,12 +44,15 @@ std::vector<Eigen::Matrix3d> all_axes() {
   return all;
 }
 
+// Other units are tried with the axes of OpenCV and OpenGL alone: that bounds the time.
 std::vector<DepthReading> all_readings(const PinholeIntrinsics& intrinsics) {
   const auto axes_first_to_last = all_axes();
+  const std::vector<Eigen::Matrix3d> usual = {Eigen::Matrix3d::Identity(), opengl_axes()};
   std::vector<DepthReading> readings;
-  for (const bool view_from_world : {false, true})
-    for (const Eigen::Matrix3d& axes : axes_first_to_last)
-      readings.push_back({intrinsics, 1.0, false, {1.0, view_from_world, axes}});
+  for (const double unit : {1.0, 0.001, 0.01, 100.0, 1000.0})
+    for (const bool view_from_world : {false, true})
+      for (const Eigen::Matrix3d& axes : unit == 1.0 ? axes_first_to_last : usual)
+        readings.push_back({intrinsics, 1.0, false, {unit, view_from_world, axes}});
   return readings;
 }
 
