@@ -8,8 +8,8 @@ namespace relief {
 /// Takes the poses of a project in another convention where its depth maps agree far better so
 /// (kFarBetter): from the world to the camera, with other axes of the camera (any of x, y and z to
 /// the right, down, forward, or against), in a left-handed world, in millimetres or centimetres
-/// beside depths in metres or the other way round. A note says so. Without poses nothing changes. `stored_axes`: those that the format states (PoseConvention::axes), for the
-/// note.
+/// beside depths in metres or the other way round. A note says so. Without poses nothing changes.
+/// `stored_axes`: those that the format states (PoseConvention::axes), for the note.
 void take_pose_convention(ProjectSpec& project,
                           const Eigen::Matrix3d& stored_axes = Eigen::Matrix3d::Identity());
 
