@@ -69,7 +69,6 @@ TEST_F(PoseConventionTest, OthersAreFound) {
                                            {1.0, false, opengl_axes()},
                                            {1.0, true, opengl_axes()},
                                            {1000.0, false, opencv},
-                                           {0.01, false, opencv},
                                            {0.001, true, opencv},
                                            {0.001, false, opengl_axes()}}) {
     std::vector<RigidMotion> poses;

@@ -145,9 +145,12 @@ Result<std::optional<Calibration>> calibration_of_file(const fs::path& path) {
   if (fs::file_size(path, code) > kMaxCalibrationBytes || code) return std::optional<Calibration>();
   const auto text = read_file(path);
   if (!text) return text.error();
-  if (is_json && !looks_like_open3d_camera(*text)) return std::optional<Calibration>();
-  auto calibration =
-      is_json ? parse_open3d_camera(*text, path) : parse_calibration_text(*text, path);
+  const bool is_replica = path.filename() == "cam_params.json";
+  if (is_json && !is_replica && !looks_like_open3d_camera(*text))
+    return std::optional<Calibration>();
+  auto calibration = is_replica ? parse_replica_camera(*text, path)
+                     : is_json  ? parse_open3d_camera(*text, path)
+                                : parse_calibration_text(*text, path);
   if (!calibration) return calibration.error();
   return std::optional(std::move(*calibration));
 }
@@ -211,6 +214,13 @@ Result<std::optional<Calibration>> find_calibration(const fs::path& folder) {
                                  " beside it; leave the calibration of the depth camera only");
     found = std::move(*calibration);
     from = file;
+  }
+  // Replica has one for all scenes, beside them.
+  if (const fs::path beside = folder / ".." / "cam_params.json"; !found && is_file(beside)) {
+    auto calibration = calibration_of_file(beside);
+    if (!calibration) return calibration.error();
+    found = std::move(*calibration);
+    from = beside.lexically_normal();
   }
   if (found) found->notes.insert(found->notes.begin(), "intrinsics from " + from.string());
   return found;

@@ -39,6 +39,10 @@ Result<Calibration> parse_calibration_text(std::string_view text,
 /// column, and `depth_scale` if there.
 Result<Calibration> parse_open3d_camera(std::string_view text, const std::filesystem::path& path);
 
+/// Parses the `cam_params.json` of Replica's sequences: `fx`, `fy`, `cx`, `cy`, `w`, `h` and
+/// `scale` of its `camera`.
+Result<Calibration> parse_replica_camera(std::string_view text, const std::filesystem::path& path);
+
 /// Whether a file is named like a calibration: .json, K.txt, or .txt with `calib`, `intrinsic` or,
 /// at its begin, `camera` in its name, but not `traj`.
 bool has_calibration_name(const std::filesystem::path& path);
@@ -46,7 +50,8 @@ bool has_calibration_name(const std::filesystem::path& path);
 /// The calibration file of a folder: of its .json files those with an `intrinsic_matrix`, of its
 /// .txt files those named like `calibration`, `camera` or `intrinsic`. One whose name says `depth`
 /// goes before the others. In a folder `intrinsic` of its own, if there is one, as ScanNet exports
-/// have. Nothing where there is none; kBadInput where several differ.
+/// have. Else the `cam_params.json` beside the folder. Nothing where there is none; kBadInput where
+/// several differ.
 Result<std::optional<Calibration>> find_calibration(const std::filesystem::path& folder);
 
 }  // namespace relief

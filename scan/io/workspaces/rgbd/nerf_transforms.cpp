@@ -14,6 +14,7 @@
 #include "scan/io/files/folder_files.h"
 #include "scan/io/project/json/json_object_private.h"
 #include "scan/io/workspaces/rgbd/agreement/pose_convention.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_scale.h"
 #include "scan/io/workspaces/rgbd/agreement/ray_lengths.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -121,6 +122,7 @@ class Frames {
     note_losses(frames.size());
     take_pose_convention(project_, opengl_axes());
     take_ray_lengths(project_);
+    take_pose_scale(project_);
     note_disagreement_at_poses(project_);
     return std::move(project_);
   }

@@ -9,6 +9,7 @@
 #include "scan/io/files/folder_files.h"
 #include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
 #include "scan/io/workspaces/rgbd/agreement/pose_convention.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_scale.h"
 #include "scan/io/workspaces/rgbd/agreement/ray_lengths.h"
 #include "scan/io/workspaces/rgbd/calibration.h"
 #include "scan/io/workspaces/rgbd/frame_poses.h"
@@ -193,6 +194,7 @@ Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& 
       return taken.error();
   take_pose_convention(project);
   take_ray_lengths(project);
+  take_pose_scale(project);
   note_disagreement_at_poses(project);
   return project;
 }

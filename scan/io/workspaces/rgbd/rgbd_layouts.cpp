@@ -8,7 +8,8 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
-#include "scan/io/images/image_size.h"
+#include "scan/io/workspaces/rgbd/recordings/recording.h"
+#include "scan/io/workspaces/rgbd/tum_layout.h"
 #include "scan/io/workspaces/workspace_text.h"
 
 namespace relief {
@@ -16,9 +17,6 @@ namespace relief {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Depth values per metre that define the format of TUM's sequences.
-constexpr double kTumDepthScale = 5000.0;
 
 // `frame-000000` and `.` of `frame-000000.depth.png`.
 struct FrameName {
@@ -44,18 +42,6 @@ std::optional<FrameName> frame_of_depth(const fs::path& path) {
   return std::nullopt;
 }
 
-std::optional<fs::path> association_file(const fs::path& folder) {
-  for (const fs::path& file : files_in(folder))
-    if (lower_ending(file) == ".txt" &&
-        kind_of_rgbd_text(first_bytes(file)) == RgbdText::kAssociations)
-      return file;
-  return std::nullopt;
-}
-
-bool has_tum_list(const fs::path& folder) {
-  return kind_of_rgbd_text(first_bytes(folder / "depth.txt")) == RgbdText::kList;
-}
-
 bool has_frames(const fs::path& folder) {
   const auto files = files_in(folder);
   return std::any_of(files.begin(), files.end(),
@@ -66,80 +52,6 @@ std::vector<fs::path> depth_images(const fs::path& folder) {
   auto files = files_in(folder);
   std::erase_if(files, [](const fs::path& file) { return !has_depth_image_ending(file); });
   return files;
-}
-
-template <typename Parsed>
-Result<Parsed> parse_file(const fs::path& path,
-                          Result<Parsed> (*parse)(std::string_view, const fs::path&)) {
-  const auto text = read_file(path);
-  if (!text) return text.error();
-  return parse(*text, path);
-}
-
-// The colour image nearest in time.
-std::optional<std::string> colour_at(const std::vector<TimedFile>& colours, double time) {
-  const auto after =
-      std::lower_bound(colours.begin(), colours.end(), time,
-                       [](const TimedFile& colour, double t) { return colour.time < t; });
-  const TimedFile* nearest = nullptr;
-  for (auto it = after == colours.begin() ? after : std::prev(after);
-       it != colours.end() && it <= after; ++it)
-    if (!nearest || std::abs(it->time - time) < std::abs(nearest->time - time)) nearest = &*it;
-  if (!nearest || std::abs(nearest->time - time) > kSameMoment) return std::nullopt;
-  return nearest->file;
-}
-
-// The moments of a TUM folder: from its associations, or from its two lists.
-Result<std::vector<FilePair>> tum_moments(const fs::path& folder) {
-  if (!has_tum_list(folder))
-    return parse_file(association_file(folder).value_or(folder), parse_tum_associations);
-  auto depths = parse_file(folder / "depth.txt", parse_tum_list);
-  if (!depths) return depths.error();
-  std::vector<TimedFile> colours;
-  if (is_file(folder / "rgb.txt")) {
-    auto list = parse_file(folder / "rgb.txt", parse_tum_list);
-    if (!list) return list.error();
-    colours = std::move(*list);
-  }
-  const auto earlier = [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; };
-  std::stable_sort(colours.begin(), colours.end(), earlier);
-  std::stable_sort(depths->begin(), depths->end(), earlier);
-  std::vector<FilePair> moments;
-  for (TimedFile& depth : *depths) {
-    const auto colour = colour_at(colours, depth.time);
-    moments.push_back({std::move(depth), {0.0, colour.value_or("")}});
-  }
-  return moments;
-}
-
-Result<RgbdFrames> tum_frames(const fs::path& folder) {
-  auto moments = tum_moments(folder);
-  if (!moments) return moments.error();
-  RgbdFrames frames;
-  frames.usual_depth_scale = kTumDepthScale;
-  std::size_t missing = 0;
-  for (const FilePair& moment : *moments) {
-    RgbdFrame frame;
-    frame.depth = folder / moment.depth.file;
-    frame.name = frame.depth.stem().string();
-    frame.time = moment.depth.time;
-    if (const fs::path colour = folder / moment.colour.file;
-        !moment.colour.file.empty() && is_file(colour))
-      frame.colour = colour;
-    if (is_file(frame.depth))
-      frames.frames.push_back(std::move(frame));
-    else
-      ++missing;
-  }
-  if (frames.frames.empty())
-    return bad_input(folder, "none of the " + std::to_string(missing) +
-                                 " depth maps that its list names is there; unpack the images "
-                                 "beside the list");
-  if (missing > 0)
-    frames.notes.push_back("left out " + std::to_string(missing) +
-                           " depth maps that are listed but not there");
-  if (has_tum_list(folder) && is_file(folder / "rgb.txt")) frames.depth_scale = kTumDepthScale;
-  return frames;
 }
 
 // A pose in a file of its own. Trackers that lost the camera write numbers that are none.
@@ -257,6 +169,31 @@ Result<RgbdFrames> folder_frames(const fs::path& folder) {
   return found;
 }
 
+// Replica's sequences: `depth000000.png` in a folder `results`.
+std::vector<fs::path> replica_depths(const fs::path& folder) {
+  auto files = depth_images(folder / "results");
+  std::erase_if(files, [](const fs::path& file) {
+    return !file.filename().native().starts_with("depth") || !frame_number(file.stem().string());
+  });
+  return files;
+}
+
+RgbdFrames replica_frames(const fs::path& folder) {
+  constexpr std::string_view kDepth = "depth";
+  RgbdFrames found;
+  for (const fs::path& file : replica_depths(folder)) {
+    RgbdFrame frame;
+    frame.depth = file;
+    frame.name = file.stem().string().substr(kDepth.size());
+    for (const char* ending : {".jpg", ".png"})
+      if (const fs::path colour = file.parent_path() / ("frame" + frame.name + ending);
+          is_file(colour))
+        frame.colour = colour;
+    found.frames.push_back(std::move(frame));
+  }
+  return found;
+}
+
 }  // namespace
 
 std::string first_bytes(const fs::path& path) {
@@ -271,7 +208,8 @@ std::string first_bytes(const fs::path& path) {
 RgbdLayout rgbd_layout(const fs::path& folder) {
   if (has_tum_list(folder)) return RgbdLayout::kTum;
   if (has_frames(folder)) return RgbdLayout::kFrames;
-  if (association_file(folder)) return RgbdLayout::kTum;
+  if (tum_association_file(folder)) return RgbdLayout::kTum;
+  if (!replica_depths(folder).empty()) return RgbdLayout::kReplica;
   return depth_folder_suffix(folder) ? RgbdLayout::kFolders : RgbdLayout::kNone;
 }
 
@@ -283,12 +221,15 @@ Result<RgbdFrames> list_rgbd_frames(const fs::path& folder) {
       return named_frames(folder);
     case RgbdLayout::kFolders:
       return folder_frames(folder);
+    case RgbdLayout::kReplica:
+      return replica_frames(folder);
     case RgbdLayout::kNone:
       break;
   }
-  return bad_input(folder,
-                   "no depth maps in a layout that is known: depth.txt and rgb.txt, "
-                   "frame-000000.depth.png, or a folder depth");
+  return bad_input(
+      folder,
+      "no depth maps in a layout that is known: depth.txt and rgb.txt, "
+      "frame-000000.depth.png, a folder depth, or depth000000.png in a folder results");
 }
 
 }  // namespace relief

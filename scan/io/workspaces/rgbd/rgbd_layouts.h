@@ -40,7 +40,7 @@ struct RgbdFrames {
   std::vector<std::string> notes;
 };
 
-enum class RgbdLayout { kNone, kTum, kFrames, kFolders };
+enum class RgbdLayout { kNone, kTum, kFrames, kFolders, kReplica };
 
 /// The layout of a folder; looks at names and first lines only.
 RgbdLayout rgbd_layout(const std::filesystem::path& folder);

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/images/image_io.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_scale.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/scenes/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
@@ -126,6 +127,17 @@ TEST_F(PoseConventions, OfOtherUnitsAreFound) {
     take_pose_convention(project);
     EXPECT_LT(difference(project), 1e-9) << unit;
     EXPECT_EQ(project.notes.size(), 1u);
+  }
+}
+
+TEST_F(PoseConventions, OfImagesAloneGetTheirScale) {
+  write_views();
+  for (const double scale : {1.0, 0.21, 7.3}) {
+    ProjectSpec project = project_;
+    for (ViewSpec& view : project.views) view.world_from_view.translation() *= scale;
+    take_pose_scale(project);
+    EXPECT_LT(difference(project), scale == 1.0 ? 1e-12 : 0.01) << scale;
+    EXPECT_EQ(project.notes.size(), scale == 1.0 ? 0u : 1u);
   }
 }
 

@@ -356,6 +356,22 @@ TEST_F(RgbdFolder, ReadsTartanAirsSides) {
   EXPECT_EQ(spec.views[0].colour->file.filename(), "000000_left.png");
 }
 
+TEST_F(RgbdFolder, ReadsReplica) {
+  write("cam_params.json", R"({"camera": {"w": 4, "h": 3, "fx": 600.0, "fy": 601.0, "cx": 599.5,
+                               "cy": 339.5, "scale": 6553.5}})");
+  write("room0/results/depth000000.png", png_head(5));
+  write("room0/results/frame000000.jpg", "");
+  write("room0/traj.txt", "1 0 0 5 0 0 -1 6 0 1 0 7 0 0 0 1\n");
+  ASSERT_TRUE(is_rgbd_folder(folder_ / "room0"));
+  const auto spec = value_of(read_rgbd_folder(folder_ / "room0"));
+  ASSERT_EQ(spec.views.size(), 1u);
+  EXPECT_EQ(spec.views[0].name, "000000");
+  EXPECT_EQ(spec.views[0].camera->intrinsics.fy, 601.0);
+  EXPECT_EQ(spec.views[0].camera->width, 4);
+  EXPECT_EQ(spec.views[0].depth->scale, 1.0 / 6553.5);
+  EXPECT_EQ(spec.views[0].world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
+}
+
 TEST_F(RgbdFolder, SkipsHiddenFiles) {
   write("depth/0.png", png_head(5));
   write("depth/._0.png", "Mac OS X");

@@ -18,7 +18,6 @@ constexpr std::size_t kFrameSteps = 4;      // between frames compared with all;
 constexpr int kPixelStep = 8;               // between pixels compared; bounds the time
 constexpr std::size_t kEnoughPixels = 200;  // for a median that chance does not decide
 constexpr double kSamePose = 1e-9;          // relative to the pose: rounding
-constexpr double kStill = 0.02;             // relative to the depth: what depth cameras err
 
 struct PosedDepth {
   Image depth;
@@ -73,7 +72,7 @@ void take_out_still_pixels(PosedDepths& frames) {
     }
   for (auto& [index, frame] : frames)
     for (std::size_t i = 0; frame && i < nearest.size(); ++i)
-      if (farthest[i] - nearest[i] < kStill * nearest[i]) frame->depth.samples[i] = 0.0f;
+      if (farthest[i] - nearest[i] < kCameraError * nearest[i]) frame->depth.samples[i] = 0.0f;
 }
 
 // A few frames with the ones after them, which overlap, and with each other, whose poses tell more

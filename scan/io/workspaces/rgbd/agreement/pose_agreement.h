@@ -35,4 +35,7 @@ std::vector<std::optional<Disagreement>> disagreements_at_poses(
 /// left-handed world, as they are meant.
 inline constexpr double kFarBetter = 4.0;
 
+/// What depth cameras err, relative to the depth.
+inline constexpr double kCameraError = 0.02;
+
 }  // namespace relief

@@ -23,8 +23,7 @@ constexpr double kRounding = 1e-9;
 // pixels may agree by chance.
 constexpr double kEnoughMeet = 0.5;
 
-// Relative to the depth, what depth cameras err, and by how much none errs.
-constexpr double kCameraError = 0.02, kNoCamera = 0.1;
+constexpr double kNoCamera = 0.1;  // Relative to the depth, by how much no depth camera errs.
 
 // All signed permutations of the axes, the identity first, those that keep the hand before the
 // others.

@@ -1,0 +1,82 @@
+#include "scan/io/workspaces/rgbd/agreement/pose_scale.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <optional>
+#include <vector>
+
+#include "scan/io/workspaces/rgbd/agreement/pose_agreement.h"
+
+namespace relief {
+
+namespace {
+
+constexpr double kLargest = 1000.0;  // Factor of translations, either way.
+constexpr int kSteps = 80;           // From the least to the largest: 1.19 times each.
+constexpr int kHalvings = 6;         // Of the step: to 0.3 %.
+// How much better than from one place, where only directions matter.
+constexpr double kHasParallax = 2.0;
+
+// At poses whose translations are multiplied by each of the factors.
+std::vector<std::optional<Disagreement>> disagreements(const ProjectSpec& project,
+                                                       const std::vector<double>& factors) {
+  const ViewSpec& first = project.views.front();
+  std::vector<DepthReading> readings;
+  for (const double factor : factors)
+    readings.push_back({first.camera->intrinsics, 1.0, first.depth->along_ray, {.unit = factor}});
+  return disagreements_at_poses(project, readings);
+}
+
+struct Scale {
+  double factor = 1.0;
+  Disagreement disagreement;
+};
+
+// The factor at which the maps agree best of those at which enough of their pixels meet.
+std::optional<Scale> best_of(const ProjectSpec& project, const std::vector<double>& factors,
+                             std::size_t least_pixels, std::optional<Scale> best = {}) {
+  const auto found = disagreements(project, factors);
+  for (std::size_t k = 0; k < factors.size(); ++k)
+    if (found[k] && found[k]->pixels >= least_pixels &&
+        (!best || found[k]->median < best->disagreement.median))
+      best = Scale{factors[k], *found[k]};
+  return best;
+}
+
+std::optional<Scale> find_scale(const ProjectSpec& project, std::size_t least_pixels) {
+  std::vector<double> factors;
+  for (int k = 0; k <= kSteps; ++k) factors.push_back(std::pow(kLargest, 2.0 * k / kSteps - 1.0));
+  auto best = best_of(project, factors, least_pixels);
+  double step = std::pow(kLargest, 2.0 / kSteps);
+  for (int i = 0; i < kHalvings && best; ++i) {
+    step = std::sqrt(step);
+    best = best_of(project, {best->factor / step, best->factor * step}, least_pixels, best);
+  }
+  return best;
+}
+
+}  // namespace
+
+void take_pose_scale(ProjectSpec& project) {
+  if (project.views.empty() || !project.views.front().camera || !project.views.front().depth)
+    return;
+  constexpr double kOnePlace = 1e-9;
+  const auto found = disagreements(project, {1.0, kOnePlace});
+  const auto &as_given = found[0], &from_one_place = found[1];
+  if (!as_given || !from_one_place || as_given->median < kCameraError) return;
+  const auto best = find_scale(project, as_given->pixels / 2);
+  if (!best || !(as_given->median > kFarBetter * best->disagreement.median) ||
+      !(from_one_place->median > kHasParallax * best->disagreement.median))
+    return;
+  for (ViewSpec& view : project.views)
+    if (view.pose != PoseKind::kAbsent) view.world_from_view.translation() *= best->factor;
+  char note[240];
+  std::snprintf(note, sizeof note,
+                "translations of the poses are taken %.3g times, with which the depth maps agree "
+                "to %.2g %% of the depth (as given %.2g %%): poses from images have no scale",
+                best->factor, 100.0 * best->disagreement.median, 100.0 * as_given->median);
+  project.notes.emplace_back(note);
+}
+
+}  // namespace relief
