@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/Core>
 
 #include "scan/base/linear_algebra.h"
 #include "scan/base/median.h"
+#include "scan/io/clouds/direction_judge.h"
 #include "scan/io/clouds/lidar_rings.h"
 #include "scan/io/clouds/nearest_points.h"
 
@@ -16,22 +18,17 @@ namespace relief {
 
 namespace {
 
-constexpr std::size_t kMostPoints = 40000;  // That a direction is judged by; bounds the time.
 // All over the sphere, sqrt(4 pi / 240) = 13 degrees apart: refine_direction() turns by 8 at first.
 constexpr int kDirections = 240;
-// Side of a cell [spacings], and depth that hides [sides]: one surface is as deep in a cell at
-// atan 4 = 76 degrees.
-constexpr double kCell = 1.0, kBehind = 4.0;
-// The same where points lie all around, near ones close together and far ones apart, and a lidar
-// without rows of rays puts them at random. In smaller cells far points lie alone, and none hides
-// another one. In larger ones edges hide points from their own sensor.
+// Side of a cell [spacings] where points lie all around, near ones close together and far ones
+// apart, and a lidar without rows of rays puts them at random. In smaller cells far points lie
+// alone, and none hides another one. In larger ones edges hide points from their own sensor.
 constexpr double kCellAround = 4.0;
-// Cosine beyond which a normal looks away: 12 degrees past grazing, as estimated ones may err.
-constexpr double kAverted = 0.2;
 // Of the picture's area against hidden points: half of the area is worth 2.5 % of the points. 0
 // leaves open which way an open surface is seen; 1 takes wide pictures that hide points.
 constexpr double kAreaWeight = 0.05;
-// Fraction of hidden points that makes no difference: 2.5 standard errors of 0.2 among kMostPoints.
+// Fraction of hidden points that makes no difference: 2.5 standard errors of 0.2 among the points
+// that are judged.
 constexpr double kAsGood = 0.005;
 
 // Of the points, at either end of the box that the origin must lie outside of. Depth cameras that
@@ -48,120 +45,6 @@ constexpr double kHeightMap = 0.002;
 // surroundings that were tried, where edges hide some in large cells. At 1 noise decides. Of all
 // points on the rings of a lidar: up to 0.07, and more than half where normals look away.
 constexpr double kHiddenFromSensor = 0.5;
-
-// The least depth of each cell of a plane, by hashing.
-class DepthCells {
- public:
-  explicit DepthCells(std::size_t points) {
-    while (capacity_ < 2 * points) capacity_ *= 2;
-  }
-
-  void clear() {
-    keys_.assign(capacity_, kNone);
-    depths_.resize(capacity_);
-    used_ = 0;
-  }
-
-  double& depth(std::int32_t u, std::int32_t v, double initial) {
-    const std::uint64_t key =
-        std::uint64_t{static_cast<std::uint32_t>(u)} << 32 | static_cast<std::uint32_t>(v);
-    std::size_t slot = (key * 0x9E3779B97F4A7C15ull >> 20) & (capacity_ - 1);
-    while (keys_[slot] != kNone && keys_[slot] != key) slot = (slot + 1) & (capacity_ - 1);
-    if (keys_[slot] == kNone) {
-      keys_[slot] = key;
-      depths_[slot] = initial;
-      ++used_;
-    }
-    return depths_[slot];
-  }
-
-  std::size_t used() const { return used_; }
-
- private:
-  static constexpr std::uint64_t kNone = 0x8000000080000000ull;  // No cell lies there.
-  std::size_t capacity_ = 16, used_ = 0;
-  std::vector<std::uint64_t> keys_;
-  std::vector<double> depths_;
-};
-
-struct DirectionScore {
-  double hidden = 0.0;    // Fraction of the points.
-  std::size_t cells = 0;  // The area of the picture.
-};
-
-// Judges rays by an even choice of the points.
-class DirectionJudge {
- public:
-  explicit DirectionJudge(const PointCloudFile& cloud)
-      : chosen_(some_points(cloud.points.size(), kMostPoints)), cells_(chosen_.size()) {
-    const auto& normals = cloud.facing.empty() ? cloud.normals : cloud.facing;
-    for (const std::size_t i : chosen_) {
-      points_.push_back(cloud.points[i]);
-      if (!normals.empty()) normals_.push_back(normals[i].cast<double>().stableNormalized());
-    }
-    spacing_ = nearest_spacing(points_);
-    for (const auto& point : points_) centre_ += point / static_cast<double>(points_.size());
-    for (const auto& point : points_) extent_ = std::max(extent_, (point - centre_).norm());
-    // Cells stay countable where the spacing is nothing beside the size.
-    spacing_ = std::max(spacing_, 1e-6 * extent_);
-  }
-
-  DirectionScore score(const CloudRays& rays) {
-    cells_.clear();
-    projected_.clear();
-    double distance = 0.0;
-    for (const auto& point : points_) {
-      projected_.push_back(rays.project(point));
-      distance += projected_.back().z() / static_cast<double>(points_.size());
-    }
-    const double size = cell_ * spacing_ / std::max(rays.scale(distance), 1e-300);
-    const auto nearest = [&](const Eigen::Vector3d& p) -> double& {
-      return cells_.depth(cell(p.x() / size), cell(p.y() / size), p.z());
-    };
-    for (const auto& p : projected_)
-      if (double& depth = nearest(p); p.z() < depth) depth = p.z();
-    std::size_t hidden = 0;
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      if (projected_[i].z() > nearest(projected_[i]) + kBehind * cell_ * spacing_ ||
-          averted(i, rays))
-        ++hidden;
-    return {
-        static_cast<double>(hidden) / static_cast<double>(std::max<std::size_t>(1, points_.size())),
-        cells_.used()};
-  }
-
-  DirectionScore score(const Eigen::Vector3d& direction) {
-    return score(parallel_rays(direction, centre_));
-  }
-
-  /// The side of a cell [spacings].
-  void set_cell(double cell) { cell_ = cell; }
-
-  bool has_normals() const { return !normals_.empty(); }
-  const std::vector<Eigen::Vector3d>& points() const { return points_; }
-  const Eigen::Vector3d& centre() const { return centre_; }
-
- private:
-  static std::int32_t cell(double value) {
-    if (std::isnan(value)) return 0;
-    return static_cast<std::int32_t>(std::floor(std::clamp(value, -1e9, 1e9)));
-  }
-
-  bool averted(std::size_t i, const CloudRays& rays) const {
-    if (normals_.empty()) return false;
-    const Eigen::Vector3d direction = rays.kind == CloudRays::Kind::kParallel
-                                          ? Eigen::Vector3d(rays.axes.col(2))
-                                          : (points_[i] - rays.origin).stableNormalized();
-    return normals_[i].dot(direction) > kAverted;
-  }
-
-  double cell_ = kCell;              // [spacings]
-  std::vector<std::size_t> chosen_;  // Of the cloud's points.
-  std::vector<Eigen::Vector3d> points_, normals_, projected_;
-  DepthCells cells_;
-  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();
-  double spacing_ = 0.0, extent_ = 0.0;
-};
 
 // Evenly over the sphere, on a spiral of golden angles.
 std::vector<Eigen::Vector3d> sphere_directions() {
@@ -262,6 +145,28 @@ bool origin_may_be_sensor(const std::vector<Eigen::Vector3d>& points,
   return box.exteriorDistance(Eigen::Vector3d::Zero().eval()) > 0.05 * box.diagonal().norm();
 }
 
+// The origin as the sensor where the points lie all around it, if they look as seen from there.
+std::optional<CloudDirection> from_among_points(const PointCloudFile& cloud,
+                                                const CloudRays& from_origin,
+                                                const JudgedDirection& best,
+                                                DirectionJudge& judge) {
+  judge.set_cell(kCellAround);
+  const double hidden = judge.score(from_origin).hidden;
+  const double from_far = best_direction(judge).score.hidden;
+  if (from_far > kOneSide && hidden < kHiddenFromSensor * from_far)
+    return CloudDirection{from_origin, hidden,
+                          "the origin of the frame, all around which the points lie"};
+  if (best.score.hidden > kHeightMap && on_lidar_rings(cloud.points)) {
+    judge.set_cell(DirectionJudge::kCell);
+    const double hidden_in_small_cells = judge.score(from_origin).hidden;
+    if (hidden_in_small_cells < kHiddenFromSensor)
+      return CloudDirection{
+          from_origin, hidden_in_small_cells,
+          "the origin of the frame, around which the points lie on the rings of a lidar"};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<std::size_t> some_points(std::size_t count, std::size_t most) {
@@ -300,20 +205,8 @@ CloudDirection find_direction(const PointCloudFile& cloud) {
       return {from_origin, hidden, "the origin of the frame, in front of which all points lie"};
   }
   const bool around_origin = surround(cloud.points, from_origin);
-  if (around_origin) {
-    judge.set_cell(kCellAround);
-    const double hidden = judge.score(from_origin).hidden;
-    const double from_far = best_direction(judge).score.hidden;
-    if (from_far > kOneSide && hidden < kHiddenFromSensor * from_far)
-      return {from_origin, hidden, "the origin of the frame, all around which the points lie"};
-  }
-  if (around_origin && best.score.hidden > kHeightMap && on_lidar_rings(cloud.points)) {
-    judge.set_cell(kCell);
-    const double hidden = judge.score(from_origin).hidden;
-    if (hidden < kHiddenFromSensor)
-      return {from_origin, hidden,
-              "the origin of the frame, around which the points lie on the rings of a lidar"};
-  }
+  if (around_origin)
+    if (auto found = from_among_points(cloud, from_origin, best, judge)) return *found;
   const CloudRays rays = parallel_rays(best.direction, judge.centre());
   if (judge.has_normals())
     return {rays, best.score.hidden, "the side that the normals face", true, around_origin};

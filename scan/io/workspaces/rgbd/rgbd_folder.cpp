@@ -4,8 +4,6 @@
 #include <set>
 #include <string>
 
-#include "scan/io/files/atomic_file.h"
-#include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
 #include "scan/io/workspaces/rgbd/agreement/pose_convention.h"

@@ -61,7 +61,7 @@ std::optional<Scale> find_scale(const ProjectSpec& project, std::size_t least_pi
 void take_pose_scale(ProjectSpec& project) {
   if (project.views.empty() || !project.views.front().camera || !project.views.front().depth)
     return;
-  constexpr double kOnePlace = 1e-9;
+  constexpr double kOnePlace = 1e-9;  // Factor that leaves no view apart from another.
   const auto found = disagreements(project, {1.0, kOnePlace});
   const auto &as_given = found[0], &from_one_place = found[1];
   if (!as_given || !from_one_place || as_given->median < kCameraError) return;
