@@ -298,7 +298,7 @@ Result<ProjectSpec> read_depth_maps(const fs::path& folder, const ReadProjectOpt
   const bool assumes =
       !options.depth_scale && std::any_of(views.begin(), views.end(), whole_numbers);
   if (assumes) {
-    auto assumed = assume_depth_scale(guess->project, kMillimetres);
+    auto assumed = assume_depth_scale(guess->project, kMillimetres, ComparedDepths(guess->project));
     if (!assumed)
       return bad_input(folder,
                        "its depth maps hold whole numbers: give --depth-scale, their steps to the "

@@ -120,10 +120,11 @@ class Frames {
       throw JsonError(
           "frames: none names a depth map that is there (depth_file_path); relief needs ranges");
     note_losses(frames.size());
-    take_pose_convention(project_, opengl_axes());
-    take_ray_lengths(project_);
-    take_pose_scale(project_);
-    note_disagreement_at_poses(project_);
+    const ComparedDepths compared(project_);
+    take_pose_convention(project_, compared, opengl_axes());
+    take_ray_lengths(project_, compared);
+    take_pose_scale(project_, compared);
+    note_disagreement_at_poses(project_, compared);
     return std::move(project_);
   }
 

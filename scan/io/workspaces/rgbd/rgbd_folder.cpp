@@ -142,8 +142,9 @@ Result<void> add_frame(const fs::path& folder, const RgbdFrame& frame,
   return {};
 }
 
-Result<void> take_assumed_scale(const fs::path& folder, double usual, ProjectSpec& project) {
-  auto assumed = assume_depth_scale(project, usual);
+Result<void> take_assumed_scale(const fs::path& folder, double usual,
+                                const ComparedDepths& compared, ProjectSpec& project) {
+  auto assumed = assume_depth_scale(project, usual, compared);
   if (!assumed) return without_scale(folder);
   for (ViewSpec& view : project.views) view.depth->scale = assumed->metres_per_value;
   project.notes.push_back(std::move(assumed->note));
@@ -185,15 +186,17 @@ Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& 
         !added)
       return added.error();
   add_counts(*poses, misfits, project.notes);
+  const ComparedDepths compared(project);
   const bool steps_known = std::ranges::all_of(
       found->frames, [](const RgbdFrame& frame) { return frame.depth_step.has_value(); });
   if (!setting->depth_step && !steps_known)
-    if (auto taken = take_assumed_scale(folder, found->usual_depth_scale, project); !taken)
+    if (auto taken = take_assumed_scale(folder, found->usual_depth_scale, compared, project);
+        !taken)
       return taken.error();
-  take_pose_convention(project);
-  take_ray_lengths(project);
-  take_pose_scale(project);
-  note_disagreement_at_poses(project);
+  take_pose_convention(project, compared);
+  take_ray_lengths(project, compared);
+  take_pose_scale(project, compared);
+  note_disagreement_at_poses(project, compared);
   return project;
 }
 

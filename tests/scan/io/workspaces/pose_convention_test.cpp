@@ -106,11 +106,11 @@ TEST_F(PoseConventions, AreFoundWhicheverTheyAre) {
         for (int i = 0; i < 3; ++i)
           convention.axes(i, order[static_cast<std::size_t>(i)]) = (signs >> i) % 2 ? -1.0 : 1.0;
         ProjectSpec project = stored(convention);
-        take_pose_convention(project);
+        take_pose_convention(project, ComparedDepths(project));
         EXPECT_LT(difference(project), 1e-9) << convention.axes << view_from_world;
         const bool as_stated = !view_from_world && convention.axes.isIdentity();
         EXPECT_EQ(project.notes.empty(), as_stated);
-        note_disagreement_at_poses(project);
+        note_disagreement_at_poses(project, ComparedDepths(project));
         EXPECT_EQ(project.notes.size(), as_stated ? 0u : 1u);
       }
     }
@@ -124,7 +124,7 @@ TEST_F(PoseConventions, OfOtherUnitsAreFound) {
     convention.unit = unit;
     convention.view_from_world = unit < 1.0;
     ProjectSpec project = stored(convention);
-    take_pose_convention(project);
+    take_pose_convention(project, ComparedDepths(project));
     EXPECT_LT(difference(project), 1e-9) << unit;
     EXPECT_EQ(project.notes.size(), 1u);
   }
@@ -135,7 +135,7 @@ TEST_F(PoseConventions, OfImagesAloneGetTheirScale) {
   for (const double scale : {1.0, 0.21, 7.3}) {
     ProjectSpec project = project_;
     for (ViewSpec& view : project.views) view.world_from_view.translation() *= scale;
-    take_pose_scale(project);
+    take_pose_scale(project, ComparedDepths(project));
     EXPECT_LT(difference(project), scale == 1.0 ? 1e-12 : 0.01) << scale;
     EXPECT_EQ(project.notes.size(), scale == 1.0 ? 0u : 1u);
   }
@@ -146,7 +146,7 @@ TEST_F(PoseConventions, AreFoundBesideWhatStandsStill) {
   PoseConvention forward_left_up;
   forward_left_up.axes << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   ProjectSpec project = stored(forward_left_up);
-  take_pose_convention(project);
+  take_pose_convention(project, ComparedDepths(project));
   EXPECT_LT(difference(project), 1e-9);
   EXPECT_THAT(project.notes, Contains(HasSubstr("x forward, y left, z up")));
 }
@@ -156,7 +156,7 @@ TEST_F(PoseConventions, AreToldInTheAxesOfTheFormat) {
   PoseConvention opencv;  // Of a format with y up and z back.
   opencv.axes = opengl_axes();
   ProjectSpec project = stored(opencv);
-  take_pose_convention(project, opengl_axes());
+  take_pose_convention(project, ComparedDepths(project), opengl_axes());
   EXPECT_THAT(project.notes, Contains(HasSubstr("taken as world_from_view: ")));
 }
 
@@ -165,7 +165,7 @@ TEST_F(PoseConventions, OfLeftHandedWorldsReverseY) {
   PoseConvention unity;
   unity.axes = Eigen::Vector3d(1, -1, 1).asDiagonal();
   ProjectSpec project = stored(unity);
-  take_pose_convention(project);
+  take_pose_convention(project, ComparedDepths(project));
   EXPECT_THAT(project.notes, Contains(AllOf(HasSubstr("x right, y up, z forward"),
                                             HasSubstr("left-handed world (its y is reversed)"))));
   EXPECT_TRUE(project.views[3].world_from_view.isApprox(project_.views[3].world_from_view));
@@ -177,10 +177,10 @@ TEST_F(PoseConventions, PosesOfOtherViewsAreOnlyTold) {
   for (std::size_t i = 0; i < 5; ++i)
     project.views[i].world_from_view = project_.views[(2 * i + 1) % 5].world_from_view;
   const ProjectSpec before = project;
-  take_pose_convention(project);
+  take_pose_convention(project, ComparedDepths(project));
   for (std::size_t i = 0; i < 5; ++i)
     EXPECT_TRUE(project.views[i].world_from_view.isApprox(before.views[i].world_from_view, 0.0));
-  note_disagreement_at_poses(project);
+  note_disagreement_at_poses(project, ComparedDepths(project));
   EXPECT_THAT(project.notes, ::testing::ElementsAre(HasSubstr("disagree at their poses by")));
 }
 
@@ -188,8 +188,8 @@ TEST_F(PoseConventions, ViewsWithoutPosesTellNothing) {
   write_views();
   ProjectSpec project = project_;
   for (ViewSpec& view : project.views) view.pose = PoseKind::kAbsent;
-  take_pose_convention(project);
-  note_disagreement_at_poses(project);
+  take_pose_convention(project, ComparedDepths(project));
+  note_disagreement_at_poses(project, ComparedDepths(project));
   EXPECT_THAT(project.notes, IsEmpty());
 }
 

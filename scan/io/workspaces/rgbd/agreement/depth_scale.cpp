@@ -59,7 +59,8 @@ AssumedDepthScale assumed(double values_per_metre, const std::string& why) {
 
 }  // namespace
 
-std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, double usual) {
+std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, double usual,
+                                                    const ComparedDepths& compared) {
   if (project.views.empty() || !project.views.front().depth || !project.views.front().camera)
     return std::nullopt;
   const ViewSpec& first = project.views.front();
@@ -74,7 +75,7 @@ std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, 
   const auto add = [&](double scale) {
     if (std::find(scales.begin(), scales.end(), scale) != scales.end()) return;
     scales.push_back(scale);
-    readings.push_back({first.camera->intrinsics, 1.0 / scale});
+    readings.push_back({.poses = {.unit = scale}});  // As depths divided by it.
   };
   const bool shifted = integers && are_shifted(*image);
   if (shifted) usual *= kShifted;
@@ -84,7 +85,7 @@ std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, 
       add(scale);
       if (shifted) add(kShifted * scale);
     }
-  const auto found = disagreements_at_poses(project, readings);
+  const auto found = compared.disagreements(project, readings);
   std::size_t best = 0;
   for (std::size_t k = 1; k < scales.size(); ++k)
     if (found[0] && found[k] && found[k]->median < found[best]->median) best = k;

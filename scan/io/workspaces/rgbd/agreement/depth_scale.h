@@ -4,6 +4,7 @@
 #include <string>
 
 #include "scan/io/project/view_spec.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_agreement.h"
 
 namespace relief {
 
@@ -21,6 +22,7 @@ struct AssumedDepthScale {
 /// multiples of 8, as in SUN3D; else metres, or millimetres where the depths
 /// are tens of metres otherwise. Where the maps agree with their poses far better in another usual
 /// scale, that one. Nothing where the first map cannot be read or has 8 bits.
-std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, double usual);
+std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, double usual,
+                                                    const ComparedDepths& compared);
 
 }  // namespace relief

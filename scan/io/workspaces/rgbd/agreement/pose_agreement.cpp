@@ -1,10 +1,8 @@
 #include "scan/io/workspaces/rgbd/agreement/pose_agreement.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstddef>
-#include <map>
-#include <utility>
 
 #include "scan/base/median.h"
 #include "scan/io/images/image_io.h"
@@ -19,17 +17,11 @@ constexpr int kPixelStep = 8;               // between pixels compared; bounds t
 constexpr std::size_t kEnoughPixels = 200;  // for a median that chance does not decide
 constexpr double kSamePose = 1e-9;          // relative to the pose: rounding
 
-struct PosedDepth {
-  Image depth;
-  RigidMotion world_from_view;
-};
-
-std::optional<PosedDepth> read_posed_depth(const ViewSpec& view) {
-  if (!view.depth || view.pose == PoseKind::kAbsent) return std::nullopt;
+std::optional<Image> read_depth(const ViewSpec& view) {
+  if (!view.depth || !view.camera || view.pose == PoseKind::kAbsent) return std::nullopt;
   auto depth = read_image(view.depth->file, view.depth->size);
   if (!depth || depth->channels != 1) return std::nullopt;
-  for (float& z : depth->samples) z *= static_cast<float>(view.depth->scale);
-  return PosedDepth{std::move(*depth), view.world_from_view};
+  return std::move(*depth);
 }
 
 // Depths along the optical axis of a map of distances along the rays.
@@ -52,27 +44,20 @@ std::vector<Eigen::Vector3d> points_in_world(const Image& depth, const PinholeIn
   return points;
 }
 
-using PosedDepths = std::map<std::size_t, std::optional<PosedDepth>>;
-
-// Takes out what stands still in all frames, as the table under an object that turns: it disagrees
-// at the right poses.
-void take_out_still_pixels(PosedDepths& frames) {
-  const PosedDepth* first = nullptr;
-  for (const auto& [index, frame] : frames) {
-    if (!frame) continue;
-    if (!first) first = &*frame;
-    if (frame->depth.samples.size() != first->depth.samples.size()) return;
-  }
-  if (!first) return;
-  auto nearest = first->depth.samples, farthest = nearest;
-  for (const auto& [index, frame] : frames)
-    for (std::size_t i = 0; frame && i < nearest.size(); ++i) {
-      nearest[i] = std::min(nearest[i], frame->depth.samples[i]);
-      farthest[i] = std::max(farthest[i], frame->depth.samples[i]);
+// Takes out what stands still in all frames, as the table under an object that turns.
+void take_out_still_pixels(std::map<std::size_t, Image>& depths) {
+  if (depths.empty()) return;
+  auto nearest = depths.begin()->second.samples, farthest = nearest;
+  for (const auto& [frame, depth] : depths) {
+    if (depth.samples.size() != nearest.size()) return;
+    for (std::size_t i = 0; i < nearest.size(); ++i) {
+      nearest[i] = std::min(nearest[i], depth.samples[i]);
+      farthest[i] = std::max(farthest[i], depth.samples[i]);
     }
-  for (auto& [index, frame] : frames)
-    for (std::size_t i = 0; frame && i < nearest.size(); ++i)
-      if (farthest[i] - nearest[i] < kCameraError * nearest[i]) frame->depth.samples[i] = 0.0f;
+  }
+  for (auto& [frame, depth] : depths)
+    for (std::size_t i = 0; i < nearest.size(); ++i)
+      if (farthest[i] - nearest[i] < kCameraError * nearest[i]) depth.samples[i] = 0.0f;
 }
 
 // A few frames with the ones after them, which overlap, and with each other, whose poses tell more
@@ -88,42 +73,50 @@ std::vector<std::pair<std::size_t, std::size_t>> pairs_to_compare(std::size_t fr
   return pairs;
 }
 
-// As read, in a world of which the factor of depths is the unit: depths keep their values, and
-// agree as before.
-RigidMotion pose_as_read(const PosedDepth& frame, const DepthReading& reading) {
-  RigidMotion pose = reading.poses.world_from_view(frame.world_from_view);
-  pose.translation() /= reading.factor;
-  return pose;
+// A depth map in the unit of the poses, its depths along the optical axis.
+Image depth_as_read(Image depth, const ViewSpec& view, bool along_ray) {
+  for (float& z : depth.samples) z *= static_cast<float>(view.depth->scale);
+  return along_ray ? along_axis(std::move(depth), view.camera->intrinsics) : std::move(depth);
 }
 
-bool at_the_same_pose(const PosedDepth& a, const PosedDepth& b) {
+bool at_the_same_pose(const ViewSpec& a, const ViewSpec& b) {
   return a.world_from_view.isApprox(b.world_from_view, kSamePose);
 }
 
 }  // namespace
 
-std::vector<std::optional<Disagreement>> disagreements_at_poses(
-    const ProjectSpec& project, const std::vector<DepthReading>& readings) {
-  const auto pairs = pairs_to_compare(project.views.size());
-  PosedDepths frames;
-  for (const auto& [a, b] : pairs)
+bool has_ray_lengths(const ProjectSpec& project) {
+  return std::ranges::any_of(
+      project.views, [](const ViewSpec& view) { return view.depth && view.depth->along_ray; });
+}
+
+ComparedDepths::ComparedDepths(const ProjectSpec& project)
+    : pairs_(pairs_to_compare(project.views.size())) {
+  for (const auto& [a, b] : pairs_)
     for (const std::size_t i : {a, b})
-      if (!frames.contains(i)) frames[i] = read_posed_depth(project.views[i]);
-  take_out_still_pixels(frames);
+      if (!depths_.contains(i))
+        if (auto depth = read_depth(project.views[i])) depths_.emplace(i, std::move(*depth));
+  take_out_still_pixels(depths_);
+}
+
+std::vector<std::optional<Disagreement>> ComparedDepths::disagreements(
+    const ProjectSpec& project, const std::vector<DepthReading>& readings) const {
+  std::array<std::map<std::size_t, Image>, 2> depths;  // Along the axis, along the rays.
+  for (const DepthReading& reading : readings)
+    for (const auto& [i, depth] : depths_)
+      if (auto& read = depths[reading.along_ray ? 1 : 0]; !read.contains(i))
+        read.emplace(i, depth_as_read(depth, project.views[i], reading.along_ray));
   std::vector<std::vector<double>> differences(readings.size());
-  for (const auto& [a, b] : pairs) {
-    const auto &from = frames[a], &onto = frames[b];
-    if (!from || !onto || at_the_same_pose(*from, *onto)) continue;
+  for (const auto& [a, b] : pairs_) {
+    const ViewSpec &from = project.views[a], &onto = project.views[b];
+    if (!depths_.contains(a) || !depths_.contains(b) || at_the_same_pose(from, onto)) continue;
     for (std::size_t k = 0; k < readings.size(); ++k) {
-      const PinholeIntrinsics& intrinsics = readings[k].intrinsics;
-      const auto compare = [&](const Image& of_from, const Image& of_onto) {
-        return depth_differences(
-            of_onto, intrinsics, pose_as_read(*onto, readings[k]),
-            points_in_world(of_from, intrinsics, pose_as_read(*from, readings[k])));
-      };
-      const auto found = readings[k].along_ray ? compare(along_axis(from->depth, intrinsics),
-                                                         along_axis(onto->depth, intrinsics))
-                                               : compare(from->depth, onto->depth);
+      const auto& read = depths[readings[k].along_ray ? 1 : 0];
+      const PoseConvention& poses = readings[k].poses;
+      const auto found = depth_differences(
+          read.at(b), onto.camera->intrinsics, poses.world_from_view(onto.world_from_view),
+          points_in_world(read.at(a), from.camera->intrinsics,
+                          poses.world_from_view(from.world_from_view)));
       differences[k].insert(differences[k].end(), found.begin(), found.end());
     }
   }

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
-#include "relief/scan/camera.h"
+#include "scan/io/images/image_io.h"
 #include "scan/io/project/view_spec.h"
 #include "scan/views/pose_convention.h"
 
@@ -12,8 +14,6 @@ namespace relief {
 
 /// A way to read the depth maps of a project and their poses.
 struct DepthReading {
-  PinholeIntrinsics intrinsics;
-  double factor = 1.0;     ///< Of the scale of each depth map.
   bool along_ray = false;  ///< Depths are distances along the rays, not along the optical axis.
   PoseConvention poses;
 };
@@ -24,11 +24,26 @@ struct Disagreement {
   std::size_t pixels = 0;  ///< That meet.
 };
 
-/// How much the depth maps of a few pairs of frames disagree at their poses, for each reading.
-/// Pairs at the same pose agree in any reading and are left out. Nothing where too few pixels meet,
-/// where frames have no poses, or where they cannot be read.
-std::vector<std::optional<Disagreement>> disagreements_at_poses(
-    const ProjectSpec& project, const std::vector<DepthReading>& readings);
+/// The depth maps of a few pairs of frames, to be compared at their poses.
+class ComparedDepths {
+ public:
+  /// Reads them. Pixels that stand still in all of them are left out: they disagree at the right
+  /// poses.
+  explicit ComparedDepths(const ProjectSpec& project);
+
+  /// How much they disagree for each reading, at the scale and the poses that `project` has now.
+  /// Pairs at the same pose agree in any reading and are left out. Nothing where too few pixels
+  /// meet, where frames have no poses, or where they could not be read.
+  std::vector<std::optional<Disagreement>> disagreements(
+      const ProjectSpec& project, const std::vector<DepthReading>& readings) const;
+
+ private:
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;
+  std::map<std::size_t, Image> depths_;  // By frame, as they are in the files.
+};
+
+/// Whether the depths of a project are taken as distances along the rays.
+bool has_ray_lengths(const ProjectSpec& project);
 
 /// How much better one reading must agree than another to be told from it. Scenes that are their
 /// own mirror image agree alike; the views of a room (ICL-NUIM) agree nine times better in a

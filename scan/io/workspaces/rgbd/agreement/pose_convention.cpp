@@ -44,14 +44,14 @@ std::vector<Eigen::Matrix3d> all_axes() {
 }
 
 // Other units are tried with the axes of OpenCV and OpenGL alone: that bounds the time.
-std::vector<DepthReading> all_readings(const PinholeIntrinsics& intrinsics) {
+std::vector<DepthReading> all_readings() {
   const auto axes_first_to_last = all_axes();
   const std::vector<Eigen::Matrix3d> usual = {Eigen::Matrix3d::Identity(), opengl_axes()};
   std::vector<DepthReading> readings;
   for (const double unit : {1.0, 0.001, 0.01, 100.0, 1000.0})
     for (const bool view_from_world : {false, true})
       for (const Eigen::Matrix3d& axes : unit == 1.0 ? axes_first_to_last : usual)
-        readings.push_back({intrinsics, 1.0, false, {unit, view_from_world, axes}});
+        readings.push_back({.poses = {unit, view_from_world, axes}});
   return readings;
 }
 
@@ -96,10 +96,10 @@ std::optional<std::size_t> far_better(const std::vector<std::optional<Disagreeme
 
 }  // namespace
 
-void take_pose_convention(ProjectSpec& project, const Eigen::Matrix3d& stored_axes) {
-  if (project.views.empty() || !project.views.front().camera) return;
-  const auto readings = all_readings(project.views.front().camera->intrinsics);
-  const auto found = disagreements_at_poses(project, readings);
+void take_pose_convention(ProjectSpec& project, const ComparedDepths& compared,
+                          const Eigen::Matrix3d& stored_axes) {
+  const auto readings = all_readings();
+  const auto found = compared.disagreements(project, readings);
   const auto best = far_better(found);
   if (!best) return;
   const PoseConvention& taken = readings[*best].poses;
@@ -109,12 +109,8 @@ void take_pose_convention(ProjectSpec& project, const Eigen::Matrix3d& stored_ax
   project.notes.push_back(note_text(taken, stored_axes, found[0], found[*best]->median));
 }
 
-void note_disagreement_at_poses(ProjectSpec& project) {
-  if (project.views.empty() || !project.views.front().camera || !project.views.front().depth)
-    return;
-  const ViewSpec& first = project.views.front();
-  const auto found =
-      disagreements_at_poses(project, {{first.camera->intrinsics, 1.0, first.depth->along_ray}})[0];
+void note_disagreement_at_poses(ProjectSpec& project, const ComparedDepths& compared) {
+  const auto found = compared.disagreements(project, {{.along_ray = has_ray_lengths(project)}})[0];
   if (!found || found->median < kNoCamera) return;
   char note[240];
   std::snprintf(note, sizeof note,

@@ -10,10 +10,10 @@ namespace relief {
 /// the right, down, forward, or against), in a left-handed world, in millimetres or centimetres
 /// beside depths in metres or the other way round. A note says so. Without poses nothing changes.
 /// `stored_axes`: those that the format states (PoseConvention::axes), for the note.
-void take_pose_convention(ProjectSpec& project,
+void take_pose_convention(ProjectSpec& project, const ComparedDepths& compared,
                           const Eigen::Matrix3d& stored_axes = Eigen::Matrix3d::Identity());
 
 /// Adds a note where the depth maps disagree at their poses by more than any depth camera errs.
-void note_disagreement_at_poses(ProjectSpec& project);
+void note_disagreement_at_poses(ProjectSpec& project, const ComparedDepths& compared);
 
 }  // namespace relief

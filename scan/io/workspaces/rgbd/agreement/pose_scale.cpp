@@ -6,8 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "scan/io/workspaces/rgbd/agreement/pose_agreement.h"
-
 namespace relief {
 
 namespace {
@@ -20,12 +18,12 @@ constexpr double kHasParallax = 2.0;
 
 // At poses whose translations are multiplied by each of the factors.
 std::vector<std::optional<Disagreement>> disagreements(const ProjectSpec& project,
+                                                       const ComparedDepths& compared,
                                                        const std::vector<double>& factors) {
-  const ViewSpec& first = project.views.front();
   std::vector<DepthReading> readings;
   for (const double factor : factors)
-    readings.push_back({first.camera->intrinsics, 1.0, first.depth->along_ray, {.unit = factor}});
-  return disagreements_at_poses(project, readings);
+    readings.push_back({.along_ray = has_ray_lengths(project), .poses = {.unit = factor}});
+  return compared.disagreements(project, readings);
 }
 
 struct Scale {
@@ -34,9 +32,10 @@ struct Scale {
 };
 
 // The factor at which the maps agree best of those at which enough of their pixels meet.
-std::optional<Scale> best_of(const ProjectSpec& project, const std::vector<double>& factors,
-                             std::size_t least_pixels, std::optional<Scale> best = {}) {
-  const auto found = disagreements(project, factors);
+std::optional<Scale> best_of(const ProjectSpec& project, const ComparedDepths& compared,
+                             const std::vector<double>& factors, std::size_t least_pixels,
+                             std::optional<Scale> best = {}) {
+  const auto found = disagreements(project, compared, factors);
   for (std::size_t k = 0; k < factors.size(); ++k)
     if (found[k] && found[k]->pixels >= least_pixels &&
         (!best || found[k]->median < best->disagreement.median))
@@ -44,28 +43,28 @@ std::optional<Scale> best_of(const ProjectSpec& project, const std::vector<doubl
   return best;
 }
 
-std::optional<Scale> find_scale(const ProjectSpec& project, std::size_t least_pixels) {
+std::optional<Scale> find_scale(const ProjectSpec& project, const ComparedDepths& compared,
+                                std::size_t least_pixels) {
   std::vector<double> factors;
   for (int k = 0; k <= kSteps; ++k) factors.push_back(std::pow(kLargest, 2.0 * k / kSteps - 1.0));
-  auto best = best_of(project, factors, least_pixels);
+  auto best = best_of(project, compared, factors, least_pixels);
   double step = std::pow(kLargest, 2.0 / kSteps);
   for (int i = 0; i < kHalvings && best; ++i) {
     step = std::sqrt(step);
-    best = best_of(project, {best->factor / step, best->factor * step}, least_pixels, best);
+    best =
+        best_of(project, compared, {best->factor / step, best->factor * step}, least_pixels, best);
   }
   return best;
 }
 
 }  // namespace
 
-void take_pose_scale(ProjectSpec& project) {
-  if (project.views.empty() || !project.views.front().camera || !project.views.front().depth)
-    return;
+void take_pose_scale(ProjectSpec& project, const ComparedDepths& compared) {
   constexpr double kOnePlace = 1e-9;  // Factor that leaves no view apart from another.
-  const auto found = disagreements(project, {1.0, kOnePlace});
+  const auto found = disagreements(project, compared, {1.0, kOnePlace});
   const auto &as_given = found[0], &from_one_place = found[1];
   if (!as_given || !from_one_place || as_given->median < kCameraError) return;
-  const auto best = find_scale(project, as_given->pixels / 2);
+  const auto best = find_scale(project, compared, as_given->pixels / 2);
   if (!best || !(as_given->median > kFarBetter * best->disagreement.median) ||
       !(from_one_place->median > kHasParallax * best->disagreement.median))
     return;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "scan/io/project/view_spec.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_agreement.h"
 
 namespace relief {
 
@@ -8,6 +9,6 @@ namespace relief {
 /// that is far better than as given (kFarBetter), with a note: poses from images alone, as COLMAP
 /// finds them, have no scale. Nothing changes where the maps agree as depth cameras do, or agree
 /// about as well from one place.
-void take_pose_scale(ProjectSpec& project);
+void take_pose_scale(ProjectSpec& project, const ComparedDepths& compared);
 
 }  // namespace relief

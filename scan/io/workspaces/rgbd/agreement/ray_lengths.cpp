@@ -6,10 +6,8 @@
 
 namespace relief {
 
-void take_ray_lengths(ProjectSpec& project) {
-  if (project.views.empty() || !project.views.front().camera) return;
-  const PinholeIntrinsics& intrinsics = project.views.front().camera->intrinsics;
-  const auto found = disagreements_at_poses(project, {{intrinsics}, {intrinsics, 1.0, true}});
+void take_ray_lengths(ProjectSpec& project, const ComparedDepths& compared) {
+  const auto found = compared.disagreements(project, {{.along_ray = false}, {.along_ray = true}});
   if (!found[0] || !found[1] || !(found[0]->median > kFarBetter * found[1]->median)) return;
   for (ViewSpec& view : project.views)
     if (view.depth) view.depth->along_ray = true;
