@@ -10,6 +10,7 @@
 #include "scan/io/files/folder_files.h"
 #include "scan/io/images/image_limits.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
+#include "scan/io/workspaces/rgbd/replica_layout.h"
 #include "scan/io/workspaces/workspace_text.h"
 
 namespace relief {

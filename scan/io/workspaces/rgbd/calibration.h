@@ -39,10 +39,6 @@ Result<Calibration> parse_calibration_text(std::string_view text,
 /// column, and `depth_scale` if there.
 Result<Calibration> parse_open3d_camera(std::string_view text, const std::filesystem::path& path);
 
-/// Parses the `cam_params.json` of Replica's sequences: `fx`, `fy`, `cx`, `cy`, `w`, `h` and
-/// `scale` of its `camera`.
-Result<Calibration> parse_replica_camera(std::string_view text, const std::filesystem::path& path);
-
 /// Whether a file is named like a calibration: .json, K.txt, or .txt with `calib`, `intrinsic` or,
 /// at its begin, `camera` in its name, but not `traj`.
 bool has_calibration_name(const std::filesystem::path& path);

@@ -74,18 +74,6 @@ Result<Calibration> parse_open3d_camera(std::string_view text, const fs::path& p
   });
 }
 
-Result<Calibration> parse_replica_camera(std::string_view text, const fs::path& path) {
-  return read_json<Calibration>(text, path, [](const json& document) {
-    JsonObject camera = JsonObject(document, "").object("camera");
-    Calibration calibration;
-    calibration.intrinsics = PinholeIntrinsics{camera.positive("fx"), camera.positive("fy"),
-                                               camera.number("cx"), camera.number("cy")};
-    calibration.size = ImageSize{camera.positive_integer("w"), camera.positive_integer("h")};
-    calibration.depth_scale = camera.positive("scale");
-    return calibration;
-  });
-}
-
 Result<Trajectory> parse_open3d_trajectory(std::string_view text, const fs::path& path) {
   return read_json<Trajectory>(text, path, [](const json& document) {
     JsonObject root(document, "");

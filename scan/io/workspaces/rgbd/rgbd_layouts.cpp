@@ -8,7 +8,7 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
-#include "scan/io/workspaces/rgbd/recordings/recording.h"
+#include "scan/io/workspaces/rgbd/replica_layout.h"
 #include "scan/io/workspaces/rgbd/tum_layout.h"
 #include "scan/io/workspaces/workspace_text.h"
 
@@ -169,31 +169,6 @@ Result<RgbdFrames> folder_frames(const fs::path& folder) {
   return found;
 }
 
-// Replica's sequences: `depth000000.png` in a folder `results`.
-std::vector<fs::path> replica_depths(const fs::path& folder) {
-  auto files = depth_images(folder / "results");
-  std::erase_if(files, [](const fs::path& file) {
-    return !file.filename().native().starts_with("depth") || !frame_number(file.stem().string());
-  });
-  return files;
-}
-
-RgbdFrames replica_frames(const fs::path& folder) {
-  constexpr std::string_view kDepth = "depth";
-  RgbdFrames found;
-  for (const fs::path& file : replica_depths(folder)) {
-    RgbdFrame frame;
-    frame.depth = file;
-    frame.name = file.stem().string().substr(kDepth.size());
-    for (const char* ending : {".jpg", ".png"})
-      if (const fs::path colour = file.parent_path() / ("frame" + frame.name + ending);
-          is_file(colour))
-        frame.colour = colour;
-    found.frames.push_back(std::move(frame));
-  }
-  return found;
-}
-
 }  // namespace
 
 std::string first_bytes(const fs::path& path) {
@@ -209,7 +184,7 @@ RgbdLayout rgbd_layout(const fs::path& folder) {
   if (has_tum_list(folder)) return RgbdLayout::kTum;
   if (has_frames(folder)) return RgbdLayout::kFrames;
   if (tum_association_file(folder)) return RgbdLayout::kTum;
-  if (!replica_depths(folder).empty()) return RgbdLayout::kReplica;
+  if (has_replica_depths(folder)) return RgbdLayout::kReplica;
   return depth_folder_suffix(folder) ? RgbdLayout::kFolders : RgbdLayout::kNone;
 }
 
