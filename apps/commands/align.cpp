@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "apps/commands/command.h"
-#include "apps/commands/export_views.h"
+#include "apps/commands/convert/export_views.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"

@@ -26,8 +26,23 @@ constexpr double kLengthShare = 1e-4;
 // Between a face before and after, 60 degrees: faces that were flat are at most 120 apart, and
 // neither folds back onto the other.
 constexpr double kLeastCosine = 0.5;
-// Twice the area over the longest edge squared: no angle is below atan(0.05) = 2.9 degrees.
+// Of triangles, see roundness(): no angle is below atan(0.05) = 2.9 degrees.
 constexpr double kLeastRoundness = 0.05;
+constexpr double kRounding = 1e-9;  // Of the roundness of faces of the same shape.
+
+using Corners = std::array<Eigen::Vector3d, 3>;
+
+Eigen::Vector3d cross_of(const Corners& corners) {
+  return (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+}
+
+// Twice the area over the longest edge squared.
+double roundness(const Corners& corners) {
+  const double longest =
+      std::max({(corners[1] - corners[0]).squaredNorm(), (corners[2] - corners[1]).squaredNorm(),
+                (corners[0] - corners[2]).squaredNorm()});
+  return longest > 0.0 ? cross_of(corners).norm() / longest : 0.0;
+}
 
 struct Candidate {
   double cost;
@@ -180,18 +195,19 @@ class Collapser {
     return !(spans(from) && spans(to));
   }
 
+  // No face turns far, and none gets narrow that was not.
   bool keeps_shape(std::uint32_t from, std::uint32_t to) const {
     return std::all_of(faces_of_[from].begin(), faces_of_[from].end(), [&](std::uint32_t f) {
       if (has(mesh_.faces[f], to)) return true;
-      std::array<Eigen::Vector3d, 3> corners;
-      for (std::size_t k = 0; k < 3; ++k)
-        corners[k] = mesh_.vertices[mesh_.faces[f][k] == from ? to : mesh_.faces[f][k]];
-      const Eigen::Vector3d u = corners[1] - corners[0], v = corners[2] - corners[0];
-      const Eigen::Vector3d before = face_cross(mesh_, f), after = u.cross(v);
-      const double longest =
-          std::max({u.squaredNorm(), v.squaredNorm(), (corners[2] - corners[1]).squaredNorm()});
-      return after.norm() > kLeastRoundness * longest &&
-             before.dot(after) > kLeastCosine * before.norm() * after.norm();
+      Corners before, after;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = mesh_.faces[f][k];
+        before[k] = mesh_.vertices[v];
+        after[k] = mesh_.vertices[v == from ? to : v];
+      }
+      const Eigen::Vector3d cross = cross_of(before), new_cross = cross_of(after);
+      return roundness(after) >= std::min(kLeastRoundness, (1.0 - kRounding) * roundness(before)) &&
+             cross.dot(new_cross) > kLeastCosine * cross.norm() * new_cross.norm();
     });
   }
 

@@ -210,6 +210,10 @@ TEST(Program, SingleStepsGiveWhatRunGives) {
   EXPECT_EQ(run_relief({"info", out / "refined/scan.json"}).exit_status, 0);
   EXPECT_EQ(run_relief({"convert", out / "model.ply", "-o", out / "copy.stl"}).exit_status, 0);
   EXPECT_EQ(run_relief({"convert", out / "model.vtp", "-o", out / "copy.ply"}).exit_status, 0);
+  const ProgramRun tiles = run_relief({"convert", out / "model.ply", "-o", out / "web/model.json"});
+  EXPECT_EQ(tiles.exit_status, 0) << tiles.standard_error;
+  EXPECT_TRUE(std::filesystem::exists(out / "web/model.json"));
+  EXPECT_TRUE(std::filesystem::exists(out / "web/model_tiles/0.glb"));
   EXPECT_EQ(run_relief({"convert", scans / "scan.json", "-o", out / "views.ply"}).exit_status, 0);
   EXPECT_EQ(run_relief({"convert", scans / "scan.json", "-o", out / "copied"}).exit_status, 0);
   EXPECT_EQ(run_relief({"convert", scans / "scan.json", "-o", out / "clouds", "--pcd"}).exit_status,
@@ -222,6 +226,9 @@ TEST(Program, SingleStepsGiveWhatRunGives) {
   const ProgramRun unknown = run_relief({"convert", scans / "scan.json", "-o", out / "poses.xyz"});
   EXPECT_EQ(unknown.exit_status, 2);
   EXPECT_THAT(unknown.standard_error, HasSubstr("unknown ending '.xyz'"));
+  const ProgramRun views = run_relief({"convert", scans / "scan.json", "-o", out / "web.json"});
+  EXPECT_EQ(views.exit_status, 2);
+  EXPECT_THAT(views.standard_error, HasSubstr("tiles are cut from a mesh"));
 }
 
 TEST(Program, GivesTheSameBytesOnAnyNumberOfThreads) {

@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "relief/fusion/merge_views.h"
+
 namespace relief::testing {
 
 SignedDistance sphere_distance(double radius) {
@@ -76,6 +78,14 @@ std::vector<RangeView> views_from(double away, const Surface& surface, int count
 
 std::vector<RangeView> views_around(const Surface& surface, int count, int size, double radius) {
   return views_from(6.0 * radius, surface, count, size, radius);
+}
+
+const TriangleMesh& torus_mesh() {
+  static const TriangleMesh mesh =
+      fusion::merge_views(views_around(traced(torus_distance(35.0, 12.0)), 10, 80, 50.0))
+          .value()
+          .mesh;
+  return mesh;
 }
 
 std::vector<RangeView> near_and_far_views(double radius, double noise, double exponent) {

@@ -6,6 +6,7 @@
 
 #include "fusion/tsdf/sparse_field.h"
 #include "relief/scan/range_view.h"
+#include "relief/scan/triangle_mesh.h"
 #include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::testing {
@@ -27,6 +28,9 @@ std::vector<Eigen::Vector3d> even_directions(int count);
 /// Pinhole views from `count` even directions, `size` pixels square, of a sphere of `radius` round
 /// the origin that fills the image.
 std::vector<RangeView> views_around(const Surface& surface, int count, int size, double radius);
+
+/// What merging makes of views of a torus round the z axis, radii 35 and 12: closed, genus 1.
+const TriangleMesh& torus_mesh();
 
 /// Twelve views of a sphere from four radii away and eight from eight, of the same footprint of a
 /// pixel there. The noise of ranges, standard deviation `noise` from the nearer places [unit],

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/commands/command.h"
-#include "apps/commands/export_views.h"
+#include "apps/commands/convert/export_views.h"
 #include "apps/commands/plan/project_size.h"
 #include "apps/commands/run/run_cache.h"
 #include "apps/commands/run/run_options.h"

@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "apps/commands/export_views.h"
+#include "apps/commands/convert/export_views.h"
 #include "apps/options/number_checks.h"
 
 namespace relief {

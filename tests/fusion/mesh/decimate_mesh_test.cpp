@@ -15,15 +15,6 @@
 namespace relief::fusion {
 namespace {
 
-const TriangleMesh& torus_mesh() {
-  static const TriangleMesh mesh =
-      merge_views(
-          testing::views_around(testing::traced(testing::torus_distance(35.0, 12.0)), 10, 80, 50.0))
-          .value()
-          .mesh;
-  return mesh;
-}
-
 double largest_error(const TriangleMesh& mesh) {
   const auto torus = testing::torus_distance(35.0, 12.0);
   double largest = 0.0;
@@ -35,7 +26,7 @@ double largest_error(const TriangleMesh& mesh) {
 }
 
 TEST(DecimateMesh, EndsWhenTheComputationAroundItIsToStop) {
-  const TriangleMesh& mesh = torus_mesh();
+  const TriangleMesh& mesh = testing::torus_mesh();
   std::stop_source source;
   source.request_stop();
   const auto result =
@@ -44,7 +35,7 @@ TEST(DecimateMesh, EndsWhenTheComputationAroundItIsToStop) {
 }
 
 TEST(DecimateMesh, ReachesANumberOfFacesAndStaysAClosedTorus) {
-  const auto result = value_of(decimate_mesh(torus_mesh(), {.faces = 4000}));
+  const auto result = value_of(decimate_mesh(testing::torus_mesh(), {.faces = 4000}));
   EXPECT_NEAR(static_cast<double>(result.mesh.faces.size()), 4000.0, 40.0);
   EXPECT_TRUE(result.check.watertight());
   EXPECT_EQ(result.check.genus, 1);
@@ -52,9 +43,9 @@ TEST(DecimateMesh, ReachesANumberOfFacesAndStaysAClosedTorus) {
 }
 
 TEST(DecimateMesh, ABoundOfTheErrorIsKept) {
-  std::size_t last = torus_mesh().faces.size();
+  std::size_t last = testing::torus_mesh().faces.size();
   for (const double bound : {0.02, 0.1, 0.5}) {
-    const auto result = value_of(decimate_mesh(torus_mesh(), {.max_error = bound}));
+    const auto result = value_of(decimate_mesh(testing::torus_mesh(), {.max_error = bound}));
     EXPECT_TRUE(result.check.watertight());
     EXPECT_LT(result.mesh.faces.size(), last);
     EXPECT_LT(largest_error(result.mesh), bound + 0.05) << "and that of merging";
@@ -63,7 +54,7 @@ TEST(DecimateMesh, ABoundOfTheErrorIsKept) {
 }
 
 TEST(DecimateMesh, KeepsVerticesWithTheirAttributes) {
-  TriangleMesh mesh = torus_mesh();
+  TriangleMesh mesh = testing::torus_mesh();
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     mesh.quality[v] = static_cast<float>(mesh.vertices[v].x());
   const auto result = value_of(decimate_mesh(mesh, {.faces = 2000}));
@@ -87,9 +78,10 @@ TEST(DecimateMesh, RandomScenesStayClosed) {
 }
 
 TEST(DecimateMesh, LeavesAloneWhatIsSmallEnoughAndSaysWhatIsMissing) {
-  const auto same = value_of(decimate_mesh(torus_mesh(), {.faces = torus_mesh().faces.size()}));
-  EXPECT_EQ(same.mesh.faces, torus_mesh().faces);
-  EXPECT_THAT(decimate_mesh(torus_mesh(), {}), HasError(ErrorKind::kBadInput));
+  const auto same =
+      value_of(decimate_mesh(testing::torus_mesh(), {.faces = testing::torus_mesh().faces.size()}));
+  EXPECT_EQ(same.mesh.faces, testing::torus_mesh().faces);
+  EXPECT_THAT(decimate_mesh(testing::torus_mesh(), {}), HasError(ErrorKind::kBadInput));
 }
 
 }  // namespace

@@ -11,6 +11,10 @@
 
 namespace relief {
 
+/// How many metres a unit of that name is. Unknown units count as metres: a file of metres has no
+/// other way to hold them.
+double metres_in(const std::string& unit);
+
 /// Whether export_views() knows the ending of `path`.
 bool is_export_path(const std::filesystem::path& path);
 

@@ -1,4 +1,4 @@
-#include "apps/commands/export_views.h"
+#include "apps/commands/convert/export_views.h"
 
 #include <algorithm>
 #include <map>
@@ -48,7 +48,8 @@ Result<void> write_pcd(const ScanProject& project, const fs::path& path) {
                                          "; 'relief convert --pcd -o FOLDER' writes one for each"};
 }
 
-// Unknown units count as metres: a file of metres has no other way to hold them.
+}  // namespace
+
 double metres_in(const std::string& unit) {
   static const std::map<std::string, double> kMetres = {
       {"um", 1e-6}, {"mm", 1e-3},   {"cm", 1e-2},   {"dm", 1e-1},
@@ -56,8 +57,6 @@ double metres_in(const std::string& unit) {
   const auto found = kMetres.find(unit);
   return found == kMetres.end() ? 1.0 : found->second;
 }
-
-}  // namespace
 
 bool is_export_path(const fs::path& path) {
   const std::string ending = lower_ending(path);
