@@ -28,16 +28,15 @@ struct Pixel {
 
 class ViewMask {
  public:
-  ViewMask(const DepthStack& stack, std::size_t view, const Grid<SampleKind>& kinds,
-           const Grid<float>& background, const GridEdges& edges)
-      : stack_(stack),
-        depth_(stack.depths[view]),
-        kinds_(kinds),
-        background_(background),
+  ViewMask(const CameraBackground& known, const Grid<float>& depth, const GridEdges& edges)
+      : known_(known),
+        depth_(depth),
+        kinds_(classify_samples(known.surface, known.tolerance, depth)),
+        background_(known.background),
         edges_(edges),
-        mask_(kinds.width(), kinds.height(), 0) {
-    for (std::size_t i = 0; i < kinds.size(); ++i)
-      mask_[i] = kinds[i] == SampleKind::kStanding && is_near(i, 1.0);
+        mask_(depth.width(), depth.height(), 0) {
+    for (std::size_t i = 0; i < kinds_.size(); ++i)
+      mask_[i] = kinds_[i] == SampleKind::kStanding && is_near(i, 1.0);
     add_unknown();
     add_specks();
   }
@@ -58,7 +57,7 @@ class ViewMask {
   }
 
   bool is_near(std::size_t i, double tolerances) const {
-    return std::abs(depth_[i] - background_[i]) <= tolerances * stack_.tolerance[i];
+    return std::abs(depth_[i] - background_[i]) <= tolerances * known_.tolerance[i];
   }
 
   // Components of samples of which few views know more: by what they are attached to, else by
@@ -107,9 +106,9 @@ class ViewMask {
       if (plane.error > kPlane) return false;
       std::size_t on_plane = 0;
       for (const Pixel& pixel : pixels) {
-        const double off = plane.depth(stack_.camera.ray(pixel.u, pixel.v)) -
+        const double off = plane.depth(known_.camera.ray(pixel.u, pixel.v)) -
                            static_cast<double>(depth_(pixel.u, pixel.v));
-        on_plane += std::abs(off) <= kReach * stack_.tolerance(pixel.u, pixel.v) ? 1 : 0;
+        on_plane += std::abs(off) <= kReach * known_.tolerance(pixel.u, pixel.v) ? 1 : 0;
       }
       return static_cast<double>(on_plane) >= kOnPlane * static_cast<double>(pixels.size());
     }
@@ -133,9 +132,9 @@ class ViewMask {
     for (int v = std::max(0, v0); v <= std::min(v1, mask_.height() - 1); ++v) {
       for (int u = std::max(0, u0); u <= std::min(u1, mask_.width() - 1); ++u) {
         if (!std::isfinite(background_(u, v))) continue;
-        const Ray ray = stack_.camera.ray(u, v);
+        const Ray ray = known_.camera.ray(u, v);
         points.push_back(ray.at(background_(u, v) / ray.direction.norm()));
-        tolerance += stack_.tolerance(u, v);
+        tolerance += known_.tolerance(u, v);
         fit.mean += points.back();
       }
     }
@@ -186,9 +185,9 @@ class ViewMask {
       if (speck_[i]) mask_[i] = 1;
   }
 
-  const DepthStack& stack_;
+  const CameraBackground& known_;
   const Grid<float>& depth_;
-  const Grid<SampleKind>& kinds_;
+  const Grid<SampleKind> kinds_;
   const Grid<float>& background_;
   const GridEdges& edges_;
   Grid<std::uint8_t> mask_;
@@ -197,10 +196,9 @@ class ViewMask {
 
 }  // namespace
 
-Grid<std::uint8_t> mark_background(const DepthStack& stack, std::size_t view,
-                                   const Grid<SampleKind>& kinds, const Grid<float>& background,
+Grid<std::uint8_t> mark_background(const CameraBackground& known, const Grid<float>& depths,
                                    const GridEdges& edges) {
-  return ViewMask(stack, view, kinds, background, edges).take();
+  return ViewMask(known, depths, edges).take();
 }
 
 }  // namespace relief

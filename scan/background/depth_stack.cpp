@@ -29,33 +29,6 @@ double footprint(const Camera& camera, int u, int v, const Eigen::Vector3d& poin
   return (ray.at(ray.range_of(point)) - point).norm();
 }
 
-bool same_rays(const RangeView& a, const RangeView& b, double range) {
-  if (a.width() != b.width() || a.height() != b.height()) return false;
-  for (int j = 0; j < kComparedRays; ++j) {
-    for (int i = 0; i < kComparedRays; ++i) {
-      const int u = i * (a.width() - 1) / (kComparedRays - 1);
-      const int v = j * (a.height() - 1) / (kComparedRays - 1);
-      const Eigen::Vector3d point = a.camera.ray(u, v).at(range);
-      const Ray other = b.camera.ray(u, v);
-      const double off = (other.at(other.range_of(point)) - point).norm();
-      if (!(off <= kSamePixel * footprint(a.camera, u, v, point))) return false;
-    }
-  }
-  return true;
-}
-
-Grid<float> depths_of(const RangeView& view, const Camera& camera) {
-  Grid<float> depths(view.width(), view.height(), static_cast<float>(kNoSample));
-  for (int v = 0; v < view.height(); ++v) {
-    for (int u = 0; u < view.width(); ++u) {
-      if (!view.has_sample(u, v)) continue;
-      const Ray ray = camera.ray(u, v);
-      depths(u, v) = static_cast<float>(ray.range_of(view.point(u, v)) * ray.direction.norm());
-    }
-  }
-  return depths;
-}
-
 Grid<float> tolerance_of(const DepthStack& stack) {
   Grid<float> tolerance(stack.camera.width(), stack.camera.height(), 0.0f);
   parallel_rows(tolerance.height(), [&](int v) {
@@ -82,25 +55,52 @@ Grid<float> tolerance_of(const DepthStack& stack) {
 
 }  // namespace
 
-std::vector<DepthStack> stack_depths(const std::vector<RangeView>& views) {
+bool same_rays(const Camera& a, const Camera& b, double range) {
+  if (a.width() != b.width() || a.height() != b.height()) return false;
+  for (int j = 0; j < kComparedRays; ++j) {
+    for (int i = 0; i < kComparedRays; ++i) {
+      const int u = i * (a.width() - 1) / (kComparedRays - 1);
+      const int v = j * (a.height() - 1) / (kComparedRays - 1);
+      const Eigen::Vector3d point = a.ray(u, v).at(range);
+      const Ray other = b.ray(u, v);
+      const double off = (other.at(other.range_of(point)) - point).norm();
+      if (!(off <= kSamePixel * footprint(a, u, v, point))) return false;
+    }
+  }
+  return true;
+}
+
+Grid<float> depths_of(const RangeView& view, const Camera& camera) {
+  Grid<float> depths(view.width(), view.height(), static_cast<float>(kNoSample));
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      if (!view.has_sample(u, v)) continue;
+      const Ray ray = camera.ray(u, v);
+      depths(u, v) = static_cast<float>(ray.range_of(view.point(u, v)) * ray.direction.norm());
+    }
+  }
+  return depths;
+}
+
+std::vector<DepthStack> stack_depths(const std::vector<const RangeView*>& views) {
   std::vector<DepthStack> stacks;
-  std::vector<double> ranges;
   for (std::size_t i = 0; i < views.size(); ++i) {
     std::size_t k = 0;
-    while (k < stacks.size() && !same_rays(views[stacks[k].views.front()], views[i], ranges[k]))
+    while (k < stacks.size() && !same_rays(stacks[k].camera, views[i]->camera, stacks[k].range))
       ++k;
     if (k == stacks.size()) {
-      stacks.emplace_back().camera = views[i].camera;
-      ranges.push_back(median_range(views[i]));
+      DepthStack& stack = stacks.emplace_back();
+      stack.camera = views[i]->camera;
+      stack.range = median_range(*views[i]);
     }
     stacks[k].views.push_back(i);
   }
   for (DepthStack& stack : stacks) {
     stack.depths = parallel_map<Grid<float>>(stack.size(), [&](std::size_t i) {
-      return depths_of(views[stack.views[i]], stack.camera);
+      return depths_of(*views[stack.views[i]], stack.camera);
     });
     stack.noises = parallel_map<RangeNoise>(
-        stack.size(), [&](std::size_t i) { return estimate_range_noise(views[stack.views[i]]); });
+        stack.size(), [&](std::size_t i) { return estimate_range_noise(*views[stack.views[i]]); });
     stack.tolerance = tolerance_of(stack);
   }
   return stacks;

@@ -75,45 +75,37 @@ void number_pieces(const GridEdges& edges, FixedSurface& surface) {
 FixedSurface find_fixed_surface(const DepthStack& stack) {
   FixedSurface surface;
   surface.depth = Grid<float>(stack.camera.width(), stack.camera.height(), kNoDepth);
+  surface.behind = surface.depth;
   parallel_rows(surface.depth.height(), [&](int v) {
     std::vector<float> depths;
     for (int u = 0; u < surface.depth.width(); ++u) {
       depths_at(stack, u, v, depths);
       surface.depth(u, v) = fixed_depth(depths, stack.tolerance(u, v), stack.size());
+      // One view alone that sees farther may be wrong.
+      if (!depths.empty()) surface.behind(u, v) = depths.size() > 1 ? depths[1] : depths[0];
     }
   });
   number_pieces(connect_samples(as_view(stack, surface.depth)), surface);
   return surface;
 }
 
-std::vector<Grid<SampleKind>> classify_samples(const DepthStack& stack,
-                                               const FixedSurface& surface) {
-  const int width = stack.camera.width(), height = stack.camera.height();
-  std::vector<Grid<SampleKind>> kinds(stack.size(),
-                                      Grid<SampleKind>(width, height, SampleKind::kNone));
-  parallel_rows(height, [&](int v) {
-    std::vector<float> depths;
-    for (int u = 0; u < width; ++u) {
-      depths_at(stack, u, v, depths);
-      if (depths.empty()) continue;
-      const float tolerance = stack.tolerance(u, v);
-      const bool stands = surface.piece(u, v) >= 0;
-      // One view alone that sees farther may be wrong.
-      const float behind = depths.size() > 1 ? depths[1] : depths[0];
-      for (std::size_t i = 0; i < stack.size(); ++i) {
-        const float depth = stack.depths[i](u, v);
-        if (!(depth == depth)) continue;
-        // Nearer than what is surely behind it: that moved in front. What is behind all that stands
-        // still may be seen here by this view alone.
-        if (stands && std::abs(depth - surface.depth(u, v)) <= tolerance)
-          kinds[i](u, v) = SampleKind::kStanding;
-        else if (depth < (stands ? surface.depth(u, v) - tolerance : behind - 2.0f * tolerance))
-          kinds[i](u, v) = SampleKind::kMoving;
-        else
-          kinds[i](u, v) = SampleKind::kUnknown;
-      }
-    }
-  });
+Grid<SampleKind> classify_samples(const FixedSurface& surface, const Grid<float>& tolerance,
+                                  const Grid<float>& depths) {
+  Grid<SampleKind> kinds(depths.width(), depths.height(), SampleKind::kNone);
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    const float depth = depths[i];
+    if (!(depth == depth)) continue;
+    const bool stands = surface.piece[i] >= 0;
+    // Nearer than what is surely behind it: that moved in front. What is behind all that stands
+    // still may be seen here by this view alone.
+    if (stands && std::abs(depth - surface.depth[i]) <= tolerance[i])
+      kinds[i] = SampleKind::kStanding;
+    else if (depth <
+             (stands ? surface.depth[i] - tolerance[i] : surface.behind[i] - 2.0f * tolerance[i]))
+      kinds[i] = SampleKind::kMoving;
+    else
+      kinds[i] = SampleKind::kUnknown;
+  }
   return kinds;
 }
 

@@ -17,6 +17,9 @@ struct FixedSurface {
   /// Pixels that hang together share a number from 0 on; -1: none, or too few.
   Grid<std::int32_t> piece;
   std::size_t pieces = 0;
+  /// The second farthest depth, which two views or more reach, or that of the only one [unit]; NaN
+  /// without any.
+  Grid<float> behind;
 };
 
 FixedSurface find_fixed_surface(const DepthStack& stack);
@@ -29,8 +32,9 @@ enum class SampleKind : std::uint8_t {
   kUnknown,   ///< No other view sees farther here, or only one.
 };
 
-/// The kinds of the samples of each view of the stack.
-std::vector<Grid<SampleKind>> classify_samples(const DepthStack& stack,
-                                               const FixedSurface& surface);
+/// The kinds of the samples of a view. `depths`: along the rays of the stack, `tolerance`: as in
+/// DepthStack.
+Grid<SampleKind> classify_samples(const FixedSurface& surface, const Grid<float>& tolerance,
+                                  const Grid<float>& depths);
 
 }  // namespace relief

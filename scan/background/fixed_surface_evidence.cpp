@@ -45,7 +45,7 @@ class ProbeSet {
 
 // Root mean square distance from their centre of the samples that move, view by view, in the
 // middle of all views [unit].
-double moving_radius(const std::vector<RangeView>& views, const DepthStack& stack,
+double moving_radius(const std::vector<const RangeView*>& views, const DepthStack& stack,
                      const std::vector<Probe>& probes) {
   double squares = 0.0, all = 0.0;
   for (std::size_t begin = 0; begin < probes.size();) {
@@ -54,7 +54,7 @@ double moving_radius(const std::vector<RangeView>& views, const DepthStack& stac
     double sum_squares = 0.0;
     while (end < probes.size() && probes[end].view == probes[begin].view) {
       const Eigen::Vector3d point =
-          views[stack.views[probes[end].view]].point(probes[end].u, probes[end].v);
+          views[stack.views[probes[end].view]]->point(probes[end].u, probes[end].v);
       sum += point;
       sum_squares += point.squaredNorm();
       ++end;
@@ -100,7 +100,7 @@ Sight look_at(const RangeView& view, const Eigen::Vector3d& point, double far) {
 }
 
 // Carries the probes into other views. `radius`: of what moves [unit].
-CarriedSamples test_poses(const std::vector<RangeView>& views, const DepthStack& stack,
+CarriedSamples test_poses(const std::vector<const RangeView*>& views, const DepthStack& stack,
                           const std::vector<Probe>& probes, double radius) {
   const std::size_t step = std::max<std::size_t>(1, stack.size() / kOtherViews);
   const auto add = [](CarriedSamples a, const CarriedSamples& b) {
@@ -111,13 +111,13 @@ CarriedSamples test_poses(const std::vector<RangeView>& views, const DepthStack&
   parallel_for(probes.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
     CarriedSamples& part = parts[begin / kAtOnce];
     for (std::size_t k = begin; k < end; ++k) {
-      const RangeView& from = views[stack.views[probes[k].view]];
+      const RangeView& from = *views[stack.views[probes[k].view]];
       const Eigen::Vector3d in_view = from.point(probes[k].u, probes[k].v);
       const Eigen::Vector3d in_world = from.world_from_view * in_view;
       const double far = kFar * std::min(radius, in_view.norm());
       for (std::size_t other = probes[k].view % step; other < stack.size(); other += step) {
         if (other == probes[k].view) continue;
-        const RangeView& to = views[stack.views[other]];
+        const RangeView& to = *views[stack.views[other]];
         const Eigen::Vector3d point = to.world_from_view.inverse() * in_world;
         if ((point - in_view).norm() < kTelling * far) continue;
         switch (look_at(to, point, far)) {
@@ -210,8 +210,8 @@ double PieceEvidence::attached_share() const {
   return beside > 0 ? static_cast<double>(attached) / static_cast<double>(beside) : 0.0;
 }
 
-FixedSurfaceEvidence gather_evidence(const std::vector<RangeView>& views, const DepthStack& stack,
-                                     const FixedSurface& surface,
+FixedSurfaceEvidence gather_evidence(const std::vector<const RangeView*>& views,
+                                     const DepthStack& stack, const FixedSurface& surface,
                                      const std::vector<Grid<SampleKind>>& kinds,
                                      const std::vector<GridEdges>& edges) {
   FixedSurfaceEvidence evidence;
@@ -221,8 +221,8 @@ FixedSurfaceEvidence gather_evidence(const std::vector<RangeView>& views, const 
   Extent moving_extent(width, height);
   evidence.has_poses = true;
   for (std::size_t i = 0; i < stack.size(); ++i) {
-    evidence.has_poses = evidence.has_poses && views[stack.views[i]].pose != PoseKind::kAbsent &&
-                         views[stack.views[i]].camera.can_project();
+    evidence.has_poses = evidence.has_poses && views[stack.views[i]]->pose != PoseKind::kAbsent &&
+                         views[stack.views[i]]->camera.can_project();
     std::vector<bool> seen(surface.pieces, false);
     const auto object = moving_object(kinds[i], edges[i]);
     for (int v = 0; v < height; ++v) {

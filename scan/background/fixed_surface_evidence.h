@@ -36,8 +36,8 @@ struct FixedSurfaceEvidence {
 };
 
 /// `edges` are those of each view of the stack.
-FixedSurfaceEvidence gather_evidence(const std::vector<RangeView>& views, const DepthStack& stack,
-                                     const FixedSurface& surface,
+FixedSurfaceEvidence gather_evidence(const std::vector<const RangeView*>& views,
+                                     const DepthStack& stack, const FixedSurface& surface,
                                      const std::vector<Grid<SampleKind>>& kinds,
                                      const std::vector<GridEdges>& edges);
 

@@ -17,9 +17,10 @@ namespace relief {
 namespace {
 
 constexpr std::size_t kFewestViews = 3;
-constexpr double kLeastPart = 0.01;  // fraction of the samples: less does not stand or move
-constexpr double kRefuted = 0.5;     // share of refuted samples of a background
-constexpr double kConfirmed = 0.2;   // and of what the poses describe
+constexpr std::size_t kSearched = 64;  // Views that tell what stands still; bounds memory and time.
+constexpr double kLeastPart = 0.01;    // fraction of the samples: less does not stand or move
+constexpr double kRefuted = 0.5;       // share of refuted samples of a background
+constexpr double kConfirmed = 0.2;     // and of what the poses describe
 // fraction of the pixels between both that no occlusion edge parts
 constexpr double kMostAttached = 0.05;
 constexpr int kSidesBeyond = 3;  // of the four sides of the image
@@ -47,22 +48,23 @@ std::size_t count(const Grid<std::uint8_t>& mask) {
   return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1));
 }
 
+using Views = std::vector<const RangeView*>;
+
 // What is found with one tolerance.
 struct Attempt {
   FixedSurface surface;
-  std::vector<Grid<SampleKind>> kinds;
   std::vector<Verdict> verdicts;
   std::size_t background = 0, undecided = 0;  // Samples on such pieces.
 };
 
-Attempt attempt(const std::vector<RangeView>& views, const DepthStack& stack,
-                const std::vector<GridEdges>& edges) {
+Attempt attempt(const Views& views, const DepthStack& stack, const std::vector<GridEdges>& edges) {
   Attempt result;
   result.surface = find_fixed_surface(stack);
   if (result.surface.pieces == 0) return result;
-  result.kinds = classify_samples(stack, result.surface);
-  const FixedSurfaceEvidence evidence =
-      gather_evidence(views, stack, result.surface, result.kinds, edges);
+  const auto kinds = parallel_map<Grid<SampleKind>>(stack.size(), [&](std::size_t i) {
+    return classify_samples(result.surface, stack.tolerance, stack.depths[i]);
+  });
+  const FixedSurfaceEvidence evidence = gather_evidence(views, stack, result.surface, kinds, edges);
   const double least = kLeastPart * static_cast<double>(evidence.fixed + evidence.moving);
   const bool moves = static_cast<double>(evidence.moving) >= least;
   for (const PieceEvidence& piece : evidence.pieces) {
@@ -77,8 +79,7 @@ Attempt attempt(const std::vector<RangeView>& views, const DepthStack& stack,
 
 // Noise that neighbouring samples share is larger than their differences show: wider tolerances are
 // tried, and the narrowest that covers the background is taken.
-Attempt best_attempt(const std::vector<RangeView>& views, DepthStack& stack,
-                     const std::vector<GridEdges>& edges) {
+Attempt best_attempt(const Views& views, DepthStack& stack, const std::vector<GridEdges>& edges) {
   const Grid<float> narrow = stack.tolerance;
   const auto widen = [&](float factor) {
     for (std::size_t i = 0; i < narrow.size(); ++i) stack.tolerance[i] = factor * narrow[i];
@@ -96,30 +97,63 @@ Attempt best_attempt(const std::vector<RangeView>& views, DepthStack& stack,
   return attempt(views, stack, edges);
 }
 
-void search(const std::vector<RangeView>& views, DepthStack& stack, StaticBackground& found) {
-  const auto edges = parallel_map<GridEdges>(stack.size(), [&](std::size_t i) {
-    return connect_samples(views[stack.views[i]], stack.noises[i]);
-  });
-  const Attempt best = best_attempt(views, stack, edges);
-  found.undecided += best.undecided;
-  if (best.background == 0) return;
-  Grid<float> background = best.surface.depth;
-  for (std::size_t i = 0; i < background.size(); ++i) {
-    const std::int32_t piece = best.surface.piece[i];
-    if (piece < 0 || best.verdicts[static_cast<std::size_t>(piece)] != Verdict::kBackground)
-      background[i] = static_cast<float>(kNoSample);
+// The backgrounds of all cameras that some of the views were taken with.
+class Backgrounds {
+ public:
+  explicit Backgrounds(const Views& views) {
+    for (DepthStack& stack : stack_depths(views))
+      if (stack.size() >= kFewestViews) search(views, stack);
   }
-  auto masks = parallel_map<Grid<std::uint8_t>>(stack.size(), [&](std::size_t i) {
-    return mark_background(stack, i, best.kinds[i], background, edges[i]);
-  });
-  for (std::size_t i = 0; i < stack.size(); ++i) {
-    const std::size_t samples = count(masks[i]);
-    // A view of nothing but background is left to the user.
-    if (samples == 0 || samples == views[stack.views[i]].sample_count()) continue;
-    found.samples += samples;
-    ++found.views;
-    found.masks[stack.views[i]] = std::move(masks[i]);
+
+  bool any() const { return !cameras_.empty(); }
+  std::size_t undecided() const { return undecided_; }
+
+  // Empty where the view has none. A view of nothing but background is left to the user.
+  Grid<std::uint8_t> mask(const RangeView& view) const {
+    for (const CameraBackground& known : cameras_) {
+      if (!same_rays(known.camera, view.camera, known.range)) continue;
+      auto mask = mark_background(known, depths_of(view, known.camera), connect_samples(view));
+      const std::size_t samples = count(mask);
+      if (samples == 0 || samples == view.sample_count()) return {};
+      return mask;
+    }
+    return {};
   }
+
+ private:
+  void search(const Views& views, DepthStack& stack) {
+    const auto edges = parallel_map<GridEdges>(stack.size(), [&](std::size_t i) {
+      return connect_samples(*views[stack.views[i]], stack.noises[i]);
+    });
+    Attempt best = best_attempt(views, stack, edges);
+    undecided_ += best.undecided;
+    if (best.background == 0) return;
+    Grid<float> background = best.surface.depth;
+    for (std::size_t i = 0; i < background.size(); ++i) {
+      const std::int32_t piece = best.surface.piece[i];
+      if (piece < 0 || best.verdicts[static_cast<std::size_t>(piece)] != Verdict::kBackground)
+        background[i] = static_cast<float>(kNoSample);
+    }
+    cameras_.push_back({stack.camera, stack.range, std::move(stack.tolerance),
+                        std::move(best.surface), std::move(background)});
+  }
+
+  std::vector<CameraBackground> cameras_;
+  std::size_t undecided_ = 0;
+};
+
+// All of few views, and some evenly of many.
+std::vector<std::size_t> views_to_search(std::size_t views) {
+  std::vector<std::size_t> chosen(std::min(views, kSearched));
+  for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = k * views / chosen.size();
+  return chosen;
+}
+
+void add_mask(Grid<std::uint8_t> mask, std::size_t i, StaticBackground& found) {
+  if (mask.empty()) return;
+  found.samples += count(mask);
+  ++found.views;
+  found.masks[i] = std::move(mask);
 }
 
 }  // namespace
@@ -128,8 +162,38 @@ StaticBackground find_static_background(const std::vector<RangeView>& views) {
   StaticBackground found;
   found.masks.resize(views.size());
   if (views.size() < kFewestViews) return found;
-  for (DepthStack& stack : stack_depths(views))
-    if (stack.size() >= kFewestViews) search(views, stack, found);
+  Views searched;
+  for (const std::size_t i : views_to_search(views.size())) searched.push_back(&views[i]);
+  const Backgrounds backgrounds(searched);
+  found.undecided = backgrounds.undecided();
+  if (!backgrounds.any()) return found;
+  auto masks = parallel_map<Grid<std::uint8_t>>(
+      views.size(), [&](std::size_t i) { return backgrounds.mask(views[i]); });
+  for (std::size_t i = 0; i < views.size(); ++i) add_mask(std::move(masks[i]), i, found);
+  return found;
+}
+
+Result<StaticBackground> find_static_background(std::size_t views, const LoadRanges& load) {
+  StaticBackground found;
+  found.masks.resize(views);
+  if (views < kFewestViews) return found;
+  std::vector<std::shared_ptr<const RangeView>> held;
+  Views searched;
+  for (const std::size_t i : views_to_search(views)) {
+    auto view = load(i);
+    if (!view) return view.error();
+    held.push_back(std::move(*view));
+    searched.push_back(held.back().get());
+  }
+  const Backgrounds backgrounds(searched);
+  held.clear();
+  found.undecided = backgrounds.undecided();
+  if (!backgrounds.any()) return found;
+  for (std::size_t i = 0; i < views; ++i) {
+    const auto view = load(i);
+    if (!view) return view.error();
+    add_mask(backgrounds.mask(**view), i, found);
+  }
   return found;
 }
 

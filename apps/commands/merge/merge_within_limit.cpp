@@ -60,25 +60,24 @@ void drop_damaged(std::vector<ViewSpec>& specs) {
   });
 }
 
-// The background of views that are read one at a time and of which only the ranges are kept.
+// Views are read one at a time, and only their ranges kept.
 Result<StaticBackground> find_background(const ProjectInput& input,
                                          const std::vector<ViewSpec>& specs) {
   StaticBackground none;
   none.masks.resize(specs.size());
   if (!input.look_for_background || input.keep_background) return none;
-  std::vector<RangeView> views;
-  for (const ViewSpec& spec : specs) {
-    auto loaded = load_view(spec);
+  auto found = find_static_background(specs.size(), [&](std::size_t i) -> Result<SharedView> {
+    auto loaded = load_view(specs[i]);
     if (!loaded) return loaded.error();
-    RangeView view;
-    view.camera = loaded->view.camera;
-    view.range = std::move(loaded->view.range);
-    view.world_from_view = loaded->view.world_from_view;
-    view.pose = loaded->view.pose;
-    views.push_back(std::move(view));
-  }
-  StaticBackground found = find_static_background(views);
-  for (const std::string& line : describe(found, true)) Console::info(line);
+    RangeView ranges;
+    ranges.camera = loaded->view.camera;
+    ranges.range = std::move(loaded->view.range);
+    ranges.world_from_view = loaded->view.world_from_view;
+    ranges.pose = loaded->view.pose;
+    return SharedView(std::make_shared<const RangeView>(std::move(ranges)));
+  });
+  if (found)
+    for (const std::string& line : describe(*found, true)) Console::info(line);
   return found;
 }
 

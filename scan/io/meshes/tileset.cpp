@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+// Geometric error of a tile in lengths of its edges: these are 2 pixels where 16 are admitted.
 constexpr double kErrorOfEdge = 8.0;
 
 // Viewers turn glTF, whose second axis is up, so that the third is: (x, y, z) -> (x, -z, y).

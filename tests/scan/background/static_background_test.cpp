@@ -1,6 +1,8 @@
 #include "relief/scan/static_background.h"
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <string>
 
@@ -10,6 +12,7 @@
 
 #include "relief/scan/context.h"
 #include "tests/support/degree.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/scenes/synthetic_views.h"
 
 namespace relief {
@@ -280,6 +283,38 @@ TEST(StaticBackground, ObjectsThatDoNotMoveAreKept) {
   for (std::size_t i = 0; i < views.size(); ++i)
     testing::add_range_noise(views[i], kNoise, static_cast<std::uint32_t>(20 + i));
   EXPECT_EQ(find_static_background(views).samples, 0u);
+}
+
+TEST(StaticBackground, SomeOfManyViewsTellThatOfAll) {
+  Scans scans = turn(figure(), kPlate, 70);
+  const StaticBackground found = find_static_background(scans.views);
+  const Mistakes errors = mistakes(scans, found);
+  EXPECT_EQ(found.views, 70u);
+  EXPECT_EQ(errors.wrong, 0u);
+  EXPECT_EQ(errors.far, 0u);
+}
+
+TEST(StaticBackground, ViewsLoadedOneAtATimeHaveTheSame) {
+  for (const int count : {6, 70}) {
+    const Scans scans = turn(figure(), kPlate, count);
+    const StaticBackground all = find_static_background(scans.views);
+    const auto load = [&](std::size_t i) -> Result<std::shared_ptr<const RangeView>> {
+      return std::make_shared<const RangeView>(scans.views[i]);
+    };
+    const StaticBackground loaded =
+        testing::value_of(find_static_background(scans.views.size(), load));
+    EXPECT_EQ(all.samples, loaded.samples);
+    EXPECT_EQ(all.undecided, loaded.undecided);
+    for (std::size_t i = 0; i < all.masks.size(); ++i)
+      EXPECT_TRUE(std::equal(all.masks[i].begin(), all.masks[i].end(), loaded.masks[i].begin()));
+  }
+}
+
+TEST(StaticBackground, AViewThatCannotBeLoadedIsAnError) {
+  const auto load = [](std::size_t) -> Result<std::shared_ptr<const RangeView>> {
+    return Error{ErrorKind::kBadInput, "damaged"};
+  };
+  EXPECT_THAT(find_static_background(5, load), testing::HasError(ErrorKind::kBadInput));
 }
 
 TEST(StaticBackground, ThreadsMakeNoDifference) {

@@ -2,11 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "relief/scan/grid.h"
 #include "relief/scan/range_view.h"
+#include "relief/scan/result.h"
 
 namespace relief {
 
@@ -18,7 +21,8 @@ struct StaticBackground {
   std::size_t samples = 0;  ///< Of the background, in all views.
   std::size_t views = 0;    ///< With background.
   /// Samples that stand still, too, but may as well belong to the object, such as those of a
-  /// turned foot that looks the same from all sides. They are no background.
+  /// turned foot that looks the same from all sides. They are no background. Of many views those
+  /// of 64 are counted.
   std::size_t undecided = 0;
 };
 
@@ -28,8 +32,16 @@ struct StaticBackground {
 ///   see through it there, with nothing within a tenth of the radius of what moves; or
 /// - without such poses, if it reaches beyond what moves on three sides of the image or more and is
 ///   continuous with it nowhere, but for a twentieth of the pixels where both meet.
-/// Nothing is found where nothing moves. The same for any number of threads.
+/// Nothing is found where nothing moves. Of many views some tell what stands still. The same for
+/// any number of threads.
 StaticBackground find_static_background(const std::vector<RangeView>& views);
+
+/// Gives a view, of which ranges, camera and pose are used.
+using LoadRanges = std::function<Result<std::shared_ptr<const RangeView>>(std::size_t view)>;
+
+/// The same for views that are loaded one at a time. At most 64 are held at once. Errors are those
+/// of `load`.
+Result<StaticBackground> find_static_background(std::size_t views, const LoadRanges& load);
 
 /// Takes the samples of the background out of the views.
 void remove_background(const StaticBackground& background, std::vector<RangeView>& views);
