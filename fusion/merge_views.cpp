@@ -195,7 +195,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   if (!inputs) return inputs.error();
   const SampleQuality& quality = inputs->quality;
   const Progress preparing = part_of(context.progress, 0.0, kPrepared);
-  PagedSurfaceOptions surfaces{.memory = memory};
+  PagedSurfaceOptions surfaces{.voxel_size = options.voxel_size, .memory = memory};
   surfaces.weights.silhouette_ramp = options.silhouette_ramp;
   surfaces.weights.nominal_deviation = quality.deviation;
   auto prepared = prepare_samplers(views, surfaces, preparing);

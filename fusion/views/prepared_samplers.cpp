@@ -7,20 +7,36 @@
 
 #include "scan/base/parallel.h"
 #include "scan/base/usable_pose.h"
+#include "scan/grid/binned_view.h"
 
 namespace relief::fusion {
 
 namespace {
 
+using SharedView = std::shared_ptr<const RangeView>;
+
 // What preparing a view takes for a while, per pixel of its grid [bytes]: normals, edges, borders,
 // and a copy of it with its small gaps filled.
 constexpr std::size_t kPreparation = 150;
+
+// Samples to a voxel, along each axis, of a view that is merged with large voxels: more would only
+// cost time and memory, and a lattice that takes single ones would keep their noise.
+constexpr double kSamplesOfVoxel = 2.0;
+
+// The view with pixels as large as voxels admit.
+SharedView as_large_as_needed(const SharedView& view, double voxel_size) {
+  const double spacing = voxel_size > 0.0 ? rough_spacing(*view) : 0.0;
+  if (!(spacing > 0.0)) return view;
+  const double factor = std::min(voxel_size / (kSamplesOfVoxel * spacing), 1000.0);
+  auto binned = bin_view(*view, static_cast<int>(factor));
+  return binned ? std::make_shared<const RangeView>(std::move(*binned)) : view;
+}
 
 // Adds views begin to end - 1, prepared side by side. `any_pose`: whether one had a pose so far.
 Result<void> add_views(const ViewSource& views, std::size_t begin, std::size_t end,
                        const PagedSurfaceOptions& options, PreparedSamplers& prepared,
                        bool& any_pose) {
-  std::vector<std::shared_ptr<const RangeView>> used;
+  std::vector<SharedView> used;
   std::vector<std::size_t> index;
   for (std::size_t i = begin; i < end; ++i) {
     auto view = views.load(i);
@@ -36,8 +52,9 @@ Result<void> add_views(const ViewSource& views, std::size_t begin, std::size_t e
   any_pose = any_pose || !used.empty();
   for (const auto& view : used) evict_pages(options.memory, kPreparation * view->range.size());
   using Prepared = std::optional<Result<ViewSampler>>;
-  auto samplers = parallel_map<Prepared>(
-      used.size(), [&](std::size_t k) { return Prepared(ViewSampler::create(*used[k], options)); });
+  auto samplers = parallel_map<Prepared>(used.size(), [&](std::size_t k) {
+    return Prepared(ViewSampler::create(*as_large_as_needed(used[k], options.voxel_size), options));
+  });
   for (std::size_t k = 0; k < used.size(); ++k) {
     if (!*samplers[k]) return samplers[k]->error();
     if ((*samplers[k])->empty()) {

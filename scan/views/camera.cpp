@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <vector>
 
 #include <Eigen/Dense>
 
@@ -26,6 +27,14 @@ Ray interpolate(const Grid<Ray>& rays, double u, double v) {
            b * ((1 - a) * rays(u0, v1).*member + a * rays(u1, v1).*member);
   };
   return {blend(&Ray::origin), blend(&Ray::direction)};
+}
+
+// The means of `factor` angles one after the other.
+std::vector<double> mean_angles(const std::vector<double>& angles, int count, int factor) {
+  std::vector<double> means(static_cast<std::size_t>(count), 0.0);
+  for (std::size_t i = 0; i < means.size() * static_cast<std::size_t>(factor); ++i)
+    means[i / static_cast<std::size_t>(factor)] += angles[i] / factor;
+  return means;
 }
 
 }  // namespace
@@ -129,6 +138,25 @@ std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& point) con
       return projection_ ? projection_->project(point) : std::nullopt;
   }
   return std::nullopt;
+}
+
+std::optional<Camera> Camera::binned(int factor) const {
+  if (factor < 2 || model_ == Model::kRayTable) return std::nullopt;
+  Camera camera = *this;
+  camera.width_ = width_ / factor;
+  camera.height_ = height_ / factor;
+  if (camera.width_ < 2 || camera.height_ < 2) return std::nullopt;
+  const double middle = (factor - 1) / 2.0;  // Of the first large pixel.
+  camera.intrinsics_ = {intrinsics_.fx / factor, intrinsics_.fy / factor,
+                        (intrinsics_.cx - middle) / factor, (intrinsics_.cy - middle) / factor};
+  camera.origin_ = origin_ + middle * (step_u_ + step_v_);
+  camera.step_u_ = factor * step_u_;
+  camera.step_v_ = factor * step_v_;
+  if (spherical_)
+    camera.spherical_ = std::make_shared<const SphericalProjection>(
+        SphericalProjection{mean_angles(spherical_->azimuth, camera.width_, factor),
+                            mean_angles(spherical_->elevation, camera.height_, factor)});
+  return camera;
 }
 
 std::string_view to_string(Camera::Model model) {

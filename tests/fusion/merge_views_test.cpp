@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -41,6 +42,19 @@ bool same(const TriangleMesh& a, const TriangleMesh& b) {
   return a.vertices == b.vertices && a.faces == b.faces && a.normals == b.normals &&
          a.quality == b.quality && a.views == b.views && a.source_views == b.source_views &&
          a.filled == b.filled;
+}
+
+TEST(MergeViews, LargeVoxelsTakeTheMeanOfTheSamples) {
+  const testing::Surface surface = testing::sphere(Eigen::Vector3d::Zero(), 50.0);
+  std::vector<RangeView> views = views_around(surface, 8, 160, 50.0);
+  const double exact = measured_rms(merged(views, {.voxel_size = 6.0}), sphere_distance(50.0));
+  constexpr double kNoise = 0.5;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    testing::add_range_noise(views[i], kNoise, static_cast<std::uint32_t>(i));
+  const MergeResult result = merged(views, {.voxel_size = 6.0});
+  EXPECT_TRUE(result.check.watertight());
+  EXPECT_LT(measured_rms(result, sphere_distance(50.0)), std::hypot(exact, 0.25 * kNoise))
+      << "of some 16 samples, each view has the mean";
 }
 
 TEST(MergeViews, ASphereConvergesWithTheSquareOfTheResolution) {

@@ -63,6 +63,11 @@ class Camera {
     return model_ != Model::kRayTable || projection_.has_value() || spherical_;
   }
 
+  /// The camera with pixels so many times as wide and high, of which the first covers the first
+  /// ones here; pixels that fill none of these are left out. Nothing for a table of rays, for
+  /// factors below 2, or where fewer than two rows or columns are left.
+  std::optional<Camera> binned(int factor) const;
+
   /// The map of a table of rays, where it has one of this kind.
   const std::optional<RationalProjection>& projection() const { return projection_; }
   /// The angles of a spherical camera, or of a table of rays that is nearly one; else null.
