@@ -191,4 +191,19 @@ Result<std::string> read_file(const fs::path& path) {
   }
 }
 
+Result<std::string> read_file(const fs::path& path, std::size_t begin, std::size_t end) {
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.is_open()) return bad_input(path, std::string("cannot open: ") + std::strerror(errno));
+  std::string content(end - begin, '\0');
+  for (std::size_t at = 0; at < content.size();) {
+    const ssize_t count = ::pread(file.get(), content.data() + at, content.size() - at,
+                                  static_cast<off_t>(begin + at));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return bad_input(path, std::string("cannot read: ") + std::strerror(errno));
+    if (count == 0) return bad_input(path, "the file got shorter while it was read");
+    at += static_cast<std::size_t>(count);
+  }
+  return content;
+}
+
 }  // namespace relief

@@ -30,5 +30,8 @@ Result<void> write_file(const std::filesystem::path& path, std::string_view cont
 
 /// A whole file in memory. kBadInput when it cannot be read.
 Result<std::string> read_file(const std::filesystem::path& path);
+/// Its bytes from `begin` to before `end`. kBadInput when it is shorter.
+Result<std::string> read_file(const std::filesystem::path& path, std::size_t begin,
+                              std::size_t end);
 
 }  // namespace relief

@@ -12,6 +12,7 @@
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/folder_guess.h"
 #include "scan/io/project/no_project.h"
+#include "scan/io/project/ptx_views.h"
 #include "scan/io/project/scan_file.h"
 #include "scan/io/project/view_spec.h"
 #include "scan/io/workspaces/colmap/colmap_workspace.h"
@@ -282,7 +283,9 @@ Result<ProjectSpec> read_project_spec(const fs::path& path, const ReadProjectOpt
   if (!fs::exists(path, code)) return bad_input(path, "no such file or folder");
   auto project =
       fs::is_directory(path, code) ? spec_of_folder(path, options) : spec_of_file(path, options);
-  if (!project || options.fc_file.empty()) return project;
+  if (!project) return project;
+  complete_ptx_views(*project);
+  if (options.fc_file.empty()) return project;
   const auto camera = read_fc(options.fc_file);
   if (!camera) return camera.error();
   for (auto& view : project->views)

@@ -42,9 +42,14 @@ Result<GridFile> grid_of(Result<PointCloudFile> cloud, const fs::path& path,
   return grid;
 }
 
+Result<GridFile> read_ptx_scan(const fs::path& path, const GridOptions& options, PtxMatrix matrix) {
+  return options.ptx ? read_ptx_scan(path, *options.ptx, matrix)
+                     : read_ptx_scan(path, options.scan, matrix);
+}
+
 // A matrix that is no rigid motion cannot be a pose. Points that it is applied to are in the world.
-Result<GridFile> read_in_world(const fs::path& path, int scan, const Error& why) {
-  auto grid = read_ptx_scan(path, scan, PtxMatrix::kApply);
+Result<GridFile> read_in_world(const fs::path& path, const GridOptions& options, const Error& why) {
+  auto grid = read_ptx_scan(path, options, PtxMatrix::kApply);
   if (!grid) return grid;
   grid->world_from_view = RigidMotion::Identity();
   grid->notes.push_back("the matrix was applied to the points: " + why.message);
@@ -53,8 +58,8 @@ Result<GridFile> read_in_world(const fs::path& path, int scan, const Error& why)
 
 // One row or column of points is no grid.
 Result<GridFile> read_ptx(const fs::path& path, const GridOptions& options) {
-  auto grid = read_ptx_scan(path, options.scan);
-  if (!grid) grid = read_in_world(path, options.scan, grid.error());
+  auto grid = read_ptx_scan(path, options, PtxMatrix::kPose);
+  if (!grid) grid = read_in_world(path, options, grid.error());
   if (!grid || (grid->points.width() > 1 && grid->points.height() > 1)) return grid;
   return grid_of(cloud_of_grid(*grid), path, options);
 }
@@ -124,7 +129,11 @@ ScanFileKind kind_of_scan_file(const fs::path& path) {
 
 Result<int> scans_in_file(const fs::path& path) {
   const std::string ending = lower_ending(path);
-  if (ending == ".ptx") return count_ptx_scans(path);
+  if (ending == ".ptx") {
+    const auto scans = list_ptx_scans(path);
+    if (!scans) return scans.error();
+    return static_cast<int>(scans->size());
+  }
   if (ending != ".e57") return 1;
   const auto scans = list_e57_scans(path);
   if (!scans) return scans.error();

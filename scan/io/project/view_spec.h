@@ -14,6 +14,7 @@
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
+#include "scan/io/clouds/files/ptx_file.h"
 #include "scan/io/images/image_size.h"
 
 namespace relief {
@@ -69,6 +70,8 @@ struct GridOptions {
   bool ignore_pose = false;  ///< The pose that the file tells is not taken.
   /// Files that tell no pose are all in one frame: their pose is the identity, a guess.
   bool shared_frame = false;
+  /// Where the scan is in a PTX file, where that is known: it is read without those before it.
+  std::optional<PtxScan> ptx = {};
 };
 
 /// One view as a project describes it, before its data is read. File names are resolved.

@@ -9,6 +9,7 @@
 #include "scan/io/clouds/grey_of_intensity.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/files/mapped_file.h"
 #include "scan/io/files/text_lines.h"
 
 namespace relief {
@@ -34,8 +35,12 @@ struct PtxHeader {
 // Reads one scan after the other. Empty lines do not count.
 class PtxParser {
  public:
-  PtxParser(std::string_view content, const std::filesystem::path& path)
-      : rest_(without_byte_order_mark(content)), path_(path) {}
+  PtxParser(std::string_view content, const std::filesystem::path& path,
+            std::size_t lines_before = 0)
+      : rest_(without_byte_order_mark(content)), path_(path), line_number_(lines_before) {}
+
+  std::size_t bytes_left() const { return rest_.size(); }
+  std::size_t lines_read() const { return line_number_; }
 
   // Whether something follows.
   bool has_more() const {
@@ -167,7 +172,7 @@ class PtxParser {
 
   std::string_view rest_;
   const std::filesystem::path& path_;
-  std::size_t line_number_ = 0;
+  std::size_t line_number_;
 };
 
 // Where points have no colours, the intensities become them.
@@ -247,19 +252,41 @@ Result<void> apply_matrix(const PtxHeader& header, const PtxParser& parser, Grid
   return {};
 }
 
-}  // namespace
-
-Result<int> count_ptx_scans(std::string_view content, const std::filesystem::path& path) {
+// Calls `passed` after each scan.
+template <typename Passed>
+Result<std::vector<PtxScan>> list_scans(std::string_view content, const std::filesystem::path& path,
+                                        const Passed& passed) {
   PtxParser parser(content, path);
-  int scans = 0;
+  std::vector<PtxScan> scans;
   do {
+    PtxScan& scan = scans.emplace_back();
+    scan.begin = content.size() - parser.bytes_left();
+    scan.lines_before = parser.lines_read();
     const auto header = parser.read_header();
     if (!header) return header.error();
     if (auto skipped = parser.skip_points(*header); !skipped) return skipped.error();
-    ++scans;
+    scan.end = content.size() - parser.bytes_left();
+    scan.has_pose = header->world_from_view != Eigen::Matrix4d::Identity();
+    passed(scan);
   } while (parser.has_more());
   return scans;
 }
+
+Result<GridFile> parse_points(const PtxHeader& header, PtxMatrix matrix, PtxParser& parser) {
+  // Before the points: an error there takes no time to find.
+  GridFile told;
+  if (matrix == PtxMatrix::kPose)
+    if (auto pose = set_pose(header, parser, told); !pose) return pose.error();
+  auto grid = parser.read_points(header);
+  if (!grid) return grid;
+  grid->world_from_view = told.world_from_view;
+  grid->notes = std::move(told.notes);
+  if (matrix == PtxMatrix::kApply)
+    if (auto applied = apply_matrix(header, parser, *grid); !applied) return applied.error();
+  return grid;
+}
+
+}  // namespace
 
 Result<GridFile> parse_ptx_scan(std::string_view content, const std::filesystem::path& path,
                                 int scan, PtxMatrix matrix) {
@@ -274,30 +301,36 @@ Result<GridFile> parse_ptx_scan(std::string_view content, const std::filesystem:
       if (auto skipped = parser.skip_points(*header); !skipped) return skipped.error();
       continue;
     }
-    // Before the points: an error there takes no time to find.
-    GridFile told;
-    if (matrix == PtxMatrix::kPose)
-      if (auto pose = set_pose(*header, parser, told); !pose) return pose.error();
-    auto grid = parser.read_points(*header);
-    if (!grid) return grid;
-    grid->world_from_view = told.world_from_view;
-    grid->notes = std::move(told.notes);
-    if (matrix == PtxMatrix::kApply)
-      if (auto applied = apply_matrix(*header, parser, *grid); !applied) return applied.error();
-    return grid;
+    return parse_points(*header, matrix, parser);
   }
 }
 
-Result<int> count_ptx_scans(const std::filesystem::path& path) {
-  const auto content = read_file(path);
-  if (!content) return content.error();
-  return count_ptx_scans(*content, path);
+Result<std::vector<PtxScan>> list_ptx_scans(std::string_view content,
+                                            const std::filesystem::path& path) {
+  return list_scans(content, path, [](const PtxScan&) {});
+}
+
+Result<std::vector<PtxScan>> list_ptx_scans(const std::filesystem::path& path) {
+  const auto file = MappedFile::open(path);
+  if (!file) return file.error();
+  return list_scans(file->content(), path,
+                    [&](const PtxScan& scan) { file->release_before(scan.end); });
 }
 
 Result<GridFile> read_ptx_scan(const std::filesystem::path& path, int scan, PtxMatrix matrix) {
   const auto content = read_file(path);
   if (!content) return content.error();
   return parse_ptx_scan(*content, path, scan, matrix);
+}
+
+Result<GridFile> read_ptx_scan(const std::filesystem::path& path, const PtxScan& scan,
+                               PtxMatrix matrix) {
+  const auto content = read_file(path, scan.begin, scan.end);
+  if (!content) return content.error();
+  PtxParser parser(*content, path, scan.lines_before);
+  const auto header = parser.read_header();
+  if (!header) return header.error();
+  return parse_points(*header, matrix, parser);
 }
 
 }  // namespace relief

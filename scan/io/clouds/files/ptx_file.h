@@ -17,9 +17,17 @@ enum class PtxMatrix {
   kApply,  ///< It is applied to the points, which are then in the world; any finite matrix will do.
 };
 
-/// How many scans a PTX file holds, at least one. Errors as below.
-Result<int> count_ptx_scans(std::string_view content, const std::filesystem::path& path);
-Result<int> count_ptx_scans(const std::filesystem::path& path);
+/// Where a scan is in a PTX file.
+struct PtxScan {
+  std::size_t begin = 0, end = 0;  ///< Its bytes.
+  std::size_t lines_before = 0;
+  bool has_pose = false;  ///< Its matrix is not the identity.
+};
+
+/// The scans of a PTX file, at least one. Errors as below.
+Result<std::vector<PtxScan>> list_ptx_scans(std::string_view content,
+                                            const std::filesystem::path& path);
+Result<std::vector<PtxScan>> list_ptx_scans(const std::filesystem::path& path);
 
 /// Scan `scan`, counted from 0, of a PTX file: the text of Leica's programs. Columns of the file
 /// are columns of the grid; its rows are counted upwards, so the last row of a column has v = 0.
@@ -34,6 +42,9 @@ Result<int> count_ptx_scans(const std::filesystem::path& path);
 Result<GridFile> parse_ptx_scan(std::string_view content, const std::filesystem::path& path,
                                 int scan, PtxMatrix matrix = PtxMatrix::kPose);
 Result<GridFile> read_ptx_scan(const std::filesystem::path& path, int scan,
+                               PtxMatrix matrix = PtxMatrix::kPose);
+/// The same at once, where its place is known.
+Result<GridFile> read_ptx_scan(const std::filesystem::path& path, const PtxScan& scan,
                                PtxMatrix matrix = PtxMatrix::kPose);
 
 /// The text of a PTX file with one scan for each view, as read_ptx_scan reads it: the numbers are

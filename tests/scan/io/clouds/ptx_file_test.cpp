@@ -92,11 +92,35 @@ TEST(PtxFile, AnIntensityThatIsTheSameEverywhereIsNoColour) {
 
 TEST(PtxFile, ReadsEachOfSeveralScans) {
   const std::string content = scan_text(kIdentityMatrix) + scan_text(kQuarterTurn) + "\n";
-  EXPECT_EQ(*count_ptx_scans(content, "a.ptx"), 2);
+  EXPECT_EQ(list_ptx_scans(content, "a.ptx")->size(), 2u);
   EXPECT_FALSE(parse_ptx_scan(content, "a.ptx", 0)->world_from_view.has_value());
   EXPECT_TRUE(parse_ptx_scan(content, "a.ptx", 1)->world_from_view.has_value());
   EXPECT_THAT(parse(content, 2), HasError("a.ptx: there is no scan 2; it holds 2"));
   EXPECT_THAT(parse(content, -1), HasError("no scan -1"));
+}
+
+TEST(PtxFile, AScanIsReadFromItsPlace) {
+  const TemporaryFolder folder;
+  const std::string second = scan_text(kQuarterTurn);
+  const auto path = folder.write("a.ptx", "\xEF\xBB\xBF" + scan_text(kIdentityMatrix) + "\n\n" +
+                                              second + scan_text(kIdentityMatrix));
+  const auto scans = value_of(list_ptx_scans(path));
+  ASSERT_EQ(scans.size(), 3u);
+  EXPECT_FALSE(scans[0].has_pose);
+  EXPECT_TRUE(scans[1].has_pose);
+  for (int i = 0; i < 3; ++i) {
+    const auto there = value_of(read_ptx_scan(path, scans[static_cast<std::size_t>(i)]));
+    const auto all = value_of(read_ptx_scan(path, i));
+    EXPECT_EQ(there.points(0, 2), all.points(0, 2));
+    EXPECT_EQ(there.world_from_view.has_value(), all.world_from_view.has_value());
+  }
+  std::string changed = value_of(read_file(path));
+  changed.replace(changed.rfind("2 0 -1 0\n"), 8, "2 0 -x 0");
+  const auto damaged = folder.write("b.ptx", changed);
+  EXPECT_THAT(read_ptx_scan(damaged, scans[2]), HasError("line 48: '-x' is no number"));
+  PtxScan beyond = scans[2];
+  beyond.end += 100;
+  EXPECT_THAT(read_ptx_scan(path, beyond), HasError("got shorter"));
 }
 
 TEST(PtxFile, NamesTheLineAndTheRemedy) {
@@ -123,7 +147,7 @@ TEST(PtxFile, SaysHowManyLinesAreMissing) {
   const std::string content = scan_text(kIdentityMatrix, "1 0 -1 0.25\n1 0 0 0.5\n");
   EXPECT_THAT(parse(content), HasError("begins in line 1 is truncated: 2 columns of 3 points "
                                        "promised, 4 lines missing"));
-  EXPECT_THAT(count_ptx_scans(content, "a.ptx"), HasError("4 lines missing"));
+  EXPECT_THAT(list_ptx_scans(content, "a.ptx"), HasError("4 lines missing"));
 }
 
 TEST(PtxFile, AHeaderAloneTakesNoMemory) {
@@ -145,7 +169,7 @@ TEST(PtxFile, DamagedFilesNeverCrash) {
     changed[random() % changed.size()] =
         static_cast<char>(random() % 3 ? random() % 256 : '0' + random() % 10);
     (void)parse_ptx_scan(changed, "a.ptx", static_cast<int>(random() % 3));
-    (void)count_ptx_scans(changed, "a.ptx");
+    (void)list_ptx_scans(changed, "a.ptx");
   }
 }
 
@@ -177,7 +201,7 @@ TEST(PtxFile, WritesWhatItReads) {
   for (std::size_t i = 0; i < views[1].colours.size(); ++i)
     views[1].colours[i] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7), 3};
   ASSERT_THAT(write_ptx(views, folder / "a.ptx"), IsOk());
-  EXPECT_EQ(*count_ptx_scans(folder / "a.ptx"), 2);
+  EXPECT_EQ(list_ptx_scans(folder / "a.ptx")->size(), 2u);
   for (int i = 0; i < 2; ++i) {
     const RangeView& view = views[static_cast<std::size_t>(i)];
     const auto grid = value_of(read_ptx_scan(folder / "a.ptx", i));
@@ -237,7 +261,7 @@ TEST(PtxFile, ReadsRealFiles) {
 
 TEST(PtxFile, RefusesTheScaleOfARealFile) {
   RELIEF_REQUIRE_TEST_DATA(path, "formats/ptx/multiple-and-transform.ptx");
-  EXPECT_EQ(*count_ptx_scans(path), 2);
+  EXPECT_EQ(list_ptx_scans(path)->size(), 2u);
   EXPECT_THAT(read_ptx_scan(path, 0), HasError("line 7: "));
   const auto applied = value_of(read_ptx_scan(path, 0, PtxMatrix::kApply));
   EXPECT_LT((applied.points(0, 1) - Eigen::Vector3d(637012.24, 849028.31, 431.66)).norm(), 1e-6);
