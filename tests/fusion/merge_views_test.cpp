@@ -46,7 +46,7 @@ bool same(const TriangleMesh& a, const TriangleMesh& b) {
 
 TEST(MergeViews, LargeVoxelsTakeTheMeanOfTheSamples) {
   const testing::Surface surface = testing::sphere(Eigen::Vector3d::Zero(), 50.0);
-  std::vector<RangeView> views = views_around(surface, 8, 160, 50.0);
+  std::vector<RangeView> views = views_around(surface, 8, 320, 50.0);
   const double exact = measured_rms(merged(views, {.voxel_size = 6.0}), sphere_distance(50.0));
   constexpr double kNoise = 0.5;
   for (std::size_t i = 0; i < views.size(); ++i)
