@@ -64,6 +64,14 @@ std::string link_text(const std::string& name) {
   return text;
 }
 
+// Other files of that name, as projects, are not to be lost.
+bool is_tileset(const fs::path& path) {
+  const auto text = read_file(path);
+  if (!text) return false;
+  const auto json = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
+  return json.is_object() && json.contains("asset") && json.contains("geometricError");
+}
+
 std::string file_name(std::size_t number) { return std::to_string(number) + ".glb"; }
 
 Json tile_json(const std::vector<MeshTile>& tiles, const std::vector<double>& errors,
@@ -85,6 +93,8 @@ fs::path TilesetWriter::tile_file(std::size_t number) const { return folder_ / f
 
 Result<void> TilesetWriter::begin() const {
   std::error_code code;
+  if (fs::exists(path_, code) && !is_tileset(path_))
+    return cannot_write(path_, "it is there and is no tileset; name another file");
   fs::create_directories(folder_, code);
   if (code) return cannot_write(folder_, code.message());
   fs::remove(path_, code);

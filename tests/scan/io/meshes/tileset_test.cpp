@@ -96,6 +96,13 @@ TEST(Tileset, AnOlderSetLeavesNothingBehind) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "statue_tiles/2.glb"));
 }
 
+TEST(Tileset, AProjectOfThatNameIsNotLost) {
+  const testing::TemporaryFolder folder;
+  const auto project = folder.write("scan.json", R"({"format": "relief-scan", "views": []})");
+  EXPECT_THAT(TilesetWriter(project).begin(), HasError(ErrorKind::kCannotWrite));
+  EXPECT_TRUE(std::filesystem::exists(project));
+}
+
 TEST(Tileset, AFolderThatCannotBeMadeIsAnError) {
   const testing::TemporaryFolder folder;
   std::ofstream(folder.path() / "statue_tiles") << "a file";

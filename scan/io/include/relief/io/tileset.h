@@ -17,7 +17,8 @@ class TilesetWriter {
   /// `path`: the `.json` file.
   explicit TilesetWriter(std::filesystem::path path);
 
-  /// Makes the folder of the tiles, and removes an older `.json`. kCannotWrite.
+  /// Makes the folder of the tiles, and removes an older tileset. kCannotWrite, also where the
+  /// `.json` is something else.
   Result<void> begin() const;
   /// Writes a tile in the coordinates of the whole mesh. From any thread. kCannotWrite.
   Result<void> write_tile(std::size_t number, const TriangleMesh& mesh) const;
