@@ -205,9 +205,10 @@ class Collapser {
         before[k] = mesh_.vertices[v];
         after[k] = mesh_.vertices[v == from ? to : v];
       }
+      const double round = roundness(after);
+      if (round < kLeastRoundness && round < (1.0 - kRounding) * roundness(before)) return false;
       const Eigen::Vector3d cross = cross_of(before), new_cross = cross_of(after);
-      return roundness(after) >= std::min(kLeastRoundness, (1.0 - kRounding) * roundness(before)) &&
-             cross.dot(new_cross) > kLeastCosine * cross.norm() * new_cross.norm();
+      return cross.dot(new_cross) > kLeastCosine * cross.norm() * new_cross.norm();
     });
   }
 
