@@ -195,10 +195,10 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   if (!inputs) return inputs.error();
   const SampleQuality& quality = inputs->quality;
   const Progress preparing = part_of(context.progress, 0.0, kPrepared);
-  PagedSurfaceOptions surfaces{.voxel_size = options.voxel_size, .memory = memory};
+  PagedSurfaceOptions surfaces{.memory = memory};
   surfaces.weights.silhouette_ramp = options.silhouette_ramp;
   surfaces.weights.nominal_deviation = quality.deviation;
-  auto prepared = prepare_samplers(views, surfaces, preparing);
+  auto prepared = prepare_samplers(views, options.voxel_size, surfaces, preparing);
   if (!prepared) return prepared.error();
   auto& [samplers, indices, left_out] = *prepared;
   result.notes.insert(result.notes.end(), left_out.begin(), left_out.end());

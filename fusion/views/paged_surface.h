@@ -32,8 +32,6 @@ struct PagedSurfaceOptions {
   ObservationWeightOptions weights;
   /// Patches of fewer connected samples are taken for stray measurements and left out.
   int smallest_patch = 20;
-  /// Lattice spacing, where it is chosen before the views are looked at [unit]; 0: it is not.
-  double voxel_size = 0.0;
   MemoryLimit* memory = nullptr;  ///< Of the surface's pixels; may be null.
 };
 

@@ -35,8 +35,8 @@ SharedView as_large_as_needed(const SharedView& view, double voxel_size) {
 
 // Adds views begin to end - 1, prepared side by side. `any_pose`: whether one had a pose so far.
 Result<void> add_views(const ViewSource& views, std::size_t begin, std::size_t end,
-                       const PagedSurfaceOptions& options, PreparedSamplers& prepared,
-                       bool& any_pose) {
+                       double voxel_size, const PagedSurfaceOptions& options,
+                       PreparedSamplers& prepared, bool& any_pose) {
   std::vector<SharedView> used;
   std::vector<std::size_t> index;
   for (std::size_t i = begin; i < end; ++i) {
@@ -54,7 +54,7 @@ Result<void> add_views(const ViewSource& views, std::size_t begin, std::size_t e
   for (const auto& view : used) evict_pages(options.memory, kPreparation * view->range.size());
   using Prepared = std::optional<Result<ViewSampler>>;
   auto samplers = parallel_map<Prepared>(used.size(), [&](std::size_t k) {
-    return Prepared(ViewSampler::create(*as_large_as_needed(used[k], options.voxel_size), options));
+    return Prepared(ViewSampler::create(*as_large_as_needed(used[k], voxel_size), options));
   });
   for (std::size_t k = 0; k < used.size(); ++k) {
     if (!*samplers[k]) return samplers[k]->error();
@@ -72,7 +72,7 @@ Result<void> add_views(const ViewSource& views, std::size_t begin, std::size_t e
 
 }  // namespace
 
-Result<PreparedSamplers> prepare_samplers(const ViewSource& views,
+Result<PreparedSamplers> prepare_samplers(const ViewSource& views, double voxel_size,
                                           const PagedSurfaceOptions& options,
                                           const Progress& progress) {
   if (views.count == 0) return Error{ErrorKind::kUnsolvable, "there are no views to merge"};
@@ -85,7 +85,8 @@ Result<PreparedSamplers> prepare_samplers(const ViewSource& views,
                          "prepare views"))
       return Error{ErrorKind::kInterrupted, "merging was interrupted"};
     const std::size_t end = std::min(i + at_once, views.count);
-    if (const auto added = add_views(views, i, end, options, prepared, any_pose); !added)
+    if (const auto added = add_views(views, i, end, voxel_size, options, prepared, any_pose);
+        !added)
       return added.error();
   }
   if (!prepared.samplers.empty()) return prepared;

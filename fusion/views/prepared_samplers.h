@@ -18,9 +18,11 @@ struct PreparedSamplers {
   std::vector<std::string> notes;      ///< On views that are left out.
 };
 
-/// Prepares all views that have a pose and connected samples. kUnsolvable when there are none;
+/// Prepares all views that have a pose and connected samples. Raw views much finer than
+/// `voxel_size` get larger pixels (bin_view); 0: it is not chosen yet, and all stay as they are.
+/// kUnsolvable when there are none;
 /// kInterrupted; otherwise errors of reading views, or of memory.
-Result<PreparedSamplers> prepare_samplers(const ViewSource& views,
+Result<PreparedSamplers> prepare_samplers(const ViewSource& views, double voxel_size,
                                           const PagedSurfaceOptions& options,
                                           const Progress& progress);
 
