@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <numeric>
 #include <utility>
 
 #include "relief/scan/discontinuities.h"
@@ -149,6 +151,25 @@ std::vector<std::size_t> views_to_search(std::size_t views) {
   return chosen;
 }
 
+using SharedView = std::shared_ptr<const RangeView>;
+
+Result<std::vector<SharedView>> load_all(const std::vector<std::size_t>& numbers,
+                                         const LoadRanges& load) {
+  std::vector<SharedView> views;
+  for (const std::size_t i : numbers) {
+    auto view = load(i);
+    if (!view) return view.error();
+    views.push_back(std::move(*view));
+  }
+  return views;
+}
+
+Views pointers_to(const std::vector<SharedView>& shared) {
+  Views views;
+  for (const SharedView& view : shared) views.push_back(view.get());
+  return views;
+}
+
 void add_mask(Grid<std::uint8_t> mask, std::size_t i, StaticBackground& found) {
   if (mask.empty()) return;
   found.samples += count(mask);
@@ -158,43 +179,35 @@ void add_mask(Grid<std::uint8_t> mask, std::size_t i, StaticBackground& found) {
 
 }  // namespace
 
-StaticBackground find_static_background(const std::vector<RangeView>& views) {
-  StaticBackground found;
-  found.masks.resize(views.size());
-  if (views.size() < kFewestViews) return found;
-  Views searched;
-  for (const std::size_t i : views_to_search(views.size())) searched.push_back(&views[i]);
-  const Backgrounds backgrounds(searched);
-  found.undecided = backgrounds.undecided();
-  if (!backgrounds.any()) return found;
-  auto masks = parallel_map<Grid<std::uint8_t>>(
-      views.size(), [&](std::size_t i) { return backgrounds.mask(views[i]); });
-  for (std::size_t i = 0; i < views.size(); ++i) add_mask(std::move(masks[i]), i, found);
-  return found;
-}
-
 Result<StaticBackground> find_static_background(std::size_t views, const LoadRanges& load) {
   StaticBackground found;
   found.masks.resize(views);
   if (views < kFewestViews) return found;
-  std::vector<std::shared_ptr<const RangeView>> held;
-  Views searched;
-  for (const std::size_t i : views_to_search(views)) {
-    auto view = load(i);
-    if (!view) return view.error();
-    held.push_back(std::move(*view));
-    searched.push_back(held.back().get());
-  }
-  const Backgrounds backgrounds(searched);
-  held.clear();
+  std::vector<std::size_t> numbers = views_to_search(views);
+  auto held = load_all(numbers, load);
+  if (!held) return held.error();
+  const Backgrounds backgrounds(pointers_to(*held));
   found.undecided = backgrounds.undecided();
   if (!backgrounds.any()) return found;
-  for (std::size_t i = 0; i < views; ++i) {
-    const auto view = load(i);
-    if (!view) return view.error();
-    add_mask(backgrounds.mask(**view), i, found);
+  for (std::size_t begin = 0; begin < views; begin += kSearched) {
+    numbers.resize(std::min(kSearched, views - begin));
+    std::iota(numbers.begin(), numbers.end(), begin);
+    held->clear();
+    held = load_all(numbers, load);
+    if (!held) return held.error();
+    auto masks = parallel_map<Grid<std::uint8_t>>(
+        held->size(), [&](std::size_t k) { return backgrounds.mask(*(*held)[k]); });
+    for (std::size_t k = 0; k < masks.size(); ++k) add_mask(std::move(masks[k]), begin + k, found);
   }
   return found;
+}
+
+StaticBackground find_static_background(const std::vector<RangeView>& views) {
+  // Pointers that own nothing. Nothing is read, so there are no errors.
+  const auto load = [&](std::size_t i) -> Result<SharedView> {
+    return SharedView(std::shared_ptr<void>(), &views[i]);
+  };
+  return find_static_background(views.size(), load).value();
 }
 
 void remove_background(const Grid<std::uint8_t>& mask, RangeView& view) {
