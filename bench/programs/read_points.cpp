@@ -81,12 +81,12 @@ int main(int argc, char** argv) {
     std::fputs("usage: relief_read_points FILE OUTPUT\n", stderr);
     return 2;
   }
-  const auto scans = scans_in_file(argv[1]);
+  const auto scans = list_scans(argv[1]);
   if (!scans) return fail(scans.error());
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> output(std::fopen(argv[2], "w"),
                                                                std::fclose);
   if (!output) return fail({ErrorKind::kCannotWrite, std::string(argv[2]) + ": cannot be written"});
-  for (int scan = 0; scan < *scans; ++scan) {
+  for (int scan = 0; scan < static_cast<int>(scans->size()); ++scan) {
     const auto read = read_points(argv[1], scan);
     if (!read) return fail(read.error());
     write_points(output.get(), scan, *read);

@@ -28,9 +28,9 @@ struct FuzzedReader {
 };
 
 void read_scans(const fs::path& path) {
-  const auto count = relief::scans_in_file(path);
-  for (int scan = 0; count && scan < std::min(*count, 3); ++scan)
-    (void)relief::read_scan_file(path, {.scan = scan});
+  const auto scans = relief::list_scans(path);
+  for (std::size_t i = 0; scans && i < std::min<std::size_t>(scans->size(), 3); ++i)
+    (void)relief::read_scan_file(path, (*scans)[i]);
 }
 
 const std::map<std::string, FuzzedReader>& fuzzed_readers() {

@@ -1,7 +1,6 @@
 #include "scan/io/files/mapped_file.h"
 
 #include <cerrno>
-#include <cstdint>
 #include <cstring>
 #include <string>
 

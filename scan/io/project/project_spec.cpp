@@ -65,17 +65,20 @@ std::string unused_name(const ProjectSpec& project, const std::string& stem,
 // One view for each scan of a file.
 Result<void> add_scans(const fs::path& file, const ReadProjectOptions& options,
                        ProjectSpec& project) {
-  const auto count = scans_in_file(file);
-  if (!count) return count.error();
-  const auto pose =
-      *count == 1 ? pose_beside(file) : Result<std::optional<RigidMotion>>(std::nullopt);
+  const auto scans = list_scans(file);
+  if (!scans) return scans.error();
+  const bool alone = scans->size() == 1;
+  const auto pose = alone ? pose_beside(file) : Result<std::optional<RigidMotion>>(std::nullopt);
   if (!pose) return pose.error();
   const std::string stem = unused_name(project, file.stem().string(), file.filename().string());
-  for (int scan = 0; scan < *count; ++scan) {
+  for (const GridOptions& scan : *scans) {
     ViewSpec view;
-    view.name = *count > 1 ? stem + "-" + std::to_string(scan + 1) : stem;
+    view.name = alone ? stem : stem + "-" + std::to_string(scan.scan + 1);
     view.grid = file;
-    view.grid_options = {scan, options.viewpoint, options.ignore_viewpoints, options.shared_frame};
+    view.grid_options = scan;
+    view.grid_options.viewpoint = options.viewpoint;
+    view.grid_options.ignore_pose = options.ignore_viewpoints;
+    view.grid_options.shared_frame = options.shared_frame;
     if (*pose) {
       view.world_from_view = **pose;
       view.pose = PoseKind::kGuess;

@@ -18,7 +18,7 @@ bool is_ptx(const ViewSpec& view) { return view.grid && lower_ending(*view.grid)
 void find_places(ProjectSpec& project) {
   std::map<std::filesystem::path, std::vector<PtxScan>> files;
   for (ViewSpec& view : project.views) {
-    if (!is_ptx(view)) continue;
+    if (!is_ptx(view) || view.grid_options.ptx) continue;
     const auto [file, added] = files.try_emplace(*view.grid);
     if (added)
       if (auto listed = list_ptx_scans(*view.grid)) file->second = std::move(*listed);

@@ -127,20 +127,25 @@ ScanFileKind kind_of_scan_file(const fs::path& path) {
   return has_cloud_ending(path) ? ScanFileKind::kPoints : ScanFileKind::kNone;
 }
 
-Result<int> scans_in_file(const fs::path& path) {
+Result<std::vector<GridOptions>> list_scans(const fs::path& path) {
   const std::string ending = lower_ending(path);
+  std::vector<GridOptions> options(1);
   if (ending == ".ptx") {
     const auto scans = list_ptx_scans(path);
     if (!scans) return scans.error();
-    return static_cast<int>(scans->size());
+    options.resize(scans->size());
+    for (std::size_t i = 0; i < scans->size(); ++i) options[i].ptx = (*scans)[i];
+  } else if (ending == ".e57") {
+    const auto scans = list_e57_scans(path);
+    if (!scans) return scans.error();
+    if (scans->empty())
+      return bad_input(path,
+                       "holds no scan (data3D is empty), only other data; export it with its point "
+                       "clouds");
+    options.resize(scans->size());
   }
-  if (ending != ".e57") return 1;
-  const auto scans = list_e57_scans(path);
-  if (!scans) return scans.error();
-  if (scans->empty())
-    return bad_input(
-        path, "holds no scan (data3D is empty), only other data; export it with its point clouds");
-  return static_cast<int>(scans->size());
+  for (std::size_t i = 0; i < options.size(); ++i) options[i].scan = static_cast<int>(i);
+  return options;
 }
 
 Result<GridFile> read_scan_file(const fs::path& path, const GridOptions& options) {

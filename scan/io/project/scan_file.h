@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "relief/scan/result.h"
 #include "scan/io/grids/grid_file.h"
@@ -22,8 +23,9 @@ enum class ScanFileKind {
 };
 ScanFileKind kind_of_scan_file(const std::filesystem::path& path);
 
-/// How many scans a file holds, at least one. kBadInput names the file and the place in it.
-Result<int> scans_in_file(const std::filesystem::path& path);
+/// What tells each scan of a file from the others; at least one. kBadInput names the file and the
+/// place in it.
+Result<std::vector<GridOptions>> list_scans(const std::filesystem::path& path);
 
 /// Reads one scan of a file. Points without a grid are put on one, see grid_from_cloud(). kBadInput
 /// names the file and the place in it.

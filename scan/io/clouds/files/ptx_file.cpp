@@ -254,7 +254,7 @@ Result<void> apply_matrix(const PtxHeader& header, const PtxParser& parser, Grid
 
 // Calls `passed` after each scan.
 template <typename Passed>
-Result<std::vector<PtxScan>> list_scans(std::string_view content, const std::filesystem::path& path,
+Result<std::vector<PtxScan>> find_scans(std::string_view content, const std::filesystem::path& path,
                                         const Passed& passed) {
   PtxParser parser(content, path);
   std::vector<PtxScan> scans;
@@ -307,13 +307,13 @@ Result<GridFile> parse_ptx_scan(std::string_view content, const std::filesystem:
 
 Result<std::vector<PtxScan>> list_ptx_scans(std::string_view content,
                                             const std::filesystem::path& path) {
-  return list_scans(content, path, [](const PtxScan&) {});
+  return find_scans(content, path, [](const PtxScan&) {});
 }
 
 Result<std::vector<PtxScan>> list_ptx_scans(const std::filesystem::path& path) {
   const auto file = MappedFile::open(path);
   if (!file) return file.error();
-  return list_scans(file->content(), path,
+  return find_scans(file->content(), path,
                     [&](const PtxScan& scan) { file->release_before(scan.end); });
 }
 
