@@ -107,6 +107,22 @@ void SharedConstraintSum::add(const SharedConstraintSum& other) {
   count_ += other.count_;
 }
 
+SharedConstraintSum SharedConstraintSum::about(const Eigen::Vector3d& centre, double radius) const {
+  // (x - c') / r' x n = (r / r') ((x - c) / r x n) - (c' - c) / r' x n.
+  Matrix6d change = Matrix6d::Identity();
+  change.topLeftCorner<3, 3>() *= radius_ / radius;
+  const Eigen::Vector3d d = (centre - centre_) / radius;
+  change.topRightCorner<3, 3>() << 0.0, d.z(), -d.y(), -d.z(), 0.0, d.x(), d.y(), -d.x(), 0.0;
+  const auto transformed = [&](const Matrix6d& lower) -> Matrix6d {
+    return change * lower.selfadjointView<Eigen::Lower>() * change.transpose();
+  };
+  SharedConstraintSum sum(centre, radius);
+  sum.shared_ = transformed(shared_);
+  sum.own_ = transformed(own_);
+  sum.count_ = count_;
+  return sum;
+}
+
 SharedConstraints SharedConstraintSum::constraints() const {
   SharedConstraints result;
   result.spectrum.centre = centre_;

@@ -49,6 +49,7 @@ struct SharedConstraints {
 /// Sums up points of the surfaces, for SharedConstraints about a centre.
 class SharedConstraintSum {
  public:
+  SharedConstraintSum() = default;
   /// `radius` [unit], > 0: see ConstraintSpectrum.
   SharedConstraintSum(const Eigen::Vector3d& centre, double radius)
       : centre_(centre), radius_(radius) {}
@@ -57,12 +58,14 @@ class SharedConstraintSum {
   void add(const OrientedPoint& point, const Eigen::Vector3d& normal);
   /// What another sum about the same centre holds.
   void add(const SharedConstraintSum& other);
+  /// The same sum about another centre.
+  SharedConstraintSum about(const Eigen::Vector3d& centre, double radius) const;
   /// Zero for fewer than six points.
   SharedConstraints constraints() const;
 
  private:
-  Eigen::Vector3d centre_;
-  double radius_;
+  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();
+  double radius_ = 1.0;
   Matrix6d shared_ = Matrix6d::Zero(), own_ = Matrix6d::Zero();  // Their lower halves.
   std::size_t count_ = 0;
 };

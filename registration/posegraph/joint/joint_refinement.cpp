@@ -7,6 +7,7 @@
 
 #include "registration/pairwise/robust.h"
 #include "registration/pairwise/search_schedule.h"
+#include "registration/posegraph/joint/degenerate_groups.h"
 #include "registration/posegraph/joint/joint_solver.h"
 #include "registration/posegraph/joint/last_steps.h"
 #include "registration/posegraph/pairs/pair_matcher.h"
@@ -126,15 +127,13 @@ std::vector<bool> hold_one_per_group(const std::vector<std::size_t>& group,
   return held;
 }
 
-// Nearly degenerate views that a pair determines, now that normal maps are aligned too.
-std::vector<bool> views_held_by_maps(const std::vector<PairFit>& pairs,
-                                     const std::vector<bool>& nearly_degenerate) {
-  std::vector<bool> held(nearly_degenerate.size());
-  for (const PairFit& pair : pairs)
-    for (const std::size_t i : {pair.a, pair.b})
-      if (nearly_degenerate[i] && pair.normal_maps && pair.degenerate_directions.empty())
-        held[i] = true;
-  return held;
+// Whether normal maps determine a pair of a view in the group and one outside it.
+bool held_by_maps(const DegenerateGroup& group, const std::vector<PairFit>& pairs) {
+  const auto inside = [&](std::size_t i) { return std::ranges::binary_search(group.views, i); };
+  return std::ranges::any_of(pairs, [&](const PairFit& pair) {
+    return pair.normal_maps && pair.degenerate_directions.empty() &&
+           inside(pair.a) != inside(pair.b);
+  });
 }
 
 }  // namespace
@@ -206,17 +205,14 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
         surfaces, {pairs, largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView)},
         levels.back(), nearly_degenerate, std::move(kept_motions), options, result);
   };
-  MotionsOfViews drifting = finish({});
-  const auto held_by_maps = views_held_by_maps(result.pairs, nearly_degenerate);
-  for (std::size_t i = 0; i < drifting.size(); ++i)
-    if (result.held[i] || held_by_maps[i]) drifting[i].clear();
-  if (std::ranges::all_of(drifting, [](const auto& motions) { return motions.empty(); }))
-    return result;
-  for (std::size_t i = 0; i < drifting.size(); ++i)
-    result.world_from_view[i] =
-        without_drift(surfaces[i], world_from_view[i], result.world_from_view[i], drifting[i]);
+  auto drifting =
+      degenerate_groups(finish({}), surfaces, result.world_from_view, result.group, result.held);
+  std::erase_if(drifting, [&](const auto& group) { return held_by_maps(group, result.pairs); });
+  if (drifting.empty()) return result;
+  auto kept_motions = motions_of_views(drifting, surfaces, result.world_from_view);
+  take_drift_back(drifting, surfaces, world_from_view, result.world_from_view);
   link_views(levels.back());
-  if (!pairs.empty()) finish(std::move(drifting));
+  if (!pairs.empty()) finish(std::move(kept_motions));
   return result;
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "registration/pairwise/correspondences.h"
-#include "registration/posegraph/joint/degenerate_views.h"
+#include "registration/pairwise/degenerate_directions.h"
 #include "registration/posegraph/pairs/pair_fit.h"
 #include "registration/posegraph/refinement/pose_covariance.h"
 #include "registration/surface/view_surface.h"

@@ -9,6 +9,7 @@
 #include "registration/posegraph/loops/loop_closure.h"
 #include "registration/posegraph/pairs/pair_fit.h"
 #include "registration/posegraph/pairs/pair_matcher.h"
+#include "registration/posegraph/pose_step.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "scan/base/parallel.h"
 
@@ -26,21 +27,31 @@ constexpr double kFinalTolerance = 0.5;
 constexpr std::size_t kMostLastResiduals = 50'000'000;
 constexpr std::size_t kMostStepResiduals = kMostLastResiduals / 4;
 
-// Pair by pair: all matches of hundreds of views would need more memory than all else. Returns the
-// degenerate directions of the views.
-MotionsOfViews describe_fit(const PairMatcher& match, const std::vector<ViewSurface>& surfaces,
-                            JointRefinement& result) {
+PairConstraint constraint_of(std::size_t a, std::size_t b, const SharedSurface& shared,
+                             const Eigen::Vector3d& centre) {
+  PairConstraint constraint{a, b, SharedConstraintSum(centre, 1.0)};
+  for (std::size_t i = 0; i < shared.points.size(); ++i)
+    constraint.shared.add(shared.points[i], shared.normals[i]);
+  return constraint;
+}
+
+// Pair by pair: all matches of hundreds of views would need more memory than all else. Returns what
+// the pairs share.
+std::vector<PairConstraint> describe_fit(const PairMatcher& match,
+                                         const std::vector<ViewSurface>& surfaces,
+                                         JointRefinement& result) {
   struct Described {
     PairFit fit;
     PairConstraint constraint;
   };
   const auto& poses = result.world_from_view;
+  const Eigen::Vector3d centre = common_centre(pointers_to(surfaces), poses);
   auto described = parallel_map<Described>(match.size() / 2, [&](std::size_t k) {
     const DirectedMatches there = match(2 * k), back = match(2 * k + 1);
     const std::size_t a = there.source, b = there.target;
     const SharedSurface shared(poses[a], poses[b], there.found, back.found);
     return Described{fit_of(surfaces, poses, shared, there, back),
-                     PairConstraint(surfaces, poses, a, b, shared)};
+                     constraint_of(a, b, shared, centre)};
   });
   result.pairs.clear();
   std::vector<PairConstraint> constraints;
@@ -54,7 +65,7 @@ MotionsOfViews describe_fit(const PairMatcher& match, const std::vector<ViewSurf
   }
   set_pair_statuses(surfaces, result.pairs);
   if (count > 0) result.rms = std::sqrt(squares / static_cast<double>(count));
-  return degenerate_directions_of_views(surfaces.size(), constraints);
+  return constraints;
 }
 
 // Of one direction of a pair.
@@ -125,21 +136,22 @@ PoseGraphLastStep refine(const std::vector<ViewSurface>& surfaces,
 
 }  // namespace
 
-MotionsOfViews take_last_steps(const std::vector<ViewSurface>& surfaces, const LinkedPairs& pairs,
-                               const SearchLevel& level, const std::vector<bool>& nearly_degenerate,
-                               MotionsOfViews kept_motions, const JointRefinementOptions& options,
-                               JointRefinement& result) {
+std::vector<PairConstraint> take_last_steps(const std::vector<ViewSurface>& surfaces,
+                                            const LinkedPairs& pairs, const SearchLevel& level,
+                                            const std::vector<bool>& nearly_degenerate,
+                                            MotionsOfViews kept_motions,
+                                            const JointRefinementOptions& options,
+                                            JointRefinement& result) {
   result.kept_motions = std::move(kept_motions);
   const PoseGraphLastStep last_step =
       refine(surfaces, pairs.strongest, level, nearly_degenerate, options, result);
   if (result.termination == RefinementTermination::kSolverFailed) return {};
-  auto degenerate =
-      describe_fit(PairMatcher(surfaces, result.world_from_view, pairs.all,
-                               search_at(level, pairs.all.size(), kFewestAlone, options),
-                               level.signal_level, nearly_degenerate),
-                   surfaces, result);
+  auto shared = describe_fit(PairMatcher(surfaces, result.world_from_view, pairs.all,
+                                         search_at(level, pairs.all.size(), kFewestAlone, options),
+                                         level.signal_level, nearly_degenerate),
+                             surfaces, result);
   result.loops = loop_closures(surfaces, result.world_from_view, last_step, result.pairs);
-  return degenerate;
+  return shared;
 }
 
 }  // namespace relief::registration

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "registration/pairwise/search_schedule.h"
-#include "registration/posegraph/joint/degenerate_views.h"
 #include "registration/posegraph/joint/joint_refinement.h"
+#include "registration/posegraph/joint/view_clusters.h"
 #include "registration/posegraph/view_graph.h"
 #include "registration/surface/view_surface.h"
 #include "relief/registration/align_options.h"
@@ -22,10 +22,12 @@ struct LinkedPairs {
 /// pairs fit. Normal maps are matched where either view is `nearly_degenerate`. Steps leave the
 /// motions `kept_motions` alone (empty: none), which `result` tells then.
 ///
-/// Returns the degenerate directions of the views at these poses.
-MotionsOfViews take_last_steps(const std::vector<ViewSurface>& surfaces, const LinkedPairs& pairs,
-                               const SearchLevel& level, const std::vector<bool>& nearly_degenerate,
-                               MotionsOfViews kept_motions, const JointRefinementOptions& options,
-                               JointRefinement& result);
+/// Returns what all pairs share at these poses.
+std::vector<PairConstraint> take_last_steps(const std::vector<ViewSurface>& surfaces,
+                                            const LinkedPairs& pairs, const SearchLevel& level,
+                                            const std::vector<bool>& nearly_degenerate,
+                                            MotionsOfViews kept_motions,
+                                            const JointRefinementOptions& options,
+                                            JointRefinement& result);
 
 }  // namespace relief::registration

@@ -167,6 +167,23 @@ TEST(SharedConstraints, KeepsReliefBelowTheNoise) {
   EXPECT_NEAR(shared.correlations[0], relief / (relief + 0.01), 0.15);
 }
 
+TEST(SharedConstraints, CanBeSummedAboutAnyCentre) {
+  const auto points = cylinder();
+  const auto normals = noisy_normals(points, 0.1, 2);
+  const Eigen::Vector3d centre(3.0, -20.0, 8.0);
+  SharedConstraintSum about_origin(Eigen::Vector3d(1.0, 2.0, 3.0), 0.7), direct(centre, 12.0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    about_origin.add(points[i], normals[i]);
+    direct.add(points[i], normals[i]);
+  }
+  const auto moved = about_origin.about(centre, 12.0).constraints(),
+             expected = direct.constraints();
+  EXPECT_EQ(moved.spectrum.centre, centre);
+  EXPECT_EQ(moved.spectrum.radius, 12.0);
+  EXPECT_LT((moved.spectrum.eigenvalues - expected.spectrum.eigenvalues).norm(), 1e-11);
+  EXPECT_LT((moved.correlations - expected.correlations).norm(), 1e-8);
+}
+
 TEST(SharedConstraints, OfFewPointsIsNothing) {
   const std::vector<OrientedPoint> few(5, {{1, 2, 3}, {0, 0, 1}});
   const auto shared = shared_constraints(few, std::vector<Eigen::Vector3d>(5, {0, 0, 1}));

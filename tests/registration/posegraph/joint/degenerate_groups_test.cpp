@@ -1,6 +1,7 @@
 // Given poses along motions that no relief of the views tells anything about.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,17 +53,22 @@ Error error_of(const RangeView& view, const RigidMotion& found) {
           std::abs(moved.dot(out))};
 }
 
-class DegenerateViews : public ::testing::TestWithParam<bool> {};
-
-TEST_P(DegenerateViews, KeepGivenPosesAlongWhatOnlyNoiseHolds) {
-  const auto truth = views_of_cylinder(0.3, GetParam());
-  auto views = truth;
-  for (std::size_t i = 1; i < views.size(); ++i) {  // Off by what the surface tells.
+// Moves each view along its own way out, to and fro, by what the surface tells.
+void move_outward(std::vector<RangeView>& views) {
+  for (std::size_t i = 1; i < views.size(); ++i) {
     const Eigen::Vector3d out =
         (views[i].world_from_view.translation().cwiseProduct(Eigen::Vector3d(1, 0, 1)))
             .normalized();
     views[i].world_from_view.pretranslate((i % 2 == 0 ? 1.5 : -1.5) * out);
   }
+}
+
+class DegenerateViews : public ::testing::TestWithParam<bool> {};
+
+TEST_P(DegenerateViews, KeepGivenPosesAlongWhatOnlyNoiseHolds) {
+  const auto truth = views_of_cylinder(0.3, GetParam());
+  auto views = truth;
+  move_outward(views);
   const auto aligned = value_of(align_views(views));
   EXPECT_TRUE(aligned.complete());
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -85,6 +91,54 @@ TEST_P(DegenerateViews, KeepGivenPosesAlongWhatOnlyNoiseHolds) {
 INSTANTIATE_TEST_SUITE_P(NormalMaps, DegenerateViews, ::testing::Bool(), [](const auto& parameter) {
   return parameter.param ? "With" : "Without";
 });
+
+// Where a ray first meets the cylinder, or a bump on it: there are many at either end, and none
+// between.
+testing::Surface cylinder_with_bumps() {
+  std::vector<testing::Surface> parts = {testing::cylinder(kRadius)};
+  for (int i = 0; i < 24; ++i) {
+    const double angle = -0.5 + 0.4 * (i % 6), out = kRadius - 6.0,
+                 height = (i < 12 ? -1 : 1) * (i % 12 < 6 ? 55.0 : 88.0) + 5.0 * (i % 3);
+    parts.push_back(testing::sphere({out * std::sin(angle), height, -out * std::cos(angle)}, 16.0));
+  }
+  return [parts](const Ray& ray) {
+    std::optional<testing::SurfaceHit> first;
+    for (const auto& part : parts)
+      if (const auto hit = part(ray); hit && (!first || hit->t < first->t)) first = hit;
+    return first;
+  };
+}
+
+// The bumps hold the views of either end to each other, and nothing holds the ends along the
+// cylinder, where the four of the second end drift by 9 units together. No view alone does.
+TEST(DegenerateGroups, KeepTheirMeanAlongWhatOnlyNoiseHolds) {
+  const Camera camera = Camera::pinhole(160, 160, {kDistance, kDistance, 79.5, 79.5});
+  std::vector<RangeView> truth;
+  for (int i = 0; i < 8; ++i) {
+    const double angle = 0.25 * (i % 4), height = i < 4 ? -50.0 : 50.0;
+    const Eigen::Vector3d eye(kDistance * std::sin(angle), height, -kDistance * std::cos(angle));
+    truth.push_back(testing::render(
+        cylinder_with_bumps(), camera,
+        testing::look_at(eye, Eigen::Vector3d(0, height, 0), Eigen::Vector3d::UnitY())));
+    truth.back().name = "view" + std::to_string(i);
+    truth.back().normals = {};
+    testing::add_smooth_noise(truth.back(), 0.6, 3, 30 + static_cast<std::uint32_t>(i));
+  }
+  auto views = truth;
+  move_outward(views);
+  for (std::size_t i = 1; i < views.size(); ++i)  // Of the second end, by nothing on average.
+    views[i].world_from_view.pretranslate(Eigen::Vector3d(0, i % 2 == 0 ? 0.8 : -0.8, 0));
+  const auto aligned = value_of(align_views(views));
+  EXPECT_TRUE(aligned.complete());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Error error = error_of(truth[i], aligned.views[i].world_from_view);
+    EXPECT_LT(error.along, 0.4) << i;
+    EXPECT_LT(error.round, 0.4) << i;
+    EXPECT_LT(error.away, 0.4) << i;
+    EXPECT_EQ(aligned.views[i].kept_motions.empty(), i < 4) << i;
+  }
+  EXPECT_THAT(aligned.notes, Contains(HasSubstr("kept where alignment started")));
+}
 
 TEST(ViewsOfAnObject, KeepNoMotion) {
   const auto aligned = value_of(align_views(testing::perturbed(

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "registration/pairwise/degenerate_directions.h"
+#include "registration/posegraph/joint/view_clusters.h"
+#include "registration/surface/view_surface.h"
+#include "relief/registration/pair_fit.h"
+#include "relief/scan/rigid_motion.h"
+
+namespace relief::registration {
+
+/// Views, or one view, that nothing but noise holds to the others along some motions.
+struct DegenerateGroup {
+  std::vector<std::size_t> views;            ///< Ascending; none of them is held.
+  std::vector<DegenerateDirection> motions;  ///< Of the views as one; world frame.
+};
+
+/// The groups for which the relief shared with all other views is, along some motion, less than a
+/// fifth of what holds them. The rest is noise: refined poses drift along such motions. Larger ones
+/// first; of any two, one holds the other or they share no view. `linked`: for each view the
+/// smallest index of a view that pairs link it to; `held`: the views that do not move.
+std::vector<DegenerateGroup> degenerate_groups(const std::vector<PairConstraint>& pairs,
+                                               const std::vector<ViewSurface>& surfaces,
+                                               const std::vector<RigidMotion>& world_from_view,
+                                               const std::vector<std::size_t>& linked,
+                                               const std::vector<bool>& held);
+
+/// Moves the views of each group, as one, back by what they moved by on average along its motions
+/// since `start`.
+void take_drift_back(const std::vector<DegenerateGroup>& groups,
+                     const std::vector<ViewSurface>& surfaces,
+                     const std::vector<RigidMotion>& start,
+                     std::vector<RigidMotion>& world_from_view);
+
+/// For each view the motions of all groups that it is in, without those nearly the same.
+MotionsOfViews motions_of_views(const std::vector<DegenerateGroup>& groups,
+                                const std::vector<ViewSurface>& surfaces,
+                                const std::vector<RigidMotion>& world_from_view);
+
+}  // namespace relief::registration
