@@ -99,6 +99,10 @@ void add_workspaces(const CorpusFolder& corpus) {
       "[[1,0,0,1], [0,1,0,2], [0,0,1,3], [0,0,0,1]]}]}");
   add("open3d_camera", R"({"width": 4, "height": 3, "intrinsic_matrix": [5,0,0, 0,5,0, 2,1,1]})");
   add("calibration", "fx 5\nfy -5\ncx 5\ncy 5\ndepth_scale 1000\n");
+  add("camera_json", R"({"fx": 5, "fy": 5, "cx": 5, "cy": 5, "width": 9, "height": 7})");
+  add("camera_yaml", "Camera.fx: 5\nCamera.fy: 5\nCamera.cx: 5\nCamera.cy: 5\n");
+  add("json_poses", R"([{"name": "a", "T": [1,0,0,0, 0,1,0,0, 0,0,1,0]}])");
+  add("pose_table", "frame,tx,ty,tz,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n");
   add("matrix", kRows);
   add("middlebury", "1\na 1 0 0 0 1 0 0 0 1 1 0 0 0 1 0 0 0 1 0 0 0\n");
   add("mlp", "<MeshLabProject><MeshGroup><MLMesh filename=\"a.ply\"><MLMatrix44>\n" + kRows +

@@ -9,9 +9,11 @@
 #include "scan/io/workspaces/meshlab_mlp.h"
 #include "scan/io/workspaces/middlebury_par.h"
 #include "scan/io/workspaces/pose_beside.h"
-#include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/calibration/calibration.h"
+#include "scan/io/workspaces/rgbd/calibration/camera_files.h"
 #include "scan/io/workspaces/rgbd/nerf_transforms.h"
-#include "scan/io/workspaces/rgbd/trajectories.h"
+#include "scan/io/workspaces/rgbd/poses/named_poses.h"
+#include "scan/io/workspaces/rgbd/poses/trajectories.h"
 
 namespace relief::testing {
 
@@ -36,7 +38,7 @@ inline void parse_transforms(std::string_view content) {
 }
 
 /// The first byte of an input, as an index, selects the parser.
-inline constexpr std::array<WorkspaceParser, 18> kWorkspaceParsers = {
+inline constexpr std::array<WorkspaceParser, 24> kWorkspaceParsers = {
     {{"colmap_array", parse_with<decode_colmap_array>},
      {"colmap_cameras_bin", parse_with<parse_colmap_cameras_bin>},
      {"colmap_images_bin", parse_with<parse_colmap_images_bin>},
@@ -51,6 +53,12 @@ inline constexpr std::array<WorkspaceParser, 18> kWorkspaceParsers = {
      {"open3d_trajectory", parse_with<parse_open3d_trajectory>},
      {"open3d_camera", parse_with<parse_open3d_camera>},
      {"calibration", parse_with<parse_calibration_text>},
+     {"camera_json", parse_with<parse_camera_json>},
+     {"camera_npy", parse_with<parse_camera_npy>},
+     {"camera_yaml", parse_with<parse_camera_yaml>},
+     {"json_poses", parse_with<parse_json_poses>},
+     {"npy_poses", parse_with<parse_npy_poses>},
+     {"pose_table", parse_with<parse_pose_table>},
      {"matrix", parse_with<parse_matrix_text>},
      {"middlebury", parse_with<parse_middlebury_par>},
      {"mlp", parse_mlp},

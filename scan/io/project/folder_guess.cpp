@@ -13,7 +13,7 @@
 #include "scan/io/project/json/spec_json_private.h"
 #include "scan/io/workspaces/middlebury_par.h"
 #include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
-#include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/calibration/calibration.h"
 
 namespace relief {
 

@@ -9,8 +9,8 @@
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/image_size.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
+#include "scan/io/workspaces/rgbd/poses/trajectories.h"
 #include "scan/io/workspaces/rgbd/rgbd_layouts.h"
-#include "scan/io/workspaces/rgbd/trajectories.h"
 
 namespace relief {
 

@@ -16,7 +16,7 @@
 #include "scan/io/workspaces/rgbd/agreement/pose_convention.h"
 #include "scan/io/workspaces/rgbd/agreement/pose_scale.h"
 #include "scan/io/workspaces/rgbd/agreement/ray_lengths.h"
-#include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/calibration/calibration.h"
 #include "scan/io/workspaces/workspace_text.h"
 
 namespace relief {

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "scan/io/project/json/json_object_private.h"
-#include "scan/io/workspaces/rgbd/calibration.h"
-#include "scan/io/workspaces/rgbd/trajectories.h"
+#include "scan/io/workspaces/rgbd/calibration/calibration.h"
+#include "scan/io/workspaces/rgbd/poses/trajectories.h"
 
 namespace relief {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "relief/scan/result.h"
-#include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/calibration/calibration.h"
 #include "scan/io/workspaces/rgbd/rgbd_layouts.h"
 
 namespace relief {

@@ -9,8 +9,8 @@
 #include "scan/io/workspaces/rgbd/agreement/pose_convention.h"
 #include "scan/io/workspaces/rgbd/agreement/pose_scale.h"
 #include "scan/io/workspaces/rgbd/agreement/ray_lengths.h"
-#include "scan/io/workspaces/rgbd/calibration.h"
-#include "scan/io/workspaces/rgbd/frame_poses.h"
+#include "scan/io/workspaces/rgbd/calibration/calibration.h"
+#include "scan/io/workspaces/rgbd/poses/frame_poses.h"
 #include "scan/io/workspaces/rgbd/recordings/recording.h"
 #include "scan/io/workspaces/rgbd/rgbd_layouts.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -101,8 +101,8 @@ Result<CameraSpec> camera_of_frame(const fs::path& folder, const RgbdFrame& fram
   if (!intrinsics)
     return bad_input(folder,
                      "depth maps without intrinsics: give --intrinsics FX FY CX CY, or put a "
-                     "calibration file (camera.txt with 'fx fy cx cy', or a camera .json of "
-                     "Open3D) beside them");
+                     "calibration file (camera.txt with 'fx fy cx cy', or a .json or .yaml "
+                     "with fx, fy, cx and cy) beside them");
   camera.intrinsics = *intrinsics;
   if (size) {
     camera.width = size->width;

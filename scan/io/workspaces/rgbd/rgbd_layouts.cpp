@@ -8,6 +8,8 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
+#include "scan/io/files/io_error.h"
+#include "scan/io/workspaces/rgbd/poses/named_poses.h"
 #include "scan/io/workspaces/rgbd/replica_layout.h"
 #include "scan/io/workspaces/rgbd/tum_layout.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -58,6 +60,12 @@ std::vector<fs::path> depth_images(const fs::path& folder) {
 Result<std::optional<RigidMotion>> pose_in_file(const fs::path& path) {
   const auto text = read_file(path);
   if (!text) return text.error();
+  if (lower_ending(path) == ".npy") {
+    const auto poses = parse_npy_poses(*text, path);
+    if (!poses) return poses.error();
+    if (poses->size() != 1) return bad_input(path, "expected one matrix of 4x4 numbers");
+    return std::optional(poses->front().world_from_view);
+  }
   for (const char* lost : {"inf", "INF", "nan", "NaN", "#QNAN", "#IND"})
     if (text->find(lost) != std::string::npos) return std::optional<RigidMotion>();
   NumberedLines lines(*text, path);
@@ -161,8 +169,10 @@ Result<RgbdFrames> folder_frames(const fs::path& folder) {
     frame.name = file.stem().string();
     frame.depth = file;
     for (const char* poses : {"pose", "poses"})
-      if (auto taken = take_pose_file(folder / poses / (frame.name + ".txt"), found, frame); !taken)
-        return taken.error();
+      for (const char* ending : {".txt", ".npy"})
+        if (auto taken = take_pose_file(folder / poses / (frame.name + ending), found, frame);
+            !taken)
+          return taken.error();
     found.frames.push_back(std::move(frame));
   }
   pair_colours(folder, found.suffix, found.frames);

@@ -9,7 +9,7 @@
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
 #include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
-#include "scan/io/workspaces/rgbd/trajectories.h"
+#include "scan/io/workspaces/rgbd/poses/trajectories.h"
 
 namespace relief {
 

@@ -12,7 +12,7 @@
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/workspaces/rgbd/trajectories.h"
+#include "scan/io/workspaces/rgbd/poses/trajectories.h"
 
 namespace relief {
 
@@ -29,6 +29,18 @@ Result<Parsed> parse_file(const fs::path& path,
   const auto text = read_file(path);
   if (!text) return text.error();
   return parse(*text, path);
+}
+
+// A file of a list, which may be from another machine: the longest end of its path that is there.
+fs::path listed_file(const fs::path& folder, std::string name) {
+  std::ranges::replace(name, '\\', '/');
+  const fs::path listed(name);
+  for (auto part = listed.begin(); part != listed.end(); ++part) {
+    fs::path end;
+    for (auto next = part; next != listed.end(); ++next) end /= *next;
+    if (is_file(folder / end)) return folder / end;
+  }
+  return folder / listed;
 }
 
 // The colour image nearest in time.
@@ -89,11 +101,10 @@ Result<RgbdFrames> tum_frames(const fs::path& folder) {
   std::size_t missing = 0;
   for (const FilePair& moment : *moments) {
     RgbdFrame frame;
-    frame.depth = folder / moment.depth.file;
+    frame.depth = listed_file(folder, moment.depth.file);
     frame.name = frame.depth.stem().string();
     frame.time = moment.depth.time;
-    if (const fs::path colour = folder / moment.colour.file;
-        !moment.colour.file.empty() && is_file(colour))
+    if (const fs::path colour = listed_file(folder, moment.colour.file); is_file(colour))
       frame.colour = colour;
     if (is_file(frame.depth))
       frames.frames.push_back(std::move(frame));

@@ -1,9 +1,11 @@
 #include "scan/io/images/codecs/floats/npy_header.h"
 
 #include <algorithm>
+#include <bit>
 #include <cctype>
 #include <charconv>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <set>
 #include <string>
@@ -103,6 +105,14 @@ class NpyDictionary {
   std::set<std::string> seen_;
 };
 
+template <typename T>
+std::vector<double> floats_of(std::string_view bytes, std::size_t limit) {
+  static_assert(std::endian::native == std::endian::little);
+  std::vector<T> numbers(std::min(limit, bytes.size() / sizeof(T)));
+  std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(T));
+  return std::vector<double>(numbers.begin(), numbers.end());
+}
+
 }  // namespace
 
 Result<NpyHeader> read_npy_header(std::string_view content, const std::filesystem::path& path) {
@@ -126,6 +136,16 @@ Result<NpyHeader> read_npy_header(std::string_view content, const std::filesyste
                                "(ROWS, COLUMNS)}; tables of fields are not read");
   header.numbers_at = text_at + text_bytes;
   return header;
+}
+
+std::vector<double> read_npy_floats(std::string_view content, const NpyHeader& header) {
+  if (header.kind != 'f' || header.order != '<' || header.columns_first) return {};
+  const std::string_view bytes = content.substr(header.numbers_at);
+  std::size_t count = 1;
+  for (const std::size_t size : header.shape) count = std::min(count * size, bytes.size());
+  if (header.bytes == 4) return floats_of<float>(bytes, count);
+  if (header.bytes == 8) return floats_of<double>(bytes, count);
+  return {};
 }
 
 }  // namespace relief

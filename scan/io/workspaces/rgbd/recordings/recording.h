@@ -8,7 +8,7 @@
 #include "relief/scan/camera.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
-#include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/calibration/calibration.h"
 
 namespace relief {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "relief/scan/result.h"
+#include "scan/io/workspaces/rgbd/poses/trajectories.h"
 #include "scan/io/workspaces/rgbd/rgbd_layouts.h"
-#include "scan/io/workspaces/rgbd/trajectories.h"
 
 namespace relief {
 

@@ -20,6 +20,9 @@ inline double metres_per_step(double scale) { return scale < 1.0 ? scale : 1.0 /
 /// mirrored images.
 bool can_be_intrinsics(const PinholeIntrinsics& intrinsics);
 
+/// The size of images of so many pixels; nothing for numbers that are none.
+std::optional<ImageSize> size_of_numbers(double width, double height);
+
 /// What a calibration file of an RGB-D camera says.
 struct Calibration {
   std::optional<PinholeIntrinsics> intrinsics;  ///< Integer coordinates are pixel centres.
@@ -39,12 +42,13 @@ Result<Calibration> parse_calibration_text(std::string_view text,
 /// column, and `depth_scale` if there.
 Result<Calibration> parse_open3d_camera(std::string_view text, const std::filesystem::path& path);
 
-/// Whether a file is named like a calibration: .json, K.txt, or .txt with `calib`, `intrinsic` or,
-/// at its begin, `camera` in its name, but not `traj`.
+/// Whether a file is named like a calibration: .json, .yaml, .yml, K.txt, or .txt or .npy with
+/// `calib`, `intrinsic` or, at its begin, `camera` in its name, but not `traj`.
 bool has_calibration_name(const std::filesystem::path& path);
 
-/// The calibration file of a folder: of its .json files those with an `intrinsic_matrix`, of its
-/// .txt files those named like `calibration`, `camera` or `intrinsic`. One whose name says `depth`
+/// The calibration file of a folder: of its .json and .yaml files those with intrinsics
+/// (camera_files.h, parse_open3d_camera()), of its .txt and .npy files those named like
+/// `calibration`, `camera` or `intrinsic`. One whose name says `depth`
 /// goes before the others. In a folder `intrinsic` of its own, if there is one, as ScanNet exports
 /// have. Else the `cam_params.json` beside the folder. Nothing where there is none; kBadInput where
 /// several differ.

@@ -1,4 +1,4 @@
-#include "scan/io/workspaces/rgbd/trajectories.h"
+#include "scan/io/workspaces/rgbd/poses/trajectories.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "scan/io/workspaces/rgbd/calibration.h"
+#include "scan/io/workspaces/rgbd/calibration/calibration.h"
 
 #include <algorithm>
 #include <array>
@@ -9,6 +9,7 @@
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/images/image_limits.h"
+#include "scan/io/workspaces/rgbd/calibration/camera_files.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
 #include "scan/io/workspaces/rgbd/replica_layout.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -64,14 +65,6 @@ Result<CalibrationWords> calibration_words(std::string_view text, const fs::path
           "width, height, depth_scale)");
   }
   return words;
-}
-
-std::optional<ImageSize> size_of_numbers(double width, double height) {
-  const auto is_side = [](double side) {
-    return side >= 1.0 && side <= kMaxImageSide && side == std::floor(side);
-  };
-  if (!is_side(width) || !is_side(height)) return std::nullopt;
-  return ImageSize{static_cast<int>(width), static_cast<int>(height)};
 }
 
 // `fx fy cx cy` and what may follow.
@@ -138,22 +131,29 @@ Result<void> take_names(const CalibrationWords& words, const fs::path& path,
   return {};
 }
 
+Result<std::optional<Calibration>> calibration_of_text(std::string_view text,
+                                                       const fs::path& path) {
+  const std::string ending = lower_ending(path);
+  if (ending == ".yaml" || ending == ".yml") return parse_camera_yaml(text, path);
+  if (ending == ".npy") return parse_camera_npy(text, path);
+  const bool is_replica = path.filename() == "cam_params.json";
+  if (ending == ".json" && !is_replica && !looks_like_open3d_camera(text))
+    return parse_camera_json(text, path);
+  auto calibration = is_replica          ? parse_replica_camera(text, path)
+                     : ending == ".json" ? parse_open3d_camera(text, path)
+                                         : parse_calibration_text(text, path);
+  if (!calibration) return calibration.error();
+  return std::optional(std::move(*calibration));
+}
+
 // The calibration in a file, if it is one.
 Result<std::optional<Calibration>> calibration_of_file(const fs::path& path) {
   std::error_code code;
-  const bool is_json = lower_ending(path) == ".json";
   if (!has_calibration_name(path)) return std::optional<Calibration>();
   if (fs::file_size(path, code) > kMaxCalibrationBytes || code) return std::optional<Calibration>();
   const auto text = read_file(path);
   if (!text) return text.error();
-  const bool is_replica = path.filename() == "cam_params.json";
-  if (is_json && !is_replica && !looks_like_open3d_camera(*text))
-    return std::optional<Calibration>();
-  auto calibration = is_replica ? parse_replica_camera(*text, path)
-                     : is_json  ? parse_open3d_camera(*text, path)
-                                : parse_calibration_text(*text, path);
-  if (!calibration) return calibration.error();
-  return std::optional(std::move(*calibration));
+  return calibration_of_text(*text, path);
 }
 
 bool same_calibration(const Calibration& a, const Calibration& b) {
@@ -166,16 +166,25 @@ bool same_calibration(const Calibration& a, const Calibration& b) {
 
 }  // namespace
 
+std::optional<ImageSize> size_of_numbers(double width, double height) {
+  const auto is_side = [](double side) {
+    return side >= 1.0 && side <= kMaxImageSide && side == std::floor(side);
+  };
+  if (!is_side(width) || !is_side(height)) return std::nullopt;
+  return ImageSize{static_cast<int>(width), static_cast<int>(height)};
+}
+
 bool can_be_intrinsics(const PinholeIntrinsics& k) {
   const auto usable = [](double focal) { return std::isfinite(focal) && focal != 0.0; };
   return usable(k.fx) && usable(k.fy) && std::isfinite(k.cx) && std::isfinite(k.cy);
 }
 
 bool has_calibration_name(const fs::path& path) {
-  if (lower_ending(path) == ".json") return true;
+  const std::string ending = lower_ending(path);
+  if (ending == ".json" || ending == ".yaml" || ending == ".yml") return true;
   const std::string stem = path.stem().string();
   const auto has = [&](const char* part) { return stem.find(part) != std::string::npos; };
-  return lower_ending(path) == ".txt" && !has("traj") &&
+  return (ending == ".txt" || ending == ".npy") && !has("traj") &&
          (has("calib") || has("intrinsic") || stem.starts_with("camera") || stem == "K");
 }
 

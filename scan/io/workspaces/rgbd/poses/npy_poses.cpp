@@ -1,0 +1,45 @@
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "scan/io/files/io_error.h"
+#include "scan/io/images/codecs/floats/npy_header.h"
+#include "scan/io/workspaces/rgbd/poses/named_poses.h"
+#include "scan/io/workspaces/workspace_text.h"
+
+namespace relief {
+
+namespace {
+
+// How many numbers each matrix of an array has: 12 or 16; 0 for other shapes.
+std::size_t matrix_size(const std::vector<std::size_t>& shape) {
+  const std::size_t depth = shape.size();
+  const bool is_matrix =
+      depth >= 2 && shape[depth - 1] == 4 && (shape[depth - 2] == 3 || shape[depth - 2] == 4);
+  if (is_matrix && depth <= 3) return 4 * shape[depth - 2];
+  return depth == 2 && (shape[1] == 12 || shape[1] == 16) ? shape[1] : 0;
+}
+
+}  // namespace
+
+Result<NamedPoses> parse_npy_poses(std::string_view content, const std::filesystem::path& path) {
+  const auto header = read_npy_header(content, path);
+  if (!header) return header.error();
+  const std::size_t size = matrix_size(header->shape);
+  const auto numbers = read_npy_floats(content, *header);
+  if (size == 0 || numbers.empty()) return NamedPoses();
+  std::size_t all = 1;
+  for (const std::size_t side : header->shape) all *= side;
+  if (numbers.size() < all)
+    return bad_input(path, "the file ends before its matrices do; it is damaged: save it again");
+  NamedPoses poses;
+  for (std::size_t i = 0; i < all / size; ++i) {
+    const auto motion = motion_of_numbers(std::span(numbers).subspan(i * size, size),
+                                          "matrix " + std::to_string(i));
+    if (!motion) return bad_input(path, motion.error().message);
+    poses.push_back({"", *motion});
+  }
+  return poses;
+}
+
+}  // namespace relief

@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "scan/io/files/file_ending.h"
+#include "scan/io/workspaces/rgbd/poses/named_poses.h"
+#include "scan/io/workspaces/workspace_text.h"
+
+namespace relief {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string with_blanks(std::string_view line) {
+  std::string text(line);
+  std::ranges::replace_if(
+      text, [](char c) { return c == ',' || c == ';' || c == '"'; }, ' ');
+  return text;
+}
+
+// tx ty tz qx qy qz qw.
+constexpr std::size_t kNumbersOfPose = 7;
+constexpr std::array<std::string_view, kNumbersOfPose> kAxes = {"x", "y", "z", "x", "y", "z", "w"};
+
+// Which of the seven numbers a column holds by its name: `tx`, `pos_x`, `rot.w`, `q_w`, `x`.
+std::optional<std::size_t> number_named(std::string_view name) {
+  std::string word = lower_case(std::string(name));
+  std::erase_if(word, [](char c) { return c == '_' || c == '.' || c == '-'; });
+  const auto is_named = [&](std::size_t k, std::initializer_list<std::string_view> kinds) {
+    return std::ranges::any_of(
+        kinds, [&](std::string_view kind) { return word == std::string(kind) + kAxes[k].data(); });
+  };
+  for (std::size_t k = 0; k < kNumbersOfPose; ++k)
+    if (k < 3 ? is_named(k, {"", "t", "p", "pos", "position", "trans", "translation"})
+              : is_named(k, {"q", "quat", "quaternion", "rot", "rotation", "orientation"}))
+      return k;
+  return std::nullopt;
+}
+
+// Where a line holds the frame and the numbers of a pose.
+struct Columns {
+  std::array<std::size_t, kNumbersOfPose> numbers = {};
+  std::optional<std::size_t> frame;
+  std::size_t count = 0;
+};
+
+// The columns that a heading names, if it names all seven numbers.
+std::optional<Columns> columns_named(const std::vector<std::string_view>& heading) {
+  Columns columns;
+  columns.count = heading.size();
+  std::array<bool, kNumbersOfPose> named = {};
+  for (std::size_t i = 0; i < heading.size(); ++i) {
+    const auto number = number_named(heading[i]);
+    if (!number && !columns.frame) columns.frame = i;
+    if (!number) continue;
+    if (named[*number]) return std::nullopt;
+    named[*number] = true;
+    columns.numbers[*number] = i;
+  }
+  return std::ranges::all_of(named, std::identity()) ? std::optional(columns) : std::nullopt;
+}
+
+// A name and seven numbers.
+Columns columns_behind_name() {
+  Columns columns{{1, 2, 3, 4, 5, 6, 7}, 0, 1 + kNumbersOfPose};
+  return columns;
+}
+
+std::vector<double> numbers_from(const std::vector<std::string_view>& words, std::size_t first) {
+  std::vector<double> numbers;
+  double number = 0.0;
+  for (std::size_t i = first; i < words.size() && parse_number(words[i], number); ++i)
+    numbers.push_back(number);
+  return numbers;
+}
+
+// Whether a line is a name with the numbers of a pose behind it.
+bool is_named_pose(const std::vector<std::string_view>& words) {
+  double number = 0.0;
+  if (words.empty() || parse_number(words[0], number)) return false;
+  const std::size_t count = numbers_from(words, 1).size();
+  return count + 1 == words.size() && (count == kNumbersOfPose || count == 12 || count == 16);
+}
+
+Result<NamedPose> pose_of(const std::vector<std::string_view>& words, const Columns& columns,
+                          const NumberedLines& lines) {
+  NamedPose pose;
+  if (columns.frame && *columns.frame < words.size()) pose.name = words[*columns.frame];
+  const auto behind = numbers_from(words, 1);
+  if (words.size() == columns.count) {
+    std::array<double, kNumbersOfPose> n;
+    for (std::size_t k = 0; k < kNumbersOfPose; ++k)
+      if (!parse_number(words[columns.numbers[k]], n[k]))
+        return lines.error("expected a number, found '" + std::string(words[columns.numbers[k]]) +
+                           "'");
+    const auto motion =
+        motion_of_quaternion(Eigen::Quaterniond(n[6], n[3], n[4], n[5]), {n[0], n[1], n[2]});
+    if (!motion)
+      return lines.error(
+          "not a rigid motion: the quaternion qx qy qz qw must have length 1, and all numbers must "
+          "be finite; remove the line if the pose is unknown");
+    pose.world_from_view = *motion;
+    return pose;
+  }
+  if (words.size() != behind.size() + 1 || (behind.size() != 12 && behind.size() != 16))
+    return lines.error("expected a pose as on the lines above");
+  const auto motion = motion_of_numbers(behind, "the matrix");
+  if (!motion) return lines.error(motion.error().message);
+  pose.world_from_view = *motion;
+  return pose;
+}
+
+}  // namespace
+
+Result<NamedPoses> parse_pose_table(std::string_view text, const fs::path& path) {
+  NumberedLines lines(text, path);
+  NamedPoses poses;
+  std::optional<Columns> columns;
+  for (std::string_view line; lines.next(line);) {
+    const std::string cells = with_blanks(line);
+    const auto words = words_of(cells);
+    if (!columns) {
+      columns = columns_named(words);
+      if (columns) continue;
+      if (!is_named_pose(words)) return poses;  // Some other text.
+      columns = columns_behind_name();
+    }
+    auto pose = pose_of(words, *columns, lines);
+    if (!pose) return pose.error();
+    poses.push_back(std::move(*pose));
+  }
+  return poses;
+}
+
+}  // namespace relief

@@ -1,0 +1,196 @@
+#include "scan/io/workspaces/rgbd/poses/named_poses.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scan/io/workspaces/rgbd/rgbd_folder.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace relief {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+// y of the view is z of the world; the eye is at (x, 6, 7).
+std::string rows(int x) {
+  return "[[1, 0, 0, " + std::to_string(x) + "], [0, 0, -1, 6], [0, 1, 0, 7], [0, 0, 0, 1]]";
+}
+
+// Name and x of each pose.
+std::vector<std::string> summary(const Result<NamedPoses>& poses) {
+  std::vector<std::string> text;
+  for (const NamedPose& pose : value_of(poses)) {
+    EXPECT_EQ(pose.world_from_view.translation().tail<2>(), Eigen::Vector2d(6, 7));
+    EXPECT_NEAR(pose.world_from_view.linear()(2, 1), 1.0, 1e-12);
+    text.push_back(pose.name + "@" + std::to_string(std::lround(pose.world_from_view(0, 3))));
+  }
+  return text;
+}
+
+TEST(JsonPoses, HaveTheirNamesInManyPlaces) {
+  const auto parse = [](const std::string& text) { return summary(parse_json_poses(text, "p")); };
+  EXPECT_THAT(parse("{\"a\": " + rows(1) + ", \"b\": " + rows(2) + "}"), ElementsAre("a@1", "b@2"));
+  EXPECT_THAT(parse("{\"K\": [[1,0,0],[0,1,0],[0,0,1]], \"7\": " + rows(1) + "}"),
+              ElementsAre("7@1"));
+  EXPECT_THAT(
+      parse("{\"a\": {\"pose\": " + rows(1) + ", \"w\": 3}, \"b\": {\"pose\": " + rows(2) + "}}"),
+      ElementsAre("a@1", "b@2"));
+  EXPECT_THAT(parse("[{\"T\": " + rows(1) + ", \"name\": \"x/a.png\"}]"), ElementsAre("x/a.png@1"));
+  EXPECT_THAT(parse("[{\"T\": " + rows(1) + ", \"id\": 12}]"), ElementsAre("12@1"));
+  EXPECT_THAT(parse("[" + rows(1) + ", " + rows(2) + "]"), ElementsAre("@1", "@2"));
+  EXPECT_THAT(parse("{\"w\": 3, \"poses\": {\"a\": " + rows(1) + "}}"), ElementsAre("a@1"));
+  EXPECT_THAT(parse("{\"a\": [1,0,0,5, 0,0,-1,6, 0,1,0,7]}"), ElementsAre("a@5"));
+  EXPECT_THAT(parse(rows(1)), ElementsAre());
+  EXPECT_THAT(parse("{\"a\": [1, 2, 3], \"b\": null}"), ElementsAre());
+  EXPECT_THAT(parse("not JSON"), ElementsAre());
+}
+
+TEST(JsonPoses, ErrorsNameTheMatrix) {
+  EXPECT_THAT(parse_json_poses("{\"poses\": {\"3\": [2,0,0,5, 0,0,-1,6, 0,1,0,7]}}", "p.json"),
+              HasError("p.json: the matrix of poses.3", "not a rigid motion"));
+}
+
+TEST(PoseTable, HasNamesAndHeadings) {
+  const auto parse = [](const std::string& text) { return summary(parse_pose_table(text, "p")); };
+  const std::string turned = " 0.7071067811865476 0 0 0.7071067811865476\n";
+  EXPECT_THAT(parse("a.png 1 6 7" + turned + "# end\nb.png 2 6 7" + turned),
+              ElementsAre("a.png@1", "b.png@2"));
+  EXPECT_THAT(parse("a 1 0 0 5 0 0 -1 6 0 1 0 7\nb 1 0 0 4 0 0 -1 6 0 1 0 7 0 0 0 1\n"),
+              ElementsAre("a@5", "b@4"));
+  EXPECT_THAT(parse("frame,tx,ty,tz,qx,qy,qz,qw\n0,1,6,7,0.7071067811865476,0,0,"
+                    "0.7071067811865476\n"),
+              ElementsAre("0@1"));
+  EXPECT_THAT(parse("q_w;q_x;q_y;q_z;pos_x;pos_y;pos_z;file\n"
+                    "0.7071067811865476;0.7071067811865476;0;0;1;6;7;a\n"),
+              ElementsAre("a@1"));
+  EXPECT_THAT(parse("1 2 3 4 5 6\n"), ElementsAre());
+  EXPECT_THAT(parse("some words\n"), ElementsAre());
+}
+
+TEST(PoseTable, ErrorsNameTheLine) {
+  const std::string heading = "frame,tx,ty,tz,qx,qy,qz,qw\n";
+  EXPECT_THAT(parse_pose_table(heading + "0,1,6,7,2,0,0,0\n", "p.csv"),
+              HasError("p.csv: line 2: not a rigid motion"));
+  EXPECT_THAT(parse_pose_table(heading + "0,1,6,x,1,0,0,0\n", "p.csv"),
+              HasError("line 2: expected a number, found 'x'"));
+  EXPECT_THAT(parse_pose_table("a 1 6 7 0 0 0 1\nb 1 6\n", "p.txt"),
+              HasError("line 2: expected a pose as on the lines above"));
+}
+
+// A NumPy file of doubles.
+std::string npy(const std::string& shape, const std::vector<double>& numbers) {
+  const std::string head = "{'descr': '<f8', 'fortran_order': False, 'shape': " + shape + "}\n";
+  std::string file("\x93NUMPY\x01\x00", 8);
+  file += static_cast<char>(head.size());
+  file += '\0';
+  file += head;
+  return file.append(reinterpret_cast<const char*>(numbers.data()), 8 * numbers.size());
+}
+
+TEST(NpyPoses, AreMatricesOrRows) {
+  const std::vector<double> three = {1, 0, 0, 5, 0, 0, -1, 6, 0, 1, 0, 7};
+  std::vector<double> two = three;
+  two.insert(two.end(), three.begin(), three.end());
+  EXPECT_THAT(summary(parse_npy_poses(npy("(3, 4)", three), "p")), ElementsAre("@5"));
+  EXPECT_THAT(summary(parse_npy_poses(npy("(2, 3, 4)", two), "p")), ElementsAre("@5", "@5"));
+  EXPECT_THAT(summary(parse_npy_poses(npy("(2, 12)", two), "p")), ElementsAre("@5", "@5"));
+  EXPECT_THAT(summary(parse_npy_poses(npy("(12, 2)", two), "p")), ElementsAre());
+  EXPECT_THAT(parse_npy_poses(npy("(3, 12)", two), "p.npy"), HasError("p.npy: the file ends"));
+  two[12] = 3.0;
+  EXPECT_THAT(parse_npy_poses(npy("(2, 12)", two), "p.npy"), HasError("matrix 1", "rigid motion"));
+  EXPECT_THAT(parse_npy_poses("not NumPy", "p.npy"), HasError("not a NumPy file"));
+}
+
+class PosesByName : public ::testing::Test {
+ protected:
+  void write(const std::string& name, const std::string& text) const {
+    fs::create_directories((folder_ / name).parent_path());
+    folder_.write(name, text);
+  }
+  // Of views `depth/2.png` and `depth/10.png`, x of their poses; -1 without one.
+  std::vector<int> x_of_views(std::vector<std::string>* notes = nullptr) const {
+    std::string head("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0", 19);
+    head += std::string("\4\0\0\0\4", 5);
+    for (const char* name : {"depth/2.png", "depth/10.png"}) write(name, head);
+    const auto spec =
+        value_of(read_rgbd_folder(folder_.path(), {PinholeIntrinsics{5, 5, 2, 2}, 1000.0}));
+    if (notes) *notes = spec.notes;
+    std::vector<int> x;
+    for (const ViewSpec& view : spec.views)
+      x.push_back(view.pose == PoseKind::kAbsent
+                      ? -1
+                      : static_cast<int>(std::lround(view.world_from_view(0, 3))));
+    return x;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(PosesByName, AreMatchedByNameAndNumber) {
+  std::vector<std::string> notes;
+  write("poses.json", "{\"00010\": " + rows(1) + ", \"00002\": " + rows(2) + "}");
+  EXPECT_EQ(x_of_views(&notes), (std::vector<int>{2, 1}));
+  EXPECT_THAT(notes, Contains(HasSubstr("poses.json")));
+  write("poses.json", "[{\"name\": \"images/10.jpg\", \"T\": " + rows(1) + "}]");
+  EXPECT_EQ(x_of_views(), (std::vector<int>{-1, 1}));
+  write("poses.json", "[" + rows(1) + ", " + rows(2) + "]");
+  EXPECT_EQ(x_of_views(), (std::vector<int>{1, 2}));
+}
+
+TEST_F(PosesByName, OfOtherFramesAreNotTaken) {
+  write("hand_eye.json", "{\"cam2grp\": " + rows(1) + "}");
+  std::vector<std::string> notes;
+  EXPECT_EQ(x_of_views(&notes), (std::vector<int>{-1, -1}));
+}
+
+TEST_F(PosesByName, FilesThatShouldHaveThemAreNamed) {
+  write("poses.txt", "1 2 3 4 5 6\n1 2 3 4 5 6\n");
+  std::vector<std::string> notes;
+  EXPECT_EQ(x_of_views(&notes), (std::vector<int>{-1, -1}));
+  EXPECT_THAT(notes, Contains(HasSubstr("poses.txt: is not read")));
+}
+
+TEST_F(PosesByName, ATrajectoryGoesFirst) {
+  write("poses.json", "[" + rows(1) + ", " + rows(2) + "]");
+  write("trajectory.txt", "3 0 0 0 0 0 1\n4 0 0 0 0 0 1\n");
+  EXPECT_EQ(x_of_views(), (std::vector<int>{3, 4}));
+}
+
+TEST_F(PosesByName, TimesMayHaveOtherUnits) {
+  write("depth.txt", "0.1 depth/2.png\n0.2 depth/10.png\n");
+  std::vector<std::string> notes;
+  write("groundtruth.txt", "100 3 0 0 0 0 0 1\n200 4 0 0 0 0 0 1\n");
+  EXPECT_EQ(x_of_views(&notes), (std::vector<int>{3, 4}));
+  EXPECT_THAT(notes, Contains(HasSubstr("times of the trajectory are taken as milliseconds")));
+  write("groundtruth.txt", "0.1 3 0 0 0 0 0 1\n0.2 4 0 0 0 0 0 1\n");
+  write("depth.txt", "100000000 depth/2.png\n200000000 depth/10.png\n");
+  EXPECT_EQ(x_of_views(&notes), (std::vector<int>{3, 4}));
+  EXPECT_THAT(notes, Contains(HasSubstr("times of the depth maps are taken as nanoseconds")));
+  // At one moment in any smaller unit: that they lie next to the first pose says nothing.
+  write("groundtruth.txt", "0 3 0 0 0 0 0 1\n200 4 0 0 0 0 0 1\n300 4 0 0 0 0 0 1\n");
+  write("depth.txt", "7 depth/2.png\n8 depth/10.png\n");
+  const auto spec = read_rgbd_folder(folder_.path(), {PinholeIntrinsics{5, 5, 2, 2}, 1000.0});
+  EXPECT_THAT(spec, HasError("3 poses for 2 depth maps", "none within 0.02 s"));
+}
+
+TEST_F(PosesByName, ListsMayBeOfAnotherMachine) {
+  write("groundtruth.txt", "1 3 0 0 0 0 0 1\n2 4 0 0 0 0 0 1\n");
+  for (const char* list :
+       {"1 depth\\2.png\n2 depth\\10.png\n", "1 /home/a/b/depth/2.png\n2 /home/a/b/depth/10.png\n",
+        "1 C:\\b\\depth\\2.png\n2 C:\\b\\depth\\10.png\n"}) {
+    write("depth.txt", list);
+    EXPECT_EQ(x_of_views(), (std::vector<int>{3, 4})) << list;
+  }
+}
+
+}  // namespace
+}  // namespace relief
