@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 namespace relief {
@@ -24,10 +25,25 @@ std::string directions(const Eigen::Matrix3d& axes) {
   return text;
 }
 
+Eigen::Matrix3d meant_rotation(const Eigen::Matrix3d& read, StoredRotation stored) {
+  switch (stored) {
+    case StoredRotation::kAsRead:
+      break;
+    case StoredRotation::kInverse:
+      return read.transpose();
+    case StoredRotation::kQuaternionWFirst: {
+      const Eigen::Quaterniond q(read);
+      return Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()).toRotationMatrix();
+    }
+  }
+  return read;
+}
+
 }  // namespace
 
 RigidMotion PoseConvention::world_from_view(const RigidMotion& pose) const {
   RigidMotion read = pose;
+  read.linear() = meant_rotation(read.linear(), rotation);
   read.translation() *= unit;
   if (view_from_world) read = read.inverse();
   read.linear() = read.linear() * axes;
@@ -42,6 +58,8 @@ std::string PoseConvention::describe() const {
   std::string text = view_from_world ? "view_from_world" : "world_from_view";
   if (!axes.isIdentity(0.0)) text += " with " + directions(axes);
   if (is_left_handed(axes)) text += " in a left-handed world (its y is reversed)";
+  if (rotation == StoredRotation::kInverse) text += ", rotations those of the inverse";
+  if (rotation == StoredRotation::kQuaternionWFirst) text += ", quaternions as qw qx qy qz";
   char times[40];
   std::snprintf(times, sizeof times, ", translations times %g", unit);
   if (unit != 1.0) text += times;

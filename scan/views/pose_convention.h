@@ -8,6 +8,13 @@
 
 namespace relief {
 
+/// What the rotations of poses may be.
+enum class StoredRotation {
+  kAsRead,
+  kInverse,           ///< Of the inverse pose; the translation is of the pose.
+  kQuaternionWFirst,  ///< Quaternions qw qx qy qz were read as qx qy qz qw.
+};
+
 /// What a program may mean by the poses that it writes, other than world_from_view of cameras with
 /// x right, y down and z forward.
 struct PoseConvention {
@@ -16,8 +23,12 @@ struct PoseConvention {
   /// Of the stored camera from those of the view: a signed permutation. With determinant -1 camera
   /// and world are left-handed.
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  StoredRotation rotation = StoredRotation::kAsRead;
 
-  bool as_given() const { return unit == 1.0 && !view_from_world && axes.isIdentity(0.0); }
+  bool as_given() const {
+    return unit == 1.0 && !view_from_world && axes.isIdentity(0.0) &&
+           rotation == StoredRotation::kAsRead;
+  }
   /// world_from_view of a pose in this convention. Of a left-handed world y is reversed.
   RigidMotion world_from_view(const RigidMotion& pose) const;
   /// In words, as `view_from_world with x right, y up, z back`.

@@ -52,8 +52,7 @@ TEST(DamagedWorkspaces, Texts) {
   try_damage("fx 5\nfy 5\ncx 5\ncy 5\ndepth_scale 1000\n", parser(parse_calibration_text));
   try_damage("5 0 1\n0 5 1\n0 0 1\n", parser(parse_calibration_text));
   try_damage(kRows, parser(parse_matrix_text));
-  try_damage("Camera.fx: 5\nCamera.fy: 5\nCamera.cx: 5\nCamera.cy: 5\n",
-             parser(parse_camera_yaml));
+  try_damage("Camera.fx: 5\nCamera.fy: 5\nCamera.cx: 5\nCamera.cy: 5\n", parser(parse_camera_yaml));
   try_damage("camera_matrix:\n  data: [5, 0, 7, 0, 6, 8, 0, 0, 1]\n", parser(parse_camera_yaml));
   try_damage("frame,tx,ty,tz,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n", parser(parse_pose_table));
   try_damage("a 1 2 3 0 0 0 1\nb 1 2 3 0 0 0 1\n", parser(parse_pose_table));

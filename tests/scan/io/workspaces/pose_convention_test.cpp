@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/images/image_io.h"
+#include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
 #include "scan/io/workspaces/rgbd/agreement/pose_scale.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/scenes/synthetic_views.h"
@@ -20,6 +21,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::TemporaryFolder;
@@ -75,6 +77,11 @@ class PoseConventions : public ::testing::Test {
       }
       if (convention.view_from_world) pose = pose.inverse();
       pose.translation() /= convention.unit;
+      const Eigen::Quaterniond q(pose.linear());
+      if (convention.rotation == StoredRotation::kInverse)
+        pose.linear().transposeInPlace();
+      else if (convention.rotation == StoredRotation::kQuaternionWFirst)
+        pose.linear() = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
     }
     return project;
   }
@@ -127,6 +134,35 @@ TEST_F(PoseConventions, OfOtherUnitsAreFound) {
     take_pose_convention(project, ComparedDepths(project));
     EXPECT_LT(difference(project), 1e-9) << unit;
     EXPECT_EQ(project.notes.size(), 1u);
+  }
+}
+
+TEST_F(PoseConventions, OfOtherRotationsAreFound) {
+  write_views();
+  for (const auto rotation : {StoredRotation::kInverse, StoredRotation::kQuaternionWFirst})
+    for (const bool view_from_world : {false, true})
+      for (const bool opengl : {false, true}) {
+        PoseConvention convention{1.0, view_from_world, Eigen::Matrix3d::Identity(), rotation};
+        if (opengl) convention.axes = opengl_axes();
+        ProjectSpec project = stored(convention);
+        take_pose_convention(project, ComparedDepths(project));
+        EXPECT_LT(difference(project), 1e-9) << convention.describe();
+        EXPECT_THAT(project.notes, ElementsAre(HasSubstr(convention.describe())));
+      }
+}
+
+TEST_F(PoseConventions, TellTheScaleOfTheDepthToo) {
+  write_views();
+  PoseConvention w_first;
+  w_first.rotation = StoredRotation::kQuaternionWFirst;
+  for (const auto& convention : {PoseConvention(), w_first}) {
+    ProjectSpec project = stored(convention);
+    for (ViewSpec& view : project.views) view.depth->scale = 1.0;
+    const auto assumed = assume_depth_scale(project, 5000.0, ComparedDepths(project));
+    ASSERT_TRUE(assumed);
+    EXPECT_EQ(assumed->metres_per_value, 0.001);
+    EXPECT_THAT(assumed->note, HasSubstr(convention.as_given() ? "agree at their poses"
+                                                               : "in another convention"));
   }
 }
 

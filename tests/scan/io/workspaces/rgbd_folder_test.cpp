@@ -547,13 +547,14 @@ TEST_F(RgbdFolder, TakesRayLengthsWhereDepthsAgreeSo) {
 
 TEST_F(RgbdFolder, TakesAUsualScaleWhereNoneIsStated) {
   const PinholeIntrinsics intrinsics{120, 120, 79.5, 59.5};
-  for (const double scale : {1000.0, 5000.0}) {
+  for (const double scale : {1000.0, 5000.0, 100.0}) {
     write_frames(folder_, Camera::pinhole(160, 120, intrinsics), scale);
     const auto spec = value_of(read_rgbd_folder(folder_.path(), {intrinsics, {}}));
     for (const ViewSpec& view : spec.views) EXPECT_EQ(view.depth->scale, 1.0 / scale);
     EXPECT_THAT(spec.notes, Contains(AllOf(HasSubstr("--depth-scale"),
-                                           HasSubstr(scale == 1000.0 ? "taken as millimetres;"
-                                                                     : "5000 to the metre"))));
+                                           HasSubstr(scale == 1000.0  ? "taken as millimetres;"
+                                                     : scale == 100.0 ? "taken as centimetres,"
+                                                                      : "5000 to the metre"))));
   }
   // As SUN3D writes them.
   write_frames(folder_, Camera::pinhole(160, 120, intrinsics), 1000.0, 8.0f);

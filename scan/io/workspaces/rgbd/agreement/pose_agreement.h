@@ -53,4 +53,7 @@ inline constexpr double kFarBetter = 4.0;
 /// What depth cameras err, relative to the depth.
 inline constexpr double kCameraError = 0.02;
 
+/// By how much no depth camera errs, relative to the depth.
+inline constexpr double kNoCamera = 0.1;
+
 }  // namespace relief

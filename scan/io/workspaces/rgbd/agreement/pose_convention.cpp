@@ -23,8 +23,6 @@ constexpr double kRounding = 1e-9;
 // pixels may agree by chance.
 constexpr double kEnoughMeet = 0.5;
 
-constexpr double kNoCamera = 0.1;  // Relative to the depth, by how much no depth camera errs.
-
 // All signed permutations of the axes, the identity first, those that keep the hand before the
 // others.
 std::vector<Eigen::Matrix3d> all_axes() {
@@ -41,18 +39,6 @@ std::vector<Eigen::Matrix3d> all_axes() {
   std::stable_partition(all.begin(), all.end(),
                         [](const Eigen::Matrix3d& axes) { return axes.determinant() > 0.0; });
   return all;
-}
-
-// Other units are tried with the axes of OpenCV and OpenGL alone: that bounds the time.
-std::vector<DepthReading> all_readings() {
-  const auto axes_first_to_last = all_axes();
-  const std::vector<Eigen::Matrix3d> usual = {Eigen::Matrix3d::Identity(), opengl_axes()};
-  std::vector<DepthReading> readings;
-  for (const double unit : {1.0, 0.001, 0.01, 100.0, 1000.0})
-    for (const bool view_from_world : {false, true})
-      for (const Eigen::Matrix3d& axes : unit == 1.0 ? axes_first_to_last : usual)
-        readings.push_back({.poses = {unit, view_from_world, axes}});
-  return readings;
 }
 
 std::string note_text(PoseConvention convention, const Eigen::Matrix3d& stored_axes,
@@ -96,9 +82,26 @@ std::optional<std::size_t> far_better(const std::vector<std::optional<Disagreeme
 
 }  // namespace
 
+std::vector<PoseConvention> possible_conventions() {
+  const auto axes_first_to_last = all_axes();
+  const std::vector<Eigen::Matrix3d> usual = {Eigen::Matrix3d::Identity(), opengl_axes()};
+  std::vector<PoseConvention> conventions;
+  for (const double unit : {1.0, 0.001, 0.01, 100.0, 1000.0})
+    for (const bool view_from_world : {false, true})
+      for (const Eigen::Matrix3d& axes : unit == 1.0 ? axes_first_to_last : usual)
+        conventions.push_back({unit, view_from_world, axes});
+  for (const auto rotation : {StoredRotation::kInverse, StoredRotation::kQuaternionWFirst})
+    for (const bool view_from_world : {false, true})
+      for (const Eigen::Matrix3d& axes : usual)
+        conventions.push_back({1.0, view_from_world, axes, rotation});
+  return conventions;
+}
+
 void take_pose_convention(ProjectSpec& project, const ComparedDepths& compared,
                           const Eigen::Matrix3d& stored_axes) {
-  const auto readings = all_readings();
+  std::vector<DepthReading> readings;
+  for (const PoseConvention& convention : possible_conventions())
+    readings.push_back({.poses = convention});
   const auto found = compared.disagreements(project, readings);
   const auto best = far_better(found);
   if (!best) return;
