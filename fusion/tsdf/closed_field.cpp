@@ -40,6 +40,7 @@ void integrate_block(std::size_t b, TsdfIntegrator& integrator, double limit, Sp
   float* values = field.values(b);
   integrator.focus(box_of(field, b));
   for (int i = 0; i < kBlockNodes; ++i) {
+    if (i % kBlockSide == 0) check_stop_and_memory();  // A coarse block sees much of all views.
     NodeConstraint& constraint = constraints[b * kBlockNodes + static_cast<std::size_t>(i)];
     const TsdfSample sample = integrator.collect_as_far_as(
         limit, field.lattice().position(field.first_node(b) + node_at_offset(i)));

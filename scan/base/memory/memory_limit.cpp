@@ -40,7 +40,7 @@ constexpr std::size_t kMostFiles = 32768;
 constexpr std::size_t kLarge = std::size_t{1} << 20;
 
 // How long loops do not look at the memory again, and how long where evicting did not help.
-constexpr std::chrono::nanoseconds kPause = std::chrono::milliseconds(5);
+constexpr std::chrono::nanoseconds kPause = std::chrono::milliseconds(2);
 constexpr std::chrono::nanoseconds kLongPause = std::chrono::seconds(1);
 
 // A file without a name; -1 and errno when there can be none.
@@ -90,7 +90,8 @@ void MemoryLimit::evict_in_time(std::size_t needed) {
       std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
   if (now < (needed < kLarge ? next_look_ : next_eviction_)) return;
   next_look_ = now + kPause.count();
-  needed = kLoopBytes + std::min(needed, kLoopBytes);  // More is not touched at once.
+  const std::size_t touched = std::clamp(limit_ / kLoopPart, kLoopBytes, kMostLoopBytes);
+  needed = touched + std::min(needed, touched);  // More is not touched at once.
   if (resident_() + needed <= limit_) return;
   const std::lock_guard lock(mutex_);
   if (resident_() + needed > limit_ && evict_all() + needed > limit_)
