@@ -6,7 +6,7 @@
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "scan/io/files/atomic_file.h"
-#include "scan/io/project/folder_guess.h"
+#include "scan/io/project/guess/folder_guess.h"
 
 namespace relief {
 

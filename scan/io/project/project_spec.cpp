@@ -10,7 +10,7 @@
 #include "scan/io/files/folder_files.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/image_size.h"
-#include "scan/io/project/folder_guess.h"
+#include "scan/io/project/guess/folder_guess.h"
 #include "scan/io/project/no_project.h"
 #include "scan/io/project/ptx_views.h"
 #include "scan/io/project/scan_file.h"

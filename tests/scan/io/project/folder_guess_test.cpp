@@ -1,4 +1,4 @@
-#include "scan/io/project/folder_guess.h"
+#include "scan/io/project/guess/folder_guess.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,6 +51,32 @@ TEST(FolderGuess, FindsRolesInNamesOfFolders) {
   const auto guess = value_of(guess_project(folder / "."));
   ASSERT_EQ(guess.project.views.size(), 1u);
   EXPECT_TRUE(guess.project.views[0].normals);
+}
+
+TEST(FolderGuess, EachViewMayHaveAFolderOfItsOwn) {
+  const TemporaryFolder folder;
+  for (const char* view : {"view_2", "view_10"}) {
+    std::filesystem::create_directories(folder / view);
+    folder.write(std::string(view) + "/depth.png", depth_png());
+    folder.write(std::string(view) + "/normal.png", depth_png());
+  }
+  folder.write("view_2/pose.txt", "1 0 0 5\n0 0 -1 6\n0 1 0 7\n0 0 0 1\n");
+  folder.write("view_10/pose.txt", "1 0 0 5\n");
+  const auto guess = value_of(guess_project(folder / "."));
+  ASSERT_EQ(guess.project.views.size(), 2u);
+  const ViewSpec &first = guess.project.views[0], &second = guess.project.views[1];
+  EXPECT_EQ(first.name, "view_2");
+  EXPECT_TRUE(first.normals);
+  EXPECT_EQ(first.world_from_view.translation(), Eigen::Vector3d(5, 6, 7));
+  EXPECT_EQ(first.pose, PoseKind::kGuess);
+  EXPECT_EQ(second.pose, PoseKind::kAbsent);
+  EXPECT_THAT(guess.findings, ::testing::Contains(HasSubstr("view_10/pose.txt")));
+  EXPECT_THAT(guess.missing, ::testing::Contains(HasSubstr("the pose of each view")));
+  EXPECT_EQ(guess.project.unit, "mm");
+  folder.write("view_10/pose.txt", "1 0 0 5\n0 0 -1 6\n0 1 0 7\n0 0 0 1\n");
+  const auto scaled = value_of(guess_project(folder / ".", {.depth_scale = 1000.0}));
+  EXPECT_THAT(scaled.missing, ::testing::Not(::testing::Contains(HasSubstr("the pose of"))));
+  EXPECT_EQ(scaled.project.unit, "m");
 }
 
 TEST(FolderGuess, TheFolderItselfMayTellTheRole) {

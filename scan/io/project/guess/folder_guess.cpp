@@ -1,4 +1,4 @@
-#include "scan/io/project/folder_guess.h"
+#include "scan/io/project/guess/folder_guess.h"
 
 #include <algorithm>
 #include <array>
@@ -6,12 +6,15 @@
 #include <map>
 #include <optional>
 
+#include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/images/image_size.h"
+#include "scan/io/project/guess/image_names.h"
 #include "scan/io/project/json/spec_json_private.h"
 #include "scan/io/workspaces/middlebury_par.h"
+#include "scan/io/workspaces/pose_beside.h"
 #include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
 #include "scan/io/workspaces/rgbd/calibration/calibration.h"
 
@@ -20,133 +23,6 @@ namespace relief {
 namespace {
 
 namespace fs = std::filesystem;
-
-enum class ImageRole { kDepth, kNormals, kMask, kConfidence, kColour };
-
-struct RoleWord {
-  const char* word;
-  ImageRole role;
-};
-
-// Words in names of files and folders, as scanners' programs and public data sets write them.
-constexpr std::array kRoleWords{
-    RoleWord{"depth", ImageRole::kDepth},     RoleWord{"range", ImageRole::kDepth},
-    RoleWord{"dist", ImageRole::kDepth},      RoleWord{"distance", ImageRole::kDepth},
-    RoleWord{"z", ImageRole::kDepth},         RoleWord{"normal", ImageRole::kNormals},
-    RoleWord{"normals", ImageRole::kNormals}, RoleWord{"nrm", ImageRole::kNormals},
-    RoleWord{"mask", ImageRole::kMask},       RoleWord{"silhouette", ImageRole::kMask},
-    RoleWord{"conf", ImageRole::kConfidence}, RoleWord{"confidence", ImageRole::kConfidence},
-    RoleWord{"color", ImageRole::kColour},    RoleWord{"colour", ImageRole::kColour},
-    RoleWord{"rgb", ImageRole::kColour},      RoleWord{"albedo", ImageRole::kColour},
-    RoleWord{"image", ImageRole::kColour}};
-
-// The letters of a name in groups: `view01_depth` has `view`, `01` and `depth`.
-std::vector<std::string> words_of(const std::string& name) {
-  std::vector<std::string> words;
-  char before = '\0';
-  for (const char c : name) {
-    const auto kind = [](char letter) {
-      const auto byte = static_cast<unsigned char>(letter);
-      return std::isalpha(byte) ? 1 : std::isdigit(byte) ? 2 : 0;
-    };
-    if (kind(c) == 0) {
-      before = '\0';
-      continue;
-    }
-    if (before == '\0' || kind(before) != kind(c)) words.emplace_back();
-    words.back() += c;
-    before = c;
-  }
-  return words;
-}
-
-std::optional<ImageRole> role_of_word(const std::string& word) {
-  for (const RoleWord& known : kRoleWords)
-    if (word == known.word) return known.role;
-  return std::nullopt;
-}
-
-// What the name of a file tells.
-struct ImageName {
-  std::optional<ImageRole> role;
-  std::string view;  // The rest of the name.
-};
-
-ImageName name_of_image(const fs::path& file) {
-  ImageName name;
-  for (const std::string& word : words_of(lower_case(file.stem().string()))) {
-    const auto found = role_of_word(word);
-    if (found && !name.role) {
-      name.role = found;
-      continue;
-    }
-    name.view += (name.view.empty() ? "" : "_") + word;
-  }
-  if (name.view.empty()) name.view = "view";
-  return name;
-}
-
-struct NamedImage {
-  fs::path file;
-  ImageRole role;
-  std::string view;
-};
-
-// The role is told by the name of the file, else by that of its folder, where single letters say
-// nothing.
-std::optional<NamedImage> named_image(const fs::path& file, const std::string& folder_name) {
-  ImageName name = name_of_image(file);
-  if (!name.role)
-    for (const std::string& word : words_of(lower_case(folder_name)))
-      if (!name.role && word.size() > 1) name.role = role_of_word(word);
-  const bool can_be_depth = has_depth_image_ending(file);
-  if (!name.role || (name.role == ImageRole::kDepth && !can_be_depth)) return std::nullopt;
-  return NamedImage{file, *name.role, name.view};
-}
-
-bool is_image(const fs::path& path) {
-  return has_depth_image_ending(path) || has_photograph_ending(path);
-}
-
-void add_images(const fs::path& folder, const std::string& folder_name,
-                std::vector<NamedImage>& images) {
-  for (const fs::path& file : files_in(folder))
-    if (is_image(file))
-      if (auto image = named_image(file, folder_name)) images.push_back(std::move(*image));
-}
-
-bool has_depth(const std::vector<NamedImage>& images) {
-  return std::ranges::any_of(
-      images, [](const NamedImage& image) { return image.role == ImageRole::kDepth; });
-}
-
-// Where no name tells depth maps: `7.png` of 16 grey bits is one, and `7.jpg` has its colours.
-std::vector<NamedImage> images_by_their_bits(const fs::path& folder) {
-  std::vector<NamedImage> images;
-  for (const fs::path& file : files_in(folder)) {
-    const ImageName name = name_of_image(file);
-    if (!is_image(file) || (name.role && name.role != ImageRole::kColour)) continue;
-    const bool depth = !name.role && is_grey_16_bit_png(file);
-    images.push_back({file, depth ? ImageRole::kDepth : ImageRole::kColour, name.view});
-  }
-  return has_depth(images) ? images : std::vector<NamedImage>();
-}
-
-// Those of the folder itself and of the folders in it, by name.
-std::vector<NamedImage> images_in(const fs::path& folder) {
-  std::vector<NamedImage> images;
-  std::error_code code;
-  add_images(folder, fs::weakly_canonical(folder, code).filename().string(), images);
-  for (const auto& entry : fs::directory_iterator(folder, code))
-    if (entry.is_directory(code) && !is_hidden(entry.path()))
-      add_images(entry.path(), entry.path().filename().string(), images);
-  if (!has_depth(images))
-    if (auto by_bits = images_by_their_bits(folder); !by_bits.empty()) images = std::move(by_bits);
-  std::sort(images.begin(), images.end(), [](const auto& a, const auto& b) {
-    return natural_less(a.file.native(), b.file.native());
-  });
-  return images;
-}
 
 CameraSpec unknown_camera(const fs::path& depth) {
   CameraSpec camera;
@@ -173,8 +49,7 @@ CamerasByView listed_cameras(const fs::path& folder, FolderGuess& guess) {
     }
     guess.findings.push_back("cameras and poses of " + std::to_string(list->size()) +
                              " images from " + file.string());
-    for (const MiddleburyCamera& camera : *list)
-      cameras.emplace(name_of_image(camera.file).view, camera);
+    for (const MiddleburyCamera& camera : *list) cameras.emplace(view_of_name(camera.file), camera);
   }
   return cameras;
 }
@@ -184,6 +59,20 @@ void take_listed_camera(const CamerasByView& cameras, ViewSpec& view) {
   if (found == cameras.end() || !view.camera) return;
   view.camera->intrinsics = found->second.intrinsics;
   view.world_from_view = found->second.world_from_view;
+  view.pose = PoseKind::kGuess;
+}
+
+// The matrix in a file of the view's own folder: `view_0/pose.txt` beside `view_0/depth.png`.
+void take_pose_of_folder(const fs::path& folder, ViewSpec& view, FolderGuess& guess) {
+  const fs::path own = view.depth->file.parent_path(), file = own / "pose.txt";
+  if (own == folder || view.pose != PoseKind::kAbsent || !is_file(file)) return;
+  const auto text = read_file(file);
+  const auto pose = text ? parse_matrix_text(*text, file) : Result<RigidMotion>(text.error());
+  if (!pose) {
+    guess.findings.push_back("left out " + pose.error().message);
+    return;
+  }
+  view.world_from_view = *pose;
   view.pose = PoseKind::kGuess;
 }
 
@@ -226,7 +115,7 @@ ViewSpec guessed_view(const std::string& name, const std::vector<NamedImage>& im
 Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectOptions& options,
                                       const std::string& why_not_read) {
   std::map<std::string, std::vector<NamedImage>, NaturalOrder> by_view;
-  for (NamedImage& image : images_in(folder)) by_view[image.view].push_back(std::move(image));
+  for (NamedImage& image : named_images(folder)) by_view[image.view].push_back(std::move(image));
   FolderGuess guess;
   const CamerasByView cameras = listed_cameras(folder, guess);
   bool whole_numbers = false, without_camera = false;
@@ -239,6 +128,7 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
                                  ": no depth map has the rest of its name, '" + name + "'");
       continue;
     }
+    take_pose_of_folder(folder, view, guess);
     whole_numbers |= holds_whole_numbers(view.depth->file);
     without_camera |= !options.intrinsics && !cameras.contains(name);
     guess.project.views.push_back(std::move(view));
@@ -250,14 +140,17 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
                      ".ply, .pcd, .ptx, .e57, "
                      ".xyz or .pts. (" +
                          why_not_read + ")");
-  guess.project.unit = whole_numbers ? "mm" : "units";
+  guess.project.unit = options.depth_scale ? "m" : whole_numbers ? "mm" : "units";
   if (without_camera)
     guess.missing.push_back("fx and fy of each camera [pixels]; cx and cy are set to the middle");
   if (whole_numbers && !options.depth_scale)
     guess.missing.push_back(
         "the scale of the depth maps: their value times the scale is in the unit; 1 was taken, as "
         "for whole millimetres");
-  guess.missing.push_back("where known: the pose of each view as \"world_from_view\" (4 x 4)");
+  const bool posed = std::ranges::none_of(
+      guess.project.views, [](const ViewSpec& view) { return view.pose == PoseKind::kAbsent; });
+  if (!posed)
+    guess.missing.push_back("where known: the pose of each view as \"world_from_view\" (4 x 4)");
   return guess;
 }
 
@@ -307,7 +200,7 @@ Result<ProjectSpec> read_depth_maps(const fs::path& folder, const ReadProjectOpt
       if (whole_numbers(view)) view.depth->scale = assumed->metres_per_value;
     guess->findings.push_back(std::move(assumed->note));
   }
-  if (assumes || options.depth_scale) guess->project.unit = "m";
+  if (assumes) guess->project.unit = "m";
   guess->project.notes = std::move(guess->findings);
   return std::move(guess->project);
 }
