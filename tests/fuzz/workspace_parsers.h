@@ -37,6 +37,8 @@ inline void parse_transforms(std::string_view content) {
   (void)parse_nerf_transforms(content, "fuzz");
 }
 
+inline void parse_json_camera(std::string_view content) { (void)parse_camera_json(content); }
+
 /// The first byte of an input, as an index, selects the parser.
 inline constexpr std::array<WorkspaceParser, 24> kWorkspaceParsers = {
     {{"colmap_array", parse_with<decode_colmap_array>},
@@ -53,7 +55,7 @@ inline constexpr std::array<WorkspaceParser, 24> kWorkspaceParsers = {
      {"open3d_trajectory", parse_with<parse_open3d_trajectory>},
      {"open3d_camera", parse_with<parse_open3d_camera>},
      {"calibration", parse_with<parse_calibration_text>},
-     {"camera_json", parse_with<parse_camera_json>},
+     {"camera_json", parse_json_camera},
      {"camera_npy", parse_with<parse_camera_npy>},
      {"camera_yaml", parse_with<parse_camera_yaml>},
      {"json_poses", parse_with<parse_json_poses>},

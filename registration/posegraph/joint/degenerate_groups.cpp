@@ -18,7 +18,8 @@ namespace {
 // scans of objects and rooms is 0.24 (docs/results.md, Scans that nothing was developed against).
 constexpr double kLeastCorrelation = 0.2;
 
-// A motion of which less than this fraction is not along others counts as one of them.
+// A motion of which less than this fraction is not along others counts as one of them: walls that
+// are not quite parallel give motions a few degrees apart.
 constexpr double kNewMotion = 0.5;
 
 // The other views that a cluster is linked to.
@@ -39,9 +40,20 @@ RigidTangent tangent_of(const RigidMotion& motion, const Eigen::Vector3d& centre
   return tangent;
 }
 
-// Of tangents about one centre: how far they move what lies a radius from it, about.
-double size_of(const RigidTangent& tangent, double radius) {
-  return std::hypot(radius * tangent.head<3>().norm(), tangent.tail<3>().norm());
+// The product of two tangents about one centre in the metric in which a turn by one radian counts
+// for as much as a translation by the radius.
+double product(const RigidTangent& a, const RigidTangent& b, double radius) {
+  return radius * radius * a.head<3>().dot(b.head<3>()) + a.tail<3>().dot(b.tail<3>());
+}
+
+// Whether a motion of a view is not mostly along others of it.
+bool is_new(const DegenerateDirection& motion, const std::vector<DegenerateDirection>& others,
+            const ViewSurface& surface, const RigidMotion& world_from_view) {
+  const Eigen::Vector3d centre = world_from_view * surface.centre();
+  const double radius = surface.radius();
+  const RigidTangent whole = tangent_about(centre, motion);
+  const RigidTangent rest = without_motions(others, centre, radius * radius) * whole;
+  return product(rest, rest, radius) > kNewMotion * kNewMotion * product(whole, whole, radius);
 }
 
 }  // namespace
@@ -65,7 +77,7 @@ std::vector<DegenerateGroup> degenerate_groups(const std::vector<PairConstraint>
     if (!motions.empty()) groups.push_back({std::move(views), std::move(motions)});
   }
   std::ranges::sort(groups, [](const DegenerateGroup& a, const DegenerateGroup& b) {
-    return a.views.size() != b.views.size() ? a.views.size() > b.views.size() : a.views < b.views;
+    return a.views.size() != b.views.size() ? a.views.size() < b.views.size() : a.views < b.views;
   });
   // The last two clusters are each other's complement.
   const auto repeated = std::ranges::unique(groups, {}, &DegenerateGroup::views);
@@ -73,42 +85,32 @@ std::vector<DegenerateGroup> degenerate_groups(const std::vector<PairConstraint>
   return groups;
 }
 
-void take_drift_back(const std::vector<DegenerateGroup>& groups,
-                     const std::vector<ViewSurface>& surfaces,
-                     const std::vector<RigidMotion>& start,
-                     std::vector<RigidMotion>& world_from_view) {
+MotionsOfViews remove_drift(const std::vector<DegenerateGroup>& groups,
+                            const std::vector<ViewSurface>& surfaces,
+                            const std::vector<RigidMotion>& start,
+                            std::vector<RigidMotion>& world_from_view) {
+  MotionsOfViews kept(surfaces.size());
   for (const auto& [views, motions] : groups) {
     const auto [centre, radius] = ViewsExtent(views, surfaces, start);
-    RigidTangent moved_by = RigidTangent::Zero();
-    for (const std::size_t i : views)
-      moved_by += tangent_of(world_from_view[i] * start[i].inverse(), centre) /
-                  static_cast<double>(views.size());
-    const auto mean_motion = [&](const RigidTangent& tangent) {
-      return moved(RigidMotion::Identity(), tangent, centre);
-    };
-    const RigidMotion back =
-        mean_motion(without_motions(motions, centre, radius * radius) * moved_by) *
-        mean_motion(moved_by).inverse();
-    for (const std::size_t i : views) world_from_view[i] = back * world_from_view[i];
-  }
-}
-
-MotionsOfViews motions_of_views(const std::vector<DegenerateGroup>& groups,
-                                const std::vector<ViewSurface>& surfaces,
-                                const std::vector<RigidMotion>& world_from_view) {
-  MotionsOfViews motions(surfaces.size());
-  for (const DegenerateGroup& group : groups)
-    for (const std::size_t i : group.views) {
-      const Eigen::Vector3d centre = world_from_view[i] * surfaces[i].centre();
-      const double radius = surfaces[i].radius();
-      for (const DegenerateDirection& motion : group.motions) {
-        const RigidTangent whole = tangent_about(centre, motion);
-        const RigidTangent rest = without_motions(motions[i], centre, radius * radius) * whole;
-        if (size_of(rest, radius) > kNewMotion * size_of(whole, radius))
-          motions[i].push_back(motion);
+    for (const DegenerateDirection& motion : motions) {
+      std::vector<std::size_t> own;
+      RigidTangent moved_by = RigidTangent::Zero();  // By its views, in all.
+      for (const std::size_t i : views) {
+        if (!is_new(motion, kept[i], surfaces[i], world_from_view[i])) continue;
+        own.push_back(i);
+        moved_by += tangent_of(world_from_view[i] * start[i].inverse(), centre);
+      }
+      if (own.empty()) continue;
+      const RigidTangent along = tangent_about(centre, motion);
+      const double drift = product(along, moved_by, radius) / product(along, along, radius) /
+                           static_cast<double>(own.size());
+      for (const std::size_t i : own) {
+        world_from_view[i] = moved(world_from_view[i], -drift * along, centre);
+        kept[i].push_back(motion);
       }
     }
-  return motions;
+  }
+  return kept;
 }
 
 }  // namespace relief::registration

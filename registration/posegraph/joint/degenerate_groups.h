@@ -18,8 +18,8 @@ struct DegenerateGroup {
 };
 
 /// The groups for which the relief shared with all other views is, along some motion, less than a
-/// fifth of what holds them. The rest is noise: refined poses drift along such motions. Larger ones
-/// first; of any two, one holds the other or they share no view. `linked`: for each view the
+/// fifth of what holds them. The rest is noise: refined poses drift along such motions. Smaller
+/// ones first; of any two, one holds the other or they share no view. `linked`: for each view the
 /// smallest index of a view that pairs link it to; `held`: the views that do not move.
 std::vector<DegenerateGroup> degenerate_groups(const std::vector<PairConstraint>& pairs,
                                                const std::vector<ViewSurface>& surfaces,
@@ -27,16 +27,12 @@ std::vector<DegenerateGroup> degenerate_groups(const std::vector<PairConstraint>
                                                const std::vector<std::size_t>& linked,
                                                const std::vector<bool>& held);
 
-/// Moves the views of each group, as one, back by what they moved by on average along its motions
-/// since `start`.
-void take_drift_back(const std::vector<DegenerateGroup>& groups,
-                     const std::vector<ViewSurface>& surfaces,
-                     const std::vector<RigidMotion>& start,
-                     std::vector<RigidMotion>& world_from_view);
-
-/// For each view the motions of all groups that it is in, without those nearly the same.
-MotionsOfViews motions_of_views(const std::vector<DegenerateGroup>& groups,
-                                const std::vector<ViewSurface>& surfaces,
-                                const std::vector<RigidMotion>& world_from_view);
+/// Removes what the views of each group moved by on average along its motions since `start`, from
+/// all of them alike. Views that a smaller group holds along a motion follow that group alone.
+/// Returns for each view the motions of its groups, without those nearly the same.
+MotionsOfViews remove_drift(const std::vector<DegenerateGroup>& groups,
+                            const std::vector<ViewSurface>& surfaces,
+                            const std::vector<RigidMotion>& start,
+                            std::vector<RigidMotion>& world_from_view);
 
 }  // namespace relief::registration

@@ -209,8 +209,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
       degenerate_groups(finish({}), surfaces, result.world_from_view, result.group, result.held);
   std::erase_if(drifting, [&](const auto& group) { return held_by_maps(group, result.pairs); });
   if (drifting.empty()) return result;
-  auto kept_motions = motions_of_views(drifting, surfaces, result.world_from_view);
-  take_drift_back(drifting, surfaces, world_from_view, result.world_from_view);
+  auto kept_motions = remove_drift(drifting, surfaces, world_from_view, result.world_from_view);
   link_views(levels.back());
   if (!pairs.empty()) finish(std::move(kept_motions));
   return result;

@@ -39,31 +39,32 @@ class Agglomeration {
                 const std::vector<PairConstraint>& pairs)
       : surfaces_(surfaces), world_from_view_(world_from_view), links_(surfaces.size()) {
     for (const PairConstraint& pair : pairs) {
+      if (!(surfaces[pair.a].radius() > 0.0) || !(surfaces[pair.b].radius() > 0.0)) continue;
       add_link(links_[pair.a], pair.b, pair.shared);
       add_link(links_[pair.b], pair.a, pair.shared);
     }
     for (std::size_t view = 0; view < surfaces.size(); ++view) views_.push_back({view});
-    for (std::size_t view = 0; view < surfaces.size(); ++view) enter(view);
+    for (std::size_t view = 0; view < surfaces.size(); ++view) add_cluster(view);
   }
 
   std::vector<ViewCluster> run() {
-    while (!firmest_.empty()) {
-      const auto [correlation, a, b] = firmest_.top();
-      firmest_.pop();
+    while (!candidates_.empty()) {
+      const auto [correlation, a, b] = candidates_.top();
+      candidates_.pop();
       if (links_[a].contains(b)) join(a, b);
     }
     return std::move(found_);
   }
 
  private:
-  // A cluster, with its links to those before it.
-  void enter(std::size_t cluster) {
+  // Makes a cluster known, and its links to those before it.
+  void add_cluster(std::size_t cluster) {
     const Links& links = links_[cluster];
     if (links.empty()) return;
     found_.push_back({views_[cluster], sum_of(links)});
     for (const auto& [other, shared] : links)
       if (other < cluster)
-        firmest_.push({least_correlation(cluster, other, shared), other, cluster});
+        candidates_.push({least_correlation(cluster, other, shared), other, cluster});
   }
 
   double least_correlation(std::size_t a, std::size_t b, const SharedConstraintSum& shared) const {
@@ -82,14 +83,14 @@ class Agglomeration {
         add_link(links_[both], other, shared);
         add_link(links_[other], both, shared);
       }
-    enter(both);
+    add_cluster(both);
   }
 
   const std::vector<ViewSurface>& surfaces_;
   const std::vector<RigidMotion>& world_from_view_;
   std::vector<std::vector<std::size_t>> views_;  // Of each cluster: first the single views.
   std::vector<Links> links_;                     // Of each; none of clusters within others.
-  std::priority_queue<std::tuple<double, std::size_t, std::size_t>> firmest_;
+  std::priority_queue<std::tuple<double, std::size_t, std::size_t>> candidates_;
   std::vector<ViewCluster> found_;
 };
 

@@ -85,9 +85,8 @@ class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
   // The part of a limit up to which arrays lie in memory. Takes at most so much from what the rest
   // of the work may need, which no file can hold. Changes no result.
   static constexpr std::size_t kAmple = 8;
-  // What the work on a brick takes, and what loops take between two looks: each page that is
-  // touched brings 15 others, so where much is in files it is 30 MB in a millisecond. Change no
-  // result.
+  // What the work on a brick takes, and what loops take between two looks. A page that is touched
+  // brings 15 others, so loops over files take up to 30 MB a millisecond. Change no result.
   static constexpr std::size_t kBrickBytes = std::size_t{16} << 20;
   static constexpr std::size_t kLoopBytes = std::size_t{40} << 20;
   static constexpr std::size_t kMostLoopBytes = std::size_t{128} << 20;

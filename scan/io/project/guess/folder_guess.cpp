@@ -63,15 +63,18 @@ void take_listed_camera(const CamerasByView& cameras, ViewSpec& view) {
 }
 
 // The matrix in a file of the view's own folder: `view_0/pose.txt` beside `view_0/depth.png`.
-void take_pose_of_folder(const fs::path& folder, ViewSpec& view, FolderGuess& guess) {
-  const fs::path own = view.depth->file.parent_path(), file = own / "pose.txt";
-  if (own == folder || view.pose != PoseKind::kAbsent || !is_file(file)) return;
+void take_pose_of_folder(const std::vector<NamedImage>& images, ViewSpec& view,
+                         FolderGuess& guess) {
+  const fs::path file = view.depth->file.parent_path() / "pose.txt";
+  const bool is_own = std::ranges::any_of(images, &NamedImage::of_own_folder);
+  if (!is_own || view.pose != PoseKind::kAbsent || !is_file(file)) return;
   const auto text = read_file(file);
   const auto pose = text ? parse_matrix_text(*text, file) : Result<RigidMotion>(text.error());
   if (!pose) {
     guess.findings.push_back("left out " + pose.error().message);
     return;
   }
+  guess.findings.push_back("pose of " + view.name + " from " + file.string());
   view.world_from_view = *pose;
   view.pose = PoseKind::kGuess;
 }
@@ -128,7 +131,7 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
                                  ": no depth map has the rest of its name, '" + name + "'");
       continue;
     }
-    take_pose_of_folder(folder, view, guess);
+    take_pose_of_folder(images, view, guess);
     whole_numbers |= holds_whole_numbers(view.depth->file);
     without_camera |= !options.intrinsics && !cameras.contains(name);
     guess.project.views.push_back(std::move(view));

@@ -18,7 +18,8 @@ struct FolderGuess {
 
 /// Looks at a folder. What read_project_spec() understands is taken as it is. Else depth maps,
 /// normal maps, masks, confidences and colours are told by words in their names (`depth`, `normal`,
-/// `mask`, ...) and belong to one view when the rest of their names is equal. A Middlebury list
+/// `mask`, ...) and belong to one view when the rest of their names is equal, or when they lie in a
+/// folder of the view, where `pose.txt` is its pose. A Middlebury list
 /// (`NAME_par.txt`) gives cameras and poses of the images it names. Without a calibration every
 /// camera has the focal length 0, which no reader accepts: it must be filled in.
 /// kBadInput when nothing in the folder can be a scan.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -81,11 +82,9 @@ ImageName name_in(const std::string& text) {
 }
 
 // The role is told by the name of the file, else by that of its folder, where single letters say
-// nothing. `else_view`: what is called so, where the name of the file has nothing but the role.
-std::optional<NamedImage> named_image(const fs::path& file, const std::string& folder_name,
-                                      const std::string& else_view) {
+// nothing.
+std::optional<NamedImage> named_image(const fs::path& file, const std::string& folder_name) {
   ImageName name = name_in(file.stem().string());
-  if (name.view.empty()) name.view = else_view;
   if (!name.role)
     for (const std::string& word : words_of(lower_case(folder_name)))
       if (!name.role && word.size() > 1) name.role = role_of_word(word);
@@ -98,17 +97,25 @@ bool is_image(const fs::path& path) {
   return has_depth_image_ending(path) || has_photograph_ending(path);
 }
 
-void add_images(const fs::path& folder, const std::string& folder_name,
-                const std::string& else_view, std::vector<NamedImage>& images) {
-  for (const fs::path& file : files_in(folder))
-    if (is_image(file))
-      if (auto image = named_image(file, folder_name, else_view))
-        images.push_back(std::move(*image));
-}
-
 bool has_depth(const std::vector<NamedImage>& images) {
   return std::ranges::any_of(
       images, [](const NamedImage& image) { return image.role == ImageRole::kDepth; });
+}
+
+// `folder_view`: the view of images that are called by their role alone, if one is a depth map.
+std::vector<NamedImage> images_of_folder(const fs::path& folder, const std::string& folder_name,
+                                         const std::string& folder_view) {
+  std::vector<NamedImage> images;
+  for (const fs::path& file : files_in(folder))
+    if (is_image(file))
+      if (auto image = named_image(file, folder_name)) images.push_back(std::move(*image));
+  const bool is_of_one_view = !folder_view.empty() && has_depth(images);
+  for (NamedImage& image : images) {
+    if (!image.view.empty()) continue;
+    image.view = is_of_one_view ? folder_view : kOnlyView;
+    image.of_own_folder = is_of_one_view;
+  }
+  return images;
 }
 
 // Where no name tells depth maps: `7.png` of 16 grey bits is one, and `7.jpg` has its colours.
@@ -131,14 +138,14 @@ std::string view_of_name(const fs::path& file) {
 }
 
 std::vector<NamedImage> named_images(const fs::path& folder) {
-  std::vector<NamedImage> images;
   std::error_code code;
-  add_images(folder, fs::weakly_canonical(folder, code).filename().string(), kOnlyView, images);
+  auto images =
+      images_of_folder(folder, fs::weakly_canonical(folder, code).filename().string(), "");
   for (const auto& entry : fs::directory_iterator(folder, code)) {
     if (!entry.is_directory(code) || is_hidden(entry.path())) continue;
     const std::string name = entry.path().filename().string();  // `depth`, or `view_0`.
-    const std::string view = name_in(name).view;
-    add_images(entry.path(), name, view.empty() ? kOnlyView : view, images);
+    std::ranges::move(images_of_folder(entry.path(), name, name_in(name).view),
+                      std::back_inserter(images));
   }
   if (!has_depth(images))
     if (auto by_bits = images_by_their_bits(folder); !by_bits.empty()) images = std::move(by_bits);

@@ -14,6 +14,7 @@ struct NamedImage {
   std::filesystem::path file;
   ImageRole role = ImageRole::kDepth;
   std::string view;
+  bool of_own_folder = false;  ///< Its folder tells the view.
 };
 
 /// The view that the name of an image tells: what is left of it without the word of its role, in

@@ -66,8 +66,10 @@ Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found
   Calibration calibration;
   if (!options.intrinsics || !options.depth_scale) {
     auto file = find_calibration(folder);
-    if (!file) return file.error();
-    if (*file) {
+    if (!file && !options.intrinsics) return file.error();
+    if (!file) {
+      notes.push_back(file.error().message + " (not used: --intrinsics are given)");
+    } else if (*file) {
       calibration = std::move(**file);
     } else if (recording) {  // Frames have its intrinsics already.
       calibration.depth_scale = recording->calibration.depth_scale;

@@ -9,6 +9,7 @@
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/images/codecs/floats/npy_header.h"
 #include "scan/io/workspaces/rgbd/poses/named_poses.h"
 #include "scan/io/workspaces/rgbd/replica_layout.h"
 #include "scan/io/workspaces/rgbd/tum_layout.h"
@@ -56,16 +57,24 @@ std::vector<fs::path> depth_images(const fs::path& folder) {
   return files;
 }
 
+Result<std::optional<RigidMotion>> pose_in_npy(std::string_view content, const fs::path& path) {
+  const auto header = read_npy_header(content, path);
+  if (!header) return header.error();
+  if (!std::ranges::all_of(read_npy_floats(content, *header),
+                           [](double number) { return std::isfinite(number); }))
+    return std::optional<RigidMotion>();
+  const auto poses = parse_npy_poses(content, path);
+  if (!poses) return poses.error();
+  if (poses->world_from_view.size() != 1)
+    return bad_input(path, "expected one matrix of 4x4 or 3x4 floats");
+  return std::optional(poses->world_from_view.front());
+}
+
 // A pose in a file of its own. Trackers that lost the camera write numbers that are none.
 Result<std::optional<RigidMotion>> pose_in_file(const fs::path& path) {
   const auto text = read_file(path);
   if (!text) return text.error();
-  if (lower_ending(path) == ".npy") {
-    const auto poses = parse_npy_poses(*text, path);
-    if (!poses) return poses.error();
-    if (poses->size() != 1) return bad_input(path, "expected one matrix of 4x4 numbers");
-    return std::optional(poses->front().world_from_view);
-  }
+  if (lower_ending(path) == ".npy") return pose_in_npy(*text, path);
   for (const char* lost : {"inf", "INF", "nan", "NaN", "#QNAN", "#IND"})
     if (text->find(lost) != std::string::npos) return std::optional<RigidMotion>();
   NumberedLines lines(*text, path);
@@ -169,7 +178,7 @@ Result<RgbdFrames> folder_frames(const fs::path& folder) {
     frame.name = file.stem().string();
     frame.depth = file;
     for (const char* poses : {"pose", "poses"})
-      for (const char* ending : {".txt", ".npy"})
+      for (const char* ending : {".npy", ".txt"})  // The text counts where both are there.
         if (auto taken = take_pose_file(folder / poses / (frame.name + ending), found, frame);
             !taken)
           return taken.error();

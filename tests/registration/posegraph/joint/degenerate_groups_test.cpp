@@ -1,4 +1,6 @@
 // Given poses along motions that no relief of the views tells anything about.
+#include "registration/posegraph/joint/degenerate_groups.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -138,6 +140,36 @@ TEST(DegenerateGroups, KeepTheirMeanAlongWhatOnlyNoiseHolds) {
     EXPECT_EQ(aligned.views[i].kept_motions.empty(), i < 4) << i;
   }
   EXPECT_THAT(aligned.notes, Contains(HasSubstr("kept where alignment started")));
+}
+
+// A view that drifts alone does not displace those that hold still with it.
+TEST(DegenerateGroups, WithinOthersGoBackAlone) {
+  const auto ring = testing::ring_of_views({.views = 5, .pixels = 40});
+  std::vector<ViewSurface> surfaces;
+  for (const auto& view : ring) surfaces.emplace_back(view);
+  DegenerateDirection along_y, along_x;
+  along_y.motion << 0, 0, 0, 0, 1, 0;
+  along_x.motion << 0, 0, 0, 1, 0, 0;
+  const std::vector<DegenerateGroup> groups = {{{1}, {along_y}},
+                                               {{1, 2, 3, 4}, {along_y, along_x}}};
+  const auto start = testing::poses_of(ring);
+  auto poses = start;
+  poses[1].pretranslate(Eigen::Vector3d(0, 4, 0));
+  const auto kept = remove_drift(groups, surfaces, start, poses);
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    EXPECT_LT((poses[i].translation() - start[i].translation()).norm(), 1e-9) << i;
+  EXPECT_EQ(kept[0].size(), 0u);
+  EXPECT_EQ(kept[1].size(), 2u);
+  EXPECT_EQ(kept[4].size(), 2u);
+  // What a group moves by as one goes back as well, and nothing else does.
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    poses[i] = Eigen::Translation3d(3, -2, 7 + 0.1 * static_cast<double>(i % 2)) * start[i];
+  remove_drift(groups, surfaces, start, poses);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Eigen::Vector3d left = poses[i].translation() - start[i].translation();
+    EXPECT_LT(left.head<2>().norm(), 1e-9) << i;
+    EXPECT_NEAR(left.z(), 7 + 0.1 * static_cast<double>(i % 2), 1e-9) << i;
+  }
 }
 
 TEST(ViewsOfAnObject, KeepNoMotion) {

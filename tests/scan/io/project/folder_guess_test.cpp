@@ -77,6 +77,21 @@ TEST(FolderGuess, EachViewMayHaveAFolderOfItsOwn) {
   const auto scaled = value_of(guess_project(folder / ".", {.depth_scale = 1000.0}));
   EXPECT_THAT(scaled.missing, ::testing::Not(::testing::Contains(HasSubstr("the pose of"))));
   EXPECT_EQ(scaled.project.unit, "m");
+  EXPECT_THAT(scaled.findings, ::testing::Contains(HasSubstr("pose of view_10 from")));
+}
+
+TEST(FolderGuess, APoseThatIsOfNoViewAloneIsNotTaken) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "masks");
+  for (const char* name : {"a_depth.png", "b_depth.png"}) folder.write(name, depth_png());
+  folder.write("masks/a_mask.png", depth_png());
+  folder.write("pose.txt", "1 0 0 5\n0 0 -1 6\n0 1 0 7\n0 0 0 1\n");
+  for (const char* path : {".", ""}) {
+    const auto guess = value_of(guess_project(folder / path));
+    ASSERT_EQ(guess.project.views.size(), 2u);
+    EXPECT_TRUE(guess.project.views[0].mask);
+    for (const ViewSpec& view : guess.project.views) EXPECT_EQ(view.pose, PoseKind::kAbsent);
+  }
 }
 
 TEST(FolderGuess, TheFolderItselfMayTellTheRole) {

@@ -1,5 +1,6 @@
 #include "scan/io/workspaces/rgbd/poses/named_poses.h"
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -26,13 +27,17 @@ std::string rows(int x) {
   return "[[1, 0, 0, " + std::to_string(x) + "], [0, 0, -1, 6], [0, 1, 0, 7], [0, 0, 0, 1]]";
 }
 
-// Name and x of each pose.
-std::vector<std::string> summary(const Result<NamedPoses>& poses) {
+// Names in all fields and x of each pose.
+std::vector<std::string> summary(const Result<PoseList>& read) {
+  const PoseList poses = value_of(read);
   std::vector<std::string> text;
-  for (const NamedPose& pose : value_of(poses)) {
-    EXPECT_EQ(pose.world_from_view.translation().tail<2>(), Eigen::Vector2d(6, 7));
-    EXPECT_NEAR(pose.world_from_view.linear()(2, 1), 1.0, 1e-12);
-    text.push_back(pose.name + "@" + std::to_string(std::lround(pose.world_from_view(0, 3))));
+  for (std::size_t k = 0; k < poses.world_from_view.size(); ++k) {
+    const RigidMotion& pose = poses.world_from_view[k];
+    EXPECT_EQ(pose.translation().tail<2>(), Eigen::Vector2d(6, 7));
+    EXPECT_NEAR(pose.linear()(2, 1), 1.0, 1e-12);
+    text.emplace_back();
+    for (const auto& [field, names] : poses.names) text.back() += names.at(k) + "@";
+    text.back() += std::to_string(std::lround(pose(0, 3)));
   }
   return text;
 }
@@ -46,8 +51,13 @@ TEST(JsonPoses, HaveTheirNamesInManyPlaces) {
       parse("{\"a\": {\"pose\": " + rows(1) + ", \"w\": 3}, \"b\": {\"pose\": " + rows(2) + "}}"),
       ElementsAre("a@1", "b@2"));
   EXPECT_THAT(parse("[{\"T\": " + rows(1) + ", \"name\": \"x/a.png\"}]"), ElementsAre("x/a.png@1"));
-  EXPECT_THAT(parse("[{\"T\": " + rows(1) + ", \"id\": 12}]"), ElementsAre("12@1"));
-  EXPECT_THAT(parse("[" + rows(1) + ", " + rows(2) + "]"), ElementsAre("@1", "@2"));
+  EXPECT_THAT(parse("[{\"T\": " + rows(1) + ", \"id\": 12, \"file\": \"a\"}]"),
+              ElementsAre("a@12@1"));
+  // Of nerfstudio: the list of frames, not the one matrix beside it.
+  EXPECT_THAT(parse("{\"frames\": [{\"T\": " + rows(1) + "}, {\"T\": " + rows(2) +
+                    "}], \"applied_transform\": " + rows(3) + ", \"train\": [\"a\"]}"),
+              ElementsAre("1", "2"));
+  EXPECT_THAT(parse("[" + rows(1) + ", " + rows(2) + "]"), ElementsAre("1", "2"));
   EXPECT_THAT(parse("{\"w\": 3, \"poses\": {\"a\": " + rows(1) + "}}"), ElementsAre("a@1"));
   EXPECT_THAT(parse("{\"a\": [1,0,0,5, 0,0,-1,6, 0,1,0,7]}"), ElementsAre("a@5"));
   EXPECT_THAT(parse(rows(1)), ElementsAre());
@@ -88,8 +98,10 @@ TEST(PoseTable, ErrorsNameTheLine) {
 }
 
 // A NumPy file of doubles.
-std::string npy(const std::string& shape, const std::vector<double>& numbers) {
-  const std::string head = "{'descr': '<f8', 'fortran_order': False, 'shape': " + shape + "}\n";
+std::string npy(const std::string& shape, const std::vector<double>& numbers,
+                const std::string& fortran = "False") {
+  const std::string head =
+      "{'descr': '<f8', 'fortran_order': " + fortran + ", 'shape': " + shape + "}\n";
   std::string file("\x93NUMPY\x01\x00", 8);
   file += static_cast<char>(head.size());
   file += '\0';
@@ -101,10 +113,13 @@ TEST(NpyPoses, AreMatricesOrRows) {
   const std::vector<double> three = {1, 0, 0, 5, 0, 0, -1, 6, 0, 1, 0, 7};
   std::vector<double> two = three;
   two.insert(two.end(), three.begin(), three.end());
-  EXPECT_THAT(summary(parse_npy_poses(npy("(3, 4)", three), "p")), ElementsAre("@5"));
-  EXPECT_THAT(summary(parse_npy_poses(npy("(2, 3, 4)", two), "p")), ElementsAre("@5", "@5"));
-  EXPECT_THAT(summary(parse_npy_poses(npy("(2, 12)", two), "p")), ElementsAre("@5", "@5"));
+  EXPECT_THAT(summary(parse_npy_poses(npy("(3, 4)", three), "p")), ElementsAre("5"));
+  EXPECT_THAT(summary(parse_npy_poses(npy("(2, 3, 4)", two), "p")), ElementsAre("5", "5"));
+  EXPECT_THAT(summary(parse_npy_poses(npy("(2, 12)", two), "p")), ElementsAre("5", "5"));
   EXPECT_THAT(summary(parse_npy_poses(npy("(12, 2)", two), "p")), ElementsAre());
+  EXPECT_THAT(summary(parse_npy_poses(npy("(0, 4, 4)", {}), "p")), ElementsAre());
+  EXPECT_THAT(parse_npy_poses(npy("(1152921504606846977, 4, 4)", two), "p.npy"),
+              HasError("the file ends"));
   EXPECT_THAT(parse_npy_poses(npy("(3, 12)", two), "p.npy"), HasError("p.npy: the file ends"));
   two[12] = 3.0;
   EXPECT_THAT(parse_npy_poses(npy("(2, 12)", two), "p.npy"), HasError("matrix 1", "rigid motion"));
@@ -146,10 +161,51 @@ TEST_F(PosesByName, AreMatchedByNameAndNumber) {
   EXPECT_EQ(x_of_views(), (std::vector<int>{1, 2}));
 }
 
-TEST_F(PosesByName, OfOtherFramesAreNotTaken) {
-  write("hand_eye.json", "{\"cam2grp\": " + rows(1) + "}");
+// Whichever field has the names, and whatever the alphabet says of their order.
+TEST_F(PosesByName, AreMatchedByTheFieldThatNamesMostFrames) {
+  write("poses.json",
+        "[{\"camera\": \"left\", \"name\": \"10.png\", \"w\": 640, \"T\": " + rows(1) +
+            "}, {\"camera\": \"left\", \"name\": \"2.png\", \"w\": 640, \"T\": " + rows(2) + "}]");
+  EXPECT_EQ(x_of_views(), (std::vector<int>{2, 1}));
+  write("poses.json", "{\"3\": " + rows(1) + ", \"11\": " + rows(2) + "}");
   std::vector<std::string> notes;
-  EXPECT_EQ(x_of_views(&notes), (std::vector<int>{-1, -1}));
+  EXPECT_EQ(x_of_views(&notes), (std::vector<int>{1, 2}));
+  EXPECT_THAT(notes, Contains(HasSubstr("those of the depth maps plus 1")));
+}
+
+TEST_F(PosesByName, OfOtherThingsAreNotTaken) {
+  const std::vector<int> none = {-1, -1};
+  write("hand_eye.json", "{\"cam2grp\": " + rows(1) + "}");
+  EXPECT_EQ(x_of_views(), none);
+  write("extrinsics.json", "{\"cam2imu\": " + rows(1) + ", \"lidar2cam\": " + rows(2) + "}");
+  EXPECT_EQ(x_of_views(), none);
+  write("annotations.json", "[" + rows(1) + ", " + rows(2) + "]");
+  EXPECT_EQ(x_of_views(), none);
+  // With errors, but not called poses.
+  write("info.json", "{\"P\": [[5, 0, 7, 0], [0, 5, 8, 0], [0, 0, 1, 0]]}");
+  write("metadata.npy", std::string("\x93NUMPY\x01\x00\x0b\x00{'a': '|O'}", 21));
+  EXPECT_EQ(x_of_views(), none);
+}
+
+TEST_F(PosesByName, OfTwoFilesThatDifferAreAnError) {
+  write("poses.json", "{\"2\": " + rows(1) + ", \"10\": " + rows(2) + "}");
+  write("others.json", "{\"2\": " + rows(3) + ", \"10\": " + rows(4) + "}");
+  EXPECT_EQ(x_of_views(), (std::vector<int>{1, 2}));  // The one that is called poses.
+  write("poses_new.json", "{\"2\": " + rows(1) + ", \"10\": " + rows(2) + "}");
+  EXPECT_EQ(x_of_views(), (std::vector<int>{1, 2}));  // The same.
+  write("poses_new.json", "{\"2\": " + rows(1) + ", \"10\": " + rows(3) + "}");
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), {PinholeIntrinsics{5, 5, 2, 2}, 1000.0}),
+              HasError("poses_new.json", "so has poses.json beside it"));
+}
+
+TEST_F(PosesByName, MayHaveFilesOfTheirOwnInNumPy) {
+  const std::vector<double> by_rows = {1, 0, 0, 5, 0, 0, -1, 6, 0, 1, 0, 7, 0, 0, 0, 1};
+  const std::vector<double> by_columns = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 5, 6, 7, 1};
+  write("pose/2.npy", npy("(4, 4)", by_rows));
+  write("pose/10.npy", npy("(4, 4)", by_columns, "True"));
+  EXPECT_EQ(x_of_views(), (std::vector<int>{5, 5}));
+  write("pose/10.npy", npy("(4, 4)", std::vector<double>(16, std::nan(""))));  // Lost.
+  EXPECT_EQ(x_of_views(), (std::vector<int>{5, -1}));
 }
 
 TEST_F(PosesByName, FilesThatShouldHaveThemAreNamed) {
@@ -175,6 +231,10 @@ TEST_F(PosesByName, TimesMayHaveOtherUnits) {
   write("depth.txt", "100000000 depth/2.png\n200000000 depth/10.png\n");
   EXPECT_EQ(x_of_views(&notes), (std::vector<int>{3, 4}));
   EXPECT_THAT(notes, Contains(HasSubstr("times of the depth maps are taken as nanoseconds")));
+  // One that agrees is chance: the poses are in the order of the maps.
+  write("groundtruth.txt", "0.2 3 0 0 0 0 0 1\n500 4 0 0 0 0 0 1\n");
+  write("depth.txt", "100 depth/2.png\n200 depth/10.png\n");
+  EXPECT_EQ(x_of_views(&notes), (std::vector<int>{3, 4}));
   // At one moment in any smaller unit: that they lie next to the first pose says nothing.
   write("groundtruth.txt", "0 3 0 0 0 0 0 1\n200 4 0 0 0 0 0 1\n300 4 0 0 0 0 0 1\n");
   write("depth.txt", "7 depth/2.png\n8 depth/10.png\n");

@@ -42,12 +42,15 @@ std::optional<testing::SurfaceHit> scene(const Ray& ray) {
 // Five views of the scene, their depth maps in files. What `still` says is put before all of them.
 class PoseConventions : public ::testing::Test {
  protected:
-  void write_views(float still = 0.0f) {
+  // Turned by `turn` of what they are else.
+  void write_views(float still = 0.0f, double turn = 1.0) {
     const Camera camera = Camera::pinhole(160, 120, kIntrinsics);
     for (int i = 0; i < 5; ++i) {
       const Eigen::Vector3d eye(0.35 * i - 0.6, 0.1 * i * i - 0.8, 0.3 * std::sin(2.0 * i));
-      const RigidMotion pose =
-          testing::look_at(eye, {0.1 * i, 0, 3}, Eigen::Vector3d(0.3 * std::cos(i), -1, 0));
+      const RigidMotion pose = testing::look_at(
+          eye,
+          turn * Eigen::Vector3d(0.1 * i, 0, 3) + (1.0 - turn) * (eye + Eigen::Vector3d(0, 0, 3)),
+          Eigen::Vector3d(0.3 * turn * std::cos(i), -1, 0));
       const RangeView view = testing::render(scene, camera, pose);
       Image depth(view.width(), view.height(), 1, 65535);
       for (int v = 0; v < view.height(); ++v)
@@ -149,6 +152,16 @@ TEST_F(PoseConventions, OfOtherRotationsAreFound) {
         EXPECT_LT(difference(project), 1e-9) << convention.describe();
         EXPECT_THAT(project.notes, ElementsAre(HasSubstr(convention.describe())));
       }
+}
+
+// As on a slider: the inverse of a small turn agrees nearly as well.
+TEST_F(PoseConventions, OfCamerasThatHardlyTurnAreFound) {
+  write_views(0.0f, 0.01);
+  PoseConvention opengl;
+  opengl.axes = opengl_axes();
+  ProjectSpec project = stored(opengl);
+  take_pose_convention(project, ComparedDepths(project));
+  EXPECT_LT(difference(project), 1e-9);
 }
 
 TEST_F(PoseConventions, TellTheScaleOfTheDepthToo) {

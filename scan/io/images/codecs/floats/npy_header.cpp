@@ -109,6 +109,7 @@ template <typename T>
 std::vector<double> floats_of(std::string_view bytes, std::size_t limit) {
   static_assert(std::endian::native == std::endian::little);
   std::vector<T> numbers(std::min(limit, bytes.size() / sizeof(T)));
+  if (numbers.empty()) return {};
   std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(T));
   return std::vector<double>(numbers.begin(), numbers.end());
 }
@@ -139,13 +140,23 @@ Result<NpyHeader> read_npy_header(std::string_view content, const std::filesyste
 }
 
 std::vector<double> read_npy_floats(std::string_view content, const NpyHeader& header) {
-  if (header.kind != 'f' || header.order != '<' || header.columns_first) return {};
+  if (header.kind != 'f' || header.order != '<') return {};
+  const bool is_matrix = header.shape.size() == 2;
+  if (header.columns_first && !is_matrix) return {};
   const std::string_view bytes = content.substr(header.numbers_at);
-  std::size_t count = 1;
-  for (const std::size_t size : header.shape) count = std::min(count * size, bytes.size());
-  if (header.bytes == 4) return floats_of<float>(bytes, count);
-  if (header.bytes == 8) return floats_of<double>(bytes, count);
-  return {};
+  std::size_t count = 1;  // No more than there are bytes: it cannot overflow.
+  for (const std::size_t size : header.shape)
+    count = size > 0 && count > bytes.size() / size ? bytes.size() : count * size;
+  std::vector<double> numbers;
+  if (header.bytes == 4) numbers = floats_of<float>(bytes, count);
+  if (header.bytes == 8) numbers = floats_of<double>(bytes, count);
+  if (!header.columns_first) return numbers;
+  const std::size_t rows = header.shape[0], columns = header.shape[1];
+  if (rows == 0 || numbers.size() / rows < columns) return {};
+  std::vector<double> by_rows(rows * columns);
+  for (std::size_t r = 0; r < rows; ++r)
+    for (std::size_t c = 0; c < columns; ++c) by_rows[r * columns + c] = numbers[c * rows + r];
+  return by_rows;
 }
 
 }  // namespace relief

@@ -22,8 +22,8 @@ struct NpyHeader {
 /// Parses the header of a .npy file of version 1.0 to 3.0. kBadInput with the byte that is wrong.
 Result<NpyHeader> read_npy_header(std::string_view content, const std::filesystem::path& path);
 
-/// The floats behind a header, in their order in the file, at most as many as its shape says; none
-/// of other types, of another order of bytes, and of arrays that are stored by columns.
+/// The floats behind a header by rows, at most as many as its shape says. None of other types, of
+/// another order of bytes, and of arrays of three and more dimensions that are stored by columns.
 std::vector<double> read_npy_floats(std::string_view content, const NpyHeader& header);
 
 }  // namespace relief

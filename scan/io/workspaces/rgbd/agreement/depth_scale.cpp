@@ -71,9 +71,9 @@ std::vector<double> possible_scales(double usual, bool shifted) {
 std::optional<std::size_t> scale_in_any_convention(const std::vector<double>& scales,
                                                    const ProjectSpec& project,
                                                    const ComparedDepths& compared,
-                                                   double as_given) {
+                                                   const Disagreement& as_given) {
   std::optional<std::size_t> best;
-  double least = std::min(kCameraError, as_given / kFarBetter), second = 1.0;
+  double least = std::min(kCameraError, as_given.median / kFarBetter), second = 1.0;
   for (std::size_t k = 0; k < scales.size(); ++k) {
     std::vector<DepthReading> readings;
     for (PoseConvention convention : possible_conventions()) {
@@ -83,9 +83,10 @@ std::optional<std::size_t> scale_in_any_convention(const std::vector<double>& sc
     }
     double of_scale = 1.0;
     for (const auto& found : compared.disagreements(project, readings))
-      if (found) of_scale = std::min(of_scale, found->median);
+      if (found && 2 * found->pixels >= as_given.pixels)  // Few pixels may agree by chance.
+        of_scale = std::min(of_scale, found->median);
     if (of_scale < least) {
-      second = best ? least : 1.0;
+      if (best) second = least;
       least = of_scale;
       best = k;
     } else {
@@ -134,8 +135,8 @@ std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, 
   std::size_t best = 0;
   for (std::size_t k = 1; k < scales.size(); ++k)
     if (found[k] && (!found[best] || found[k]->median < found[best]->median)) best = k;
-  if (found[0] && found[best]->median > kNoCamera)
-    if (const auto other = scale_in_any_convention(scales, project, compared, found[best]->median))
+  if (found[0] && found[best]->median > kBeyondCameraError)
+    if (const auto other = scale_in_any_convention(scales, project, compared, *found[best]))
       return assumed(scales[*other], ", with which they agree in another convention of the poses");
   // Where views do not meet as usual, they must agree as depth cameras do.
   const bool told = best > 0 && (found[0] ? found[0]->median > kFarBetter * found[best]->median

@@ -54,6 +54,6 @@ inline constexpr double kFarBetter = 4.0;
 inline constexpr double kCameraError = 0.02;
 
 /// By how much no depth camera errs, relative to the depth.
-inline constexpr double kNoCamera = 0.1;
+inline constexpr double kBeyondCameraError = 0.1;
 
 }  // namespace relief

@@ -80,6 +80,27 @@ std::optional<std::size_t> far_better(const std::vector<std::optional<Disagreeme
   return best;
 }
 
+struct BestReading {
+  PoseConvention convention;
+  double median = 0.0;  // Of the disagreement.
+  std::optional<Disagreement> as_given;
+};
+
+// Of the conventions with the rotations as they are read, or of the others; see far_better().
+std::optional<BestReading> best_reading(const ProjectSpec& project, const ComparedDepths& compared,
+                                        bool rotations_as_read) {
+  std::vector<DepthReading> readings(1);  // As given.
+  for (const PoseConvention& convention : possible_conventions()) {
+    const bool as_read = convention.rotation == StoredRotation::kAsRead;
+    if (!convention.as_given() && as_read == rotations_as_read)
+      readings.push_back({.poses = convention});
+  }
+  const auto found = compared.disagreements(project, readings);
+  const auto best = far_better(found);
+  if (!best) return std::nullopt;
+  return BestReading{readings[*best].poses, found[*best]->median, found[0]};
+}
+
 }  // namespace
 
 std::vector<PoseConvention> possible_conventions() {
@@ -99,22 +120,23 @@ std::vector<PoseConvention> possible_conventions() {
 
 void take_pose_convention(ProjectSpec& project, const ComparedDepths& compared,
                           const Eigen::Matrix3d& stored_axes) {
-  std::vector<DepthReading> readings;
-  for (const PoseConvention& convention : possible_conventions())
-    readings.push_back({.poses = convention});
-  const auto found = compared.disagreements(project, readings);
-  const auto best = far_better(found);
+  // Where cameras hardly turn, other rotations agree as well as the right convention: they must
+  // agree far better than any with the rotations as read.
+  auto best = best_reading(project, compared, true);
+  if (auto other = best_reading(project, compared, false);
+      other && (!best || best->median > kFarBetter * other->median))
+    best = std::move(other);
   if (!best) return;
-  const PoseConvention& taken = readings[*best].poses;
+  const PoseConvention& taken = best->convention;
   for (ViewSpec& view : project.views)
     if (view.pose != PoseKind::kAbsent)
       view.world_from_view = taken.world_from_view(view.world_from_view);
-  project.notes.push_back(note_text(taken, stored_axes, found[0], found[*best]->median));
+  project.notes.push_back(note_text(taken, stored_axes, best->as_given, best->median));
 }
 
 void note_disagreement_at_poses(ProjectSpec& project, const ComparedDepths& compared) {
   const auto found = compared.disagreements(project, {{.along_ray = has_ray_lengths(project)}})[0];
-  if (!found || found->median < kNoCamera) return;
+  if (!found || found->median < kBeyondCameraError) return;
   char note[240];
   std::snprintf(note, sizeof note,
                 "the depth maps disagree at their poses by %.2g %% of the depth, in any convention "

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
@@ -131,37 +132,77 @@ Result<void> take_names(const CalibrationWords& words, const fs::path& path,
   return {};
 }
 
+// Whether a file that is named like a calibration is one, or has an error. Others may hold
+// something else.
+bool must_be_calibration(const fs::path& path, std::string_view text) {
+  const std::string ending = lower_ending(path);
+  return ending == ".txt" || path.filename() == "cam_params.json" ||
+         (ending == ".json" && looks_like_open3d_camera(text));
+}
+
 Result<std::optional<Calibration>> calibration_of_text(std::string_view text,
                                                        const fs::path& path) {
   const std::string ending = lower_ending(path);
-  if (ending == ".yaml" || ending == ".yml") return parse_camera_yaml(text, path);
-  if (ending == ".npy") return parse_camera_npy(text, path);
-  const bool is_replica = path.filename() == "cam_params.json";
-  if (ending == ".json" && !is_replica && !looks_like_open3d_camera(text))
-    return parse_camera_json(text, path);
-  auto calibration = is_replica          ? parse_replica_camera(text, path)
-                     : ending == ".json" ? parse_open3d_camera(text, path)
-                                         : parse_calibration_text(text, path);
+  if (!must_be_calibration(path, text))
+    return ending == ".json"  ? parse_camera_json(text)
+           : ending == ".npy" ? parse_camera_npy(text, path)
+                              : parse_camera_yaml(text, path);
+  auto calibration = path.filename() == "cam_params.json" ? parse_replica_camera(text, path)
+                     : ending == ".json"                  ? parse_open3d_camera(text, path)
+                                                          : parse_calibration_text(text, path);
   if (!calibration) return calibration.error();
   return std::optional(std::move(*calibration));
 }
 
+struct FoundCalibration {
+  fs::path file;
+  Calibration calibration;
+  bool is_other = false;      // Of a file that may hold something else.
+  bool is_not_depth = false;  // Its name does not say `depth`.
+
+  auto order() const { return std::pair(is_other, is_not_depth); }
+};
+
 // The calibration in a file, if it is one.
-Result<std::optional<Calibration>> calibration_of_file(const fs::path& path) {
+Result<std::optional<FoundCalibration>> calibration_of_file(const fs::path& path) {
   std::error_code code;
-  if (!has_calibration_name(path)) return std::optional<Calibration>();
-  if (fs::file_size(path, code) > kMaxCalibrationBytes || code) return std::optional<Calibration>();
+  std::optional<FoundCalibration> found;
+  if (!has_calibration_name(path)) return found;
+  if (fs::file_size(path, code) > kMaxCalibrationBytes || code) return found;
   const auto text = read_file(path);
   if (!text) return text.error();
-  return calibration_of_text(*text, path);
+  auto calibration = calibration_of_text(*text, path);
+  if (!calibration) return calibration.error();
+  if (*calibration)
+    found = {path, std::move(**calibration), !must_be_calibration(path, *text),
+             path.stem().string().find("depth") == std::string::npos};
+  return found;
 }
 
-bool same_calibration(const Calibration& a, const Calibration& b) {
+bool have_same_intrinsics(const Calibration& a, const Calibration& b) {
   const auto numbers = [](const Calibration& c) {
     const PinholeIntrinsics k = c.intrinsics.value_or(PinholeIntrinsics{});
-    return std::array{k.fx, k.fy, k.cx, k.cy, c.depth_scale.value_or(0.0)};
+    return std::array{k.fx, k.fy, k.cx, k.cy};
   };
   return numbers(a) == numbers(b);
+}
+
+// What all that go first say. Those after them only add a scale. An error where they differ.
+Result<FoundCalibration> combined(std::vector<FoundCalibration> found) {
+  std::ranges::stable_sort(found, {}, &FoundCalibration::order);
+  FoundCalibration& first = found.front();
+  for (std::size_t k = 1; k < found.size(); ++k) {
+    const Calibration& next = found[k].calibration;
+    const bool same = have_same_intrinsics(first.calibration, next);
+    const bool same_scale = !first.calibration.depth_scale || !next.depth_scale ||
+                            *first.calibration.depth_scale == *next.depth_scale;
+    if (found[k].order() == first.order() && (!same || !same_scale))
+      return bad_input(found[k].file,
+                       "differs from " + first.file.filename().string() +
+                           " beside it; leave the calibration of the depth camera only");
+    if (same && !first.calibration.depth_scale) first.calibration.depth_scale = next.depth_scale;
+  }
+  return std::move(first);
 }
 
 }  // namespace
@@ -202,38 +243,36 @@ Result<Calibration> parse_calibration_text(std::string_view text, const fs::path
   return calibration;
 }
 
+std::optional<PinholeIntrinsics> intrinsics_of_matrix(std::span<const double> numbers) {
+  if (numbers.size() != 9) return std::nullopt;
+  const bool has_skew = numbers[1] != 0.0 || numbers[3] != 0.0;
+  if (has_skew || numbers[6] != 0.0 || numbers[7] != 0.0 || numbers[8] != 1.0) return std::nullopt;
+  const PinholeIntrinsics k{numbers[0], numbers[4], numbers[2], numbers[5]};
+  return can_be_intrinsics(k) ? std::optional(k) : std::nullopt;
+}
+
 Result<std::optional<Calibration>> find_calibration(const fs::path& folder) {
   for (const char* of_its_own : {"intrinsic", "intrinsics"})
     if (fs::is_directory(folder / of_its_own))
       if (auto found = find_calibration(folder / of_its_own); !found || *found) return found;
-  std::vector<fs::path> files = files_in(folder);
-  const auto rank = [](const fs::path& file) {
-    return file.stem().string().find("depth") == std::string::npos;
-  };
-  std::stable_sort(files.begin(), files.end(),
-                   [&](const fs::path& a, const fs::path& b) { return rank(a) < rank(b); });
-  std::optional<Calibration> found;
-  fs::path from;
-  for (const fs::path& file : files) {
-    auto calibration = calibration_of_file(file);
-    if (!calibration) return calibration.error();
-    if (!*calibration) continue;
-    if (found && rank(file) != rank(from)) break;  // The file of the depth camera is enough.
-    if (found && !same_calibration(*found, **calibration))
-      return bad_input(file, "differs from " + from.filename().string() +
-                                 " beside it; leave the calibration of the depth camera only");
-    found = std::move(*calibration);
-    from = file;
-  }
+  std::vector<FoundCalibration> all;
+  auto files = files_in(folder);
+  const std::size_t own = files.size();
   // Replica has one for all scenes, beside them.
-  if (const fs::path beside = folder / ".." / "cam_params.json"; !found && is_file(beside)) {
-    auto calibration = calibration_of_file(beside);
-    if (!calibration) return calibration.error();
-    found = std::move(*calibration);
-    from = beside.lexically_normal();
+  if (const fs::path beside = folder / ".." / "cam_params.json"; is_file(beside))
+    files.push_back(beside.lexically_normal());
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    if (k >= own && !all.empty()) break;
+    auto found = calibration_of_file(files[k]);
+    if (!found) return found.error();
+    if (*found) all.push_back(std::move(**found));
   }
-  if (found) found->notes.insert(found->notes.begin(), "intrinsics from " + from.string());
-  return found;
+  if (all.empty()) return std::optional<Calibration>();
+  auto found = combined(std::move(all));
+  if (!found) return found.error();
+  auto& [file, calibration, is_other, is_not_depth] = *found;
+  calibration.notes.insert(calibration.notes.begin(), "intrinsics from " + file.string());
+  return std::optional(std::move(calibration));
 }
 
 }  // namespace relief

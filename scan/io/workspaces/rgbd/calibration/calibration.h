@@ -46,12 +46,12 @@ Result<Calibration> parse_open3d_camera(std::string_view text, const std::filesy
 /// `calib`, `intrinsic` or, at its begin, `camera` in its name, but not `traj`.
 bool has_calibration_name(const std::filesystem::path& path);
 
-/// The calibration file of a folder: of its .json and .yaml files those with intrinsics
-/// (camera_files.h, parse_open3d_camera()), of its .txt and .npy files those named like
-/// `calibration`, `camera` or `intrinsic`. One whose name says `depth`
-/// goes before the others. In a folder `intrinsic` of its own, if there is one, as ScanNet exports
-/// have. Else the `cam_params.json` beside the folder. Nothing where there is none; kBadInput where
-/// several differ.
+/// The calibration of a folder: of its .txt files those named like `calibration`, `camera` or
+/// `intrinsic`, a camera .json of Open3D, or cam_params.json. Else .json, .yaml and .npy files that
+/// have intrinsics (camera_files.h). One whose name says `depth` goes before the others. In a
+/// folder `intrinsic` of its own, if there is one, as ScanNet exports have. Else the
+/// `cam_params.json` beside the folder. The scale of the depth may come from another file with the
+/// same intrinsics. Nothing where there is none; kBadInput where several differ.
 Result<std::optional<Calibration>> find_calibration(const std::filesystem::path& folder);
 
 }  // namespace relief

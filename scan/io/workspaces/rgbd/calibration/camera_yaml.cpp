@@ -1,8 +1,8 @@
 #include <algorithm>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
-#include "scan/io/files/io_error.h"
 #include "scan/io/workspaces/rgbd/calibration/camera_files.h"
 #include "scan/io/workspaces/workspace_text.h"
 
@@ -33,47 +33,46 @@ std::optional<double> number_behind(std::string_view text,
   return std::nullopt;
 }
 
-// Nine numbers in brackets: behind the `data` of `camera_matrix`, or behind the `K` of ROS.
-std::optional<PinholeIntrinsics> intrinsics_of_matrix(std::string_view text) {
-  const auto matrix = text_behind(text, "camera_matrix");
-  const auto data = matrix ? text_behind(*matrix, "data") : text_behind(text, "K");
-  if (!data) return std::nullopt;
-  const std::size_t open = data->find('['), close = data->find(']');
-  if (open == std::string_view::npos || close == std::string_view::npos || close < open)
-    return std::nullopt;
-  std::string row(data->substr(open + 1, close - open - 1));
+std::vector<double> numbers_in_brackets(std::optional<std::string_view> text) {
+  const std::size_t open = text ? text->find('[') : std::string_view::npos;
+  const std::size_t close = text ? text->find(']') : std::string_view::npos;
+  if (open == std::string_view::npos || close == std::string_view::npos || close < open) return {};
+  std::string row(text->substr(open + 1, close - open - 1));
   std::ranges::replace_if(
       row, [](char c) { return c == ',' || c == '\n'; }, ' ');
-  const auto k = leading_numbers(row);
-  if (k.size() != 9) return std::nullopt;
-  return PinholeIntrinsics{k[0], k[4], k[2], k[5]};
+  return leading_numbers(row);
 }
 
+// Behind the `data` of `camera_matrix`, or behind the `K` of ROS.
+std::optional<PinholeIntrinsics> matrix_in(std::string_view text) {
+  const auto matrix = text_behind(text, "camera_matrix");
+  return intrinsics_of_matrix(
+      numbers_in_brackets(matrix ? text_behind(*matrix, "data") : text_behind(text, "K")));
+}
+
+// The coefficients of ORB-SLAM, or those in brackets of OpenCV and ROS.
 bool has_distortion(std::string_view text) {
   for (const std::string_view name : {"k1", "k2", "k3", "p1", "p2"})
     if (number_behind(text, {"Camera." + std::string(name), "Camera1." + std::string(name)})
             .value_or(0.0) != 0.0)
       return true;
-  return false;
+  const auto coefficients = text_behind(text, "distortion_coefficients");
+  const auto data = coefficients ? numbers_in_brackets(text_behind(*coefficients, "data"))
+                                 : numbers_in_brackets(text_behind(text, "D"));
+  return std::ranges::any_of(data, [](double k) { return k != 0.0; });
 }
 
 }  // namespace
 
-Result<std::optional<Calibration>> parse_camera_yaml(std::string_view text, const fs::path& path) {
+std::optional<Calibration> parse_camera_yaml(std::string_view text, const fs::path& path) {
   Calibration calibration;
   const auto fx = number_behind(text, {"Camera.fx", "Camera1.fx"}),
              fy = number_behind(text, {"Camera.fy", "Camera1.fy"}),
              cx = number_behind(text, {"Camera.cx", "Camera1.cx"}),
              cy = number_behind(text, {"Camera.cy", "Camera1.cy"});
-  if (fx && fy && cx && cy)
-    calibration.intrinsics = PinholeIntrinsics{*fx, *fy, *cx, *cy};
-  else if (fx || fy || cx || cy)
-    return bad_input(path, "needs all of Camera.fx, Camera.fy, Camera.cx and Camera.cy");
-  else
-    calibration.intrinsics = intrinsics_of_matrix(text);
-  if (!calibration.intrinsics) return std::optional<Calibration>();
-  if (!can_be_intrinsics(*calibration.intrinsics))
-    return bad_input(path, "the focal lengths must be finite and not 0");
+  calibration.intrinsics =
+      fx && fy && cx && cy ? std::optional(PinholeIntrinsics{*fx, *fy, *cx, *cy}) : matrix_in(text);
+  if (!calibration.intrinsics || !can_be_intrinsics(*calibration.intrinsics)) return std::nullopt;
   const auto width = number_behind(text, {"Camera.width", "image_width", "width"}),
              height = number_behind(text, {"Camera.height", "image_height", "height"});
   if (width && height) calibration.size = size_of_numbers(*width, *height);
@@ -82,7 +81,7 @@ Result<std::optional<Calibration>> parse_camera_yaml(std::string_view text, cons
   if (has_distortion(text))
     calibration.notes.push_back("coefficients of distortion in " + path.filename().string() +
                                 " are not applied");
-  return std::optional(std::move(calibration));
+  return calibration;
 }
 
 }  // namespace relief

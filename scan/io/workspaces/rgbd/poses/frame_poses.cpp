@@ -134,8 +134,8 @@ std::vector<TimeUnit> possible_units(const std::vector<double>& times, double sh
   return units;
 }
 
-// The same in the units in which most frames have poses, seconds if they will do. Nothing where no
-// frame has a pose.
+// The same in seconds, or in other units in which more frames have poses, and more than half of
+// all. Nothing where no frame has a pose.
 std::optional<FramePoses> poses_by_time(const Trajectory& trajectory,
                                         const std::vector<RgbdFrame>& frames,
                                         std::vector<std::string>& notes) {
@@ -146,21 +146,22 @@ std::optional<FramePoses> poses_by_time(const Trajectory& trajectory,
   FramePoses best;
   std::ptrdiff_t most = 0;
   std::string note;
-  const auto compare = [&](const TimeUnit& unit, const TimeUnit& frame_unit,
+  const auto compare = [&](const TimeUnit& unit, const TimeUnit& frame_unit, std::ptrdiff_t least,
                            const std::string& then) {
     auto poses = poses_by_time(trajectory, unit, frames, frame_unit);
     const auto count = std::ranges::count_if(poses, [](const auto& pose) { return !!pose; });
-    if (count <= most) return;
+    if (count <= std::max(most, least)) return;
     best = std::move(poses);
     most = count;
     note = then;
   };
   const TimeUnit seconds;
-  compare(seconds, seconds, "");
+  const auto half = static_cast<std::ptrdiff_t>(frames.size() / 2);  // Some agree by chance.
+  compare(seconds, seconds, 0, "");
   for (const TimeUnit& unit : possible_units(of_poses, kStepOfPoses))
-    compare(unit, seconds, std::string("times of the trajectory are taken as ") + unit.name);
+    compare(unit, seconds, half, std::string("times of the trajectory are taken as ") + unit.name);
   for (const TimeUnit& unit : possible_units(of_frames, kStepOfFrames))
-    compare(seconds, unit, std::string("times of the depth maps are taken as ") + unit.name);
+    compare(seconds, unit, half, std::string("times of the depth maps are taken as ") + unit.name);
   if (!note.empty()) notes.push_back(std::move(note));
   return most > 0 ? std::optional(std::move(best)) : std::nullopt;
 }
@@ -221,6 +222,7 @@ Result<FramePoses> poses_by_name(const fs::path& folder, const std::vector<RgbdF
     return poses;
   }
   notes.push_back("poses from " + (*named)->path.string());
+  if (!(*named)->note.empty()) notes.push_back((*named)->note);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (!(*named)->world_from_view[i]) continue;
     poses[i].emplace();

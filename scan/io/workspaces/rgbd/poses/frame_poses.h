@@ -14,8 +14,9 @@ namespace relief {
 /// The pose of each frame; nothing where a frame has none.
 using FramePoses = std::vector<std::optional<TrajectoryPose>>;
 
-/// The poses of all frames of a folder, their own or from a trajectory in it. A note tells which
-/// file they are from. Two trajectories, or one of another count, are an error.
+/// The poses of all frames of a folder: their own, from a trajectory in it, or from a file that
+/// names the frames. A note tells which file they are from, or which ones could not be read. Two
+/// such files, or a trajectory of another count, are an error.
 Result<FramePoses> find_frame_poses(const std::filesystem::path& folder, const RgbdFrames& found,
                                     std::vector<std::string>& notes);
 

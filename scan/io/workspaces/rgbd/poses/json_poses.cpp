@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -32,15 +34,6 @@ std::vector<double> matrix_numbers(const json& value) {
   return numbers;
 }
 
-// The frame that an entry of a list names: its first text, or else its first whole number.
-std::string frame_named_in(const json& entry) {
-  for (const json& value : entry)
-    if (value.is_string()) return value.get<std::string>();
-  for (const json& value : entry)
-    if (value.is_number_integer()) return value.dump();
-  return {};
-}
-
 // The only matrix of an entry; empty where it has none or several.
 std::vector<double> only_matrix_in(const json& entry) {
   std::vector<double> found;
@@ -53,55 +46,75 @@ std::vector<double> only_matrix_in(const json& entry) {
   return found;
 }
 
-class JsonPoses {
- public:
-  explicit JsonPoses(const fs::path& path) : path_(path) {}
-
-  Result<NamedPoses> of(const json& document) {
-    if (!document.is_structured()) return NamedPoses();
-    const auto is_part = [](const json& value) {
-      return value.is_structured() && matrix_numbers(value).empty() && value.size() > 0;
-    };
-    const bool wrapped = document.is_object() && std::ranges::count_if(document, is_part) == 1;
-    if (!wrapped)
-      if (auto taken = take(document, ""); !taken) return taken.error();
-    for (const auto& [key, part] : document.items()) {
-      if (!poses_.empty()) break;
-      if (auto taken = take(part, key + "."); !taken) return taken.error();
-    }
-    if (poses_.empty() && wrapped)
-      if (auto taken = take(document, ""); !taken) return taken.error();
-    return std::move(poses_);
+// The texts and whole numbers of an entry, by their keys.
+std::map<std::string, std::string> texts_in(const json& entry) {
+  std::map<std::string, std::string> texts;
+  for (const auto& [key, value] : entry.items()) {
+    if (value.is_string()) texts[key] = value.get<std::string>();
+    if (value.is_number_integer()) texts[key] = value.dump();
   }
+  return texts;
+}
 
- private:
-  Result<void> take(const json& entries, const std::string& place) {
-    if (!matrix_numbers(entries).empty() || !entries.is_structured()) return {};
-    for (const auto& [key, entry] : entries.items()) {
-      auto numbers = matrix_numbers(entry);
-      std::string frame = entries.is_object() ? key : "";
-      if (numbers.empty() && entry.is_object()) {
-        numbers = only_matrix_in(entry);
-        if (entries.is_array()) frame = frame_named_in(entry);
-      }
-      if (numbers.empty()) continue;
-      const auto motion = motion_of_numbers(numbers, "the matrix of " + place + key);
-      if (!motion) return bad_input(path_, motion.error().message);
-      poses_.push_back({std::move(frame), *motion});
-    }
-    return {};
-  }
-
-  const fs::path& path_;
-  NamedPoses poses_;
+// An entry that has a matrix.
+struct PoseEntry {
+  std::string key;
+  std::vector<double> matrix;
+  std::map<std::string, std::string> texts;
 };
+
+std::vector<PoseEntry> entries_in(const json& container) {
+  std::vector<PoseEntry> entries;
+  if (!container.is_structured() || !matrix_numbers(container).empty()) return entries;
+  for (const auto& [key, value] : container.items()) {
+    PoseEntry entry{key, matrix_numbers(value), {}};
+    if (entry.matrix.empty() && value.is_object()) {
+      entry.matrix = only_matrix_in(value);
+      entry.texts = texts_in(value);
+    }
+    if (!entry.matrix.empty()) entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+// The texts that all entries have under the same key.
+void take_names(const std::vector<PoseEntry>& entries, PoseList& poses) {
+  for (const auto& [key, text] : entries.front().texts) {
+    std::vector<std::string> names;
+    for (const PoseEntry& entry : entries)
+      if (const auto found = entry.texts.find(key); found != entry.texts.end())
+        names.push_back(found->second);
+    if (names.size() == entries.size()) poses.names[key] = std::move(names);
+  }
+}
 
 }  // namespace
 
-Result<NamedPoses> parse_json_poses(std::string_view text, const fs::path& path) {
+Result<PoseList> parse_json_poses(std::string_view text, const fs::path& path) {
   const json document = json::parse(without_byte_order_mark(text), nullptr, false);
-  if (document.is_discarded()) return NamedPoses();
-  return JsonPoses(path).of(document);
+  PoseList poses;
+  if (!document.is_structured()) return poses;
+  const json* container = &document;
+  auto entries = entries_in(document);
+  std::string place;
+  for (const auto& [key, part] : document.items()) {
+    auto inner = entries_in(part);
+    const bool is_wrapper = document.is_object() && inner.size() == 1;  // {"poses": {"a": ...}}
+    if (inner.size() < entries.size() + (is_wrapper ? 0 : 1)) continue;
+    entries = std::move(inner);
+    container = &part;
+    place = key + ".";
+  }
+  if (entries.empty()) return poses;
+  for (const PoseEntry& entry : entries) {
+    const auto motion = motion_of_numbers(entry.matrix, "the matrix of " + place + entry.key);
+    if (!motion) return bad_input(path, motion.error().message);
+    poses.world_from_view.push_back(*motion);
+    if (container->is_object()) poses.names[""].push_back(entry.key);
+  }
+  take_names(entries, poses);
+  poses.is_ordered = container->is_array() && poses.names.empty();
+  return poses;
 }
 
 }  // namespace relief

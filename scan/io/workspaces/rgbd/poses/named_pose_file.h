@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "relief/scan/result.h"
@@ -13,15 +14,19 @@ namespace relief {
 struct NamedPoseFile {
   std::filesystem::path path;
   std::vector<std::optional<RigidMotion>> world_from_view;  ///< Of each frame.
+  std::string note;                                         ///< What else was assumed, or empty.
 };
 
-/// The first .json, .csv, .txt or .npy of a folder that has poses (named_poses.h) of its frames, by
-/// their names or numbers; or as many poses as there are frames, then in their order. Nothing where
-/// there is none; kBadInput names the place of a pose that is none.
+/// The poses of frames in a .json, .csv, .txt or .npy of a folder (named_poses.h): by the names or
+/// numbers of the frames, or else, in a file that is named as poses, by the order, where there is
+/// one for each frame. Numbers may count from another one than the frames, with a note. Files named
+/// as poses go first. Nothing where there are none; kBadInput for two such files that differ, and
+/// for a file named as poses that has an error. Other files with errors hold something else.
 Result<std::optional<NamedPoseFile>> find_named_poses(const std::filesystem::path& folder,
                                                       const std::vector<RgbdFrame>& frames);
 
-/// The files of a folder whose names speak of poses: what to name where none could be read.
+/// The texts and arrays of a folder whose names speak of poses: what to name where none could be
+/// read.
 std::vector<std::filesystem::path> files_named_as_poses(const std::filesystem::path& folder);
 
 }  // namespace relief

@@ -22,22 +22,22 @@ std::size_t matrix_size(const std::vector<std::size_t>& shape) {
 
 }  // namespace
 
-Result<NamedPoses> parse_npy_poses(std::string_view content, const std::filesystem::path& path) {
+Result<PoseList> parse_npy_poses(std::string_view content, const std::filesystem::path& path) {
   const auto header = read_npy_header(content, path);
   if (!header) return header.error();
+  PoseList poses;
   const std::size_t size = matrix_size(header->shape);
   const auto numbers = read_npy_floats(content, *header);
-  if (size == 0 || numbers.empty()) return NamedPoses();
-  std::size_t all = 1;
-  for (const std::size_t side : header->shape) all *= side;
-  if (numbers.size() < all)
+  if (size == 0 || numbers.empty()) return poses;
+  const std::size_t count =
+      header->shape.size() == 3 || header->shape[1] == size ? header->shape[0] : 1;
+  if (numbers.size() / size < count)
     return bad_input(path, "the file ends before its matrices do; it is damaged: save it again");
-  NamedPoses poses;
-  for (std::size_t i = 0; i < all / size; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const auto motion = motion_of_numbers(std::span(numbers).subspan(i * size, size),
                                           "matrix " + std::to_string(i));
     if (!motion) return bad_input(path, motion.error().message);
-    poses.push_back({"", *motion});
+    poses.world_from_view.push_back(*motion);
   }
   return poses;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -40,10 +41,10 @@ std::optional<std::size_t> number_named(std::string_view name) {
   return std::nullopt;
 }
 
-// Where a line holds the frame and the numbers of a pose.
+// Where a line holds the numbers of a pose, and what else it holds.
 struct Columns {
   std::array<std::size_t, kNumbersOfPose> numbers = {};
-  std::optional<std::size_t> frame;
+  std::map<std::size_t, std::string> others;  // Their names.
   std::size_t count = 0;
 };
 
@@ -54,7 +55,7 @@ std::optional<Columns> columns_named(const std::vector<std::string_view>& headin
   std::array<bool, kNumbersOfPose> named = {};
   for (std::size_t i = 0; i < heading.size(); ++i) {
     const auto number = number_named(heading[i]);
-    if (!number && !columns.frame) columns.frame = i;
+    if (!number) columns.others[i] = heading[i];
     if (!number) continue;
     if (named[*number]) return std::nullopt;
     named[*number] = true;
@@ -63,11 +64,7 @@ std::optional<Columns> columns_named(const std::vector<std::string_view>& headin
   return std::ranges::all_of(named, std::identity()) ? std::optional(columns) : std::nullopt;
 }
 
-// A name and seven numbers.
-Columns columns_behind_name() {
-  Columns columns{{1, 2, 3, 4, 5, 6, 7}, 0, 1 + kNumbersOfPose};
-  return columns;
-}
+Columns columns_behind_name() { return {{1, 2, 3, 4, 5, 6, 7}, {{0, ""}}, 1 + kNumbersOfPose}; }
 
 std::vector<double> numbers_from(const std::vector<std::string_view>& words, std::size_t first) {
   std::vector<double> numbers;
@@ -85,10 +82,8 @@ bool is_named_pose(const std::vector<std::string_view>& words) {
   return count + 1 == words.size() && (count == kNumbersOfPose || count == 12 || count == 16);
 }
 
-Result<NamedPose> pose_of(const std::vector<std::string_view>& words, const Columns& columns,
-                          const NumberedLines& lines) {
-  NamedPose pose;
-  if (columns.frame && *columns.frame < words.size()) pose.name = words[*columns.frame];
+Result<RigidMotion> pose_of(const std::vector<std::string_view>& words, const Columns& columns,
+                            const NumberedLines& lines) {
   const auto behind = numbers_from(words, 1);
   if (words.size() == columns.count) {
     std::array<double, kNumbersOfPose> n;
@@ -102,22 +97,21 @@ Result<NamedPose> pose_of(const std::vector<std::string_view>& words, const Colu
       return lines.error(
           "not a rigid motion: the quaternion qx qy qz qw must have length 1, and all numbers must "
           "be finite; remove the line if the pose is unknown");
-    pose.world_from_view = *motion;
-    return pose;
+    return *motion;
   }
-  if (words.size() != behind.size() + 1 || (behind.size() != 12 && behind.size() != 16))
+  const bool is_matrix = behind.size() == 12 || behind.size() == 16;
+  if (!is_matrix || words.size() != behind.size() + 1 || words.size() < columns.count)
     return lines.error("expected a pose as on the lines above");
   const auto motion = motion_of_numbers(behind, "the matrix");
   if (!motion) return lines.error(motion.error().message);
-  pose.world_from_view = *motion;
-  return pose;
+  return *motion;
 }
 
 }  // namespace
 
-Result<NamedPoses> parse_pose_table(std::string_view text, const fs::path& path) {
+Result<PoseList> parse_pose_table(std::string_view text, const fs::path& path) {
   NumberedLines lines(text, path);
-  NamedPoses poses;
+  PoseList poses;
   std::optional<Columns> columns;
   for (std::string_view line; lines.next(line);) {
     const std::string cells = with_blanks(line);
@@ -127,10 +121,13 @@ Result<NamedPoses> parse_pose_table(std::string_view text, const fs::path& path)
       if (columns) continue;
       if (!is_named_pose(words)) return poses;  // Some other text.
       columns = columns_behind_name();
+      poses.is_ordered = false;
     }
-    auto pose = pose_of(words, *columns, lines);
+    const auto pose = pose_of(words, *columns, lines);
     if (!pose) return pose.error();
-    poses.push_back(std::move(*pose));
+    poses.world_from_view.push_back(*pose);
+    for (const auto& [column, name] : columns->others)
+      poses.names[name].emplace_back(words[column]);
   }
   return poses;
 }
