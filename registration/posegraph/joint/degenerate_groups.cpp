@@ -40,6 +40,23 @@ RigidTangent tangent_of(const RigidMotion& motion, const Eigen::Vector3d& centre
   return tangent;
 }
 
+// What the views moved by on average since the start, as a tangent about a centre.
+RigidTangent mean_motion(const std::vector<std::size_t>& views,
+                         const std::vector<RigidMotion>& start,
+                         const std::vector<RigidMotion>& world_from_view,
+                         const Eigen::Vector3d& centre) {
+  RigidTangent sum = RigidTangent::Zero();
+  for (const std::size_t i : views)
+    sum += tangent_of(world_from_view[i] * start[i].inverse(), centre);
+  return views.empty() ? sum : RigidTangent(sum / static_cast<double>(views.size()));
+}
+
+void move_back(const std::vector<std::size_t>& views, const RigidTangent& tangent,
+               const Eigen::Vector3d& centre, std::vector<RigidMotion>& world_from_view) {
+  const RigidMotion back = moved(RigidMotion::Identity(), tangent, centre).inverse();
+  for (const std::size_t i : views) world_from_view[i] = back * world_from_view[i];
+}
+
 // The product of two tangents about one centre in the metric in which a turn by one radian counts
 // for as much as a translation by the radius.
 double product(const RigidTangent& a, const RigidTangent& b, double radius) {
@@ -85,29 +102,28 @@ std::vector<DegenerateGroup> degenerate_groups(const std::vector<PairConstraint>
   return groups;
 }
 
-MotionsOfViews remove_drift(const std::vector<DegenerateGroup>& groups,
+MotionsOfViews remove_drift(const std::vector<DegenerateGroup>& groups, Drift drift,
                             const std::vector<ViewSurface>& surfaces,
                             const std::vector<RigidMotion>& start,
                             std::vector<RigidMotion>& world_from_view) {
   MotionsOfViews kept(surfaces.size());
   for (const auto& [views, motions] : groups) {
     const auto [centre, radius] = ViewsExtent(views, surfaces, start);
+    if (drift == Drift::kAll) {
+      auto own = views;
+      std::erase_if(own, [&](std::size_t i) { return !kept[i].empty(); });
+      move_back(own, mean_motion(own, start, world_from_view, centre), centre, world_from_view);
+    }
     for (const DegenerateDirection& motion : motions) {
-      std::vector<std::size_t> own;
-      RigidTangent moved_by = RigidTangent::Zero();  // By its views, in all.
-      for (const std::size_t i : views) {
-        if (!is_new(motion, kept[i], surfaces[i], world_from_view[i])) continue;
-        own.push_back(i);
-        moved_by += tangent_of(world_from_view[i] * start[i].inverse(), centre);
-      }
-      if (own.empty()) continue;
+      auto own = views;
+      std::erase_if(own, [&](std::size_t i) {
+        return !is_new(motion, kept[i], surfaces[i], world_from_view[i]);
+      });
       const RigidTangent along = tangent_about(centre, motion);
-      const double drift = product(along, moved_by, radius) / product(along, along, radius) /
-                           static_cast<double>(own.size());
-      for (const std::size_t i : own) {
-        world_from_view[i] = moved(world_from_view[i], -drift * along, centre);
-        kept[i].push_back(motion);
-      }
+      const RigidTangent moved_by = mean_motion(own, start, world_from_view, centre);
+      const double part = product(along, moved_by, radius) / product(along, along, radius);
+      move_back(own, part * along, centre, world_from_view);
+      for (const std::size_t i : own) kept[i].push_back(motion);
     }
   }
   return kept;

@@ -27,10 +27,16 @@ std::vector<DegenerateGroup> degenerate_groups(const std::vector<PairConstraint>
                                                const std::vector<std::size_t>& linked,
                                                const std::vector<bool>& held);
 
-/// Removes what the views of each group moved by on average along its motions since `start`, from
-/// all of them alike. Views that a smaller group holds along a motion follow that group alone.
+/// What of a group's motion since the start is drift.
+enum class Drift {
+  kAlongMotions,  ///< What lies along the group's motions.
+  kAll,           ///< All of it: it led to where the group's motions say little.
+};
+
+/// Removes what the views of each group moved by on average since `start`, from all of them alike.
+/// Views that a smaller group holds (kAlongMotions: along the same motion) follow that group alone.
 /// Returns for each view the motions of its groups, without those nearly the same.
-MotionsOfViews remove_drift(const std::vector<DegenerateGroup>& groups,
+MotionsOfViews remove_drift(const std::vector<DegenerateGroup>& groups, Drift drift,
                             const std::vector<ViewSurface>& surfaces,
                             const std::vector<RigidMotion>& start,
                             std::vector<RigidMotion>& world_from_view);

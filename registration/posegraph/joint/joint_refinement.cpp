@@ -136,6 +136,19 @@ bool held_by_maps(const DegenerateGroup& group, const std::vector<PairFit>& pair
   });
 }
 
+double total_overlap(const JointRefinement& result) {
+  double total = 0.0;
+  for (const PairFit& pair : result.pairs) total += pair.overlap;
+  return total;
+}
+
+// Without drift the views share nearly what they shared, and lie on each other nearly as they did.
+bool fits_as_well(const JointRefinement& result, const JointRefinement& refined) {
+  constexpr double kSharedStill = 0.9, kWorseFit = 1.25;
+  return total_overlap(result) >= kSharedStill * total_overlap(refined) &&
+         result.rms <= kWorseFit * refined.rms;
+}
+
 }  // namespace
 
 Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
@@ -209,9 +222,21 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
       degenerate_groups(finish({}), surfaces, result.world_from_view, result.group, result.held);
   std::erase_if(drifting, [&](const auto& group) { return held_by_maps(group, result.pairs); });
   if (drifting.empty()) return result;
-  auto kept_motions = remove_drift(drifting, surfaces, world_from_view, result.world_from_view);
-  link_views(levels.back());
-  if (!pairs.empty()) finish(std::move(kept_motions));
+  // A drift along degenerate directions leaves the fit as it is. A large one may have led to
+  // where these are others than at the start: then the views go back all the way.
+  const JointRefinement refined = result;
+  const auto without = [&](Drift drift) {
+    result = refined;
+    auto kept_motions =
+        remove_drift(drifting, drift, surfaces, world_from_view, result.world_from_view);
+    link_views(levels.back());
+    if (!pairs.empty()) finish(std::move(kept_motions));
+  };
+  without(Drift::kAlongMotions);
+  if (fits_as_well(result, refined)) return result;
+  const JointRefinement along_motions = result;
+  without(Drift::kAll);
+  if (total_overlap(result) < total_overlap(along_motions)) result = along_motions;
   return result;
 }
 

@@ -155,7 +155,7 @@ TEST(DegenerateGroups, WithinOthersGoBackAlone) {
   const auto start = testing::poses_of(ring);
   auto poses = start;
   poses[1].pretranslate(Eigen::Vector3d(0, 4, 0));
-  const auto kept = remove_drift(groups, surfaces, start, poses);
+  const auto kept = remove_drift(groups, Drift::kAlongMotions, surfaces, start, poses);
   for (std::size_t i = 0; i < poses.size(); ++i)
     EXPECT_LT((poses[i].translation() - start[i].translation()).norm(), 1e-9) << i;
   EXPECT_EQ(kept[0].size(), 0u);
@@ -164,12 +164,15 @@ TEST(DegenerateGroups, WithinOthersGoBackAlone) {
   // What a group moves by as one goes back as well, and nothing else does.
   for (std::size_t i = 1; i < poses.size(); ++i)
     poses[i] = Eigen::Translation3d(3, -2, 7 + 0.1 * static_cast<double>(i % 2)) * start[i];
-  remove_drift(groups, surfaces, start, poses);
+  remove_drift(groups, Drift::kAlongMotions, surfaces, start, poses);
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const Eigen::Vector3d left = poses[i].translation() - start[i].translation();
     EXPECT_LT(left.head<2>().norm(), 1e-9) << i;
     EXPECT_NEAR(left.z(), 7 + 0.1 * static_cast<double>(i % 2), 1e-9) << i;
   }
+  remove_drift(groups, Drift::kAll, surfaces, start, poses);
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    EXPECT_LT((poses[i].translation() - start[i].translation()).norm(), 0.1) << i;
 }
 
 TEST(ViewsOfAnObject, KeepNoMotion) {
