@@ -26,9 +26,9 @@ constexpr int kFewestTogether = 20;
 // they need gigabytes. What a view's pairs share is its own noise: with n of them its pose errs by
 // the root of 1 + 1/n times what all could give, 2 % more for 24.
 constexpr int kMostPairsOfAView = 24;
-// What is left of the overlaps of all pairs without a drift, and by what their RMS may grow. Where a
-// drift changes nothing else they are 1: rooms with blurred depths gave 0.97 and 1.03. Where views
-// had gone elsewhere they were 0.6 to 0.75, or the RMS doubled.
+// What is left of the overlaps of all pairs without a drift, and by what their RMS may grow. Where
+// a drift changes nothing else they are 1: rooms with blurred depths gave 0.97 and 1.03. Where
+// views had gone elsewhere they were 0.6 to 0.75, or the RMS doubled.
 constexpr double kSharedStill = 0.9, kWorseFit = 1.25;
 
 std::vector<SearchLevel> levels_for(const std::vector<ViewSurface>& surfaces,
