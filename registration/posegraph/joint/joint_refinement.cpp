@@ -152,6 +152,121 @@ bool fits_as_well(const JointRefinement& result, const JointRefinement& refined)
          result.rms <= kWorseFit * refined.rms;
 }
 
+// A joint refinement on its way from the starting poses.
+class Refining {
+ public:
+  Refining(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMotion>& start,
+           const std::vector<ViewRole>& roles, const JointRefinementOptions& options,
+           const Progress& progress)
+      : surfaces_(surfaces), start_(start), roles_(roles), options_(options), progress_(progress) {
+    result_.world_from_view = start;
+    unlink_views();
+    result_.held = hold_one_per_group(result_.group, roles);
+    result_.pose_covariance.assign(surfaces.size(), Matrix6d::Zero());
+    result_.pose_std.assign(surfaces.size(), RigidTangent::Zero());
+  }
+
+  Result<JointRefinement> run() {
+    const bool any_samples = std::any_of(surfaces_.begin(), surfaces_.end(), [](const auto& s) {
+      return !s.samples().empty() && s.spacing() > 0.0;
+    });
+    if (!any_samples) return std::move(result_);
+    plan_ = plan_search(surfaces_, start_, roles_, options_);
+    for (std::size_t l = 0; l < plan_.levels.size(); ++l) {
+      link_views(plan_.levels[l]);
+      if (pairs_.empty()) break;
+      if (!refine_at(l)) return interrupted();
+      if (result_.termination == RefinementTermination::kSolverFailed) return std::move(result_);
+    }
+    if (pairs_.empty()) {
+      result_.termination = RefinementTermination::kNoOverlap;
+      unlink_views();
+      return std::move(result_);
+    }
+    release_freed_memory();  // What solving took; the last steps grow as large.
+    if (!report_progress(progress_, 0.0, "computing covariances")) return interrupted();
+    auto drifting = degenerate_groups(finish({}), surfaces_, result_.world_from_view, result_.group,
+                                      result_.held);
+    std::erase_if(drifting, [&](const auto& group) { return held_by_maps(group, result_.pairs); });
+    if (!drifting.empty()) finish_without_drift(drifting);
+    return std::move(result_);
+  }
+
+ private:
+  static Error interrupted() { return {ErrorKind::kInterrupted, "alignment was interrupted"}; }
+
+  void unlink_views() { result_.group = connected_groups(surfaces_.size(), {}); }
+
+  void link_views(const SearchLevel& level) {
+    pairs_ = pairs_at(surfaces_, result_.world_from_view, roles_, level, options_);
+    if (pairs_.empty()) return;
+    result_.group = connected_groups(surfaces_.size(), pairs_);
+    result_.held = hold_one_per_group(result_.group, roles_);
+  }
+
+  // Renews the correspondences of a level until the poses stand still. False: interrupted.
+  bool refine_at(std::size_t l) {
+    const SearchLevel& level = plan_.levels[l];
+    result_.termination = RefinementTermination::kIterationLimit;
+    const auto strongest = largest_overlaps(surfaces_.size(), pairs_, kMostPairsOfAView);
+    for (int i = 0; i < options_.max_iterations; ++i) {
+      const double fraction =
+          (l + static_cast<double>(i) / options_.max_iterations) / plan_.levels.size();
+      if (!report_progress(progress_, fraction, "refining poses")) return false;
+      const PairMatcher match(surfaces_, result_.world_from_view, strongest,
+                              search_at(level, strongest.size(), kFewestTogether, options_),
+                              level.signal_level, plan_.nearly_degenerate);
+      auto matches = parallel_map<DirectedMatches>(match.size(), match);
+      const auto before = result_.world_from_view;
+      result_.solves.push_back(
+          solve_poses(surfaces_, std::move(matches), result_.held, {}, result_.world_from_view));
+      if (result_.solves.back().termination == SolverTermination::kFailed) {
+        result_.termination = RefinementTermination::kSolverFailed;
+        return true;
+      }
+      ++result_.iterations;
+      result_.last_motion = largest_motion(pointers_to(surfaces_), before, result_.world_from_view);
+      if (result_.last_motion <= level.tolerance) {
+        result_.termination = RefinementTermination::kConverged;
+        return true;
+      }
+    }
+    return true;
+  }
+
+  std::vector<PairConstraint> finish(MotionsOfViews kept_motions) {
+    return take_last_steps(
+        surfaces_, {pairs_, largest_overlaps(surfaces_.size(), pairs_, kMostPairsOfAView)},
+        plan_.levels.back(), plan_.nearly_degenerate, std::move(kept_motions), options_, result_);
+  }
+
+  // A drift along degenerate directions leaves the fit as it is. A large one may have led to where
+  // these are others than at the start: then the views go back all the way.
+  void finish_without_drift(const std::vector<DegenerateGroup>& drifting) {
+    const JointRefinement refined = result_;
+    finish_without(Drift::kAlongMotions, drifting);
+    if (fits_as_well(result_, refined)) return;
+    JointRefinement along_motions = std::exchange(result_, refined);
+    finish_without(Drift::kAll, drifting);
+    if (total_overlap(result_) < total_overlap(along_motions)) result_ = std::move(along_motions);
+  }
+
+  void finish_without(Drift drift, const std::vector<DegenerateGroup>& drifting) {
+    auto kept_motions = remove_drift(drifting, drift, surfaces_, start_, result_.world_from_view);
+    link_views(plan_.levels.back());
+    if (!pairs_.empty()) finish(std::move(kept_motions));
+  }
+
+  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<RigidMotion>& start_;
+  const std::vector<ViewRole>& roles_;
+  const JointRefinementOptions& options_;
+  const Progress& progress_;
+  SearchPlan plan_;
+  std::vector<ViewPair> pairs_;  // At the present poses.
+  JointRefinement result_;
+};
+
 }  // namespace
 
 Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
@@ -160,87 +275,7 @@ Result<JointRefinement> refine_jointly(const std::vector<ViewSurface>& surfaces,
                                        const JointRefinementOptions& options,
                                        const Progress& progress) {
   assert(surfaces.size() == world_from_view.size() && surfaces.size() == roles.size());
-  JointRefinement result;
-  result.world_from_view = world_from_view;
-  result.group = connected_groups(surfaces.size(), {});
-  result.held = hold_one_per_group(result.group, roles);
-  result.pose_covariance.assign(surfaces.size(), Matrix6d::Zero());
-  result.pose_std.assign(surfaces.size(), RigidTangent::Zero());
-  const bool any_samples = std::any_of(surfaces.begin(), surfaces.end(), [](const auto& s) {
-    return !s.samples().empty() && s.spacing() > 0.0;
-  });
-  if (!any_samples) return result;
-
-  const auto [levels, nearly_degenerate] = plan_search(surfaces, world_from_view, roles, options);
-  std::vector<ViewPair> pairs;
-  const auto link_views = [&](const SearchLevel& level) {
-    pairs = pairs_at(surfaces, result.world_from_view, roles, level, options);
-    if (pairs.empty()) return;
-    result.group = connected_groups(surfaces.size(), pairs);
-    result.held = hold_one_per_group(result.group, roles);
-  };
-  for (std::size_t l = 0; l < levels.size(); ++l) {
-    link_views(levels[l]);
-    if (pairs.empty()) break;
-    result.termination = RefinementTermination::kIterationLimit;
-    const JointSolverOptions solver{};
-    const auto strongest = largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView);
-    for (int i = 0; i < options.max_iterations; ++i) {
-      const double fraction = (l + static_cast<double>(i) / options.max_iterations) / levels.size();
-      if (!report_progress(progress, fraction, "refining poses"))
-        return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-      const PairMatcher match(surfaces, result.world_from_view, strongest,
-                              search_at(levels[l], strongest.size(), kFewestTogether, options),
-                              levels[l].signal_level, nearly_degenerate);
-      auto matches = parallel_map<DirectedMatches>(match.size(), match);
-      const auto before = result.world_from_view;
-      result.solves.push_back(
-          solve_poses(surfaces, std::move(matches), result.held, solver, result.world_from_view));
-      if (result.solves.back().termination == SolverTermination::kFailed) {
-        result.termination = RefinementTermination::kSolverFailed;
-        return result;
-      }
-      ++result.iterations;
-      result.last_motion = largest_motion(pointers_to(surfaces), before, result.world_from_view);
-      if (result.last_motion <= levels[l].tolerance) {
-        result.termination = RefinementTermination::kConverged;
-        break;
-      }
-    }
-  }
-  if (pairs.empty()) {
-    result.termination = RefinementTermination::kNoOverlap;
-    result.group = connected_groups(surfaces.size(), {});
-    return result;
-  }
-  release_freed_memory();  // What solving took; the last steps grow as large.
-  if (!report_progress(progress, 0.0, "computing covariances"))
-    return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-  const auto finish = [&](MotionsOfViews kept_motions) {
-    return take_last_steps(
-        surfaces, {pairs, largest_overlaps(surfaces.size(), pairs, kMostPairsOfAView)},
-        levels.back(), nearly_degenerate, std::move(kept_motions), options, result);
-  };
-  auto drifting =
-      degenerate_groups(finish({}), surfaces, result.world_from_view, result.group, result.held);
-  std::erase_if(drifting, [&](const auto& group) { return held_by_maps(group, result.pairs); });
-  if (drifting.empty()) return result;
-  // A drift along degenerate directions leaves the fit as it is. A large one may have led to
-  // where these are others than at the start: then the views go back all the way.
-  const JointRefinement refined = result;
-  const auto without = [&](Drift drift) {
-    result = refined;
-    auto kept_motions =
-        remove_drift(drifting, drift, surfaces, world_from_view, result.world_from_view);
-    link_views(levels.back());
-    if (!pairs.empty()) finish(std::move(kept_motions));
-  };
-  without(Drift::kAlongMotions);
-  if (fits_as_well(result, refined)) return result;
-  const JointRefinement along_motions = result;
-  without(Drift::kAll);
-  if (total_overlap(result) < total_overlap(along_motions)) result = along_motions;
-  return result;
+  return Refining(surfaces, world_from_view, roles, options, progress).run();
 }
 
 std::string_view to_string(RefinementTermination termination) {
