@@ -20,6 +20,7 @@
 #include "scan/io/workspaces/pose_beside.h"
 #include "scan/io/workspaces/rgbd/nerf_transforms.h"
 #include "scan/io/workspaces/rgbd/rgbd_folder.h"
+#include "scan/io/workspaces/workspace_text.h"
 
 namespace relief {
 
@@ -176,9 +177,7 @@ bool begins_with_points(const fs::path& path) {
   std::ifstream file(path);
   std::string line;
   for (int i = 0; i < kLines && std::getline(file, line); ++i) {
-    std::ranges::replace_if(
-        line, [](char c) { return c == ',' || c == ';'; }, ' ');
-    std::istringstream words(line);
+    std::istringstream words(with_blanks(line, ",;"));
     double x = 0.0, y = 0.0, z = 0.0;
     if (words >> x >> y >> z) return true;
   }

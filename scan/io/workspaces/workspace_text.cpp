@@ -7,23 +7,17 @@
 
 namespace relief {
 
-namespace {
-
-// `[1, 0, 0, 5]` as `1 0 0 5`.
-std::string without_list_signs(std::string_view line) {
-  std::string numbers(line);
-  std::ranges::replace_if(
-      numbers, [](char c) { return std::string_view("[](),;").find(c) != std::string_view::npos; },
-      ' ');
-  return numbers;
-}
-
-}  // namespace
-
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
+}
+
+std::string with_blanks(std::string_view text, std::string_view signs) {
+  std::string blanked(text);
+  std::ranges::replace_if(
+      blanked, [&](char c) { return signs.find(c) != std::string_view::npos; }, ' ');
+  return blanked;
 }
 
 bool NumberedLines::next_any(std::string_view& line) {
@@ -80,6 +74,17 @@ std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
   return motion;
 }
 
+Result<RigidMotion> motion_of_tum_numbers(std::span<const double, 7> n,
+                                          const NumberedLines& lines) {
+  const auto motion =
+      motion_of_quaternion(Eigen::Quaterniond(n[6], n[3], n[4], n[5]), {n[0], n[1], n[2]});
+  if (!motion)
+    return lines.error(
+        "not a rigid motion: the quaternion qx qy qz qw must have length 1, and all numbers must "
+        "be finite; remove the line if the pose is unknown");
+  return *motion;
+}
+
 Result<RigidMotion> motion_of_numbers(std::span<const double> numbers, const std::string& what) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   for (std::size_t i = 0; i < numbers.size(); ++i)
@@ -99,7 +104,7 @@ Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& w
       numbers.resize(12);
       break;
     }
-    if (!parse_row(without_list_signs(line), 4, numbers.data() + 4 * r))
+    if (!parse_row(with_blanks(line, "[](),;"), 4, numbers.data() + 4 * r))
       return lines.error("expected a row of four numbers of " + what);
   }
   auto motion = motion_of_numbers(numbers, what);

@@ -21,6 +21,9 @@ namespace relief {
 /// `text` without blanks at its ends.
 std::string_view trimmed(std::string_view text);
 
+/// `text` with blanks in place of all `signs`.
+std::string with_blanks(std::string_view text, std::string_view signs);
+
 /// The lines of a text with their numbers, for errors. Both arguments must outlive it.
 class NumberedLines {
  public:
@@ -58,6 +61,10 @@ std::vector<std::string_view> words_of(std::string_view line, std::size_t limit 
 /// length differs from 1 by more than kUnitQuaternion.
 std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
                                                 const Eigen::Vector3d& t);
+
+/// The motion of the numbers `tx ty tz qx qy qz qw` on the present line. kBadInput names the line.
+Result<RigidMotion> motion_of_tum_numbers(std::span<const double, 7> numbers,
+                                          const NumberedLines& lines);
 
 /// The rigid motion of a 4x4 matrix by rows, of which the last may be missing, or by columns.
 /// `numbers`: 12 or 16. Errors as those of rigid_motion_from_matrix.

@@ -37,10 +37,7 @@ std::vector<double> numbers_in_brackets(std::optional<std::string_view> text) {
   const std::size_t open = text ? text->find('[') : std::string_view::npos;
   const std::size_t close = text ? text->find(']') : std::string_view::npos;
   if (open == std::string_view::npos || close == std::string_view::npos || close < open) return {};
-  std::string row(text->substr(open + 1, close - open - 1));
-  std::ranges::replace_if(
-      row, [](char c) { return c == ',' || c == '\n'; }, ' ');
-  return leading_numbers(row);
+  return leading_numbers(with_blanks(text->substr(open + 1, close - open - 1), ",\n"));
 }
 
 // Behind the `data` of `camera_matrix`, or behind the `K` of ROS.

@@ -15,13 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string with_blanks(std::string_view line) {
-  std::string text(line);
-  std::ranges::replace_if(
-      text, [](char c) { return c == ',' || c == ';' || c == '"'; }, ' ');
-  return text;
-}
-
 // tx ty tz qx qy qz qw.
 constexpr std::size_t kNumbersOfPose = 7;
 constexpr std::array<std::string_view, kNumbersOfPose> kAxes = {"x", "y", "z", "x", "y", "z", "w"};
@@ -66,43 +59,37 @@ std::optional<Columns> columns_named(const std::vector<std::string_view>& headin
 
 Columns columns_behind_name() { return {{1, 2, 3, 4, 5, 6, 7}, {{0, ""}}, 1 + kNumbersOfPose}; }
 
-std::vector<double> numbers_from(const std::vector<std::string_view>& words, std::size_t first) {
-  std::vector<double> numbers;
-  double number = 0.0;
-  for (std::size_t i = first; i < words.size() && parse_number(words[i], number); ++i)
-    numbers.push_back(number);
-  return numbers;
+std::vector<double> numbers_behind_name(std::string_view line) {
+  next_word(line);
+  return leading_numbers(line);
 }
 
 // Whether a line is a name with the numbers of a pose behind it.
-bool is_named_pose(const std::vector<std::string_view>& words) {
+bool is_named_pose(std::string_view line) {
+  const auto words = words_of(line);
   double number = 0.0;
   if (words.empty() || parse_number(words[0], number)) return false;
-  const std::size_t count = numbers_from(words, 1).size();
+  const std::size_t count = numbers_behind_name(line).size();
   return count + 1 == words.size() && (count == kNumbersOfPose || count == 12 || count == 16);
 }
 
-Result<RigidMotion> pose_of(const std::vector<std::string_view>& words, const Columns& columns,
+Result<RigidMotion> pose_of(std::string_view line, const Columns& columns,
                             const NumberedLines& lines) {
-  const auto behind = numbers_from(words, 1);
+  const auto words = words_of(line);
   if (words.size() == columns.count) {
-    std::array<double, kNumbersOfPose> n;
-    for (std::size_t k = 0; k < kNumbersOfPose; ++k)
-      if (!parse_number(words[columns.numbers[k]], n[k]))
-        return lines.error("expected a number, found '" + std::string(words[columns.numbers[k]]) +
-                           "'");
-    const auto motion =
-        motion_of_quaternion(Eigen::Quaterniond(n[6], n[3], n[4], n[5]), {n[0], n[1], n[2]});
-    if (!motion)
-      return lines.error(
-          "not a rigid motion: the quaternion qx qy qz qw must have length 1, and all numbers must "
-          "be finite; remove the line if the pose is unknown");
-    return *motion;
+    std::array<double, kNumbersOfPose> numbers;
+    for (std::size_t k = 0; k < kNumbersOfPose; ++k) {
+      const std::string_view word = words[columns.numbers[k]];
+      if (!parse_number(word, numbers[k]))
+        return lines.error("expected a number, found '" + std::string(word) + "'");
+    }
+    return motion_of_tum_numbers(numbers, lines);
   }
-  const bool is_matrix = behind.size() == 12 || behind.size() == 16;
-  if (!is_matrix || words.size() != behind.size() + 1 || words.size() < columns.count)
+  const auto matrix = numbers_behind_name(line);
+  const bool is_matrix = matrix.size() == 12 || matrix.size() == 16;
+  if (!is_matrix || words.size() != matrix.size() + 1 || words.size() < columns.count)
     return lines.error("expected a pose as on the lines above");
-  const auto motion = motion_of_numbers(behind, "the matrix");
+  const auto motion = motion_of_numbers(matrix, "the matrix");
   if (!motion) return lines.error(motion.error().message);
   return *motion;
 }
@@ -114,16 +101,16 @@ Result<PoseList> parse_pose_table(std::string_view text, const fs::path& path) {
   PoseList poses;
   std::optional<Columns> columns;
   for (std::string_view line; lines.next(line);) {
-    const std::string cells = with_blanks(line);
+    const std::string cells = with_blanks(line, ",;\"");
     const auto words = words_of(cells);
     if (!columns) {
       columns = columns_named(words);
       if (columns) continue;
-      if (!is_named_pose(words)) return poses;  // Some other text.
+      if (!is_named_pose(cells)) return poses;  // Some other text.
       columns = columns_behind_name();
       poses.is_ordered = false;
     }
-    const auto pose = pose_of(words, *columns, lines);
+    const auto pose = pose_of(cells, *columns, lines);
     if (!pose) return pose.error();
     poses.world_from_view.push_back(*pose);
     for (const auto& [column, name] : columns->others)

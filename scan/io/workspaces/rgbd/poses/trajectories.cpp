@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "scan/io/workspaces/workspace_text.h"
 
@@ -65,13 +66,9 @@ bool parse_time(std::string_view word, double& time) {
 
 Result<void> add_tum_pose(const double* pose, bool timed, const NumberedLines& lines,
                           Trajectory& trajectory) {
-  const double* t = timed ? pose + 1 : pose;
-  const auto motion = motion_of_quaternion(Eigen::Quaterniond(t[6], t[3], t[4], t[5]),
-                                           Eigen::Vector3d(t[0], t[1], t[2]));
-  if (!motion)
-    return lines.error(
-        "not a rigid motion: the quaternion qx qy qz qw must have length 1, and all numbers must "
-        "be finite; remove the line if the pose is unknown");
+  const auto motion =
+      motion_of_tum_numbers(std::span<const double, 7>(timed ? pose + 1 : pose, 7), lines);
+  if (!motion) return motion.error();
   TrajectoryPose added;
   if (timed) {
     if (!std::isfinite(pose[0])) return lines.error("the time is not a finite number");
