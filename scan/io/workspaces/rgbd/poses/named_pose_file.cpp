@@ -23,8 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Poses = std::vector<std::optional<RigidMotion>>;  // Of all frames.
-
 // A hundred thousand poses. What is larger holds something else, and takes long to read.
 constexpr std::uintmax_t kMaxBytes = 1 << 26;
 
@@ -81,14 +79,14 @@ int offset_between(std::vector<int> frames, std::vector<int> poses) {
 
 // Poses of the frames that one field of a file tells.
 struct MatchedPoses {
-  Poses of_frames;
+  PosesOfFrames of_frames;
   std::size_t count = 0;
   int offset = 0;  // Of the numbers.
 };
 
 MatchedPoses match_by_number(const PoseList& poses, const std::vector<std::string>& names,
                              const std::vector<RgbdFrame>& frames) {
-  MatchedPoses matched{Poses(frames.size()), 0, 0};
+  MatchedPoses matched{PosesOfFrames(frames.size()), 0, 0};
   std::vector<std::string> frame_names;
   for (const RgbdFrame& frame : frames) frame_names.push_back(frame.name);
   const auto of_frames = numbers_of(frame_names), of_poses = numbers_of(names);
@@ -112,7 +110,7 @@ MatchedPoses match_by_name(const PoseList& poses, const std::vector<std::string>
     by_name.emplace(names[k], k);
     by_name.emplace(stem_of(names[k]), k);
   }
-  MatchedPoses matched{Poses(frames.size()), 0, 0};
+  MatchedPoses matched{PosesOfFrames(frames.size()), 0, 0};
   for (std::size_t i = 0; i < frames.size(); ++i)
     for (const std::string& name : {frames[i].name, frames[i].depth.stem().string()})
       if (const auto found = by_name.find(name); found != by_name.end()) {
@@ -158,11 +156,11 @@ std::optional<Candidate> candidate_of(const fs::path& file, const PoseList& pose
   }
   if (!is_named || !poses.is_ordered || poses.world_from_view.size() != frames.size())
     return std::nullopt;
-  return Candidate{{file, Poses(poses.world_from_view.begin(), poses.world_from_view.end()), ""},
-                   0};
+  return Candidate{
+      {file, PosesOfFrames(poses.world_from_view.begin(), poses.world_from_view.end()), ""}, 0};
 }
 
-bool are_same(const Poses& a, const Poses& b) {
+bool are_same(const PosesOfFrames& a, const PosesOfFrames& b) {
   return std::ranges::equal(a, b, [](const auto& p, const auto& q) {
     return p.has_value() == q.has_value() && (!p || p->isApprox(*q));
   });

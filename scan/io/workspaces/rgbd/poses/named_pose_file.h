@@ -13,8 +13,8 @@ namespace relief {
 
 struct NamedPoseFile {
   std::filesystem::path path;
-  std::vector<std::optional<RigidMotion>> world_from_view;  ///< Of each frame.
-  std::string note;                                         ///< What else was assumed, or empty.
+  PosesOfFrames world_from_view;
+  std::string note;  ///< What else was assumed, or empty.
 };
 
 /// The poses of frames in a .json, .csv, .txt or .npy of a folder (named_poses.h): by the names or

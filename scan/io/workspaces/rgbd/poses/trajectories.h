@@ -33,6 +33,9 @@ struct TrajectoryPose {
 };
 using Trajectory = std::vector<TrajectoryPose>;
 
+/// World from view of each frame; nothing where it is not known.
+using PosesOfFrames = std::vector<std::optional<RigidMotion>>;
+
 /// Parses lines `time file`. Lines before the first that begins with a number are a header.
 Result<std::vector<TimedFile>> parse_tum_list(std::string_view text,
                                               const std::filesystem::path& path);
