@@ -72,8 +72,7 @@ std::optional<std::size_t> scale_in_any_convention(const std::vector<double>& sc
                                                    const ProjectSpec& project,
                                                    const ComparedDepths& compared,
                                                    const Disagreement& as_given) {
-  std::optional<std::size_t> best;
-  double least = std::min(kCameraError, as_given.median / kFarBetter), second = 1.0;
+  std::vector<double> least(scales.size(), 1.0);  // Disagreement in any convention.
   for (std::size_t k = 0; k < scales.size(); ++k) {
     std::vector<DepthReading> readings;
     for (PoseConvention convention : possible_conventions()) {
@@ -81,19 +80,15 @@ std::optional<std::size_t> scale_in_any_convention(const std::vector<double>& sc
       convention.unit = scales[k];           // As depths divided by it.
       readings.push_back({.poses = convention});
     }
-    double of_scale = 1.0;
     for (const auto& found : compared.disagreements(project, readings))
       if (found && 2 * found->pixels >= as_given.pixels)  // Few pixels may agree by chance.
-        of_scale = std::min(of_scale, found->median);
-    if (of_scale < least) {
-      if (best) second = least;
-      least = of_scale;
-      best = k;
-    } else {
-      second = std::min(second, of_scale);
-    }
+        least[k] = std::min(least[k], found->median);
   }
-  return best && second > kFarBetter * least ? best : std::nullopt;
+  const auto best = std::ranges::min_element(least);
+  if (!(*best < std::min(kCameraError, as_given.median / kFarBetter))) return std::nullopt;
+  const bool is_alone =
+      std::ranges::count_if(least, [&](double other) { return other <= kFarBetter * *best; }) == 1;
+  return is_alone ? std::optional(static_cast<std::size_t>(best - least.begin())) : std::nullopt;
 }
 
 AssumedDepthScale assumed(double values_per_metre, const std::string& why) {

@@ -140,15 +140,17 @@ bool must_be_calibration(const fs::path& path, std::string_view text) {
          (ending == ".json" && looks_like_open3d_camera(text));
 }
 
-Result<std::optional<Calibration>> calibration_of_text(std::string_view text,
-                                                       const fs::path& path) {
+std::optional<Calibration> other_calibration(std::string_view text, const fs::path& path) {
   const std::string ending = lower_ending(path);
-  if (!must_be_calibration(path, text))
-    return ending == ".json"  ? parse_camera_json(text)
-           : ending == ".npy" ? parse_camera_npy(text, path)
-                              : parse_camera_yaml(text, path);
+  return ending == ".json"  ? parse_camera_json(text)
+         : ending == ".npy" ? parse_camera_npy(text, path)
+                            : parse_camera_yaml(text, path);
+}
+
+Result<std::optional<Calibration>> certain_calibration(std::string_view text,
+                                                       const fs::path& path) {
   auto calibration = path.filename() == "cam_params.json" ? parse_replica_camera(text, path)
-                     : ending == ".json"                  ? parse_open3d_camera(text, path)
+                     : lower_ending(path) == ".json"      ? parse_open3d_camera(text, path)
                                                           : parse_calibration_text(text, path);
   if (!calibration) return calibration.error();
   return std::optional(std::move(*calibration));
@@ -171,10 +173,12 @@ Result<std::optional<FoundCalibration>> calibration_of_file(const fs::path& path
   if (fs::file_size(path, code) > kMaxCalibrationBytes || code) return found;
   const auto text = read_file(path);
   if (!text) return text.error();
-  auto calibration = calibration_of_text(*text, path);
+  const bool is_other = !must_be_calibration(path, *text);
+  auto calibration = is_other ? Result<std::optional<Calibration>>(other_calibration(*text, path))
+                              : certain_calibration(*text, path);
   if (!calibration) return calibration.error();
   if (*calibration)
-    found = {path, std::move(**calibration), !must_be_calibration(path, *text),
+    found = {path, std::move(**calibration), is_other,
              path.stem().string().find("depth") == std::string::npos};
   return found;
 }
