@@ -24,20 +24,26 @@ using ::testing::HasSubstr;
 
 constexpr double kDistance = 500.0, kRadius = 60.0;  // The samples are one unit apart.
 
-// Views of a cylinder about the y axis at their true poses, with noise that neighbours share: it
-// tilts normals as relief does.
-std::vector<RangeView> views_of_cylinder(double noise, bool normal_maps) {
-  const Camera camera = Camera::pinhole(160, 160, {kDistance, kDistance, 79.5, 79.5});
+// A view of a surface about the y axis at its true pose, from `angle` about the axis, with noise
+// that neighbours share: it tilts normals as relief does.
+RangeView view_of(const testing::Surface& surface, double angle, double height,
+                  double target_height, double noise, std::uint32_t seed) {
+  const Eigen::Vector3d eye(kDistance * std::sin(angle), height, -kDistance * std::cos(angle));
+  RangeView view = testing::render(
+      surface, Camera::pinhole(160, 160, {kDistance, kDistance, 79.5, 79.5}),
+      testing::look_at(eye, Eigen::Vector3d(0, target_height, 0), Eigen::Vector3d::UnitY()));
+  view.name = "view" + std::to_string(seed);
+  testing::add_smooth_noise(view, noise, 3, seed);
+  return view;
+}
+
+std::vector<RangeView> views_of_cylinder(bool normal_maps) {
   std::vector<RangeView> views;
-  for (int i = 0; i < 5; ++i) {
-    const double angle = 0.25 * i, height = i % 2 == 0 ? 20.0 : -20.0;
-    const Eigen::Vector3d eye(kDistance * std::sin(angle), height, -kDistance * std::cos(angle));
-    views.push_back(testing::render(
-        testing::cylinder(kRadius), camera,
-        testing::look_at(eye, Eigen::Vector3d(0, 0.5 * height, 0), Eigen::Vector3d::UnitY())));
-    views.back().name = "view" + std::to_string(i);
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    const double height = i % 2 == 0 ? 20.0 : -20.0;
+    views.push_back(
+        view_of(testing::cylinder(kRadius), 0.25 * i, height, 0.5 * height, 0.3, 10 + i));
     if (!normal_maps) views.back().normals = {};
-    testing::add_smooth_noise(views.back(), noise, 3, 10 + static_cast<std::uint32_t>(i));
   }
   return views;
 }
@@ -68,7 +74,7 @@ void move_outward(std::vector<RangeView>& views) {
 class DegenerateViews : public ::testing::TestWithParam<bool> {};
 
 TEST_P(DegenerateViews, KeepGivenPosesAlongWhatOnlyNoiseHolds) {
-  const auto truth = views_of_cylinder(0.3, GetParam());
+  const auto truth = views_of_cylinder(GetParam());
   auto views = truth;
   move_outward(views);
   const auto aligned = value_of(align_views(views));
@@ -114,17 +120,11 @@ testing::Surface cylinder_with_bumps() {
 // The bumps hold the views of either end to each other, and nothing holds the ends along the
 // cylinder, where the four of the second end drift by 9 units together. No view alone does.
 TEST(DegenerateGroups, KeepTheirMeanAlongWhatOnlyNoiseHolds) {
-  const Camera camera = Camera::pinhole(160, 160, {kDistance, kDistance, 79.5, 79.5});
   std::vector<RangeView> truth;
-  for (int i = 0; i < 8; ++i) {
-    const double angle = 0.25 * (i % 4), height = i < 4 ? -50.0 : 50.0;
-    const Eigen::Vector3d eye(kDistance * std::sin(angle), height, -kDistance * std::cos(angle));
-    truth.push_back(testing::render(
-        cylinder_with_bumps(), camera,
-        testing::look_at(eye, Eigen::Vector3d(0, height, 0), Eigen::Vector3d::UnitY())));
-    truth.back().name = "view" + std::to_string(i);
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const double height = i < 4 ? -50.0 : 50.0;
+    truth.push_back(view_of(cylinder_with_bumps(), 0.25 * (i % 4), height, height, 0.6, 30 + i));
     truth.back().normals = {};
-    testing::add_smooth_noise(truth.back(), 0.6, 3, 30 + static_cast<std::uint32_t>(i));
   }
   auto views = truth;
   move_outward(views);

@@ -12,6 +12,7 @@
 #include "scan/io/images/codecs/floats/raw_floats.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/project/view_spec.h"
+#include "tests/scan/io/small_files.h"
 #include "tests/support/limited_memory.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
@@ -20,24 +21,9 @@ namespace relief {
 namespace {
 
 using testing::LimitedMemory;
+using testing::npy_array;
+using testing::npy_file;
 using testing::TemporaryFolder;
-
-std::string npy(const std::string& dictionary, const std::string& numbers, int version = 1) {
-  std::string file("\x93NUMPY", 6);
-  file += {static_cast<char>(version), '\0'};
-  if (version == 1)
-    append_little_endian(file, static_cast<std::uint16_t>(dictionary.size()));
-  else
-    append_little_endian(file, static_cast<std::uint32_t>(dictionary.size()));
-  return file + dictionary + numbers;
-}
-
-std::string array_of(const std::string& type, const std::string& shape, const std::string& numbers,
-                     bool columns_first = false) {
-  return npy("{'descr': '" + type + "', 'fortran_order': " + (columns_first ? "True" : "False") +
-                 ", 'shape': " + shape + ", }      \n",
-             numbers);
-}
 
 template <typename T>
 std::string numbers_of(std::initializer_list<double> values, bool big = false) {
@@ -55,7 +41,7 @@ template <typename T>
 void expect_type(const std::string& type, double max_value) {
   for (const bool big : {false, true}) {
     const auto read = value_of(decode_npy(
-        array_of((big ? ">" : "<") + type, "(2, 3)", numbers_of<T>({1, 2, 3, 4, 5, 100}, big)),
+        npy_array((big ? ">" : "<") + type, "(2, 3)", numbers_of<T>({1, 2, 3, 4, 5, 100}, big)),
         "a.npy"));
     EXPECT_EQ(read.width, 3);
     EXPECT_EQ(read.height, 2);
@@ -76,14 +62,14 @@ TEST(NpyImage, ReadsEveryTypeInBothOrdersOfBytes) {
   expect_type<float>("f4", 0.0);
   expect_type<double>("f8", 0.0);
   const auto truth =
-      value_of(decode_npy(array_of("|b1", "(1, 2)", std::string("\1\0", 2)), "a.npy"));
+      value_of(decode_npy(npy_array("|b1", "(1, 2)", std::string("\1\0", 2)), "a.npy"));
   EXPECT_EQ(truth.samples, (std::vector<float>{1, 0}));
 }
 
 TEST(NpyImage, ReadsBothOrdersOfAxesAndChannelsBehind) {
   const std::string numbers = numbers_of<float>({1, 2, 3, 4, 5, 6});
   const auto samples = [&](const char* shape, bool columns_first) {
-    return value_of(decode_npy(array_of("<f4", shape, numbers, columns_first), "a.npy")).samples;
+    return value_of(decode_npy(npy_array("<f4", shape, numbers, columns_first), "a.npy")).samples;
   };
   EXPECT_EQ(samples("(2, 3)", true), (std::vector<float>{1, 3, 5, 2, 4, 6}));
   EXPECT_EQ(samples("(3, 2, 1)", false), (std::vector<float>{1, 2, 3, 4, 5, 6}));
@@ -94,7 +80,7 @@ TEST(NpyImage, ReadsBothOrdersOfAxesAndChannelsBehind) {
 TEST(NpyImage, KeepsWhatIsNoNumber) {
   const double infinity = std::numeric_limits<double>::infinity();
   const auto read = value_of(decode_npy(
-      array_of("<f8", "(1, 3)", numbers_of<double>({std::nan(""), infinity, 0.1})), "a.npy"));
+      npy_array("<f8", "(1, 3)", numbers_of<double>({std::nan(""), infinity, 0.1})), "a.npy"));
   EXPECT_TRUE(std::isnan(read.samples[0]));
   EXPECT_EQ(read.samples[1], std::numeric_limits<float>::infinity());
   EXPECT_EQ(read.samples[2], 0.1f);
@@ -103,13 +89,13 @@ TEST(NpyImage, KeepsWhatIsNoNumber) {
 TEST(NpyImage, ReadsVersions1To3) {
   const std::string dictionary = "{'shape':(1,1),'fortran_order':False,'descr':'<f4'}";
   for (const int version : {1, 2, 3})
-    EXPECT_THAT(decode_npy(npy(dictionary, "abcd", version), "a.npy"), IsOk()) << version;
-  EXPECT_THAT(decode_npy(npy(dictionary, "abcd", 4), "a.npy"), HasError("version 4"));
+    EXPECT_THAT(decode_npy(npy_file(dictionary, "abcd", version), "a.npy"), IsOk()) << version;
+  EXPECT_THAT(decode_npy(npy_file(dictionary, "abcd", 4), "a.npy"), HasError("version 4"));
 }
 
 TEST(NpyImage, NamesWhatIsWrong) {
   const auto decode = [](const char* type, const char* shape, std::size_t bytes) {
-    return decode_npy(array_of(type, shape, std::string(bytes, 'a')), "a.npy");
+    return decode_npy(npy_array(type, shape, std::string(bytes, 'a')), "a.npy");
   };
   EXPECT_THAT(decode("<f4", "(3, 4, 5)", 240), HasError("its shape is (3,4,5,)", "numpy.moveaxis"));
   EXPECT_THAT(decode("<f4", "(6,)", 24), HasError("an image has (rows, columns)"));
@@ -117,12 +103,12 @@ TEST(NpyImage, NamesWhatIsWrong) {
   EXPECT_THAT(decode("<i8", "(1, 1)", 8), HasError("array.astype('f4')"));
   EXPECT_THAT(decode("<f4", "(2, 2)", 17), HasError("takes 16 bytes, 17 follow"));
   EXPECT_THAT(decode("<f4", "(2, 0)", 0), HasError("is empty"));
-  EXPECT_THAT(decode_npy(npy("{'descr': [('x', '<f4')], ", ""), "a.npy"),
+  EXPECT_THAT(decode_npy(npy_file("{'descr': [('x', '<f4')], ", ""), "a.npy"),
               HasError("byte 20: expected {'descr'"));
 }
 
 TEST(NpyImage, DamagedFilesAreErrors) {
-  const std::string whole = array_of("<f4", "(2, 3)", std::string(24, 'a'));
+  const std::string whole = npy_array("<f4", "(2, 3)", std::string(24, 'a'));
   for (std::size_t size = 0; size < whole.size(); ++size)
     EXPECT_THAT(decode_npy(whole.substr(0, size), "a.npy"), HasError("a.npy: ")) << size;
   for (std::size_t at = 0; at < whole.size(); ++at)
@@ -132,8 +118,9 @@ TEST(NpyImage, DamagedFilesAreErrors) {
       (void)decode_npy(changed, "a.npy");
     }
   const LimitedMemory limit(std::size_t{1} << 28);
-  EXPECT_THAT(decode_npy(array_of("<f4", "(65535, 65535)", "abcd"), "a.npy"), HasError());
-  EXPECT_THAT(decode_npy(array_of("<f4", "(4294967296, 4294967297)", "abcd"), "a.npy"), HasError());
+  EXPECT_THAT(decode_npy(npy_array("<f4", "(65535, 65535)", "abcd"), "a.npy"), HasError());
+  EXPECT_THAT(decode_npy(npy_array("<f4", "(4294967296, 4294967297)", "abcd"), "a.npy"),
+              HasError());
 }
 
 TEST(RawFloats, NeedTheirSize) {

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/scan/io/small_files.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -99,13 +100,7 @@ TEST_F(Calibrations, OfTheSameKindMustAgree) {
 }
 
 TEST_F(Calibrations, MayBeANumPyArray) {
-  const std::vector<double> k = {5, 0, 7, 0, 6, 8, 0, 0, 1};
-  const std::string head = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 3)}\n";
-  std::string file("\x93NUMPY\x01\x00", 8);
-  file += static_cast<char>(head.size());
-  file += '\0' + head;
-  file.append(reinterpret_cast<const char*>(k.data()), 8 * k.size());
-  folder_.write("K.npy", file);
+  folder_.write("K.npy", testing::npy_array("(3, 3)", {5, 0, 7, 0, 6, 8, 0, 0, 1}));
   EXPECT_EQ(found()->intrinsics->cy, 8.0);
 }
 

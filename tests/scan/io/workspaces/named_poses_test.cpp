@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/workspaces/rgbd/rgbd_folder.h"
+#include "tests/scan/io/small_files.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::npy_array;
 using testing::TemporaryFolder;
 
 // y of the view is z of the world; the eye is at (x, 6, 7).
@@ -97,32 +99,22 @@ TEST(PoseTable, ErrorsNameTheLine) {
               HasError("line 2: expected a pose as on the lines above"));
 }
 
-// A NumPy file of doubles.
-std::string npy(const std::string& shape, const std::vector<double>& numbers,
-                const std::string& fortran = "False") {
-  const std::string head =
-      "{'descr': '<f8', 'fortran_order': " + fortran + ", 'shape': " + shape + "}\n";
-  std::string file("\x93NUMPY\x01\x00", 8);
-  file += static_cast<char>(head.size());
-  file += '\0';
-  file += head;
-  return file.append(reinterpret_cast<const char*>(numbers.data()), 8 * numbers.size());
-}
-
 TEST(NpyPoses, AreMatricesOrRows) {
   const std::vector<double> three = {1, 0, 0, 5, 0, 0, -1, 6, 0, 1, 0, 7};
   std::vector<double> two = three;
   two.insert(two.end(), three.begin(), three.end());
-  EXPECT_THAT(summary(parse_npy_poses(npy("(3, 4)", three), "p")), ElementsAre("5"));
-  EXPECT_THAT(summary(parse_npy_poses(npy("(2, 3, 4)", two), "p")), ElementsAre("5", "5"));
-  EXPECT_THAT(summary(parse_npy_poses(npy("(2, 12)", two), "p")), ElementsAre("5", "5"));
-  EXPECT_THAT(summary(parse_npy_poses(npy("(12, 2)", two), "p")), ElementsAre());
-  EXPECT_THAT(summary(parse_npy_poses(npy("(0, 4, 4)", {}), "p")), ElementsAre());
-  EXPECT_THAT(parse_npy_poses(npy("(1152921504606846977, 4, 4)", two), "p.npy"),
+  EXPECT_THAT(summary(parse_npy_poses(npy_array("(3, 4)", three), "p")), ElementsAre("5"));
+  EXPECT_THAT(summary(parse_npy_poses(npy_array("(2, 3, 4)", two), "p")), ElementsAre("5", "5"));
+  EXPECT_THAT(summary(parse_npy_poses(npy_array("(2, 12)", two), "p")), ElementsAre("5", "5"));
+  EXPECT_THAT(summary(parse_npy_poses(npy_array("(12, 2)", two), "p")), ElementsAre());
+  EXPECT_THAT(summary(parse_npy_poses(npy_array("(0, 4, 4)", {}), "p")), ElementsAre());
+  EXPECT_THAT(parse_npy_poses(npy_array("(1152921504606846977, 4, 4)", two), "p.npy"),
               HasError("the file ends"));
-  EXPECT_THAT(parse_npy_poses(npy("(3, 12)", two), "p.npy"), HasError("p.npy: the file ends"));
+  EXPECT_THAT(parse_npy_poses(npy_array("(3, 12)", two), "p.npy"),
+              HasError("p.npy: the file ends"));
   two[12] = 3.0;
-  EXPECT_THAT(parse_npy_poses(npy("(2, 12)", two), "p.npy"), HasError("matrix 1", "rigid motion"));
+  EXPECT_THAT(parse_npy_poses(npy_array("(2, 12)", two), "p.npy"),
+              HasError("matrix 1", "rigid motion"));
   EXPECT_THAT(parse_npy_poses("not NumPy", "p.npy"), HasError("not a NumPy file"));
 }
 
@@ -134,9 +126,7 @@ class PosesByName : public ::testing::Test {
   }
   // Of views `depth/2.png` and `depth/10.png`, x of their poses; -1 without one.
   std::vector<int> x_of_views(std::vector<std::string>* notes = nullptr) const {
-    std::string head("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0", 19);
-    head += std::string("\4\0\0\0\4", 5);
-    for (const char* name : {"depth/2.png", "depth/10.png"}) write(name, head);
+    for (const char* name : {"depth/2.png", "depth/10.png"}) write(name, testing::png_head(4));
     const auto spec =
         value_of(read_rgbd_folder(folder_.path(), {PinholeIntrinsics{5, 5, 2, 2}, 1000.0}));
     if (notes) *notes = spec.notes;
@@ -183,7 +173,7 @@ TEST_F(PosesByName, OfOtherThingsAreNotTaken) {
   EXPECT_EQ(x_of_views(), none);
   // With errors, but not called poses.
   write("info.json", "{\"P\": [[5, 0, 7, 0], [0, 5, 8, 0], [0, 0, 1, 0]]}");
-  write("metadata.npy", std::string("\x93NUMPY\x01\x00\x0b\x00{'a': '|O'}", 21));
+  write("metadata.npy", testing::npy_file("{'a': '|O'}", ""));
   EXPECT_EQ(x_of_views(), none);
 }
 
@@ -201,10 +191,10 @@ TEST_F(PosesByName, OfTwoFilesThatDifferAreAnError) {
 TEST_F(PosesByName, MayHaveFilesOfTheirOwnInNumPy) {
   const std::vector<double> by_rows = {1, 0, 0, 5, 0, 0, -1, 6, 0, 1, 0, 7, 0, 0, 0, 1};
   const std::vector<double> by_columns = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 5, 6, 7, 1};
-  write("pose/2.npy", npy("(4, 4)", by_rows));
-  write("pose/10.npy", npy("(4, 4)", by_columns, "True"));
+  write("pose/2.npy", npy_array("(4, 4)", by_rows));
+  write("pose/10.npy", npy_array("(4, 4)", by_columns, true));
   EXPECT_EQ(x_of_views(), (std::vector<int>{5, 5}));
-  write("pose/10.npy", npy("(4, 4)", std::vector<double>(16, std::nan(""))));  // Lost.
+  write("pose/10.npy", npy_array("(4, 4)", std::vector<double>(16, std::nan(""))));  // Lost.
   EXPECT_EQ(x_of_views(), (std::vector<int>{5, -1}));
 }
 

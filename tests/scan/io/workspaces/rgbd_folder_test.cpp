@@ -11,6 +11,7 @@
 #include "scan/io/project/view_loader.h"
 #include "scan/io/workspaces/rgbd/calibration/calibration.h"
 #include "scan/io/workspaces/rgbd/poses/trajectories.h"
+#include "tests/scan/io/small_files.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/scenes/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
@@ -23,16 +24,11 @@ namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using testing::png_head;
 using testing::TemporaryFolder;
 
 const char* const kPose = "1 0 0 5\n0 0 -1 6\n0 1 0 7\n0 0 0 1\n";
 const RgbdOptions kOptions{PinholeIntrinsics{500, -500, 319.5, 239.5}, 1000.0};
-
-// The head of a PNG file, which is all that is looked at here.
-std::string png_head(unsigned char width) {
-  std::string head("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0", 19);
-  return head + static_cast<char>(width) + std::string("\0\0\0\x04", 4);
-}
 
 TEST(TumLists, UnderstandHeaders) {
   const auto list = value_of(parse_tum_list(
