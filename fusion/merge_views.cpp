@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <optional>
 #include <sstream>
 
@@ -10,18 +9,11 @@
 #include "fusion/holes/filled_regions.h"
 #include "fusion/mesh/crease_edges.h"
 #include "fusion/mesh/measured_components.h"
+#include "fusion/prepared_merge.h"
 #include "fusion/surface/isosurface.h"
 #include "fusion/surface/vertex_attributes.h"
 #include "fusion/surface/vertex_colours.h"
-#include "fusion/tsdf/closed_field.h"
-#include "fusion/units/merge_units.h"
-#include "fusion/views/inter_view_errors.h"
-#include "fusion/views/prepared_samplers.h"
-#include "scan/base/median.h"
-#include "scan/base/median_deviation.h"
 #include "scan/base/parallel.h"
-#include "scan/units/content_hash.h"
-#include "scan/units/input_hash.h"
 
 namespace relief::fusion {
 
@@ -31,113 +23,12 @@ namespace {
 // and when that is measured: parts of the time, on the twelve refined views of the demo.
 constexpr double kPrepared = 0.08, kField = 0.65, kMesh = 0.75, kSurface = 0.94, kMeasured = 0.97;
 
-// Progress of a part, which is from `begin` to `end` of the whole.
-Progress part_of(const Progress& whole, double begin, double end) {
-  return [&whole, begin, end](double fraction, std::string_view step) {
-    return report_progress(whole, begin + fraction * (end - begin), step);
-  };
-}
-
-struct SampleQuality {
-  double deviation = 0.0;  // Median of the views' median deviations; 0: no view has any.
-  bool refined = false;    // Any view is.
-};
-
-struct Inputs {
-  SampleQuality quality;
-  std::size_t samples = 0;          // Of all views.
-  std::vector<std::string> hashes;  // Of the views, where units are kept.
-};
-
-Result<Inputs> look_at(const ViewSource& views, bool hashed, MemoryLimit* memory) {
-  Inputs inputs;
-  SampleQuality& quality = inputs.quality;
-  std::vector<double> medians;
-  for (std::size_t i = 0; i < views.count; ++i) {
-    const auto view = views.load(i);
-    if (!view) return view.error();
-    const double known = median_deviation(**view);
-    if (known > 0.0) medians.push_back(known);
-    inputs.samples += (*view)->sample_count();
-    quality.refined |= (*view)->samples == SampleOrigin::kRefined;
-    if (hashed) inputs.hashes.push_back(hash_of_view(**view));
-    if (const auto kept = check(memory); !kept) return kept.error();
-  }
-  quality.deviation = median(std::move(medians));
-  return inputs;
-}
-
-// Of all samples: worth a note.
-constexpr double kManyNoisy = 0.01;
-
-// `samples`: of all views.
-void count_samples(const std::vector<ViewSampler>& views, std::size_t samples,
-                   MergeResult& result) {
-  for (const ViewSampler& view : views) {
-    result.flying_samples += view.flying();
-    result.filled_samples += view.filled();
-    result.noisy_samples += view.noisy();
-  }
-  if (static_cast<double>(result.noisy_samples) > kManyNoisy * static_cast<double>(samples))
-    result.notes.push_back(std::to_string(result.noisy_samples) +
-                           " samples are far noisier than the others, and than their spacing: they "
-                           "tell which space is empty, not where the surface is");
-}
-
-// Refined views hold detail that a lattice as coarse as the samples blurs; in raw views there is
-// only noise below the spacing (docs/results.md, Voxel size).
-constexpr double kRefinedVoxel = 0.8;  // [sample spacings]
-
-// So many times as coarse as the finest view, a lattice loses detail that is worth a note.
-constexpr double kMuchCoarser = 2.0;
-
-void note_lost_detail(const std::vector<double>& spacings, MergeResult& result) {
-  const auto [finest, coarsest] = std::minmax_element(spacings.begin(), spacings.end());
-  if (!(result.voxel_size > kMuchCoarser * *finest)) return;
-  std::ostringstream note;
-  note << std::setprecision(2) << "the sample spacings of the views are from " << *finest << " to "
-       << *coarsest << ", and voxels are as large as in the typical view, " << result.voxel_size
-       << ": --voxel-size " << *finest << " keeps the detail of the finest";
-  result.notes.push_back(note.str());
-}
-
-void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& options, bool refined,
-                   const RangeErrors& errors, MergeResult& result) {
-  std::vector<double> spacings, noises;
-  for (const ViewSampler& view : views) {
-    spacings.push_back(view.spacing());
-    noises.push_back(view.noise());
-  }
-  result.view_noise = median(noises);
-  result.voxel_size = options.voxel_size > 0.0 ? options.voxel_size
-                                               : (refined ? kRefinedVoxel : 1.0) * median(spacings);
-  if (options.voxel_size == 0.0) note_lost_detail(spacings, result);
-  result.inter_view_stddev = errors.stddev;
-  result.range_exponent = errors.exponent;
-  const double deviation = std::max(result.view_noise, result.inter_view_stddev);
-  result.truncation =
-      options.truncation > 0.0
-          ? options.truncation
-          : std::max(3.0 * result.voxel_size, kTruncatedDeviations * deviation + result.voxel_size);
-}
-
-void note_files_in_memory(const MemoryLimit* limit, std::vector<std::string>& notes) {
-  if (limit && limit->folder_is_memory())
-    notes.push_back("temporary files in " + limit->folder().string() +
-                    " lie in memory themselves: the limit spares the machine nothing");
-}
-
 // All of the zero set. The field, the largest thing there is, is gone afterwards.
 Result<TriangleMesh> closed_surface(const std::vector<ViewSampler>& views, const FieldUnits& units,
                                     MergeResult& result, MemoryLimit* memory,
                                     const Progress& progress) {
-  ClosedFieldOptions field_options;
-  field_options.voxel_size = result.voxel_size;
-  field_options.truncation = result.truncation;
-  field_options.memory = memory;
-  field_options.units = units;
-  const auto field =
-      compute_closed_field(views, field_options, part_of(progress, kPrepared, kField));
+  const auto field = compute_closed_field(views, field_options(result, units, memory),
+                                          part_of(progress, kPrepared, kField));
   if (!field) return field.error();
   result.moving_blocks = field->moving_blocks;
   if (field->moving_blocks > 0)
@@ -190,27 +81,11 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   MergeResult result;
   if (!report_progress(context.progress, 0.0, "merge")) return interrupted;
   MemoryLimit* const memory = current_memory_limit();
-  note_files_in_memory(memory, result.notes);
-  const auto inputs = look_at(views, context.store != nullptr, memory);
-  if (!inputs) return inputs.error();
-  const SampleQuality& quality = inputs->quality;
-  const Progress preparing = part_of(context.progress, 0.0, kPrepared);
-  PagedSurfaceOptions surfaces{.memory = memory};
-  surfaces.weights.silhouette_ramp = options.silhouette_ramp;
-  surfaces.weights.nominal_deviation = quality.deviation;
-  auto prepared = prepare_samplers(views, options.voxel_size, surfaces, preparing);
+  auto prepared = prepare_merge(views, options, context.store, memory,
+                                part_of(context.progress, 0.0, kPrepared), result);
   if (!prepared) return prepared.error();
-  auto& [samplers, indices, left_out] = *prepared;
-  result.notes.insert(result.notes.end(), left_out.begin(), left_out.end());
-  release_freed_memory();
-  count_samples(samplers, inputs->samples, result);
-  RangeErrors errors = inter_view_errors(samplers);
-  if (quality.deviation > 0.0) errors.exponent = 0.0;  // Views know theirs.
-  for (ViewSampler& sampler : samplers) sampler.set_range_errors(errors);
-  choose_scales(samplers, options, quality.refined, errors, result);
-
-  const FieldUnits units(context.store, ContentHash().add(inputs->hashes, options).hex());
-  auto mesh = closed_surface(samplers, units, result, memory, context.progress);
+  const std::vector<ViewSampler>& samplers = prepared->samplers;
+  auto mesh = closed_surface(samplers, prepared->units, result, memory, context.progress);
   if (!mesh) return mesh.error();
   result.mesh = std::move(mesh).value();
   release_freed_memory();
@@ -226,10 +101,10 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   if (!report_progress(context.progress, kSurface, "measure the surface")) return interrupted;
   const VertexAttributeOptions measure{.truncation = result.truncation,
                                        .voxel_size = result.voxel_size,
-                                       .view_stddev = std::max(result.view_noise, errors.stddev),
-                                       .nominal_deviation = quality.deviation,
+                                       .view_stddev = view_stddev(result),
+                                       .nominal_deviation = prepared->nominal_deviation,
                                        .memory = memory,
-                                       .view_indices = indices};
+                                       .view_indices = prepared->indices};
   set_vertex_attributes(result.mesh, samplers, measure);
   const FairFillOptions fair{result.truncation, result.voxel_size, memory};
   const Progress closing = part_of(context.progress, kMeasured, kMeasured);
@@ -257,11 +132,7 @@ Result<MergeResult> merge_from_source(const ViewSource& views, const MergeOption
 
 Result<MergeResult> merge_views(const std::vector<RangeView>& views, const MergeOptions& options,
                                 const Context& context) {
-  // Pointers that own nothing.
-  const auto load = [&](std::size_t i) -> Result<std::shared_ptr<const RangeView>> {
-    return std::shared_ptr<const RangeView>(std::shared_ptr<void>(), &views[i]);
-  };
-  return merge_from_source({views.size(), load}, options, context);
+  return merge_from_source(source_of(views), options, context);
 }
 
 }  // namespace relief::fusion

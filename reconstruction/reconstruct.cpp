@@ -163,6 +163,12 @@ class Reconstructor {
   }
 
   Result<void> merge() {
+    if (part_.last == Stage::kMerge && part_.field) {
+      const auto computed =
+          field_part_or_find(result_.views, options_.model.merge, *part_.field,
+                             stages_.of(Stage::kMerge), stages_.missing_unit_error(Stage::kMerge));
+      return computed ? Result<void>{} : computed.error();
+    }
     ModelOptions options = options_.model;
     if (part_.last == Stage::kMerge) {
       options.polish.reset();

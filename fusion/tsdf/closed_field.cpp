@@ -10,50 +10,12 @@
 
 #include "fusion/tsdf/curved_closing.h"
 #include "fusion/tsdf/field_domain.h"
+#include "fusion/tsdf/field_integration.h"
 #include "fusion/tsdf/obstacle_solver.h"
-#include "fusion/tsdf/tsdf_integration.h"
-#include "scan/base/parallel.h"
 
 namespace relief::fusion {
 
 namespace {
-
-// From the first to the last node of a block.
-Eigen::AlignedBox3d box_of(const SparseField& field, std::size_t b) {
-  const Node first = field.first_node(b);
-  return {field.lattice().position(first),
-          field.lattice().position(first + Node::Constant(kBlockSide - 1))};
-}
-
-// The box of several blocks; empty where none is active.
-Eigen::AlignedBox3d box_of(const SparseField& field, std::size_t begin, std::size_t end) {
-  Eigen::AlignedBox3d box;
-  for (std::size_t b = begin; b < end; ++b)
-    if (field.active(b)) box.extend(box_of(field, b));
-  return box;
-}
-
-// Sets the nodes of a block that views measured to their distance and bounds the others from below
-// by what is known empty.
-void integrate_block(std::size_t b, TsdfIntegrator& integrator, double limit, SparseField& field,
-                     PagedArray<NodeConstraint>& constraints) {
-  float* values = field.values(b);
-  integrator.focus(box_of(field, b));
-  for (int i = 0; i < kBlockNodes; ++i) {
-    if (i % kBlockSide == 0) check_stop_and_memory();  // A coarse block sees much of all views.
-    NodeConstraint& constraint = constraints[b * kBlockNodes + static_cast<std::size_t>(i)];
-    const TsdfSample sample = integrator.collect_as_far_as(
-        limit, field.lattice().position(field.first_node(b) + node_at_offset(i)));
-    if (sample.measured) {
-      constraint = kFixedNode;
-      values[i] = static_cast<float>(std::min(sample.distance, limit));
-    } else {
-      constraint.floor =
-          static_cast<float>(sample.clearance > 0.0 ? std::min(sample.clearance, limit) : -limit);
-      values[i] = std::max(values[i], constraint.floor);
-    }
-  }
-}
 
 // A part of the progress of a computation: from `begin` to `end`.
 struct ProgressPart {
@@ -64,27 +26,6 @@ struct ProgressPart {
     return report_progress(progress, begin + fraction * (end - begin), "merge");
   }
 };
-
-// Integrates the views into all blocks. False when `progress` asks to stop.
-bool integrate_views(SparseField& field, const std::vector<ViewSampler>& views, double truncation,
-                     double limit, PagedArray<NodeConstraint>& constraints,
-                     const ClosedFieldOptions& options, const ProgressPart& progress) {
-  constexpr std::size_t kBlocksAtOnce = 4096;  // Of 512 nodes: about a second of work.
-  constexpr std::size_t kBlocksNearby = 32;    // In a row of the field: seen by few of many views.
-  const std::size_t count = field.block_count();
-  for (std::size_t first = 0; first < count; first += kBlocksAtOnce) {
-    if (!progress(static_cast<double>(first) / static_cast<double>(count))) return false;
-    const std::size_t blocks = std::min(kBlocksAtOnce, count - first);
-    parallel_for(blocks, kBlocksNearby, [&](std::size_t begin, std::size_t end) {
-      evict_pages(options.memory);
-      TsdfIntegrator integrator(views, truncation, field.lattice().spacing);
-      integrator.narrow(box_of(field, first + begin, first + end));
-      for (std::size_t b = first + begin; b < first + end; ++b)
-        if (field.active(b)) integrate_block(b, integrator, limit, field, constraints);
-    });
-  }
-  return true;
-}
 
 // The border of the domain is outside whatever the views say.
 void fix_outside(SparseField& field, const Node& cells, float outside,
@@ -152,52 +93,94 @@ struct FieldLevel {
   bool bent = false;  // On this level or a coarser one.
 };
 
-// Solves for the field on one lattice, on the blocks near the samples and near the zero set of the
-// next coarser field. Without such a field the lattice is the coarsest one, with all its blocks.
-Result<FieldLevel> solve_level(const std::vector<ViewSampler>& views, const FieldDomain& domain,
-                               int level, std::vector<NodeKey> near_samples,
-                               const SparseField* coarser, bool bent,
-                               const ClosedFieldOptions& options, const Progress& progress) {
-  const Error interrupted{ErrorKind::kInterrupted, "merging was interrupted"};
-  const Lattice lattice = domain.lattice(level);
-  const double truncation = std::max(options.truncation, 2.0 * lattice.spacing);
-  const float limit = limit_of(lattice, options.truncation);
-  // Each level has four times the blocks of the one before.
-  const ProgressPart part{progress, coarser ? std::ldexp(1.0, -2 * (level + 1)) : 0.0,
-                          std::ldexp(1.0, -2 * level)};
+const Error& interrupted() {
+  static const Error error{ErrorKind::kInterrupted, "merging was interrupted"};
+  return error;
+}
 
-  std::vector<NodeKey> blocks = coarser ? std::move(near_samples) : all_blocks(domain.coarse_cells);
+// Where the levels are, and which of their blocks lie near samples.
+struct LevelPlan {
+  FieldDomain domain;
+  std::vector<std::vector<NodeKey>> near_samples;
+};
+
+// One level before it is solved: the blocks near the samples and near the zero set of the next
+// coarser field, with its values. Without such a field the lattice is the coarsest one, with all
+// its blocks.
+struct UnsolvedLevel {
+  std::unique_ptr<SparseField> field;
+  PagedArray<NodeConstraint> constraints;
+  FieldIntegrationOptions integration;
+};
+
+UnsolvedLevel start_level(const LevelPlan& plan, int level, const SparseField* coarser,
+                          const ClosedFieldOptions& options, const Progress& progress) {
+  const Lattice lattice = plan.domain.lattice(level);
+  const float limit = limit_of(lattice, options.truncation);
+  std::vector<NodeKey> blocks;
   if (coarser) {
+    blocks = plan.near_samples[static_cast<std::size_t>(level)];
     const auto near_zero = finer_blocks_near_zero(*coarser, options.memory);
     blocks.insert(blocks.end(), near_zero.begin(), near_zero.end());
     make_sorted_set(blocks);
+  } else {
+    blocks = all_blocks(plan.domain.coarse_cells);
   }
-  FieldLevel solved;
-  solved.field =
+  UnsolvedLevel unsolved;
+  unsolved.field =
       std::make_unique<SparseField>(lattice, std::move(blocks), coarser, limit, options.memory);
+  unsolved.field->prolong(limit);
+  unsolved.constraints =
+      PagedArray<NodeConstraint>(unsolved.field->block_count() * kBlockNodes, options.memory);
+  unsolved.integration.truncation = std::max(options.truncation, 2.0 * lattice.spacing);
+  unsolved.integration.limit = limit;
+  unsolved.integration.memory = options.memory;
+  // Each level has four times the blocks of the one before.
+  const ProgressPart part{progress, coarser ? std::ldexp(1.0, -2 * (level + 1)) : 0.0,
+                          std::ldexp(1.0, -2 * level)};
+  const auto groups = static_cast<double>(group_count(*unsolved.field));
+  unsolved.integration.go_on = [part, groups](std::size_t group) {
+    return part(static_cast<double>(group) / groups);
+  };
+  return unsolved;
+}
+
+// Groups of blocks are units on the finest level alone: the others are units themselves.
+FieldUnits group_units(int level, const ClosedFieldOptions& options) {
+  return level == 0 ? options.units : FieldUnits();
+}
+
+// Solves for the field on one lattice.
+Result<FieldLevel> solve_level(const std::vector<ViewSampler>& views, const LevelPlan& plan,
+                               int level, const SparseField* coarser, bool bent,
+                               const ClosedFieldOptions& options, const Progress& progress) {
+  UnsolvedLevel unsolved = start_level(plan, level, coarser, options, progress);
+  PagedArray<NodeConstraint>& constraints = unsolved.constraints;
+  const FieldIntegrationOptions& integration = unsolved.integration;
+  FieldLevel solved{std::move(unsolved.field)};
   SparseField& field = *solved.field;
-  field.prolong(limit);
-  PagedArray<NodeConstraint> constraints(field.block_count() * kBlockNodes, options.memory);
-  if (!integrate_views(field, views, truncation, limit, constraints, options, part))
-    return interrupted;
+  const std::size_t groups = group_count(field);
+  if (!integrate_views(views, 0, groups, integration, group_units(level, options), false, field,
+                       constraints))
+    return interrupted();
   if (coarser && bent) hold_far_blocks(field, constraints);
-  if (!coarser) fix_outside(field, domain.coarse_cells, limit, constraints);
+  if (!coarser) fix_outside(field, plan.domain.coarse_cells, integration.limit, constraints);
   bool stopped = false;
   ObstacleSolverOptions solver = solver_options(coarser == nullptr, options);
-  solver.go_on = [&] { return !(stopped = !part(1.0)); };
+  solver.go_on = [&] { return !(stopped = !integration.go_on(groups)); };
   const auto solve = [&] {
     solved.moving_blocks = solve_obstacle_problem(field, constraints.span(), solver).moving_blocks;
   };
   solve();
   if (!stopped && (level > 0 || !coarser)) {
-    const CurvedClosingOptions curved{.truncation = truncation,
+    const CurvedClosingOptions curved{.truncation = integration.truncation,
                                       .rounds = coarser ? 1 : kRoundsOfBending,
                                       .memory = options.memory};
     solved.bent = close_curved(field, views, constraints.span(), curved, solve);
   }
-  if (stopped) return interrupted;
+  if (stopped) return interrupted();
   solved.bent = solved.bent || bent;
-  field.close_zero_set(limit);
+  field.close_zero_set(integration.limit);
   return solved;
 }
 
@@ -229,48 +212,50 @@ Error too_many_voxels(const std::vector<ViewSampler>& views, const ClosedFieldOp
 }
 
 // solve_level() as a unit of work.
-Result<FieldLevel> level_or_find(const std::vector<ViewSampler>& views, const FieldDomain& domain,
-                                 int level, std::vector<NodeKey> near_samples,
-                                 const SparseField* coarser, bool bent,
+Result<FieldLevel> level_or_find(const std::vector<ViewSampler>& views, const LevelPlan& plan,
+                                 int level, const SparseField* coarser, bool bent,
                                  const ClosedFieldOptions& options, const Progress& progress) {
-  const bool is_unit = level != 0 && room_for_unit(near_samples.size(), options.memory);
+  const std::size_t blocks = plan.near_samples[static_cast<std::size_t>(level)].size();
+  const bool is_unit = level != 0 && room_for_unit(blocks, options.memory);
   if (auto kept = is_unit ? options.units.find(level) : std::nullopt) {
-    const Lattice lattice = domain.lattice(level);
+    const Lattice lattice = plan.domain.lattice(level);
     return FieldLevel{
         std::make_unique<SparseField>(lattice, std::move(kept->blocks), coarser,
                                       limit_of(lattice, options.truncation), options.memory),
         kept->moving_blocks, kept->bent};
   }
-  auto solved =
-      solve_level(views, domain, level, std::move(near_samples), coarser, bent, options, progress);
+  auto solved = solve_level(views, plan, level, coarser, bent, options, progress);
   if (solved && is_unit)
     options.units.keep(level, *solved->field, solved->moving_blocks, solved->bent);
   return solved;
 }
 
-}  // namespace
+Result<LevelPlan> plan_levels(const std::vector<ViewSampler>& views,
+                              const ClosedFieldOptions& options) {
+  LevelPlan plan;
+  plan.domain = domain_of(views, options.voxel_size, options.truncation, options.coarse_cells,
+                          options.memory);
+  if (!plan.domain.has_keys()) return too_many_voxels(views, options);
+  plan.near_samples = {
+      blocks_near(views, plan.domain.finest, 2.0 * options.voxel_size, options.memory)};
+  while (static_cast<int>(plan.near_samples.size()) < plan.domain.levels)
+    plan.near_samples.push_back(parents_of(plan.near_samples.back()));
+  return plan;
+}
 
-Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
-                                         const ClosedFieldOptions& options,
-                                         const Progress& progress) {
-  const FieldDomain domain = domain_of(views, options.voxel_size, options.truncation,
-                                       options.coarse_cells, options.memory);
-  if (!domain.has_keys()) return too_many_voxels(views, options);
-
-  std::vector<std::vector<NodeKey>> near_samples{
-      blocks_near(views, domain.finest, 2.0 * options.voxel_size, options.memory)};
-  while (static_cast<int>(near_samples.size()) < domain.levels)
-    near_samples.push_back(parents_of(near_samples.back()));
-
+// The levels from the coarsest to `finest`. Blocks near samples of these levels are gone from the
+// plan afterwards.
+Result<ClosedField> solve_levels(const std::vector<ViewSampler>& views, int finest, LevelPlan& plan,
+                                 const ClosedFieldOptions& options, const Progress& progress) {
   ClosedField result;
-  result.levels.resize(static_cast<std::size_t>(domain.levels));
+  result.levels.resize(static_cast<std::size_t>(plan.domain.levels));
   const SparseField* coarser = nullptr;
   bool bent = false;
-  for (int level = domain.levels - 1; level >= 0; --level) {
+  for (int level = plan.domain.levels - 1; level >= finest; --level) {
     const auto l = static_cast<std::size_t>(level);
-    auto solved = level_or_find(views, domain, level, std::move(near_samples[l]), coarser, bent,
-                                options, progress);
+    auto solved = level_or_find(views, plan, level, coarser, bent, options, progress);
     if (!solved) return solved.error();
+    plan.near_samples[l] = {};
     bent = solved->bent;
     result.moving_blocks += solved->moving_blocks;
     result.levels[l] = std::move(solved->field);
@@ -278,6 +263,40 @@ Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
     if (const auto kept = check(options.memory); !kept) return kept.error();
   }
   return result;
+}
+
+}  // namespace
+
+Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
+                                         const ClosedFieldOptions& options,
+                                         const Progress& progress) {
+  auto plan = plan_levels(views, options);
+  if (!plan) return plan.error();
+  return solve_levels(views, 0, *plan, options, progress);
+}
+
+Result<std::size_t> integrate_part_of_field(const std::vector<ViewSampler>& views,
+                                            const FieldPart& part,
+                                            const ClosedFieldOptions& options,
+                                            const Progress& progress) {
+  auto plan = plan_levels(views, options);
+  if (!plan) return plan.error();
+  const auto coarse = solve_levels(views, 1, *plan, options, progress);
+  if (!coarse) return coarse.error();
+  if (part.bricks == 0) return 0;
+  const SparseField* coarser = coarse->levels.size() > 1 ? coarse->levels[1].get() : nullptr;
+  UnsolvedLevel unsolved = start_level(*plan, 0, coarser, options, progress);
+  const std::size_t groups = group_count(*unsolved.field);
+  const std::size_t begin = groups * part.brick / part.bricks;
+  const std::size_t end = groups * (part.brick + 1) / part.bricks;
+  unsolved.integration.go_on = [&, ask = unsolved.integration.go_on](std::size_t group) {
+    return ask(groups * (group - begin) / (end - begin));
+  };
+  if (!integrate_views(views, begin, end, unsolved.integration, options.units, true,
+                       *unsolved.field, unsolved.constraints))
+    return interrupted();
+  if (const auto kept = check(options.memory); !kept) return kept.error();
+  return end - begin;
 }
 
 }  // namespace relief::fusion

@@ -6,6 +6,7 @@
 #include "fusion/tsdf/sparse_field.h"
 #include "fusion/units/merge_units.h"
 #include "fusion/views/view_sampler.h"
+#include "relief/fusion/field_part.h"
 #include "relief/scan/context.h"
 #include "relief/scan/result.h"
 
@@ -40,5 +41,13 @@ struct ClosedField {
 Result<ClosedField> compute_closed_field(const std::vector<ViewSampler>& views,
                                          const ClosedFieldOptions& options,
                                          const Progress& progress);
+
+/// What compute_closed_field() finds in its units afterwards: the levels but the finest, and one
+/// brick of that, integrated, unless `part` has no bricks. Returns the number of its groups of
+/// blocks (field_integration.h). Levels are computed again where memory has no room for a unit.
+Result<std::size_t> integrate_part_of_field(const std::vector<ViewSampler>& views,
+                                            const FieldPart& part,
+                                            const ClosedFieldOptions& options,
+                                            const Progress& progress);
 
 }  // namespace relief::fusion

@@ -188,6 +188,18 @@ Result<std::vector<hybrid::RefinedView>> refine_or_find(const std::vector<RangeV
   return hybrid::refine_views(views, options, context, refine);
 }
 
+Result<std::size_t> field_part_or_find(const std::vector<RangeView>& views,
+                                       const fusion::MergeOptions& options,
+                                       const fusion::FieldPart& part, const Context& context,
+                                       const MissingUnitError& otherwise) {
+  return find_or_compute<std::size_t>(
+      context.store,
+      [&] {
+        return unit_key("field_part", hashes_of_views(views), options, part.brick, part.bricks);
+      },
+      unless(otherwise, [&] { return fusion::compute_field_part(views, options, part, context); }));
+}
+
 Result<fusion::MergeResult> merge_or_find(const std::vector<std::string>& hashes,
                                           const std::vector<RangeView>& views,
                                           const fusion::MergeOptions& options,

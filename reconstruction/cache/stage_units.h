@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "relief/fusion/field_part.h"
 #include "relief/fusion/merge_views.h"
 #include "relief/hybrid/polish_mesh.h"
 #include "relief/hybrid/refine_view.h"
@@ -55,6 +56,12 @@ Result<std::vector<hybrid::RefinedView>> refine_or_find(const std::vector<RangeV
                                                         const hybrid::RefineOptions& options,
                                                         const Context& context,
                                                         const MissingUnitError& otherwise = {});
+
+/// fusion::compute_field_part: besides the results of the part, that it was computed is a unit.
+Result<std::size_t> field_part_or_find(const std::vector<RangeView>& views,
+                                       const fusion::MergeOptions& options,
+                                       const fusion::FieldPart& part, const Context& context,
+                                       const MissingUnitError& otherwise = {});
 
 /// fusion::merge_views. `hashes`: hashes_of_views, where there is a store.
 Result<fusion::MergeResult> merge_or_find(const std::vector<std::string>& hashes,

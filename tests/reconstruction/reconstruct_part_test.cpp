@@ -151,6 +151,34 @@ TEST(ReconstructPart, SearchesNoPairsWherePosesHold) {
   EXPECT_THAT(none, HasError("there is no such block of pairs"));
 }
 
+TEST(ReconstructPart, IntegratesTheFieldInBricksAheadOfMerging) {
+  const ReconstructionOptions options{
+      .model = {.merge = {.voxel_size = 0.33 * sample_spacing(few_scans().front())}}};
+  MemoryStore alone, bricks;
+  const ReconstructionPart merged{.last = Stage::kMerge};
+  const auto whole = reconstruct_part(few_scans(), merged, options, {.store = &alone});
+  const auto part_of_field = [&](const fusion::FieldPart& part) {
+    bricks.start_again();
+    return reconstruct_part(few_scans(), {.last = Stage::kMerge, .field = part}, options,
+                            {.store = &bricks});
+  };
+  ASSERT_THAT(part_of_field({}), IsOk());
+  EXPECT_EQ(bricks.computed["field"], alone.computed["field"]);
+  EXPECT_EQ(bricks.computed["field_group"], 0);
+  int groups = 0;
+  for (const std::size_t brick : {1, 0}) {
+    ASSERT_THAT(part_of_field({brick, 2}), IsOk());
+    EXPECT_EQ(bricks.computed["field"], 0);
+    EXPECT_GT(bricks.computed["field_group"], 0);
+    groups += bricks.computed["field_group"];
+  }
+  bricks.start_again();
+  const auto found = reconstruct_part(few_scans(), merged, options, {.store = &bricks});
+  EXPECT_EQ(bricks.found["field_group"], groups);
+  EXPECT_EQ(model_of(value_of(found)), model_of(value_of(whole)));
+  EXPECT_THAT(part_of_field({2, 2}), HasError("there is no such brick of the field"));
+}
+
 TEST(ReconstructPart, FindsNothingWithoutAStore) {
   EXPECT_THAT(reconstruct_part(few_scans(), {.last = Stage::kRefine, .find_former = true}),
               HasError(ErrorKind::kBadInput, "step align comes first"));

@@ -21,6 +21,7 @@ namespace relief {
 
 namespace {
 
+using reconstruction::ReconstructionPart;
 using reconstruction::Stage;
 
 constexpr double kMebibyte = 1 << 20;
@@ -29,6 +30,7 @@ struct PlanCommand {
   RunOptions run;
   std::size_t blocks = 0;       // Of views to refine; 0: as many as are worth it.
   std::size_t pair_blocks = 0;  // Of pairs to search; 0: as many as are worth it.
+  std::size_t bricks = 0;       // Of the field, ahead of merging; 0: merging does all of it.
 };
 
 // A step, or one of several blocks of it.
@@ -36,9 +38,8 @@ struct PlannedStep {
   std::string name;  // `refine-2`, or that of the step.
   std::string step;
   std::vector<std::string> arguments, after;
-  std::optional<Stage> stage;      // Nothing: `finish`.
-  bool search = false;             // Of pairs, a part of aligning.
-  std::vector<std::size_t> views;  // Of a block: their indices.
+  std::optional<Stage> stage;              // Nothing: `finish`.
+  std::optional<ReconstructionPart> part;  // Nothing: the whole stage.
   StepCost cost;
   std::string state, depends_on;  // The latter where the state is `unknown`.
 };
@@ -68,6 +69,11 @@ class Plan {
     for (int i = 0; i < reconstruction::kStages; ++i) {
       const auto stage = static_cast<Stage>(i);
       if (!reconstruction::has_stage(stage, options)) continue;
+      if (stage == Stage::kMerge) {
+        std::vector<PlannedStep> ahead = parts_of_field(after);
+        if (!ahead.empty()) after = names_of(ahead);
+        steps_.insert(steps_.end(), ahead.begin(), ahead.end());
+      }
       std::vector<PlannedStep> added =
           stage == Stage::kRefine ? blocks_of_views() : std::vector{PlannedStep()};
       for (PlannedStep& step : added) {
@@ -75,7 +81,10 @@ class Plan {
         if (step.name.empty()) step.name = step.step;
         step.stage = stage;
         step.after = after;
-        if (stage != Stage::kRefine) step.cost = cost_of(stage, size_);
+        if (stage == Stage::kMerge && command_.bricks > 0)
+          step.cost = cost_of_merge_after_parts(size_);
+        else if (stage != Stage::kRefine)
+          step.cost = cost_of(stage, size_);
       }
       after = names_of(added);
       steps_.insert(steps_.end(), added.begin(), added.end());
@@ -110,7 +119,7 @@ class Plan {
     for (std::size_t b = 0; b < blocks; ++b) {
       PlannedStep step = block_of_step("pairs", b, blocks);
       step.stage = Stage::kAlign;
-      step.search = true;
+      step.part = {.last = Stage::kAlign, .searched_pairs = registration::PairBlock{b, blocks}};
       step.cost = cost_of_search(size_, blocks);
       steps.push_back(std::move(step));
     }
@@ -125,9 +134,10 @@ class Plan {
     std::vector<PlannedStep> steps;
     for (std::size_t b = 0; b < blocks; ++b) {
       PlannedStep step = block_of_step("refine", b, blocks);
-      step.views = block_of(views, {b, blocks});
+      const std::vector<std::size_t> block = block_of(views, {b, blocks});
+      step.part = {.last = Stage::kRefine, .refined_views = block};
       double samples = 0.0;
-      for (const std::size_t i : step.views)
+      for (const std::size_t i : block)
         samples += static_cast<double>(project_.views[i].sample_count());
       step.cost = cost_of(Stage::kRefine, size_, samples / std::max(size_.samples, 1.0));
       steps.push_back(std::move(step));
@@ -135,29 +145,43 @@ class Plan {
     return steps;
   }
 
+  // The coarse levels, and after them the bricks of the finest. `after`: the steps before merging.
+  std::vector<PlannedStep> parts_of_field(const std::vector<std::string>& after) const {
+    if (command_.bricks == 0) return {};
+    PlannedStep coarse;
+    coarse.name = coarse.step = "coarse-field";
+    coarse.part = {.last = Stage::kMerge, .field = fusion::FieldPart{}};
+    coarse.after = after;
+    coarse.cost = cost_of_coarse_field(size_);
+    std::vector<PlannedStep> steps{std::move(coarse)};
+    for (std::size_t b = 0; b < command_.bricks; ++b) {
+      PlannedStep step = block_of_step("field", b, command_.bricks);
+      step.part = {.last = Stage::kMerge, .field = fusion::FieldPart{b, command_.bricks}};
+      step.after = {steps.front().name};
+      step.cost = cost_of_brick(size_, command_.bricks);
+      steps.push_back(std::move(step));
+    }
+    for (PlannedStep& step : steps) step.stage = Stage::kMerge;
+    return steps;
+  }
+
   // Keys depend on the results of the steps before, so they are known up to the first one missing.
   Result<void> find_states() {
-    std::vector<std::vector<std::size_t>> blocks;
-    std::size_t pair_blocks = 0;
-    for (const PlannedStep& step : steps_) {
-      if (step.stage == Stage::kRefine) blocks.push_back(step.views);
-      if (step.search) ++pair_blocks;
-    }
+    std::vector<ReconstructionPart> parts;
+    for (const PlannedStep& step : steps_)
+      if (step.part) parts.push_back(*step.part);
     const auto states =
-        find_steps(project_.views, blocks, pair_blocks, options_.reconstruction(), options_.output,
+        find_steps(project_.views, parts, options_.reconstruction(), options_.output,
                    context_of(options_.common, "look for results"));
     if (!states) return states.error();
-    std::size_t refined = 0, searched = 0;
+    std::size_t part = 0;
     for (PlannedStep& step : steps_) {
       if (!step.stage && !states->first_missing) {
         step.state = "missing";  // Its files have no keys: it is done whenever it is asked for.
       } else if (!states->first_missing || (step.stage && *step.stage < *states->first_missing)) {
         step.state = "done";
       } else if (step.stage == states->first_missing) {
-        // Of steps that are not cut into blocks no states are given.
-        const bool there =
-            step.search ? is_set(states->searched, searched++) : is_set(states->refined, refined++);
-        step.state = there ? "done" : "missing";
+        step.state = step.part && is_set(states->parts_done, part++) ? "done" : "missing";
       } else {
         step.state = "unknown";
         step.depends_on = reconstruction::step_name(*states->first_missing);
@@ -179,7 +203,8 @@ class Plan {
     if (!step.depends_on.empty()) json["depends_on"] = step.depends_on;
     if (step.stage == Stage::kRefine) {
       json["views"] = Json::array();
-      for (const std::size_t i : step.views) json["views"].push_back(project_.views[i].name);
+      for (const std::size_t i : *step.part->refined_views)
+        json["views"].push_back(project_.views[i].name);
     }
     json["cpu_seconds"] = step.cost.cpu_seconds;
     json["memory_mb"] = step.cost.memory_bytes / kMebibyte;
@@ -247,6 +272,11 @@ void add_plan(CLI::App& app, Action& action) {
   sub->add_option("--pair-blocks", command->pair_blocks,
                   "Blocks in which pairs of views are searched where poses are missing; 0: as many "
                   "as are worth it")
+      ->capture_default_str();
+  sub->add_option(
+         "--bricks", command->bricks,
+         "Bricks of the finest level of the field, integrated ahead of merging; 0: merging "
+         "does all of it")
       ->capture_default_str();
   sub->callback([command, &action] { action = [command] { return Plan(*command)(); }; });
 }

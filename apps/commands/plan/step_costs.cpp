@@ -35,6 +35,13 @@ constexpr CostModel kDescribe{0.35, 6.5, 0.0, 23.0, 240.0, 0.0, 0.0};
 // Blocks of less processor time are not worth a process [s].
 constexpr double kLeastBlock = 10.0;
 
+// Of what is done ahead of merging: the coarse field, what each brick begins with, and what the
+// bricks share.
+constexpr CostModel kCoarseField{0.56, 14.0, 0.0, 47.0, 40.0, 0.0, 22.0};
+constexpr CostModel kEachBrick{0.46, 12.0, 0.0, 21.0, 260.0, 0.0, 0.0};
+constexpr CostModel kAllBricks{0.0, 7.0, 0.0, 0.0, 0.0, 0.0, 69.0};
+constexpr CostModel kMergeAfterParts{0.56, 18.0, 0.0, 19.0, 265.0, 0.0, 33.0};
+
 const CostModel& model_of(Stage stage) {
   static constexpr CostModel kAlign{0.35, 9.2, 0.054, 23.0, 240.0, 0.0, 1.0};
   static constexpr CostModel kCalibrate{0.22, 5.3, 0.028, 44.0, 149.0, 0.0, 1.0};
@@ -97,6 +104,21 @@ StepCost cost_of_search(const ProjectSize& size, std::size_t blocks) {
   cost.cpu_seconds += kSearchedPair * static_cast<double>(size.first_pairs) /
                       static_cast<double>(std::max(blocks, std::size_t{1}));
   return cost;
+}
+
+StepCost cost_of_coarse_field(const ProjectSize& size) { return cost_by(kCoarseField, size, 1.0); }
+
+StepCost cost_of_brick(const ProjectSize& size, std::size_t bricks) {
+  StepCost cost = cost_by(kEachBrick, size, 1.0);
+  const StepCost all = cost_by(kAllBricks, size, 1.0);
+  const auto count = static_cast<double>(std::max(bricks, std::size_t{1}));
+  cost.cpu_seconds += all.cpu_seconds / count;
+  cost.disk_bytes += all.disk_bytes / count;
+  return cost;
+}
+
+StepCost cost_of_merge_after_parts(const ProjectSize& size) {
+  return cost_by(kMergeAfterParts, size, 1.0);
 }
 
 std::size_t blocks_to_search(const ProjectSize& size) {

@@ -24,6 +24,13 @@ StepCost cost_of_finish(const ProjectSize& size);
 /// What one of `blocks` blocks of the pairs costs that are searched ahead of the alignment.
 StepCost cost_of_search(const ProjectSize& size, std::size_t blocks);
 
+/// What the coarser levels of the field cost ahead of merging, and one of `bricks` bricks of the
+/// finest level, and what merging costs after all of them. Every brick reads and prepares all
+/// views, which is more than it integrates unless voxels are smaller than the sample spacing.
+StepCost cost_of_coarse_field(const ProjectSize& size);
+StepCost cost_of_brick(const ProjectSize& size, std::size_t bricks);
+StepCost cost_of_merge_after_parts(const ProjectSize& size);
+
 /// In how many blocks the pairs are searched: 0 where none are, or where one process is as fast.
 std::size_t blocks_to_search(const ProjectSize& size);
 

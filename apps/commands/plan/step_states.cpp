@@ -47,8 +47,7 @@ Stage next_stage(std::optional<Stage> reached,
 }  // namespace
 
 Result<StepStates> find_steps(const std::vector<RangeView>& views,
-                              const std::vector<std::vector<std::size_t>>& blocks,
-                              std::size_t pair_blocks,
+                              const std::vector<ReconstructionPart>& parts,
                               const reconstruction::ReconstructionOptions& options,
                               const std::filesystem::path& output, Context context) {
   const auto cache = reconstruction::private_folder(output) / "cache";
@@ -71,17 +70,8 @@ Result<StepStates> find_steps(const std::vector<RangeView>& views,
   states.first_missing = next_stage(reached.last, options);
   if (states.first_missing == Stage::kMerge && (*units)->counts()["merge"].found > 0)
     states.first_missing = Stage::kPolish;
-  if (states.first_missing == Stage::kAlign)
-    for (std::size_t b = 0; b < pair_blocks; ++b)
-      states.searched.push_back(
-          find({.last = Stage::kAlign, .searched_pairs = registration::PairBlock{b, pair_blocks}},
-               {})
-              .ok());
-  if (states.first_missing != Stage::kRefine) return states;
-  states.refined.assign(blocks.size(), false);
-  if ((*units)->counts()["refine"].found == 0) return states;
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    states.refined[b] = find({.last = Stage::kRefine, .refined_views = blocks[b]}, {}).ok();
+  for (const ReconstructionPart& part : parts)
+    if (part.last == states.first_missing) states.parts_done.push_back(find(part, {}).ok());
   return states;
 }
 

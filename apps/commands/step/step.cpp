@@ -32,12 +32,18 @@ using reconstruction::Stage;
 constexpr Stage kStagesOfSteps[] = {Stage::kAlign,  Stage::kCalibrate,  Stage::kCompare,
                                     Stage::kRefine, Stage::kAlignAgain, Stage::kMerge,
                                     Stage::kPolish};
-constexpr const char* kPairs = "pairs";    // Ahead of aligning: a part of it.
+// Ahead of aligning and of merging: parts of them.
+constexpr const char* kPairs = "pairs";
+constexpr const char* kCoarseField = "coarse-field";
+constexpr const char* kField = "field";
 constexpr const char* kFinish = "finish";  // After all stages: decimation, and what is written.
 
 std::vector<std::string> step_names() {
   std::vector<std::string> names{kPairs};
-  for (const Stage stage : kStagesOfSteps) names.push_back(reconstruction::step_name(stage));
+  for (const Stage stage : kStagesOfSteps) {
+    if (stage == Stage::kMerge) names.insert(names.end(), {kCoarseField, kField});
+    names.push_back(reconstruction::step_name(stage));
+  }
   names.emplace_back(kFinish);
   return names;
 }
@@ -48,9 +54,13 @@ struct StepCommand {
   ViewChoice views;
   bool require_inputs = false;
 
+  bool is_part_of_field() const { return name == kCoarseField || name == kField; }
+  bool is_cut_into_blocks() const { return name == kPairs || name == kField; }
+
   // The stage that the step is, or is a part of. Nothing: `finish`.
   std::optional<Stage> stage() const {
     if (name == kPairs) return Stage::kAlign;
+    if (is_part_of_field()) return Stage::kMerge;
     for (const Stage stage : kStagesOfSteps)
       if (reconstruction::step_name(stage) == name) return stage;
     return std::nullopt;
@@ -78,7 +88,8 @@ class Step {
         std::move(project->views), *part, options_.reconstruction(),
         options_.context(cache_.store()), callbacks());
     if (!result) return stop(result.error());
-    if (stage_ >= Stage::kMerge) log_model(result->model, unit_, watch_.seconds());
+    if (stage_ >= Stage::kMerge && !command_.is_part_of_field())
+      log_model(result->model, unit_, watch_.seconds());
     if (const auto kept = cache_.all_kept(); !kept) return stop(kept.error());
     if (const auto told = report(); !told) return fail(told.error());
     return kDone;
@@ -93,6 +104,12 @@ class Step {
       const auto block = chosen_block(command_.views);
       if (!block) return block.error();
       part.searched_pairs = registration::PairBlock{block->index, block->count};
+    } else if (command_.name == kField) {
+      const auto block = chosen_block(command_.views);
+      if (!block) return block.error();
+      part.field = fusion::FieldPart{block->index, block->count};
+    } else if (command_.name == kCoarseField) {
+      part.field = fusion::FieldPart{};
     } else {
       auto chosen = chosen_views(command_.views, views);
       if (!chosen) return chosen.error();
@@ -173,11 +190,11 @@ class Step {
 int carry_out_step(const StepCommand& command) {
   const auto stage = command.stage();
   const bool takes_choice =
-      stage == Stage::kRefine || (command.name == kPairs && !command.views.chooses_views());
+      stage == Stage::kRefine || (command.is_cut_into_blocks() && !command.views.chooses_views());
   if (command.views.given() && !takes_choice)
     return fail({ErrorKind::kBadInput, "step " + command.name +
                                            " works on all views: only refine takes VIEW and "
-                                           "--views, only refine and pairs take --block"});
+                                           "--views, only refine, pairs and field take --block"});
   if (stage)
     return work_within(command.run.memory, command.run.output,
                        [&] { return Step(command, *stage)(); });
@@ -194,10 +211,12 @@ void add_step(CLI::App& app, Action& action) {
       "step",
       "One step of `run`, with the options of `run`; the results go to DIR/.relief, where the next "
       "step and `run` find them");
-  sub->add_option("step", command->name,
-                  "pairs (part of align that may be done ahead, in blocks), align, calibrate, "
-                  "compare, refine, align-again, merge, polish, or finish (what `run` does after "
-                  "the others)")
+  sub->add_option(
+         "step", command->name,
+         "pairs (part of align that may be done ahead, in blocks), align, calibrate, "
+         "compare, refine, align-again, coarse-field and field (parts of merge that may be "
+         "done ahead, the second in blocks), merge, polish, or finish (what `run` does "
+         "after the others)")
       ->required()
       ->check(CLI::IsMember(step_names()));
   add_run_options(*sub, command->run);

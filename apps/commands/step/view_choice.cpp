@@ -47,7 +47,7 @@ void add_view_choice(CLI::App& command, ViewChoice& choice) {
   command.add_option("--views", choice.range, "Of refine: the views of these indices, as 4..7");
   command.add_option("--block", choice.block,
                      "Of refine: one of several blocks of the views, as 1/4, 2/4, 3/4, 4/4; of "
-                     "pairs: one of the pairs of views");
+                     "pairs: one of the pairs of views; of field: one of its bricks");
 }
 
 Result<Block> chosen_block(const ViewChoice& choice) {

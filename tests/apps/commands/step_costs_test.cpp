@@ -37,6 +37,16 @@ TEST(StepCosts, WithoutNormalsNothingIsRefined) {
   EXPECT_EQ(cost_of(Stage::kMerge, size).cpu_seconds, cost_of(Stage::kMerge, kSize).cpu_seconds);
 }
 
+TEST(StepCosts, BricksShareTheIntegrationAlone) {
+  const double one = cost_of_brick(kSize, 1).cpu_seconds, two = cost_of_brick(kSize, 2).cpu_seconds;
+  const double four = cost_of_brick(kSize, 4).cpu_seconds;
+  EXPECT_NEAR(one - two, 2.0 * (two - four), 1e-9);
+  EXPECT_GT(four, 0.5 * one);
+  const StepCost after = cost_of_merge_after_parts(kSize), merge = cost_of(Stage::kMerge, kSize);
+  EXPECT_LT(after.cpu_seconds, merge.cpu_seconds);
+  EXPECT_GT(after.cpu_seconds + cost_of_coarse_field(kSize).cpu_seconds + one, merge.cpu_seconds);
+}
+
 TEST(StepCosts, PairsAreSearchedInBlocksWhereThatIsMostOfTheWork) {
   // A thousand small views.
   ProjectSize size{.views = 1000,

@@ -237,6 +237,38 @@ TEST_F(Steps, ArePlannedWithBlocksOfPairsWherePosesAreMissing) {
   EXPECT_EQ(planned_states().count("pairs-1"), 0);
 }
 
+TEST_F(Steps, IntegrateTheFieldInBricksAheadOfMerging) {
+  const auto states = [&] {
+    const ProgramRun plan =
+        run_relief({"plan", scan(), "-o", out_ / "run", "--json", "-q", "--bricks", "2"});
+    EXPECT_EQ(plan.exit_status, 0) << plan.standard_error;
+    std::map<std::string, json> steps;
+    const json planned = json::parse(plan.standard_output);
+    for (const json& step : planned["steps"]) steps[step["name"]] = step;
+    return steps;
+  };
+  do_step({"align-again"});
+  auto steps = states();
+  EXPECT_EQ(steps["coarse-field"]["after"], json({"align-again"}));
+  EXPECT_EQ(steps["field-2"]["after"], json({"coarse-field"}));
+  EXPECT_EQ(steps["field-2"]["arguments"], json({"--block", "2/2"}));
+  EXPECT_EQ(steps["merge"]["after"], json({"coarse-field", "field-1", "field-2"}));
+  EXPECT_EQ(steps["coarse-field"]["state"], "missing");
+  require_step({"coarse-field"});
+  require_step({"field", "--block", "2/2"});
+  steps = states();
+  EXPECT_EQ(steps["coarse-field"]["state"], "done");
+  EXPECT_EQ(steps["field-1"]["state"], "missing");
+  EXPECT_EQ(steps["field-2"]["state"], "done");
+  require_step({"field", "--block", "1/2"});
+  do_step({"finish"});
+  expect_bytes_of_whole_run();
+  EXPECT_EQ(states()["field-1"]["state"], "done");
+  const ProgramRun wrong = step({"field", "--views", "0..1"});
+  EXPECT_EQ(wrong.exit_status, 2);
+  EXPECT_THAT(wrong.standard_error, HasSubstr("only refine, pairs and field take --block"));
+}
+
 TEST_F(Steps, ArePlannedWithCostsAndTheBuildTheyNeed) {
   const ProgramRun plan = run_relief(
       {"plan", scan(), "-o", out_ / "run", "-q", "--calibration", "off", "--no-polish", "--json"});

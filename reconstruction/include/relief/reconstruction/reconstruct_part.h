@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "relief/fusion/field_part.h"
 #include "relief/reconstruction/reconstruct.h"
 #include "relief/registration/search_pairs.h"
 
@@ -20,6 +21,9 @@ struct ReconstructionPart {
   /// Where `last` is kAlign: only these pairs of views are searched for poses by shape, ahead of
   /// the alignment: registration::search_pairs. Nothing: the views are aligned.
   std::optional<registration::PairBlock> searched_pairs;
+  /// Where `last` is kMerge: only this part of the field is computed, ahead of merging:
+  /// fusion::compute_field_part. Nothing: the views are merged.
+  std::optional<fusion::FieldPart> field;
   /// Units of the stages before `last` must be in the store: none is computed.
   bool find_former = false;
   /// The same of `last` itself: nothing is computed at all.
@@ -38,7 +42,8 @@ std::string step_name(Stage stage);
 ///
 /// The result holds what these stages gave: `views` after kRefine with `refined_views` are these
 /// alone, refined, with `refinements` of the same; `model` is empty before kMerge, and after kMerge
-/// neither polished nor decimated. With `searched_pairs` it holds the views as they are given.
+/// neither polished nor decimated. With `searched_pairs` it holds the views as they are given, with
+/// `field` those that would be merged.
 ///
 /// Errors: those of reconstruct(); kBadInput where a unit that must be in the store is missing. The
 /// message names its stage with step_name().
