@@ -66,4 +66,19 @@ Result<Image> read_image(const std::filesystem::path& path, const std::optional<
   return image;
 }
 
+Result<Image> read_depth_image(const std::filesystem::path& path,
+                               const std::optional<ImageSize>& size) {
+  auto image = read_image(path, size);
+  if (!image || image->channels == 1) return image;
+  Image depth(image->width, image->height, 1, image->max_value);
+  const auto channels = static_cast<std::size_t>(image->channels);
+  for (std::size_t i = 0; i < depth.samples.size(); ++i) {
+    const float* pixel = image->samples.data() + channels * i;
+    if (!std::all_of(pixel, pixel + channels, [&](float z) { return z == *pixel; }))
+      return bad_input(path, "a depth map has one channel, this image has three colours");
+    depth.samples[i] = *pixel;
+  }
+  return depth;
+}
+
 }  // namespace relief

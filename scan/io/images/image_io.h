@@ -48,6 +48,11 @@ struct Image {
 Result<Image> read_image(const std::filesystem::path& path,
                          const std::optional<ImageSize>& size = std::nullopt);
 
+/// The same of a depth map, which has one channel. Three that are all the same, as OpenCV writes
+/// them, are one; other colours are an error (kBadInput).
+Result<Image> read_depth_image(const std::filesystem::path& path,
+                               const std::optional<ImageSize>& size = std::nullopt);
+
 /// The bytes of a 32-bit float TIFF, deflated, of a real image.
 Result<std::string> encode_tiff(const Image& image);
 

@@ -86,10 +86,8 @@ Result<void> claim_memory(const ViewSpec& spec, int width, int height, MemoryBud
 }
 
 Result<void> load_depth(const ViewSpec& spec, MemoryBudget& memory, LoadedView& loaded) {
-  const auto image = read_image(spec.depth->file, spec.depth->size);
+  const auto image = read_depth_image(spec.depth->file, spec.depth->size);
   if (!image) return image.error();
-  if (image->channels != 1)
-    return bad_input(spec.depth->file, "a depth map has one channel, this image has three");
   const int width = image->width, height = image->height;
   if (auto size = check_camera_size(*spec.camera, width, height, spec); !size) return size;
   if (spec.camera->model == CameraSpec::Model::kRational)

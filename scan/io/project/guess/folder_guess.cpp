@@ -195,10 +195,7 @@ Result<ProjectSpec> read_depth_maps(const fs::path& folder, const ReadProjectOpt
       !options.depth_scale && std::any_of(views.begin(), views.end(), whole_numbers);
   if (assumes) {
     auto assumed = assume_depth_scale(guess->project, kMillimetres, ComparedDepths(guess->project));
-    if (!assumed)
-      return bad_input(folder,
-                       "its depth maps hold whole numbers: give --depth-scale, their steps to the "
-                       "unit, as 1000 to the metre");
+    if (!assumed) return assumed.error();
     for (ViewSpec& view : views)
       if (whole_numbers(view)) view.depth->scale = assumed->metres_per_value;
     guess->findings.push_back(std::move(assumed->note));

@@ -50,13 +50,6 @@ struct RgbdSetting {
   std::optional<double> depth_step;  // [m]; nothing where nobody states it.
 };
 
-Error without_scale(const fs::path& folder) {
-  return bad_input(folder,
-                   "depth maps without a scale: give --depth-scale 1000 when their values are "
-                   "millimetres (5000 in TUM's files, 1 for metres), or put a line 'depth_scale "
-                   "1000' into the calibration file");
-}
-
 Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found,
                                  const std::optional<Recording>& recording,
                                  const RgbdOptions& options, std::vector<std::string>& notes) {
@@ -82,7 +75,10 @@ Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found
   const auto scale = options.depth_scale       ? options.depth_scale
                      : calibration.depth_scale ? calibration.depth_scale
                                                : found.depth_scale;
-  if (scale && !(*scale > 0.0)) return without_scale(folder);
+  if (scale && !(*scale > 0.0))
+    return bad_input(folder,
+                     "the scale of the depth maps must be more than 0: values to the metre, as "
+                     "1000 when they are millimetres");
   if (scale) setting.depth_step = metres_per_step(*scale);
   return setting;
 }
@@ -144,10 +140,10 @@ Result<void> add_frame(const fs::path& folder, const RgbdFrame& frame,
   return {};
 }
 
-Result<void> take_assumed_scale(const fs::path& folder, double usual,
-                                const ComparedDepths& compared, ProjectSpec& project) {
+Result<void> take_assumed_scale(double usual, const ComparedDepths& compared,
+                                ProjectSpec& project) {
   auto assumed = assume_depth_scale(project, usual, compared);
-  if (!assumed) return without_scale(folder);
+  if (!assumed) return assumed.error();
   for (ViewSpec& view : project.views) view.depth->scale = assumed->metres_per_value;
   project.notes.push_back(std::move(assumed->note));
   return {};
@@ -192,8 +188,7 @@ Result<ProjectSpec> read_rgbd_folder(const fs::path& folder, const RgbdOptions& 
   const bool steps_known = std::ranges::all_of(
       found->frames, [](const RgbdFrame& frame) { return frame.depth_step.has_value(); });
   if (!setting->depth_step && !steps_known)
-    if (auto taken = take_assumed_scale(folder, found->usual_depth_scale, compared, project);
-        !taken)
+    if (auto taken = take_assumed_scale(found->usual_depth_scale, compared, project); !taken)
       return taken.error();
   take_pose_convention(project, compared);
   take_ray_lengths(project, compared);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <map>
 
 #include "scan/io/files/atomic_file.h"
@@ -55,6 +56,18 @@ std::vector<fs::path> depth_images(const fs::path& folder) {
   auto files = files_in(folder);
   std::erase_if(files, [](const fs::path& file) { return !has_depth_image_ending(file); });
   return files;
+}
+
+// PNGs of colours or 8 bits among depth maps are pictures of these. Returns how many are left out.
+std::size_t leave_out_pictures(std::vector<fs::path>& files) {
+  const auto is_picture = [](const fs::path& file) {
+    return lower_ending(file) == ".png" && !is_grey_16_bit_png(file);
+  };
+  std::vector<fs::path> depths;
+  std::ranges::remove_copy_if(files, std::back_inserter(depths), is_picture);
+  if (depths.empty()) return 0;  // Nothing tells that they are pictures.
+  std::swap(files, depths);
+  return depths.size() - files.size();
 }
 
 Result<std::optional<RigidMotion>> pose_in_npy(std::string_view content, const fs::path& path) {
@@ -173,7 +186,12 @@ void pair_colours(const fs::path& folder, const std::string& suffix,
 Result<RgbdFrames> folder_frames(const fs::path& folder) {
   RgbdFrames found;
   found.suffix = depth_folder_suffix(folder).value_or("");
-  for (const fs::path& file : depth_images(folder / ("depth" + found.suffix))) {
+  auto files = depth_images(folder / ("depth" + found.suffix));
+  if (const std::size_t pictures = leave_out_pictures(files); pictures > 0)
+    found.notes.push_back(std::to_string(pictures) +
+                          " images beside the depth maps are left out: pictures, of colours or of "
+                          "8 bits a pixel");
+  for (const fs::path& file : files) {
     RgbdFrame frame;
     frame.name = file.stem().string();
     frame.depth = file;

@@ -58,6 +58,8 @@ TEST(NpyImage, ReadsEveryTypeInBothOrdersOfBytes) {
   expect_type<std::int8_t>("i1", 0.0);
   expect_type<std::int16_t>("i2", 0.0);
   expect_type<std::int32_t>("i4", 0.0);
+  expect_type<std::uint64_t>("u8", 0.0);
+  expect_type<std::int64_t>("i8", 0.0);
   expect_type<Eigen::half>("f2", 0.0);
   expect_type<float>("f4", 0.0);
   expect_type<double>("f8", 0.0);
@@ -100,7 +102,7 @@ TEST(NpyImage, NamesWhatIsWrong) {
   EXPECT_THAT(decode("<f4", "(3, 4, 5)", 240), HasError("its shape is (3,4,5,)", "numpy.moveaxis"));
   EXPECT_THAT(decode("<f4", "(6,)", 24), HasError("an image has (rows, columns)"));
   EXPECT_THAT(decode("<c8", "(1, 1)", 8), HasError("numbers of type '<c8'"));
-  EXPECT_THAT(decode("<i8", "(1, 1)", 8), HasError("array.astype('f4')"));
+  EXPECT_THAT(decode("<f16", "(1, 1)", 16), HasError("array.astype('f4')"));
   EXPECT_THAT(decode("<f4", "(2, 2)", 17), HasError("takes 16 bytes, 17 follow"));
   EXPECT_THAT(decode("<f4", "(2, 0)", 0), HasError("is empty"));
   EXPECT_THAT(decode_npy(npy_file("{'descr': [('x', '<f4')], ", ""), "a.npy"),

@@ -359,7 +359,9 @@ TEST_F(DepthProject, SizesThatDifferAreNamedWithBothFiles) {
 
 TEST_F(DepthProject, MissingAndUnsuitableFilesAreNamed) {
   EXPECT_THAT(read("", "missing.png"), HasError("missing.png"));
-  folder_.write("rgb.png", *encode_png(Image(8, 6, 3, 255)));
+  Image rgb(8, 6, 3, 255);
+  rgb(2, 1, 0) = 7.0f;
+  folder_.write("rgb.png", *encode_png(rgb));
   EXPECT_THAT(read("", "rgb.png"), HasError("one channel"));
   EXPECT_THAT(read(R"(,"mask":{"file":"none.png"})"), HasError("none.png"));
 }

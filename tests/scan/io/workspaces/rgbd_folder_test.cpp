@@ -201,7 +201,7 @@ TEST_F(RgbdFolder, NamedFrames) {
   write("frame-000001.pose.txt", "-inf -inf -inf -inf\n");
   write("frame-000001.color.jpg", png_head(9));
   write("intrinsics.txt", "525 0 319.5\n0 525 239.5\n0 0 1\n");
-  EXPECT_THAT(read_rgbd_folder(folder_.path()), HasError("--depth-scale 1000"));
+  EXPECT_THAT(read_rgbd_folder(folder_.path()), HasError("frame-000000.depth.png"));
   const auto spec = value_of(read_rgbd_folder(folder_.path(), {{}, 1000.0}));
   ASSERT_EQ(spec.views.size(), 2u);
   EXPECT_EQ(spec.views[0].name, "frame-000000");

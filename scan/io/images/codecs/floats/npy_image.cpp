@@ -24,7 +24,7 @@ bool is_readable_type(const NpyHeader& header) {
       return header.bytes == 2 || header.bytes == 4 || header.bytes == 8;
     case 'i':
     case 'u':
-      return header.bytes == 1 || header.bytes == 2 || header.bytes == 4;
+      return header.bytes == 1 || header.bytes == 2 || header.bytes == 4 || header.bytes == 8;
     case 'b':
       return header.bytes == 1;
     default:
@@ -43,7 +43,7 @@ Result<void> check_npy(const NpyHeader& header, std::size_t file_bytes,
   if (!is_readable_type(header))
     return bad_input(path, std::string("numbers of type '") + header.order + header.kind +
                                std::to_string(header.bytes) +
-                               "'; u1 u2 u4 i1 i2 i4 f2 f4 f8 and b1 are read: save "
+                               "'; u1 u2 u4 u8 i1 i2 i4 i8 f2 f4 f8 and b1 are read: save "
                                "array.astype('f4')");
   const auto& shape = header.shape;
   if (shape.size() < 2 || shape.size() > 3 || (shape.size() == 3 && shape[2] != 1 && shape[2] != 3))
@@ -82,7 +82,8 @@ NumberReader npy_reader(const NpyHeader& header) {
                                : npy_number<double>;
   if (header.bytes == 1) return is_signed ? npy_number<std::int8_t> : npy_number<std::uint8_t>;
   if (header.bytes == 2) return is_signed ? npy_number<std::int16_t> : npy_number<std::uint16_t>;
-  return is_signed ? npy_number<std::int32_t> : npy_number<std::uint32_t>;
+  if (header.bytes == 4) return is_signed ? npy_number<std::int32_t> : npy_number<std::uint32_t>;
+  return is_signed ? npy_number<std::int64_t> : npy_number<std::uint64_t>;
 }
 
 // Only unsigned integers of 8 and 16 bits have a largest value, as in other images.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scan/base/median.h"
+#include "scan/io/files/io_error.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/workspaces/rgbd/agreement/pose_agreement.h"
 #include "scan/io/workspaces/rgbd/agreement/pose_convention.h"
@@ -110,15 +111,16 @@ std::string agreement_text(const Disagreement& taken, double usual,
 
 }  // namespace
 
-std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, double usual,
-                                                    const ComparedDepths& compared) {
-  if (project.views.empty() || !project.views.front().depth || !project.views.front().camera)
-    return std::nullopt;
+Result<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, double usual,
+                                             const ComparedDepths& compared) {
   const ViewSpec& first = project.views.front();
-  const auto image = read_image(first.depth->file, first.depth->size);
-  if (!image || image->channels != 1) return std::nullopt;
+  const auto image = read_depth_image(first.depth->file, first.depth->size);
+  if (!image) return image.error();
   const bool integers = image->max_value > 0.0;
-  if (integers && image->max_value < 65535.0) return std::nullopt;
+  if (integers && image->max_value < 65535.0)
+    return bad_input(first.depth->file,
+                     "has 8 bits a pixel, as a picture of depths has: give the folder of the depth "
+                     "maps themselves, or --depth-scale N where N values make a metre");
   if (!integers) usual = median_depth(*image) > kFarthest ? kMillimetres : 1.0;
 
   const bool shifted = integers && are_shifted(*image);

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
+#include "relief/scan/result.h"
 #include "scan/io/project/view_spec.h"
 #include "scan/io/workspaces/rgbd/agreement/pose_agreement.h"
 
@@ -21,8 +21,9 @@ struct AssumedDepthScale {
 /// values per metre where they hold 16-bit integers, eight times as many where all of these are
 /// multiples of 8, as in SUN3D; else metres, or millimetres where the depths
 /// are tens of metres otherwise. Where the maps agree with their poses far better in another usual
-/// scale, that one. Nothing where the first map cannot be read or has 8 bits.
-std::optional<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, double usual,
-                                                    const ComparedDepths& compared);
+/// scale, that one. kBadInput where the first map cannot be read or has 8 bits. `project` has
+/// views, with depth maps and cameras.
+Result<AssumedDepthScale> assume_depth_scale(const ProjectSpec& project, double usual,
+                                             const ComparedDepths& compared);
 
 }  // namespace relief

@@ -19,8 +19,8 @@ constexpr double kSamePose = 1e-9;          // relative to the pose: rounding
 
 std::optional<Image> read_depth(const ViewSpec& view) {
   if (!view.depth || !view.camera || view.pose == PoseKind::kAbsent) return std::nullopt;
-  auto depth = read_image(view.depth->file, view.depth->size);
-  if (!depth || depth->channels != 1) return std::nullopt;
+  auto depth = read_depth_image(view.depth->file, view.depth->size);
+  if (!depth) return std::nullopt;
   return std::move(*depth);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include "scan/io/workspaces/workspace_text.h"
@@ -155,6 +156,15 @@ Result<Trajectory> parse_tum_trajectory(std::string_view text, const fs::path& p
   return trajectory;
 }
 
+// Whether the last four of the numbers of a pose can be a quaternion: of length 1, or nothing
+// where a tracker was lost. Boxes of objects have as many numbers.
+bool ends_in_rotation(const std::vector<double>& numbers) {
+  const double squares =
+      std::inner_product(numbers.end() - 4, numbers.end(), numbers.end() - 4, 0.0);
+  constexpr double kRounded = 0.1;  // Quaternions of two digits.
+  return !std::isfinite(squares) || squares == 0.0 || std::abs(squares - 1.0) < kRounded;
+}
+
 Result<Trajectory> parse_matrix_trajectory(std::string_view text, const fs::path& path) {
   NumberedLines lines(text, path);
   Trajectory trajectory;
@@ -203,8 +213,10 @@ RgbdText kind_of_rgbd_text(std::string_view text) {
     const std::size_t numbers = row.size();
     if (is_matrix(row, words))
       return motion_of_numbers(row, "") ? RgbdText::kMatrixPoses : RgbdText::kUnknown;
-    if (numbers == words && words == 8) return RgbdText::kTumPoses;
-    if (numbers == words && words == 7) return RgbdText::kPlainPoses;
+    if (numbers == words && (words == 7 || words == 8)) {
+      if (!ends_in_rotation(row)) return RgbdText::kUnknown;
+      return words == 8 ? RgbdText::kTumPoses : RgbdText::kPlainPoses;
+    }
     if (numbers == words && words == 3) {
       // A matrix of intrinsics has three numbers a line, too; the next line tells.
       const std::string_view next = trimmed(next_line(text));
