@@ -75,24 +75,6 @@ Result<RefinedGivenPoses> refine_and_verify(const std::vector<ViewSurface>& surf
     auto verified =
         verify_poses(surfaces, refined->world_from_view, roles, verification_options(options));
     bool changed = false;
-    if (getenv("GV")) {
-      auto at = verify_poses(surfaces, poses, roles, verification_options(options));
-      auto cnt = [](const PoseVerification& v) {
-        int n = 0;
-        for (auto& x : v.views) n += x.refuted;
-        return n;
-      };
-      auto sup = [](const PoseVerification& v) {
-        double n = 0;
-        for (auto& x : v.views) n += x.support + x.weak_support;
-        return n;
-      };
-      fprintf(stderr,
-              "GV given: front %.3f overlap %.3f viol %.3f refuted %d support %.3f | refined: %.3f "
-              "%.3f %.3f %d %.3f\n",
-              at.contradiction, at.overlap, at.cv, cnt(at), sup(at), verified.contradiction,
-              verified.overlap, verified.cv, cnt(verified), sup(verified));
-    }
     for (std::size_t i = 0; i < roles.size() && !trust; ++i) {
       if (!verified.views[i].refuted) continue;
       refuted[i] = changed = true;

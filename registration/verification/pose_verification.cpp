@@ -209,11 +209,6 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
   const std::size_t views = surfaces.size();
   std::vector<bool> refuted(views, false);
   PoseVerification result;
-  for (const Judged& pair : pairs) {
-    result.contradiction += pair.evidence.in_front;
-    result.overlap += pair.evidence.overlap;
-    if (pair.violates_free_space) result.cv += pair.evidence.in_front;
-  }
   for (;;) {
     result.views = tally(views, pairs, refuted);
     const std::size_t worst = most_contradicted(result.views, roles, refuted);

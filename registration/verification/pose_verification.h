@@ -34,7 +34,6 @@ struct PoseVerification {
   /// For each view the smallest index of a view that pairs which confirm each other link it to;
   /// excluded and refuted views stand alone.
   std::vector<std::size_t> group;
-  double contradiction = 0.0, overlap = 0.0, cv = 0.0;
 };
 
 /// Judges refined poses of many views against each other. A pair confirms its pose when it deviates
