@@ -83,6 +83,7 @@ class AlignmentReport {
     note_moves(result);
     note_given_poses(result);
     note_kept_motions(result);
+    note_one_place(result);
     if (views_.size() == 1) result.notes.push_back("one view only: nothing to align");
     result.pairs = std::move(state_.refined.pairs);
     result.termination = state_.refined.termination;
@@ -159,6 +160,36 @@ class AlignmentReport {
                            ": kept where alignment started along motions that the relief shared "
                            "with other views does not determine, as " +
                            motion);
+  }
+
+  // By how much a view is moved from where another one is, at its farthest sample [unit].
+  double largest_shift(const Alignment& result, std::size_t i, std::size_t j) const {
+    const RigidMotion between =
+        result.views[j].world_from_view.inverse() * result.views[i].world_from_view;
+    const double angle = Eigen::AngleAxisd(between.linear()).angle();
+    return (between * surfaces_[i].centre() - surfaces_[i].centre()).norm() +
+           angle * surfaces_[i].radius();
+  }
+
+  // Views that shape placed where another one is, to a sample spacing.
+  void note_one_place(Alignment& result) const {
+    std::size_t found = 0, same = 0;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      if (!result.views[i].aligned || !state_.starts.found_by_shape[i]) continue;
+      ++found;
+      for (std::size_t j = 0; j < views_.size(); ++j) {
+        if (j == i || !result.views[j].aligned ||
+            largest_shift(result, i, j) > coarser_spacing(surfaces_[i], surfaces_[j]))
+          continue;
+        ++same;
+        break;
+      }
+    }
+    if (same > 2 && 2 * same > found)
+      result.notes.push_back(
+          std::to_string(same) +
+          " views were found where another one is: if the object moved before the camera, what "
+          "stands still, as a wall or a table, outweighs it; leave that out by masks");
   }
 
   std::string names_of_group(const std::vector<std::size_t>& group, std::size_t except) const {

@@ -73,7 +73,13 @@ std::optional<std::string> note_on_moves(const std::vector<GivenAndFound>& views
   return note.str();
 }
 
+// No scale is so far off: views at one place see something that stands still with the camera.
+constexpr double kOnePlace = 0.02;
+
 std::string note_on_scale(double scale) {
+  if (scale < kOnePlace)
+    return "views were found at one place, unlike their given poses: what stands still before the "
+           "camera, as a wall or a table, outweighs what turns; leave it out by masks";
   std::ostringstream note;
   note << std::setprecision(4) << "views were found " << scale
        << " times as far apart as their given poses are: ranges are " << std::setprecision(2)

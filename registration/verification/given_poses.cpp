@@ -42,12 +42,11 @@ PoseConvention convention_of(const std::vector<ViewSurface>& surfaces,
   return find_pose_convention(surfaces, poses, given);
 }
 
-CheckedPoses settle(const std::vector<ViewRole>& roles, const std::vector<bool>& refuted,
+// `checked` has the refuted poses.
+CheckedPoses settle(CheckedPoses checked, const std::vector<ViewRole>& roles,
                     const JointRefinement& refined, const PoseVerification& verified, bool trust) {
-  CheckedPoses checked;
   checked.world_from_view.resize(roles.size());
   checked.group = verified.group;
-  checked.refuted = refuted;
   std::vector<bool> together(roles.size());
   for (std::size_t i = 0; i < roles.size(); ++i) {
     checked.known.push_back(roles[i] == ViewRole::kFixed);
@@ -66,7 +65,9 @@ Result<RefinedGivenPoses> refine_and_verify(const std::vector<ViewSurface>& surf
                                             const JointRefinementOptions& refinement,
                                             const Progress& progress, const AlignUnits& units) {
   const bool trust = options.given == GivenPoses::kTrust;
-  std::vector<bool> refuted(roles.size(), false);
+  CheckedPoses checked;
+  checked.refuted.assign(roles.size(), false);
+  checked.fits_in_part.resize(roles.size());
   for (;;) {
     auto refined = units.refine_jointly(surfaces, poses, roles, refinement, progress);
     if (!refined) return refined.error();
@@ -77,11 +78,13 @@ Result<RefinedGivenPoses> refine_and_verify(const std::vector<ViewSurface>& surf
     bool changed = false;
     for (std::size_t i = 0; i < roles.size() && !trust; ++i) {
       if (!verified.views[i].refuted) continue;
-      refuted[i] = changed = true;
+      checked.refuted[i] = changed = true;
+      if (verified.views[i].partial_support > 0.0)
+        checked.fits_in_part[i] = refined->world_from_view[i];
       roles[i] = ViewRole::kExcluded;
     }
     if (changed) continue;
-    CheckedPoses checked = settle(roles, refuted, *refined, verified, trust);
+    checked = settle(std::move(checked), roles, *refined, verified, trust);
     return RefinedGivenPoses{std::move(checked), std::move(*refined), std::move(verified), {}};
   }
 }

@@ -229,7 +229,7 @@ bool plausible(const PoseEvidence& evidence, const ViewSurface& a, const ViewSur
 
 double rough_agreement(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a,
                        double reach, int probes) {
-  assert(reach > 0.0 && probes > 0);
+  assert(reach >= 0.0 && probes > 0);  // 0: of views with one sample.
   return 0.5 * (directed_agreement(a, b, b_from_a, reach, probes) +
                 directed_agreement(b, a, b_from_a.inverse(), reach, probes));
 }

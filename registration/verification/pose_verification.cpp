@@ -27,6 +27,9 @@ constexpr double kStrays = 0.1;
 // Stray samples of pairs that share one plane alone, in the same unit: the overlap of such pairs
 // says nothing, and at wrong poses there is rarely less than a twentieth (VerificationThresholds).
 constexpr double kPlanarStrays = 0.05;
+// Of the samples that can be compared: where more of them move, or are at a wrong pose, what fits
+// says little.
+constexpr double kMostMoved = 0.5;
 constexpr double kFewestStrays = 0.01;  // Of all samples of a view: 5 of the 500 looked at.
 
 // One pair of views at the poses that are judged.
@@ -35,7 +38,8 @@ struct Judged {
   PoseEvidence evidence;
   bool fit_known = false;  // Whether all of the evidence was looked at, or sight lines alone.
   bool confirms = false, allows = false, violates_free_space = false;
-  bool planar = false;  // It fits wherever its plane is moved in itself.
+  bool fits_in_part = false;  // As poses are believed that shape finds, but for empty space.
+  bool planar = false;        // It fits wherever its plane is moved in itself.
 };
 
 std::vector<Judged> pairs_to_judge(const std::vector<ViewSurface>& surfaces,
@@ -138,6 +142,8 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
   VerificationThresholds allowed = limits;
   allowed.max_coherent_rms = std::numeric_limits<double>::infinity();
   allowed.max_free_space_violation = strays;
+  VerificationThresholds in_part = general;
+  in_part.max_free_space_violation = kMostMoved;
   for (Judged& pair : pairs) {
     pair.violates_free_space =
         pair.evidence.free_space_violation > (pair.planar ? kPlanarStrays : strays) &&
@@ -148,6 +154,7 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
     const bool leaves_space_free =
         !pair.planar || pair.evidence.free_space_violation <= general.max_free_space_violation;
     pair.confirms = within(limits) && leaves_space_free;
+    pair.fits_in_part = !pair.planar && within(in_part);
     pair.allows = pair.confirms || (!pair.planar && within(allowed));
   }
 }
@@ -166,6 +173,7 @@ std::vector<ViewVerification> tally(std::size_t views, const std::vector<Judged>
         result[view].support += pair.evidence.overlap;
       else if (pair.allows)
         result[view].weak_support += pair.evidence.overlap;
+      if (pair.fits_in_part) result[view].partial_support += pair.evidence.overlap;
       if (pair.violates_free_space) result[view].violation += pair.evidence.in_front;
     }
   }

@@ -128,9 +128,15 @@ class Assembly {
         place_component_beside(groups[g], surfaces_, taken_, result_.world_from_view);
       }
     }
+    if (trusted) keep_what_fits_in_part();
   }
 
  private:
+  void keep_what_fits_in_part() {
+    for (std::size_t i = 0; i < checked_.fits_in_part.size(); ++i)
+      if (!result_.world_from_view[i]) result_.world_from_view[i] = checked_.fits_in_part[i];
+  }
+
   // The main group first. Views without samples are in none, unless they are known.
   std::vector<Members> ordered_groups() const {
     auto groups = members_of(placed_);

@@ -25,6 +25,9 @@ struct CheckedPoses {
   std::vector<std::size_t> group;
   std::vector<bool> known;    ///< Exact poses, which do not move.
   std::vector<bool> refuted;  ///< Whether a given pose was refuted.
+  /// Refuted poses, refined, at which a part of the view fits: the rest may have moved between the
+  /// scans, as the arm of a robot. They hold where no pose is found by shape.
+  std::vector<std::optional<RigidMotion>> fits_in_part;
 };
 
 struct StartingPoses {

@@ -296,6 +296,48 @@ TEST(AlignViews, TakesOutAViewWhosePoseIsFarOff) {
     EXPECT_LT(error, 0.15 * spacing());
 }
 
+// As the arm of a robot that holds the camera: it stands where other views see the object.
+TEST(AlignViews, KeepsAViewInWhichSomethingMoved) {
+  auto views = disturbed_ring();
+  RangeView& view = views[3];
+  for (int v = 20; v < view.height(); ++v)
+    for (int u = 65; u < view.width(); ++u)
+      if (view.has_sample(u, v)) view.range(u, v) -= 12.0;
+  const auto aligned = value_of(align_views(views));
+  EXPECT_TRUE(aligned.views[3].aligned) << aligned.views[3].reason;
+  EXPECT_EQ(aligned.views[3].status, PoseStatus::kUnverified);
+  EXPECT_THAT(aligned.views[3].reason, HasSubstr("other views saw through where a part"));
+  for (const double error :
+       mean_displacements(views, aligned.world_from_view(), poses_of(true_ring())))
+    EXPECT_LT(error, 0.5 * spacing());
+}
+
+// The radius of a view of one sample is 0.
+TEST(AlignViews, AViewOfOneSampleIsNoError) {
+  for (const bool with_poses : {true, false}) {
+    auto views = disturbed_ring();
+    const auto [u, v] = std::pair(80, 80);
+    for (int y = 0; y < views[2].height(); ++y)
+      for (int x = 0; x < views[2].width(); ++x)
+        if (std::max(std::abs(x - u), std::abs(y - v)) > 2) views[2].range(x, y) = kNoSample;
+    if (!with_poses)
+      for (RangeView& view : views) view.pose = PoseKind::kAbsent;
+    const auto aligned = value_of(align_views(views));
+    EXPECT_TRUE(aligned.views[0].aligned && aligned.views[1].aligned);
+  }
+}
+
+TEST(AlignViews, TellsThatViewsWereFoundAtOnePlace) {
+  std::vector<RangeView> views(4, true_ring().front());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    views[i].name = "v" + std::to_string(i);
+    views[i].pose = PoseKind::kAbsent;
+    testing::add_range_noise(views[i], 0.05 * spacing(), static_cast<std::uint32_t>(i + 1));
+  }
+  EXPECT_THAT(value_of(align_views(views)).notes,
+              ::testing::Contains(HasSubstr("4 views were found where another one is")));
+}
+
 TEST(AlignViews, BringsBackAHeldViewThatIsFarOff) {
   auto views = disturbed_ring();
   const RigidMotion off(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
