@@ -32,18 +32,29 @@ constexpr double kCovered = 0.99;  // fraction of the largest background
 
 enum class Verdict { kObject, kBackground, kUndecided };
 
+bool reaches_beyond(const PieceEvidence& piece) { return piece.sides >= kSidesBeyond; }
+
+bool is_apart(const PieceEvidence& piece) {
+  return piece.beside > 0 && piece.attached_share() <= kMostAttached;
+}
+
+// A floor turns in itself, so most of a room may be seen where the poses carry it. What is seen
+// elsewhere tells, of what lies around the object: round bodies are seen in themselves as well.
+Verdict judge_by_poses(const PieceEvidence& piece) {
+  const double refuted = piece.poses.refuted_share();
+  if (refuted >= kRefuted) return Verdict::kBackground;
+  if (piece.poses.telling_refuted_share() >= kRefuted && reaches_beyond(piece) && is_apart(piece))
+    return Verdict::kBackground;
+  return refuted <= kConfirmed ? Verdict::kObject : Verdict::kUndecided;
+}
+
 Verdict judge(const PieceEvidence& piece, const FixedSurfaceEvidence& all) {
   if (piece.views < kFewestViews) return Verdict::kObject;
   const bool poses_describe =
       all.has_poses && all.moving_poses.enough() && all.moving_poses.refuted_share() <= kConfirmed;
-  if (poses_describe && piece.poses.enough()) {
-    const double refuted = piece.poses.refuted_share();
-    if (refuted >= kRefuted) return Verdict::kBackground;
-    return refuted <= kConfirmed ? Verdict::kObject : Verdict::kUndecided;
-  }
-  if (piece.sides < kSidesBeyond) return Verdict::kObject;
-  const bool apart = piece.beside > 0 && piece.attached_share() <= kMostAttached;
-  return apart ? Verdict::kBackground : Verdict::kUndecided;
+  if (poses_describe && piece.poses.enough()) return judge_by_poses(piece);
+  if (!reaches_beyond(piece)) return Verdict::kObject;
+  return is_apart(piece) ? Verdict::kBackground : Verdict::kUndecided;
 }
 
 std::size_t count(const Grid<std::uint8_t>& mask) {

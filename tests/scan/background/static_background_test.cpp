@@ -263,6 +263,19 @@ TEST_P(StaticBackgroundByPoses, ASymmetricFootIsKeptWhenThePlateBehindItIsLeftOu
   EXPECT_EQ(errors.far, 0u);
 }
 
+// The floor turns in itself, so exact poses let most of the corner turn with the object.
+TEST(StaticBackground, AFloorHidesNoWallThatStandsOnIt) {
+  const RigidMotion first = look_at({80, 0, 15}, {0, 0, 0});
+  const Eigen::Vector3d below = first.inverse() * Eigen::Vector3d(0, 0, -22);
+  const Surface corner = nearest_of({kPlate, plane(below, first.linear().transpose().col(2))});
+  const Scans scans = turn(figure(), corner);
+  const StaticBackground found = find_static_background(scans.views);
+  const Mistakes errors = mistakes(scans, found);
+  EXPECT_EQ(found.views, 12u);
+  EXPECT_EQ(errors.wrong, 0u);
+  EXPECT_EQ(errors.far, 0u);
+}
+
 // A camera that moves along a wall sees it at the same ranges; the poses say that it is the scene.
 TEST(StaticBackground, AWallThatTheCameraMovesAlongIsKept) {
   const Surface room = nearest_of({plane({0, 0, 115}, {0, 0, -1}), sphere({0, 0, 90}, 10)});
