@@ -6,6 +6,7 @@
 #include "scan/io/clouds/files/point_cloud_file.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/files/text_lines.h"
+#include "scan/io/files/unit_quaternion.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {
@@ -39,7 +40,7 @@ Result<ViewSpec> parse_bmesh(std::istringstream& line, const std::filesystem::pa
   if (std::string extra; line >> extra)
     return bad_input(path, place + "unexpected '" + extra + "' after the quaternion");
   const Eigen::Quaterniond q(w, x, y, z);
-  if (!t.allFinite() || !(std::abs(q.norm() - 1.0) < 1e-3))
+  if (!t.allFinite() || !(std::abs(q.norm() - 1.0) <= kRoundedQuaternion))
     return bad_input(path, place + "the quaternion of " + file + " has length " +
                                std::to_string(q.norm()) + " instead of 1");
   ViewSpec view;

@@ -67,7 +67,7 @@ std::vector<std::string_view> words_of(std::string_view line, std::size_t limit)
 
 std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
                                                 const Eigen::Vector3d& t) {
-  if (!t.allFinite() || !(std::abs(q.norm() - 1.0) < kUnitQuaternion)) return std::nullopt;
+  if (!t.allFinite() || !(std::abs(q.norm() - 1.0) <= kRoundedQuaternion)) return std::nullopt;
   RigidMotion motion = RigidMotion::Identity();
   motion.linear() = q.normalized().toRotationMatrix();
   motion.translation() = t;

@@ -58,7 +58,7 @@ std::vector<double> leading_numbers(std::string_view line, std::size_t limit = 3
 std::vector<std::string_view> words_of(std::string_view line, std::size_t limit = 64);
 
 /// The motion x -> R(q) x + t. Nothing for numbers that are not finite, and for a quaternion whose
-/// length differs from 1 by more than kUnitQuaternion.
+/// length differs from 1 by more than kRoundedQuaternion.
 std::optional<RigidMotion> motion_of_quaternion(const Eigen::Quaterniond& q,
                                                 const Eigen::Vector3d& t);
 

@@ -83,6 +83,14 @@ Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found
   return setting;
 }
 
+// Files that are named like calibrations, and are none.
+std::string words_on_files_without(const fs::path& folder) {
+  std::string names;
+  for (const fs::path& file : files_in(folder))
+    if (has_calibration_name(file)) names += (names.empty() ? "" : ", ") + file.filename().string();
+  return names.empty() ? "" : "; none can be read in " + names;
+}
+
 Result<CameraSpec> camera_of_frame(const fs::path& folder, const RgbdFrame& frame,
                                    const RgbdSetting& setting,
                                    const std::optional<TrajectoryPose>& pose) {
@@ -100,7 +108,8 @@ Result<CameraSpec> camera_of_frame(const fs::path& folder, const RgbdFrame& fram
     return bad_input(folder,
                      "depth maps without intrinsics: give --intrinsics FX FY CX CY, or put a "
                      "calibration file (camera.txt with 'fx fy cx cy', or a .json or .yaml "
-                     "with fx, fy, cx and cy) beside them");
+                     "with fx, fy, cx and cy) beside them" +
+                         words_on_files_without(folder));
   camera.intrinsics = *intrinsics;
   if (size) {
     camera.width = size->width;

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "scan/io/images/image_io.h"
-#include "scan/io/project/view_loader.h"
+#include "scan/io/project/loading/view_loader.h"
 #include "scan/io/workspaces/rgbd/rgbd_folder.h"
 #include "tests/scan/io/small_files.h"
 #include "tests/support/result_matchers.h"

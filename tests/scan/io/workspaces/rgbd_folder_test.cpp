@@ -8,7 +8,7 @@
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/images/image_io.h"
-#include "scan/io/project/view_loader.h"
+#include "scan/io/project/loading/view_loader.h"
 #include "scan/io/workspaces/rgbd/calibration/calibration.h"
 #include "scan/io/workspaces/rgbd/poses/trajectories.h"
 #include "tests/scan/io/small_files.h"
@@ -51,6 +51,8 @@ TEST(TumLists, AssociationsHaveEitherOrder) {
   EXPECT_EQ(pairs.at(1).depth.file, "depth/2.png");
   EXPECT_EQ(pairs.at(1).colour.file, "rgb/2.png");
   EXPECT_THAT(parse_tum_associations("1 a.png 2\n", "a.txt"), HasError("line 1"));
+  EXPECT_EQ(kind_of_rgbd_text("1 a.png 1.01 b.png\n"), RgbdText::kAssociations);
+  EXPECT_EQ(kind_of_rgbd_text("1 Motion: xyz=0,0,0 rpy=0,0,0\n"), RgbdText::kUnknown);
 }
 
 TEST(TumTrajectory, ReadsAPoseBehindTheHeader) {
@@ -69,6 +71,12 @@ TEST(TumTrajectory, ReadsAPoseBehindTheHeader) {
   // A pose that is commented out is none.
   const auto commented = parse_tum_trajectory("#0.25 1 2 3 0 0 0 1\n", "t.txt");
   EXPECT_TRUE(commented->empty());
+}
+
+TEST(TumTrajectory, NumbersMayHaveTwoDecimals) {
+  const auto rounded = value_of(parse_tum_trajectory("1 0 0 0 0 0 0.61 0.79\n", "t.txt"));
+  EXPECT_NEAR(rounded[0].world_from_view.linear().determinant(), 1.0, 1e-12);
+  EXPECT_THAT(parse_tum_trajectory("1 0 0 0 0 0 0.6 0.9\n", "t.txt"), HasError("length 1"));
 }
 
 TEST(TumTrajectory, ErrorsNameTheLine) {
@@ -200,6 +208,8 @@ TEST_F(RgbdFolder, NamedFrames) {
   write("frame-000001.depth.png", png_head(5));
   write("frame-000001.pose.txt", "-inf -inf -inf -inf\n");
   write("frame-000001.color.jpg", png_head(9));
+  write("rtabmap.yaml", "camera_matrix: {rows: 3}\n");
+  EXPECT_THAT(read_rgbd_folder(folder_.path()), HasError("none can be read in rtabmap.yaml"));
   write("intrinsics.txt", "525 0 319.5\n0 525 239.5\n0 0 1\n");
   EXPECT_THAT(read_rgbd_folder(folder_.path()), HasError("frame-000000.depth.png"));
   const auto spec = value_of(read_rgbd_folder(folder_.path(), {{}, 1000.0}));

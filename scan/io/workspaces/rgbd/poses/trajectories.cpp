@@ -223,7 +223,9 @@ RgbdText kind_of_rgbd_text(std::string_view text) {
       return leading_numbers(next).size() == 4 ? RgbdText::kLogPoses : RgbdText::kUnknown;
     }
     if (numbers == 1 && words == 2) return RgbdText::kList;
-    if (numbers == 1 && words == 4) return RgbdText::kAssociations;
+    double second_time = 0.0;
+    if (numbers == 1 && words == 4 && parse_number(words_of(line)[2], second_time))
+      return RgbdText::kAssociations;
     return RgbdText::kUnknown;
   }
   return RgbdText::kUnknown;
