@@ -138,9 +138,7 @@ Eigen::AlignedBox3d inner_box(const std::vector<Eigen::Vector3d>& points, double
   return box;
 }
 
-bool origin_may_be_sensor(const std::vector<Eigen::Vector3d>& points,
-                          const CloudRays& from_origin) {
-  if (from_origin.kind != CloudRays::Kind::kPinhole) return false;
+bool lie_before_origin(const std::vector<Eigen::Vector3d>& points) {
   const Eigen::AlignedBox3d box = inner_box(points, kOutermost);
   return box.exteriorDistance(Eigen::Vector3d::Zero().eval()) > 0.05 * box.diagonal().norm();
 }
@@ -199,12 +197,16 @@ CloudDirection find_direction(const PointCloudFile& cloud) {
   DirectionJudge judge(cloud);
   const JudgedDirection best = best_direction(judge);
   const CloudRays from_origin = rays_from(Eigen::Vector3d::Zero(), cloud.points);
-  if (origin_may_be_sensor(cloud.points, from_origin)) {
+  const bool around_origin = surround(cloud.points, from_origin);
+  if (!around_origin && lie_before_origin(cloud.points)) {
     const double hidden = judge.score(from_origin).hidden;
-    if (hidden <= best.score.hidden + kAsGood)
+    // In a view so wide that it is no picture, points may share rays: it must be clearly better.
+    const double most = from_origin.kind == CloudRays::Kind::kPinhole
+                            ? best.score.hidden + kAsGood
+                            : kHiddenFromSensor * best.score.hidden;
+    if (hidden <= most)
       return {from_origin, hidden, "the origin of the frame, in front of which all points lie"};
   }
-  const bool around_origin = surround(cloud.points, from_origin);
   if (around_origin)
     if (auto found = from_among_points(cloud, from_origin, best, judge)) return *found;
   const CloudRays rays = parallel_rays(best.direction, judge.centre());

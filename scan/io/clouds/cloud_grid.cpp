@@ -169,6 +169,7 @@ std::optional<GridFile> seen_from_origin(const PointCloudFile& cloud,
   if (!grid || lost_part(*grid, cloud) > std::min(most, 0.5 * lost)) return std::nullopt;
   const bool has_sides = !cloud.facing.empty() || !cloud.normals.empty();
   if (has_sides && hidden_fraction(cloud, rays) > kManyHidden) return std::nullopt;
+  grid->side = FoundSide::kOrigin;
   grid->notes.insert(grid->notes.begin(),
                      "no viewpoint is given; taken as seen " + rays_text(rays) +
                          " (the origin of the frame: from there each point has a ray of its own)");
@@ -181,6 +182,9 @@ Result<GridFile> lattice_from_cloud(PointCloudFile& cloud, const CloudGridOption
   if (chosen.found && chosen.rays.kind == CloudRays::Kind::kParallel)
     if (auto from_origin = seen_from_origin(cloud, grid)) return *std::move(from_origin);
   if (!grid) return grid;
+  if (chosen.found)
+    grid->side =
+        chosen.rays.kind == CloudRays::Kind::kParallel ? FoundSide::kFarOff : FoundSide::kOrigin;
   std::vector<std::string> notes;
   if (!chosen.side_known)
     notes.push_back("no viewpoint is given; taken as seen along " +

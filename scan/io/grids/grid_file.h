@@ -14,6 +14,13 @@
 
 namespace relief {
 
+/// From where points were taken as seen.
+enum class FoundSide {
+  kGiven,   ///< The file or the user says it, or the points are on a grid of the sensor.
+  kOrigin,  ///< The origin of the frame, as the points themselves tell.
+  kFarOff,  ///< A side of them, along parallel rays.
+};
+
 /// A scan file that carries points on the sensor's grid, as it stands in the file.
 struct GridFile {
   Grid<Eigen::Vector3d> points;   ///< File's own frame and unit; NaN where there is no sample.
@@ -22,6 +29,7 @@ struct GridFile {
   Grid<Colour> colours;           ///< May be empty.
   std::optional<RigidMotion> world_from_view;  ///< Where the file tells, as VIEWPOINT of a PCD.
   std::optional<Camera> camera;                ///< Where the file tells the rays.
+  FoundSide side = FoundSide::kGiven;          ///< Of points that had no grid.
   std::vector<std::string> notes;              ///< What was left out or assumed, for the user.
 };
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "scan/base/parallel.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/binary_writer.h"
 #include "scan/io/files/io_error.h"

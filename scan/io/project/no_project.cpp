@@ -34,7 +34,10 @@ constexpr std::array kKnownEndings{
     KnownEnding{".traj", kPoses},
     KnownEnding{".freiburg", kPoses},
     KnownEnding{".fc", "holds intrinsics; give it as --fc, beside the range grid"},
-    KnownEnding{".bin", "is a part of a COLMAP workspace; name the folder with sparse and stereo"},
+    KnownEnding{".bin",
+                "is neither points of a lidar, of 4 or 5 floats each, nor more than a part of a "
+                "COLMAP workspace; of that name the folder with sparse and stereo"},
+    KnownEnding{".vtk", "is of VTK's older format; convert it to .vtp, .ply or .xyz"},
     KnownEnding{".las", kOfScanners},
     KnownEnding{".laz", kOfScanners},
     KnownEnding{".rcp", kOfScanners},

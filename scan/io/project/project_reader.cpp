@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -15,7 +16,8 @@
 #include "scan/base/parallel.h"
 #include "scan/base/system/system_memory.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/project/view_loader.h"
+#include "scan/io/project/loading/cloud_viewpoints.h"
+#include "scan/io/project/loading/view_loader.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {
@@ -85,6 +87,17 @@ Result<std::vector<LoadedView>> readable_views(LoadedViews loaded, bool skip_dam
   return views;
 }
 
+// Settles together from where clouds were seen, and tells the project.
+void settle_sides(std::vector<ViewSpec>& specs, std::vector<LoadedView>& views,
+                  ScanProject& project) {
+  std::vector<FoundSide> sides;
+  for (const LoadedView& view : views) sides.push_back(view.side);
+  for (const std::size_t i : views_to_see_from_origin(sides))
+    see_from_origin(*std::ranges::find(specs, views[i].view.name, &ViewSpec::name), views[i]);
+  for (const LoadedView& view : views)
+    if (view.side == FoundSide::kOrigin) project.seen_from_origin.push_back(view.view.name);
+}
+
 // Settles the conventions of all normals together and gives the views their normals.
 Result<std::vector<std::string>> settle_normals(std::vector<LoadedView>& views) {
   std::vector<NormalEvidence> evidence;
@@ -146,6 +159,38 @@ std::optional<std::string> note_on_principal_points(const std::vector<ViewSpec>&
   return note.str();
 }
 
+bool have_equal_ranges(const RangeView& a, const RangeView& b) {
+  const auto same = [](double x, double y) { return x == y || (x != x && y != y); };
+  return a.width() == b.width() && a.height() == b.height() &&
+         std::equal(a.range.begin(), a.range.end(), b.range.begin(), same);
+}
+
+// Views whose ranges are those of another one to the bit: copies, not measured again. Their noise
+// would seem to be shape.
+std::optional<std::string> note_on_copies(const std::vector<RangeView>& views) {
+  std::multimap<std::size_t, const RangeView*> by_samples;
+  const RangeView *first = nullptr, *copy = nullptr;
+  std::size_t copies = 0;
+  for (const RangeView& view : views) {
+    const std::size_t samples = view.sample_count();
+    const auto [begin, end] = by_samples.equal_range(samples);
+    const auto equal = std::find_if(
+        begin, end, [&](const auto& entry) { return have_equal_ranges(*entry.second, view); });
+    if (equal == end) {
+      by_samples.emplace(samples, &view);
+      continue;
+    }
+    if (copies++ == 0) {
+      first = equal->second;
+      copy = &view;
+    }
+  }
+  if (copies == 0) return std::nullopt;
+  return "the ranges of " + std::to_string(copies) + " of " + std::to_string(views.size()) +
+         " views are those of another view, as of " + copy->name + " and " + first->name +
+         ": leave copies out, as their noise seems to be shape";
+}
+
 Result<void> check_shared_frame(const ProjectSpec& spec, const ReadProjectOptions& options,
                                 const std::filesystem::path& path) {
   const bool used = std::any_of(spec.views.begin(), spec.views.end(), [](const ViewSpec& view) {
@@ -174,6 +219,7 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
       return Error{ErrorKind::kInterrupted, path.string() + ": reading was interrupted"};
     auto views = readable_views(std::move(loaded), options.skip_damaged, project.notes);
     if (!views) return views.error();
+    settle_sides(spec->views, *views, project);
     const auto notes = settle_normals(*views);
     if (!notes) return notes.error();
     for (LoadedView& view : *views) {
@@ -183,6 +229,7 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
     project.notes.insert(project.notes.end(), notes->begin(), notes->end());
     if (auto note = note_on_principal_points(spec->views, project.views))
       project.notes.push_back(std::move(*note));
+    if (auto note = note_on_copies(project.views)) project.notes.push_back(std::move(*note));
     if (seem_to_share_a_frame(project.views))
       project.notes.push_back(
           "the scans have no poses, but were seen from sides that are more than 90 degrees apart: "

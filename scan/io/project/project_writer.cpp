@@ -136,6 +136,12 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
+// Says from where the points of a view were taken as seen: other views of the set may have told it.
+void set_viewpoint_json(const ScanProject& project, const std::string& view, json& entry) {
+  if (std::ranges::find(project.seen_from_origin, view) != project.seen_from_origin.end())
+    entry["grid"]["viewpoint"] = {0.0, 0.0, 0.0};
+}
+
 // A scan.json whose file names are relative to `file` instead of `source`, with only the views of
 // `project` and their poses.
 Result<json> updated_document(const ScanProject& project, const fs::path& source,
@@ -154,6 +160,7 @@ Result<json> updated_document(const ScanProject& project, const fs::path& source
       json& name = entry[key]["file"];
       name = path_from(folder_of(source) / name.get<std::string>(), folder_of(file)).string();
     }
+    set_viewpoint_json(project, view->name, entry);
     set_pose_json(entry, view->world_from_view, view->pose);
     views.push_back(std::move(entry));
   }
@@ -168,6 +175,7 @@ json document_of_spec(const ScanProject& project, const ProjectSpec& spec, const
     const RangeView* view = find_view(project, source.name);
     if (!view) continue;
     json entry = view_json(source, folder_of(file));
+    set_viewpoint_json(project, view->name, entry);
     set_pose_json(entry, view->world_from_view, view->pose);
     document["views"].push_back(std::move(entry));
   }

@@ -16,6 +16,9 @@ struct ScanProject {
   /// What the reader had to find out by itself (camera models, axes of normals), one line each, for
   /// the user's log.
   std::vector<std::string> notes;
+  /// Names of views of points without a grid that are taken as seen from the origin of their frame,
+  /// though neither file nor user says so.
+  std::vector<std::string> seen_from_origin;
 };
 
 /// The view called `name`; null when there is none.

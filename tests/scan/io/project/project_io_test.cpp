@@ -9,7 +9,7 @@
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/grids/ply_grid_writer.h"
 #include "scan/io/images/image_io.h"
-#include "scan/io/project/view_loader.h"
+#include "scan/io/project/loading/view_loader.h"
 #include "tests/support/geometry_matchers.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/scenes/synthetic_views.h"

@@ -9,6 +9,7 @@
 
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"
+#include "scan/io/grids/grid_file.h"
 #include "scan/io/normals/convention_choice.h"
 #include "scan/io/normals/normal_evidence.h"
 #include "scan/io/project/view_spec.h"
@@ -20,6 +21,7 @@ struct LoadedView {
   RangeView view;
   std::optional<StoredNormals> normals;
   std::vector<std::string> notes;
+  FoundSide side = FoundSide::kGiven;
 };
 
 /// Memory [bytes] that views may take together; may be used from several threads.

@@ -1,6 +1,7 @@
-#include "scan/io/project/view_loader.h"
+#include "scan/io/project/loading/view_loader.h"
 
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "scan/io/images/image_io.h"
 #include "scan/io/images/invalid_depth.h"
 #include "scan/io/normals/normal_map.h"
+#include "scan/io/project/loading/grid_rows.h"
 #include "scan/io/project/scan_file.h"
 
 namespace relief {
@@ -120,34 +122,50 @@ std::string projection_note(const GridCamera& fitted) {
   return "; no projection fits its grid to half a pixel, so it gives no projective matches";
 }
 
-Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& loaded) {
-  auto grid = read_scan_file(*spec.grid, spec.grid_options);
-  if (!grid) return grid.error();
-  for (const std::string& note : grid->notes)
-    loaded.notes.push_back("view " + spec.name + ": " + note);
-  const int width = grid->points.width(), height = grid->points.height();
-  if (auto claimed = claim_memory(spec, width, height, memory); !claimed) return claimed;
+// The camera of a grid, with its points on the rays.
+struct GridOnRays {
+  GridCamera fitted;
+  std::string found;  // How, where nobody gave it.
+};
+
+GridOnRays put_on_rays(const ViewSpec& spec, const GridFile& grid) {
+  const int width = grid.points.width(), height = grid.points.height();
   const bool direction_known =
       spec.camera &&
       (spec.camera->model != CameraSpec::Model::kOrthographic || spec.camera->view_direction);
-  Camera model;
-  std::string found;
+  if (direction_known)
+    return {
+        camera_through_points(grid.points, camera_of(*spec.camera, width, height, &grid.points)),
+        ""};
+  if (grid.camera) return {camera_through_points(grid.points, *grid.camera), ""};
+  const FittedCamera fitted = spec.camera ? fit_orthographic(grid) : fit_camera(grid);
+  return {camera_through_points(grid.points, fitted.model), fitted.description};
+}
+
+Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& loaded) {
+  auto grid = read_scan_file(*spec.grid, spec.grid_options);
+  if (!grid) return grid.error();
   if (spec.camera)
-    if (auto size = check_camera_size(*spec.camera, width, height, spec); !size) return size;
-  if (direction_known) {
-    model = camera_of(*spec.camera, width, height, &grid->points);
-  } else if (grid->camera) {
-    model = *grid->camera;
-  } else if (spec.camera) {
-    FittedCamera fitted = fit_orthographic(*grid);
-    model = std::move(fitted.model);
-    found = fitted.description;
-  } else {
-    FittedCamera fitted = fit_camera(*grid);
-    model = std::move(fitted.model);
-    found = fitted.description;
+    if (auto size =
+            check_camera_size(*spec.camera, grid->points.width(), grid->points.height(), spec);
+        !size)
+      return size;
+  const auto claim = [&] {
+    return claim_memory(spec, grid->points.width(), grid->points.height(), memory);
+  };
+  if (auto claimed = claim(); !claimed) return claimed;
+  GridOnRays on_rays = put_on_rays(spec, *grid);
+  if (!spec.camera && !grid->camera && is_no_picture(*grid, on_rays.fitted)) {
+    if (auto other = without_rows(*grid, spec.grid_options.viewpoint)) {
+      *grid = *std::move(other);
+      if (auto claimed = claim(); !claimed) return claimed;
+      on_rays = put_on_rays(spec, *grid);
+    }
   }
-  GridCamera fitted = camera_through_points(grid->points, model);
+  for (const std::string& note : grid->notes)
+    loaded.notes.push_back("view " + spec.name + ": " + note);
+  loaded.side = grid->side;
+  auto& [fitted, found] = on_rays;
   if (!found.empty() || !fitted.camera.can_project())
     loaded.notes.push_back("view " + spec.name + ": camera " +
                            (found.empty() ? "as given" : "found: " + found) +
