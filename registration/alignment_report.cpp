@@ -188,8 +188,9 @@ class AlignmentReport {
     if (same > 2 && 2 * same > found)
       result.notes.push_back(
           std::to_string(same) +
-          " views were found where another one is: if the object moved before the camera, what "
-          "stands still, as a wall or a table, outweighs it; leave that out by masks");
+          " views were found where another one is: right if nothing moved between them; if the "
+          "object turned before the camera, what stands still, as a wall or a table, outweighs "
+          "it, and masks leave that out");
   }
 
   std::string names_of_group(const std::vector<std::size_t>& group, std::size_t except) const {

@@ -73,17 +73,20 @@ std::optional<std::string> note_on_moves(const std::vector<GivenAndFound>& views
   return note.str();
 }
 
-// No scale is so far off: views at one place see something that stands still with the camera.
+// No focal length nor scale of depths is so far off.
 constexpr double kOnePlace = 0.02;
 
 std::string note_on_scale(double scale) {
-  if (scale < kOnePlace)
-    return "views were found at one place, unlike their given poses: what stands still before the "
-           "camera, as a wall or a table, outweighs what turns; leave it out by masks";
   std::ostringstream note;
   note << std::setprecision(4) << "views were found " << scale
-       << " times as far apart as their given poses are: ranges are " << std::setprecision(2)
-       << 100.0 * std::abs(scale - 1.0) << " % too " << (scale > 1.0 ? "long" : "short")
+       << " times as far apart as their given poses are: ";
+  if (scale < kOnePlace) {
+    note << "the unit of the poses is another, or views were laid on what stands still before the "
+            "camera, as a wall or a table; leave that out by masks";
+    return note.str();
+  }
+  note << "ranges are " << std::setprecision(2) << 100.0 * std::abs(scale - 1.0) << " % too "
+       << (scale > 1.0 ? "long" : "short")
        << ", as with a wrong focal length or depth scale, or the unit of the poses is another";
   return note.str();
 }

@@ -68,6 +68,7 @@ Result<RefinedGivenPoses> refine_and_verify(const std::vector<ViewSurface>& surf
   CheckedPoses checked;
   checked.refuted.assign(roles.size(), false);
   checked.fits_in_part.resize(roles.size());
+  std::vector<std::vector<std::size_t>> partners(roles.size());  // That refuted views fit in part.
   for (;;) {
     auto refined = units.refine_jointly(surfaces, poses, roles, refinement, progress);
     if (!refined) return refined.error();
@@ -79,11 +80,14 @@ Result<RefinedGivenPoses> refine_and_verify(const std::vector<ViewSurface>& surf
     for (std::size_t i = 0; i < roles.size() && !trust; ++i) {
       if (!verified.views[i].refuted) continue;
       checked.refuted[i] = changed = true;
-      if (verified.views[i].partial_support > 0.0)
-        checked.fits_in_part[i] = refined->world_from_view[i];
+      partners[i] = verified.views[i].fits_in_part_with;
+      checked.fits_in_part[i] = refined->world_from_view[i];
       roles[i] = ViewRole::kExcluded;
     }
     if (changed) continue;
+    for (std::size_t i = 0; i < roles.size(); ++i)
+      if (std::ranges::all_of(partners[i], [&](std::size_t j) { return checked.refuted[j]; }))
+        checked.fits_in_part[i].reset();
     checked = settle(std::move(checked), roles, *refined, verified, trust);
     return RefinedGivenPoses{std::move(checked), std::move(*refined), std::move(verified), {}};
   }

@@ -23,9 +23,10 @@ struct ViewVerification {
   /// samples, or for a misfit that neighbouring samples share: the pose may be wrong by it, or the
   /// calibrations of the sensors. Or they fit on one plane alone.
   double weak_support = 0.0;
-  /// Sum of overlaps with views that it fits as poses are believed that are found by shape, but for
-  /// what stands in space seen empty. That may be what moved between two scans.
-  double partial_support = 0.0;
+  /// Views that it fits as poses are believed that are found by shape, but for what stands in space
+  /// seen empty: that may be what moved between two scans. Empty where most of its overlap, that
+  /// does not lie on one plane, does not fit so.
+  std::vector<std::size_t> fits_in_part_with;
   /// Sum over views that contradict the pose of the fraction of samples in space seen empty.
   double violation = 0.0;
   bool overlaps = false;  ///< Whether any view overlaps it at all.
