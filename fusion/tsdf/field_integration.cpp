@@ -11,6 +11,8 @@ namespace relief::fusion {
 
 namespace {
 
+// Of a group as a unit: its blocks, their bytes, and those of the field.
+constexpr std::size_t kGroupBytes = 3 * kBlocksOfGroup * kBlockNodes * 2 * sizeof(float);
 constexpr std::size_t kBlocksNearby = 32;  // In a row of the field: seen by few of many views.
 
 // From the first to the last node of a block.
@@ -113,11 +115,14 @@ bool integrate_views(const std::vector<ViewSampler>& views, std::size_t begin, s
                      SparseField& field, PagedArray<NodeConstraint>& constraints) {
   for (std::size_t number = begin; number < end; ++number) {
     if (options.go_on && !options.go_on(number)) return false;
+    check_stop_and_memory();
+    evict_pages(options.memory, kGroupBytes);
+    const bool has_room = options.memory == nullptr || options.memory->has_room(kGroupBytes);
     const Group group(field, number);
-    const auto kept = units.find_group(number);
+    const auto kept = has_room ? units.find_group(number) : std::nullopt;
     if (kept && put_back(*kept, group, field, constraints)) continue;
     integrate_group(views, group, options, field, constraints);
-    if (keep) units.keep_group(number, integrated_blocks(field, group, constraints));
+    if (keep && has_room) units.keep_group(number, integrated_blocks(field, group, constraints));
   }
   return true;
 }

@@ -28,9 +28,10 @@ std::size_t group_count(const SparseField& field);
 /// Integrates the views (docs/fusion.md, F1 to F4) into the active blocks of the groups from
 /// `begin` to `end`. Nodes that views measured get their signed distance, and are fixed. The floor
 /// of the others is the clearance that views saw, and their value is not below it. `constraints`
-/// has one entry per node of the field. What is said of a node depends on it alone, so groups may
-/// be integrated in any order, and by several processes. Groups that `units` has are not computed,
-/// and with `keep` it gets all others. False when `go_on` asked to stop.
+/// has one entry per node of the field. Of a node depends only what
+/// the field had there before and what views say of it. So groups may be integrated in any order,
+/// and by several processes. Groups that `units` has are not computed, and with `keep` it gets all
+/// others; under a limit of memory where there is room. False when `go_on` asked to stop.
 bool integrate_views(const std::vector<ViewSampler>& views, std::size_t begin, std::size_t end,
                      const FieldIntegrationOptions& options, const FieldUnits& units, bool keep,
                      SparseField& field, PagedArray<NodeConstraint>& constraints);

@@ -70,8 +70,11 @@ Result<StepStates> find_steps(const std::vector<RangeView>& views,
   states.first_missing = next_stage(reached.last, options);
   if (states.first_missing == Stage::kMerge && (*units)->counts()["merge"].found > 0)
     states.first_missing = Stage::kPolish;
+  const bool none_refined =
+      states.first_missing == Stage::kRefine && (*units)->counts()["refine"].found == 0;
   for (const ReconstructionPart& part : parts)
-    if (part.last == states.first_missing) states.parts_done.push_back(find(part, {}).ok());
+    if (part.last == states.first_missing)
+      states.parts_done.push_back(!none_refined && find(part, {}).ok());
   return states;
 }
 
