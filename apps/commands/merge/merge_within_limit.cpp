@@ -92,7 +92,7 @@ Result<reconstruction::Model> merge_within_limit(const ProjectInput& input,
   unit = spec->unit;
   for (const std::string& note : spec->notes) Console::info(note);
   if (input.options.skip_damaged) drop_damaged(spec->views);
-  settle_viewpoints(spec->views);
+  for (const std::string& note : settle_viewpoints(spec->views)) Console::info(note);
   auto conventions = find_conventions(spec->views);
   if (!conventions) return conventions.error();
   for (const std::string& note : conventions->notes) Console::info(note);

@@ -201,10 +201,10 @@ CloudDirection find_direction(const PointCloudFile& cloud) {
   if (!around_origin && lie_before_origin(cloud.points)) {
     const double hidden = judge.score(from_origin).hidden;
     // In a view so wide that it is no picture, points may share rays: it must be clearly better.
-    const double most = from_origin.kind == CloudRays::Kind::kPinhole
-                            ? best.score.hidden + kAsGood
-                            : kHiddenFromSensor * best.score.hidden;
-    if (hidden <= most)
+    const bool is_picture = from_origin.kind == CloudRays::Kind::kPinhole;
+    if (is_picture
+            ? hidden <= best.score.hidden + kAsGood
+            : best.score.hidden > kHeightMap && hidden <= kHiddenFromSensor * best.score.hidden)
       return {from_origin, hidden, "the origin of the frame, in front of which all points lie"};
   }
   if (around_origin)

@@ -182,7 +182,7 @@ Result<GridFile> lattice_from_cloud(PointCloudFile& cloud, const CloudGridOption
   if (chosen.found && chosen.rays.kind == CloudRays::Kind::kParallel)
     if (auto from_origin = seen_from_origin(cloud, grid)) return *std::move(from_origin);
   if (!grid) return grid;
-  if (chosen.found)
+  if (chosen.found && cloud.facing.empty())
     grid->side =
         chosen.rays.kind == CloudRays::Kind::kParallel ? FoundSide::kFarOff : FoundSide::kOrigin;
   std::vector<std::string> notes;

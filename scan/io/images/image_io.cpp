@@ -74,7 +74,8 @@ Result<Image> read_depth_image(const std::filesystem::path& path,
   const auto channels = static_cast<std::size_t>(image->channels);
   for (std::size_t i = 0; i < depth.samples.size(); ++i) {
     const float* pixel = image->samples.data() + channels * i;
-    if (!std::all_of(pixel, pixel + channels, [&](float z) { return z == *pixel; }))
+    if (!std::all_of(pixel, pixel + channels,
+                     [&](float z) { return z == *pixel || (std::isnan(z) && std::isnan(*pixel)); }))
       return bad_input(path, "a depth map has one channel, this image has three colours");
     depth.samples[i] = *pixel;
   }

@@ -35,8 +35,9 @@ constexpr std::array kKnownEndings{
     KnownEnding{".freiburg", kPoses},
     KnownEnding{".fc", "holds intrinsics; give it as --fc, beside the range grid"},
     KnownEnding{".bin",
-                "is neither points of a lidar, of 4 or 5 floats each, nor more than a part of a "
-                "COLMAP workspace; of that name the folder with sparse and stereo"},
+                "holds no points of a lidar (floats: x y z in metres, an intensity below 256, and "
+                "perhaps a ring); if it is a part of a COLMAP workspace, name the folder with "
+                "sparse and stereo"},
     KnownEnding{".vtk", "is of VTK's older format; convert it to .vtp, .ply or .xyz"},
     KnownEnding{".las", kOfScanners},
     KnownEnding{".laz", kOfScanners},

@@ -90,10 +90,13 @@ Result<std::vector<LoadedView>> readable_views(LoadedViews loaded, bool skip_dam
 // Settles together from where clouds were seen, and tells the project.
 void settle_sides(std::vector<ViewSpec>& specs, std::vector<LoadedView>& views,
                   ScanProject& project) {
+  const auto spec_of = [&](const LoadedView& view) -> ViewSpec& {
+    return *std::ranges::find(specs, view.view.name, &ViewSpec::name);
+  };
   std::vector<FoundSide> sides;
-  for (const LoadedView& view : views) sides.push_back(view.side);
+  for (const LoadedView& view : views) sides.push_back(side_in_set(spec_of(view), view));
   for (const std::size_t i : views_to_see_from_origin(sides))
-    see_from_origin(*std::ranges::find(specs, views[i].view.name, &ViewSpec::name), views[i]);
+    see_from_origin(spec_of(views[i]), views[i]);
   for (const LoadedView& view : views)
     if (view.side == FoundSide::kOrigin) project.seen_from_origin.push_back(view.view.name);
 }

@@ -17,10 +17,12 @@ namespace relief {
 
 namespace {
 
-constexpr std::size_t kLooked = 64;  // Points that tell what a file holds.
-constexpr std::size_t kFewest = 64;  // Fewer are no sweep.
-constexpr float kFarthest = 500.0f;  // What lidars of cars see [m].
-constexpr float kLargestIntensity = 256.0f, kMostRings = 256.0f;
+constexpr std::size_t kLooked = 64;          // Points, evenly over a file, that tell what it holds.
+constexpr std::size_t kFewest = 64;          // Fewer are no sweep.
+constexpr float kFarthest = 500.0f;          // What lidars of cars see [m].
+constexpr float kNearest = 1e-20f;           // Whole numbers, read as floats, are smaller [m].
+constexpr float kLargestIntensity = 256.0f;  // Of those that count to 255, or to 1.
+constexpr float kMostRings = 256.0f;         // Lidars have up to 128 lasers.
 
 float float_at(std::string_view bytes, std::size_t i) {
   return little_endian_at<float>(bytes, sizeof(float) * i);
@@ -29,42 +31,43 @@ float float_at(std::string_view bytes, std::size_t i) {
 // Other numbers, read as floats, are far too large or far too small.
 bool is_place(float coordinate) {
   return std::isfinite(coordinate) && std::abs(coordinate) < kFarthest &&
-         (coordinate == 0.0f || std::abs(coordinate) > 1e-6f);
+         (coordinate == 0.0f || std::abs(coordinate) > kNearest);
 }
 
-bool are_points(std::string_view head, std::size_t columns) {
-  const std::size_t points = std::min(kLooked, head.size() / sizeof(float) / columns);
-  std::size_t away = 0;
-  for (std::size_t i = 0; i < points; ++i) {
-    const auto column = [&](std::size_t c) { return float_at(head, columns * i + c); };
+// `point(i)`: the bytes of the i-th of those that are looked at.
+template <typename PointBytes>
+bool are_points(const PointBytes& point, std::size_t columns) {
+  std::size_t away = 0, left = 0;
+  for (std::size_t i = 0; i < kLooked; ++i) {
+    const std::string_view bytes = point(i);
+    if (bytes.size() < columns * sizeof(float)) return false;
+    const auto column = [&](std::size_t c) { return float_at(bytes, c); };
     if (!is_place(column(0)) || !is_place(column(1)) || !is_place(column(2))) return false;
-    const float intensity = column(3);
-    if (!(intensity >= 0.0f) || intensity >= kLargestIntensity) return false;
+    if (!(column(3) >= 0.0f) || column(3) >= kLargestIntensity) return false;
     if (columns == 5 &&
         !(column(4) >= 0.0f && column(4) < kMostRings && column(4) == std::floor(column(4))))
       return false;
     away += std::hypot(column(0), column(1), column(2)) > 0.1f ? 1 : 0;
+    left += column(1) > 0.0f ? 1 : 0;
   }
-  return points == kLooked && 2 * away > points;
+  // A sweep goes from the right to the left. Depth maps and other arrays have one sign.
+  return 2 * away > kLooked && left > 0 && left < kLooked;
 }
 
-// Floats of each point; nothing where the file holds something else.
-std::optional<std::size_t> columns_of(std::string_view head, std::size_t file_bytes) {
-  for (const std::size_t columns : {4, 5}) {
+// Floats of each point; nothing where the file holds something else. `bytes_at(place, count)`: of
+// the file.
+template <typename BytesAt>
+std::optional<std::size_t> columns_of(const BytesAt& bytes_at, std::size_t file_bytes) {
+  for (const std::size_t columns : {5, 4}) {
     const std::size_t point_bytes = columns * sizeof(float);
-    if (file_bytes % point_bytes == 0 && file_bytes >= kFewest * point_bytes &&
-        are_points(head, columns))
-      return columns;
+    const std::size_t points = file_bytes / point_bytes;
+    if (file_bytes % point_bytes != 0 || points < kFewest) continue;
+    const auto point = [&](std::size_t i) {
+      return bytes_at(i * points / kLooked * point_bytes, point_bytes);
+    };
+    if (are_points(point, columns)) return columns;
   }
   return std::nullopt;
-}
-
-std::string head_of(const std::filesystem::path& path) {
-  std::string head(kLooked * 5 * sizeof(float), '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(file.gcount()));
-  return head;
 }
 
 }  // namespace
@@ -72,13 +75,25 @@ std::string head_of(const std::filesystem::path& path) {
 bool is_float_cloud(const std::filesystem::path& path) {
   std::error_code code;
   const auto bytes = std::filesystem::file_size(path, code);
-  return !code && columns_of(head_of(path), bytes).has_value();
+  if (code) return false;
+  std::ifstream file(path, std::ios::binary);
+  std::string read;
+  const auto bytes_at = [&](std::size_t place, std::size_t count) -> std::string_view {
+    read.assign(count, '\0');
+    file.seekg(static_cast<std::streamoff>(place));
+    if (!file.read(read.data(), static_cast<std::streamsize>(count))) return {};
+    return read;
+  };
+  return columns_of(bytes_at, bytes).has_value();
 }
 
 Result<PointCloudFile> read_float_cloud(const std::filesystem::path& path) {
   const auto content = read_file(path);
   if (!content) return content.error();
-  const auto columns = columns_of(*content, content->size());
+  const auto bytes_at = [&](std::size_t place, std::size_t count) {
+    return std::string_view(*content).substr(place, count);
+  };
+  const auto columns = columns_of(bytes_at, content->size());
   if (!columns)
     return bad_input(path, "no points of a lidar: 4 or 5 floats each, x y z intensity first");
   const std::size_t count = content->size() / sizeof(float) / *columns;

@@ -9,7 +9,7 @@ namespace relief {
 
 /// Whether a file holds points of a lidar as bare floats, as the sweeps of KITTI (x y z intensity)
 /// and of nuScenes (and the number of the ring behind). Nothing in them says so: the size of the
-/// file, and the numbers of the first points, tell.
+/// file, and the numbers of points all over it, tell.
 bool is_float_cloud(const std::filesystem::path& path);
 
 /// Reads such a file: little-endian floats of 32 bits, in metres, seen from the origin. Intensities

@@ -36,7 +36,8 @@ bool is_no_picture(const GridFile& grid, const GridCamera& fitted) {
   if (fitted.camera.can_project() || fitted.rms_pixels < kNoPicture) return false;
   const double across = median_distance(grid.points, 1, 0);
   const double down = median_distance(grid.points, 0, 1);
-  return std::max(across, down) > kFarApart * std::min(across, down);
+  return std::min(across, down) > 0.0 &&
+         std::max(across, down) > kFarApart * std::min(across, down);
 }
 
 std::optional<GridFile> without_rows(const GridFile& grid,

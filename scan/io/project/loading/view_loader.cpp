@@ -155,7 +155,9 @@ Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& l
   };
   if (auto claimed = claim(); !claimed) return claimed;
   GridOnRays on_rays = put_on_rays(spec, *grid);
-  if (!spec.camera && !grid->camera && is_no_picture(*grid, on_rays.fitted)) {
+  const bool has_images = spec.mask || spec.normals || spec.confidence || spec.colour ||
+                          spec.deviation;  // On the rows and columns of the file.
+  if (!spec.camera && !grid->camera && !has_images && is_no_picture(*grid, on_rays.fitted)) {
     if (auto other = without_rows(*grid, spec.grid_options.viewpoint)) {
       *grid = *std::move(other);
       if (auto claimed = claim(); !claimed) return claimed;
