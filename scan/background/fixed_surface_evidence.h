@@ -13,10 +13,10 @@ namespace relief {
 /// into another view is refuted where that view sees through it by far.
 struct CarriedSamples {
   std::size_t confirmed = 0, refuted = 0;
-  std::size_t in_itself = 0;  ///< Of those confirmed: seen on the standing surface.
+  std::size_t in_itself = 0;  ///< Of those confirmed: seen on the fixed surface.
   bool enough() const;
   double refuted_share() const;
-  /// The share of those that tell: samples seen on the standing surface would be so anyway. 0 where
+  /// The share of those that tell: samples seen on the fixed surface would be so anyway. 0 where
   /// they are too few against noise.
   double telling_refuted_share() const;
 };

@@ -1,6 +1,8 @@
 #include "scan/io/images/image_io.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
