@@ -116,7 +116,7 @@ bool integrate_views(const std::vector<ViewSampler>& views, std::size_t begin, s
   for (std::size_t number = begin; number < end; ++number) {
     if (options.go_on && !options.go_on(number)) return false;
     check_stop_and_memory();
-    evict_pages(options.memory, kGroupBytes);
+    evict_pages(options.memory);
     const bool has_room = options.memory == nullptr || options.memory->has_room(kGroupBytes);
     const Group group(field, number);
     const auto kept = has_room ? units.find_group(number) : std::nullopt;
