@@ -162,28 +162,21 @@ class AlignmentReport {
                            motion);
   }
 
-  // By how much a view is moved from where another one is, at its farthest sample [unit].
-  double largest_shift(const Alignment& result, std::size_t i, std::size_t j) const {
-    const RigidMotion between =
-        result.views[j].world_from_view.inverse() * result.views[i].world_from_view;
-    const double angle = Eigen::AngleAxisd(between.linear()).angle();
-    return (between * surfaces_[i].centre() - surfaces_[i].centre()).norm() +
-           angle * surfaces_[i].radius();
-  }
-
   // Views that shape placed where another one is, to a sample spacing.
   void note_one_place(Alignment& result) const {
     std::size_t found = 0, same = 0;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       if (!result.views[i].aligned || !state_.starts.found_by_shape[i]) continue;
       ++found;
-      for (std::size_t j = 0; j < views_.size(); ++j) {
-        if (j == i || !result.views[j].aligned ||
-            largest_shift(result, i, j) > coarser_spacing(surfaces_[i], surfaces_[j]))
-          continue;
-        ++same;
-        break;
-      }
+      const auto is_there = [&](std::size_t j) {
+        const RigidMotion between =
+            result.views[j].world_from_view.inverse() * result.views[i].world_from_view;
+        return j != i && result.views[j].aligned &&
+               largest_motion(between, surfaces_[i]) <= coarser_spacing(surfaces_[i], surfaces_[j]);
+      };
+      bool any = false;
+      for (std::size_t j = 0; j < views_.size() && !any; ++j) any = is_there(j);
+      same += any ? 1 : 0;
     }
     if (same > 2 && 2 * same > found)
       result.notes.push_back(

@@ -116,13 +116,6 @@ int signal_levels_for(const ViewSurface& source, const ViewSurface& target,
   return is_nearly_degenerate(analyse_constraints(matches.pairs), threshold) ? levels : 0;
 }
 
-// How far `step` (in the target's frame) moves a point of the source at most.
-double largest_motion(const RigidMotion& step, const ViewSurface& source,
-                      const RigidMotion& target_from_source) {
-  const Eigen::Vector3d centre = target_from_source * source.centre();
-  return (step * centre - centre).norm() + rotation_angle(step) * source.radius();
-}
-
 // Brings one view to another.
 class PairAlignment {
  public:

@@ -253,4 +253,10 @@ std::vector<Eigen::Vector2d> ViewSurface::closest(const Eigen::Matrix3Xd& points
   return pixels;
 }
 
+double largest_motion(const RigidMotion& step, const ViewSurface& view,
+                      const RigidMotion& frame_from_view) {
+  const Eigen::Vector3d centre = frame_from_view * view.centre();
+  return (step * centre - centre).norm() + rotation_angle(step) * view.radius();
+}
+
 }  // namespace relief::registration

@@ -155,6 +155,11 @@ inline double coarser_spacing(const ViewSurface& a, const ViewSurface& b) {
   return std::max(a.spacing(), b.spacing());
 }
 
+/// How far `step` moves a point of a view at most [unit]; in the frame in which the view stands at
+/// `frame_from_view`.
+double largest_motion(const RigidMotion& step, const ViewSurface& view,
+                      const RigidMotion& frame_from_view = RigidMotion::Identity());
+
 /// Standard deviation of the distance between two views due to the noise of both [unit].
 inline double joint_noise(const ViewSurface& a, const ViewSurface& b) {
   return std::hypot(a.noise(), b.noise());

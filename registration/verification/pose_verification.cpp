@@ -38,9 +38,10 @@ struct Judged {
   PoseEvidence evidence;
   bool fit_known = false;  // Whether all of the evidence was looked at, or sight lines alone.
   bool confirms = false, allows = false, violates_free_space = false;
-  bool fits_in_part = false;  // As poses are believed that shape finds, but for empty space.
-  bool fits_not_even_in_part = false;
   bool planar = false;  // It fits wherever its plane is moved in itself.
+  // Overlap where it fits as poses are believed that shape finds, but for empty space; the same,
+  // negative, where it does not. 0: it is too little, or planar.
+  double fitting_in_part = 0.0;
 };
 
 std::vector<Judged> pairs_to_judge(const std::vector<ViewSurface>& surfaces,
@@ -155,9 +156,8 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
     const bool leaves_space_free =
         !pair.planar || pair.evidence.free_space_violation <= general.max_free_space_violation;
     pair.confirms = within(limits) && leaves_space_free;
-    pair.fits_in_part = !pair.planar && within(in_part);
-    pair.fits_not_even_in_part = pair.fit_known && !pair.planar && !pair.fits_in_part &&
-                                 pair.evidence.overlap >= general.min_overlap;
+    if (pair.fit_known && !pair.planar && pair.evidence.overlap >= general.min_overlap)
+      pair.fitting_in_part = within(in_part) ? pair.evidence.overlap : -pair.evidence.overlap;
     pair.allows = pair.confirms || (!pair.planar && within(allowed));
   }
 }
@@ -166,7 +166,7 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
 std::vector<ViewVerification> tally(std::size_t views, const std::vector<Judged>& pairs,
                                     const std::vector<bool>& refuted) {
   std::vector<ViewVerification> result(views);
-  std::vector<double> fitting(views, 0.0);  // Overlap that fits in part, less what does not.
+  std::vector<double> fitting(views, 0.0);
   for (const Judged& pair : pairs) {
     if (refuted[pair.a] && refuted[pair.b]) continue;
     // A refuted view is judged by the others, and says nothing of them.
@@ -177,12 +177,8 @@ std::vector<ViewVerification> tally(std::size_t views, const std::vector<Judged>
         result[view].support += pair.evidence.overlap;
       else if (pair.allows)
         result[view].weak_support += pair.evidence.overlap;
-      if (pair.fits_in_part) {
-        result[view].fits_in_part_with.push_back(other);
-        fitting[view] += pair.evidence.overlap;
-      } else if (pair.fits_not_even_in_part) {
-        fitting[view] -= pair.evidence.overlap;
-      }
+      if (pair.fitting_in_part > 0.0) result[view].fits_in_part_with.push_back(other);
+      fitting[view] += pair.fitting_in_part;
       if (pair.violates_free_space) result[view].violation += pair.evidence.in_front;
     }
   }
