@@ -100,14 +100,13 @@ class Step {
     reconstruction::ReconstructionPart part;
     part.last = stage_;
     part.find_former = command_.require_inputs;
-    if (command_.name == kPairs) {
+    if (command_.is_cut_into_blocks()) {
       const auto block = chosen_block(command_.views);
       if (!block) return block.error();
-      part.searched_pairs = registration::PairBlock{block->index, block->count};
-    } else if (command_.name == kField) {
-      const auto block = chosen_block(command_.views);
-      if (!block) return block.error();
-      part.field = fusion::FieldPart{block->index, block->count};
+      if (command_.name == kPairs)
+        part.searched_pairs = registration::PairBlock{block->index, block->count};
+      else
+        part.field = fusion::FieldPart{block->index, block->count};
     } else if (command_.name == kCoarseField) {
       part.field = fusion::FieldPart{};
     } else {
