@@ -30,9 +30,10 @@ class TemporaryFolder {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-  /// Writes a file into the folder and returns its path.
+  /// Writes a file into the folder, or into one below it, and returns its path.
   std::filesystem::path write(const std::string& name, std::string_view content) const {
     const auto path = path_ / name;
+    std::filesystem::create_directories(path.parent_path());
     std::ofstream(path, std::ios::binary)
         .write(content.data(), static_cast<std::streamsize>(content.size()));
     return path;

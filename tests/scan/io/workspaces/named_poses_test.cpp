@@ -120,13 +120,10 @@ TEST(NpyPoses, AreMatricesOrRows) {
 
 class PosesByName : public ::testing::Test {
  protected:
-  void write(const std::string& name, const std::string& text) const {
-    fs::create_directories((folder_ / name).parent_path());
-    folder_.write(name, text);
-  }
   // Of views `depth/2.png` and `depth/10.png`, x of their poses; -1 without one.
   std::vector<int> x_of_views(std::vector<std::string>* notes = nullptr) const {
-    for (const char* name : {"depth/2.png", "depth/10.png"}) write(name, testing::png_head(4));
+    for (const char* name : {"depth/2.png", "depth/10.png"})
+      folder_.write(name, testing::png_head(4));
     const auto spec =
         value_of(read_rgbd_folder(folder_.path(), {PinholeIntrinsics{5, 5, 2, 2}, 1000.0}));
     if (notes) *notes = spec.notes;
@@ -142,22 +139,23 @@ class PosesByName : public ::testing::Test {
 
 TEST_F(PosesByName, AreMatchedByNameAndNumber) {
   std::vector<std::string> notes;
-  write("poses.json", "{\"00010\": " + rows(1) + ", \"00002\": " + rows(2) + "}");
+  folder_.write("poses.json", "{\"00010\": " + rows(1) + ", \"00002\": " + rows(2) + "}");
   EXPECT_EQ(x_of_views(&notes), (std::vector<int>{2, 1}));
   EXPECT_THAT(notes, Contains(HasSubstr("poses.json")));
-  write("poses.json", "[{\"name\": \"images/10.jpg\", \"T\": " + rows(1) + "}]");
+  folder_.write("poses.json", "[{\"name\": \"images/10.jpg\", \"T\": " + rows(1) + "}]");
   EXPECT_EQ(x_of_views(), (std::vector<int>{-1, 1}));
-  write("poses.json", "[" + rows(1) + ", " + rows(2) + "]");
+  folder_.write("poses.json", "[" + rows(1) + ", " + rows(2) + "]");
   EXPECT_EQ(x_of_views(), (std::vector<int>{1, 2}));
 }
 
 // Whichever field has the names, and whatever the alphabet says of their order.
 TEST_F(PosesByName, AreMatchedByTheFieldThatNamesMostFrames) {
-  write("poses.json",
-        "[{\"camera\": \"left\", \"name\": \"10.png\", \"w\": 640, \"T\": " + rows(1) +
-            "}, {\"camera\": \"left\", \"name\": \"2.png\", \"w\": 640, \"T\": " + rows(2) + "}]");
+  folder_.write("poses.json",
+                "[{\"camera\": \"left\", \"name\": \"10.png\", \"w\": 640, \"T\": " + rows(1) +
+                    "}, {\"camera\": \"left\", \"name\": \"2.png\", \"w\": 640, \"T\": " + rows(2) +
+                    "}]");
   EXPECT_EQ(x_of_views(), (std::vector<int>{2, 1}));
-  write("poses.json", "{\"3\": " + rows(1) + ", \"11\": " + rows(2) + "}");
+  folder_.write("poses.json", "{\"3\": " + rows(1) + ", \"11\": " + rows(2) + "}");
   std::vector<std::string> notes;
   EXPECT_EQ(x_of_views(&notes), (std::vector<int>{1, 2}));
   EXPECT_THAT(notes, Contains(HasSubstr("those of the depth maps plus 1")));
@@ -165,25 +163,26 @@ TEST_F(PosesByName, AreMatchedByTheFieldThatNamesMostFrames) {
 
 TEST_F(PosesByName, OfOtherThingsAreNotTaken) {
   const std::vector<int> none = {-1, -1};
-  write("hand_eye.json", "{\"cam2grp\": " + rows(1) + "}");
+  folder_.write("hand_eye.json", "{\"cam2grp\": " + rows(1) + "}");
   EXPECT_EQ(x_of_views(), none);
-  write("extrinsics.json", "{\"cam2imu\": " + rows(1) + ", \"lidar2cam\": " + rows(2) + "}");
+  folder_.write("extrinsics.json",
+                "{\"cam2imu\": " + rows(1) + ", \"lidar2cam\": " + rows(2) + "}");
   EXPECT_EQ(x_of_views(), none);
-  write("annotations.json", "[" + rows(1) + ", " + rows(2) + "]");
+  folder_.write("annotations.json", "[" + rows(1) + ", " + rows(2) + "]");
   EXPECT_EQ(x_of_views(), none);
   // With errors, but not called poses.
-  write("info.json", "{\"P\": [[5, 0, 7, 0], [0, 5, 8, 0], [0, 0, 1, 0]]}");
-  write("metadata.npy", testing::npy_file("{'a': '|O'}", ""));
+  folder_.write("info.json", "{\"P\": [[5, 0, 7, 0], [0, 5, 8, 0], [0, 0, 1, 0]]}");
+  folder_.write("metadata.npy", testing::npy_file("{'a': '|O'}", ""));
   EXPECT_EQ(x_of_views(), none);
 }
 
 TEST_F(PosesByName, OfTwoFilesThatDifferAreAnError) {
-  write("poses.json", "{\"2\": " + rows(1) + ", \"10\": " + rows(2) + "}");
-  write("others.json", "{\"2\": " + rows(3) + ", \"10\": " + rows(4) + "}");
+  folder_.write("poses.json", "{\"2\": " + rows(1) + ", \"10\": " + rows(2) + "}");
+  folder_.write("others.json", "{\"2\": " + rows(3) + ", \"10\": " + rows(4) + "}");
   EXPECT_EQ(x_of_views(), (std::vector<int>{1, 2}));  // The one that is called poses.
-  write("poses_new.json", "{\"2\": " + rows(1) + ", \"10\": " + rows(2) + "}");
+  folder_.write("poses_new.json", "{\"2\": " + rows(1) + ", \"10\": " + rows(2) + "}");
   EXPECT_EQ(x_of_views(), (std::vector<int>{1, 2}));  // The same.
-  write("poses_new.json", "{\"2\": " + rows(1) + ", \"10\": " + rows(3) + "}");
+  folder_.write("poses_new.json", "{\"2\": " + rows(1) + ", \"10\": " + rows(3) + "}");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), {PinholeIntrinsics{5, 5, 2, 2}, 1000.0}),
               HasError("poses_new.json", "so has poses.json beside it"));
 }
@@ -191,53 +190,54 @@ TEST_F(PosesByName, OfTwoFilesThatDifferAreAnError) {
 TEST_F(PosesByName, MayHaveFilesOfTheirOwnInNumPy) {
   const std::vector<double> by_rows = {1, 0, 0, 5, 0, 0, -1, 6, 0, 1, 0, 7, 0, 0, 0, 1};
   const std::vector<double> by_columns = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 5, 6, 7, 1};
-  write("pose/2.npy", npy_array("(4, 4)", by_rows));
-  write("pose/10.npy", npy_array("(4, 4)", by_columns, true));
+  folder_.write("pose/2.npy", npy_array("(4, 4)", by_rows));
+  folder_.write("pose/10.npy", npy_array("(4, 4)", by_columns, true));
   EXPECT_EQ(x_of_views(), (std::vector<int>{5, 5}));
-  write("pose/10.npy", npy_array("(4, 4)", std::vector<double>(16, std::nan(""))));  // Lost.
+  folder_.write("pose/10.npy",
+                npy_array("(4, 4)", std::vector<double>(16, std::nan(""))));  // Lost.
   EXPECT_EQ(x_of_views(), (std::vector<int>{5, -1}));
 }
 
 TEST_F(PosesByName, FilesThatShouldHaveThemAreNamed) {
-  write("poses.txt", "1 2 3 4 5 6\n1 2 3 4 5 6\n");
+  folder_.write("poses.txt", "1 2 3 4 5 6\n1 2 3 4 5 6\n");
   std::vector<std::string> notes;
   EXPECT_EQ(x_of_views(&notes), (std::vector<int>{-1, -1}));
   EXPECT_THAT(notes, Contains(HasSubstr("poses.txt: is not read")));
 }
 
 TEST_F(PosesByName, ATrajectoryGoesFirst) {
-  write("poses.json", "[" + rows(1) + ", " + rows(2) + "]");
-  write("trajectory.txt", "3 0 0 0 0 0 1\n4 0 0 0 0 0 1\n");
+  folder_.write("poses.json", "[" + rows(1) + ", " + rows(2) + "]");
+  folder_.write("trajectory.txt", "3 0 0 0 0 0 1\n4 0 0 0 0 0 1\n");
   EXPECT_EQ(x_of_views(), (std::vector<int>{3, 4}));
 }
 
 TEST_F(PosesByName, TimesMayHaveOtherUnits) {
-  write("depth.txt", "0.1 depth/2.png\n0.2 depth/10.png\n");
+  folder_.write("depth.txt", "0.1 depth/2.png\n0.2 depth/10.png\n");
   std::vector<std::string> notes;
-  write("groundtruth.txt", "100 3 0 0 0 0 0 1\n200 4 0 0 0 0 0 1\n");
+  folder_.write("groundtruth.txt", "100 3 0 0 0 0 0 1\n200 4 0 0 0 0 0 1\n");
   EXPECT_EQ(x_of_views(&notes), (std::vector<int>{3, 4}));
   EXPECT_THAT(notes, Contains(HasSubstr("times of the trajectory are taken as milliseconds")));
-  write("groundtruth.txt", "0.1 3 0 0 0 0 0 1\n0.2 4 0 0 0 0 0 1\n");
-  write("depth.txt", "100000000 depth/2.png\n200000000 depth/10.png\n");
+  folder_.write("groundtruth.txt", "0.1 3 0 0 0 0 0 1\n0.2 4 0 0 0 0 0 1\n");
+  folder_.write("depth.txt", "100000000 depth/2.png\n200000000 depth/10.png\n");
   EXPECT_EQ(x_of_views(&notes), (std::vector<int>{3, 4}));
   EXPECT_THAT(notes, Contains(HasSubstr("times of the depth maps are taken as nanoseconds")));
   // One that agrees is chance: the poses are in the order of the maps.
-  write("groundtruth.txt", "0.2 3 0 0 0 0 0 1\n500 4 0 0 0 0 0 1\n");
-  write("depth.txt", "100 depth/2.png\n200 depth/10.png\n");
+  folder_.write("groundtruth.txt", "0.2 3 0 0 0 0 0 1\n500 4 0 0 0 0 0 1\n");
+  folder_.write("depth.txt", "100 depth/2.png\n200 depth/10.png\n");
   EXPECT_EQ(x_of_views(&notes), (std::vector<int>{3, 4}));
   // At one moment in any smaller unit: that they lie next to the first pose says nothing.
-  write("groundtruth.txt", "0 3 0 0 0 0 0 1\n200 4 0 0 0 0 0 1\n300 4 0 0 0 0 0 1\n");
-  write("depth.txt", "7 depth/2.png\n8 depth/10.png\n");
+  folder_.write("groundtruth.txt", "0 3 0 0 0 0 0 1\n200 4 0 0 0 0 0 1\n300 4 0 0 0 0 0 1\n");
+  folder_.write("depth.txt", "7 depth/2.png\n8 depth/10.png\n");
   const auto spec = read_rgbd_folder(folder_.path(), {PinholeIntrinsics{5, 5, 2, 2}, 1000.0});
   EXPECT_THAT(spec, HasError("3 poses for 2 depth maps", "none within 0.02 s"));
 }
 
 TEST_F(PosesByName, ListsMayBeOfAnotherMachine) {
-  write("groundtruth.txt", "1 3 0 0 0 0 0 1\n2 4 0 0 0 0 0 1\n");
+  folder_.write("groundtruth.txt", "1 3 0 0 0 0 0 1\n2 4 0 0 0 0 0 1\n");
   for (const char* list :
        {"1 depth\\2.png\n2 depth\\10.png\n", "1 /home/a/b/depth/2.png\n2 /home/a/b/depth/10.png\n",
         "1 C:\\b\\depth\\2.png\n2 C:\\b\\depth\\10.png\n"}) {
-    write("depth.txt", list);
+    folder_.write("depth.txt", list);
     EXPECT_EQ(x_of_views(), (std::vector<int>{3, 4})) << list;
   }
 }

@@ -164,29 +164,26 @@ TEST(CalibrationText, ErrorsNameTheLine) {
 
 class RgbdFolder : public ::testing::Test {
  protected:
-  void write(const std::string& name, const std::string& text) const {
-    fs::create_directories((folder_ / name).parent_path());
-    folder_.write(name, text);
-  }
   TemporaryFolder folder_;
 };
 
 TEST_F(RgbdFolder, TumSequence) {
-  write("depth.txt",
-        "# depth maps\n1.00 depth/1.00.png\n2.00 depth/2.00.png\n3.00 depth/3.00.png\n");
-  write("rgb.txt", "# colours\n1.015 rgb/a.png\n1.05 rgb/b.png\n2.1 rgb/a.png\n");
-  write("groundtruth.txt", "# t\n0.995 0 0 0 0 0 0 1\n1.005 1 0 0 0 0 0 1\n9 0 0 0 0 0 0 1\n");
-  write("other_trajectory.txt", "0.995 0 0 0 0 0 0 1\n");
-  write("depth/1.00.png", png_head(5));
-  write("depth/2.00.png", png_head(5));
-  write("rgb/a.png", png_head(5));
+  folder_.write("depth.txt",
+                "# depth maps\n1.00 depth/1.00.png\n2.00 depth/2.00.png\n3.00 depth/3.00.png\n");
+  folder_.write("rgb.txt", "# colours\n1.015 rgb/a.png\n1.05 rgb/b.png\n2.1 rgb/a.png\n");
+  folder_.write("groundtruth.txt",
+                "# t\n0.995 0 0 0 0 0 0 1\n1.005 1 0 0 0 0 0 1\n9 0 0 0 0 0 0 1\n");
+  folder_.write("other_trajectory.txt", "0.995 0 0 0 0 0 0 1\n");
+  folder_.write("depth/1.00.png", png_head(5));
+  folder_.write("depth/2.00.png", png_head(5));
+  folder_.write("rgb/a.png", png_head(5));
   ASSERT_TRUE(is_rgbd_folder(folder_.path()));
   EXPECT_THAT(
       read_rgbd_folder(folder_.path()),
       HasError("depth maps without intrinsics", "--intrinsics FX FY CX CY", "calibration file"));
   EXPECT_THAT(read_rgbd_folder(folder_.path(), {PinholeIntrinsics{0, 525, 319.5, 239.5}, {}}),
               HasError("FX and FY of --intrinsics must not be 0"));
-  write("calibration.txt", "525 525 319.5 239.5\n");
+  folder_.write("calibration.txt", "525 525 319.5 239.5\n");
   const auto spec = value_of(read_rgbd_folder(folder_.path()));
   ASSERT_EQ(spec.views.size(), 2u);
   EXPECT_EQ(spec.views[0].name, "1.00");
@@ -202,15 +199,15 @@ TEST_F(RgbdFolder, TumSequence) {
 }
 
 TEST_F(RgbdFolder, NamedFrames) {
-  write("frame-000000.depth.png", png_head(5));
-  write("frame-000000.pose.txt", kPose);
-  write("frame-000000.color.png", png_head(5));
-  write("frame-000001.depth.png", png_head(5));
-  write("frame-000001.pose.txt", "-inf -inf -inf -inf\n");
-  write("frame-000001.color.jpg", png_head(9));
-  write("rtabmap.yaml", "camera_matrix: {rows: 3}\n");
+  folder_.write("frame-000000.depth.png", png_head(5));
+  folder_.write("frame-000000.pose.txt", kPose);
+  folder_.write("frame-000000.color.png", png_head(5));
+  folder_.write("frame-000001.depth.png", png_head(5));
+  folder_.write("frame-000001.pose.txt", "-inf -inf -inf -inf\n");
+  folder_.write("frame-000001.color.jpg", png_head(9));
+  folder_.write("rtabmap.yaml", "camera_matrix: {rows: 3}\n");
   EXPECT_THAT(read_rgbd_folder(folder_.path()), HasError("none can be read in rtabmap.yaml"));
-  write("intrinsics.txt", "525 0 319.5\n0 525 239.5\n0 0 1\n");
+  folder_.write("intrinsics.txt", "525 0 319.5\n0 525 239.5\n0 0 1\n");
   EXPECT_THAT(read_rgbd_folder(folder_.path()), HasError("frame-000000.depth.png"));
   const auto spec = value_of(read_rgbd_folder(folder_.path(), {{}, 1000.0}));
   ASSERT_EQ(spec.views.size(), 2u);
@@ -220,15 +217,15 @@ TEST_F(RgbdFolder, NamedFrames) {
   EXPECT_FALSE(spec.views[1].colour);
   EXPECT_EQ(spec.views[1].pose, PoseKind::kAbsent);
   EXPECT_THAT(spec.notes, Contains(HasSubstr("1 of 2 colour images are not used")));
-  write("frame-000001.pose.txt", "1 0 0 5\n0 3 0 6\n0 0 1 7\n0 0 0 1\n");
+  folder_.write("frame-000001.pose.txt", "1 0 0 5\n0 3 0 6\n0 0 1 7\n0 0 0 1\n");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions),
               HasError("frame-000001.pose.txt: line 4: the pose is not a rigid motion"));
 }
 
 TEST_F(RgbdFolder, ExtrinsicsOfFramesAreViewFromWorld) {
-  write("frame-000000.depth.png", png_head(5));
-  write("frame-000001.depth.png", png_head(5));
-  write("frame-000000.extrinsic.txt", "0 -1 0 5\n1 0 0 6\n0 0 1 7\n0 0 0 1\n");
+  folder_.write("frame-000000.depth.png", png_head(5));
+  folder_.write("frame-000001.depth.png", png_head(5));
+  folder_.write("frame-000000.extrinsic.txt", "0 -1 0 5\n1 0 0 6\n0 0 1 7\n0 0 0 1\n");
   const auto spec =
       value_of(read_rgbd_folder(folder_.path(), {PinholeIntrinsics{525, 525, 2, 2}, 1000.0}));
   ASSERT_EQ(spec.views.size(), 2u);
@@ -238,10 +235,10 @@ TEST_F(RgbdFolder, ExtrinsicsOfFramesAreViewFromWorld) {
 }
 
 TEST_F(RgbdFolder, NamedFramesWithOtherSeparators) {
-  write("000000_depth.png", png_head(5));
-  write("000000_RGB.PNG", png_head(5));
+  folder_.write("000000_depth.png", png_head(5));
+  folder_.write("000000_RGB.PNG", png_head(5));
   EXPECT_FALSE(is_rgbd_folder(folder_.path()));
-  write("000000_pose.txt", kPose);
+  folder_.write("000000_pose.txt", kPose);
   const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
   ASSERT_EQ(spec.views.size(), 1u);
   EXPECT_EQ(spec.views[0].name, "000000");
@@ -250,41 +247,43 @@ TEST_F(RgbdFolder, NamedFramesWithOtherSeparators) {
 }
 
 TEST_F(RgbdFolder, NumberedFolders) {
-  for (const char* name : {"10", "9"}) write("depth/" + std::string(name) + ".png", png_head(5));
-  write("image/9.jpg", png_head(5));
-  write("trajectory.log",
-        std::string("0 0 1\n") + kPose + "1 1 2\n1 0 0 8\n0 1 0 0\n0 0 1 0\n" + "0 0 0 1\n");
+  for (const char* name : {"10", "9"})
+    folder_.write("depth/" + std::string(name) + ".png", png_head(5));
+  folder_.write("image/9.jpg", png_head(5));
+  folder_.write("trajectory.log", std::string("0 0 1\n") + kPose +
+                                      "1 1 2\n1 0 0 8\n0 1 0 0\n0 0 1 0\n" + "0 0 0 1\n");
   const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
   EXPECT_EQ(spec.views[0].name, "9");
   EXPECT_EQ(spec.views[0].world_from_view.translation().x(), 5.0);
   EXPECT_EQ(spec.views[1].world_from_view.translation().x(), 8.0);
   EXPECT_EQ(spec.views[1].camera->intrinsics.fy, -500);
   EXPECT_TRUE(spec.views[0].colour);
-  write("depth/11.png", png_head(5));
+  folder_.write("depth/11.png", png_head(5));
   EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions),
               HasError("trajectory.log: 2 poses for 3 depth maps"));
 }
 
 TEST_F(RgbdFolder, OfTwoTrajectoriesThatOfTheWholeIsTaken) {
-  for (const char* name : {"0", "1"}) write("depth/" + std::string(name) + ".png", png_head(5));
+  for (const char* name : {"0", "1"})
+    folder_.write("depth/" + std::string(name) + ".png", png_head(5));
   const auto log = [](const std::string& last) {
     return std::string("0 0 1\n") + kPose + "1 1 2\n1 0 0 " + last +
            "\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
   };
-  write("odometry.log", log("8"));
-  write("trajectory.log", log("9"));
+  folder_.write("odometry.log", log("8"));
+  folder_.write("trajectory.log", log("9"));
   const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
   EXPECT_EQ(spec.views[1].world_from_view.translation().x(), 9.0);
-  write("second.log", log("7"));
+  folder_.write("second.log", log("7"));
   EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions), IsOk());
   std::filesystem::remove(folder_.path() / "trajectory.log");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions), HasError("is a trajectory, and so is"));
 }
 
 TEST_F(RgbdFolder, TrajectoryWithIntrinsics) {
-  write("depth/0.png", png_head(5));
-  write("camera_trajectory.json",
-        R"({"parameters": [{"extrinsic": [1,0,0,0, 0,0,1,0, 0,-1,0,0, 1,2,3,1], "intrinsic":
+  folder_.write("depth/0.png", png_head(5));
+  folder_.write("camera_trajectory.json",
+                R"({"parameters": [{"extrinsic": [1,0,0,0, 0,0,1,0, 0,-1,0,0, 1,2,3,1], "intrinsic":
         {"width": 5, "height": 4, "intrinsic_matrix": [50,0,0, 0,51,0, 2,1.5,1]}}]})");
   const auto spec = value_of(read_rgbd_folder(folder_.path(), {{}, 1000.0}));
   EXPECT_EQ(spec.views[0].camera->intrinsics.fy, 51);
@@ -294,22 +293,22 @@ TEST_F(RgbdFolder, TrajectoryWithIntrinsics) {
 }
 
 TEST_F(RgbdFolder, OtherFoldersAreNone) {
-  write("a.txt", "1 2 3\n4 5 6\n");
-  write("scan.json", "{}");
+  folder_.write("a.txt", "1 2 3\n4 5 6\n");
+  folder_.write("scan.json", "{}");
   EXPECT_FALSE(is_rgbd_folder(folder_.path()));
   EXPECT_FALSE(is_rgbd_folder(folder_ / "nothing"));
   EXPECT_THAT(read_rgbd_folder(folder_.path()), HasError("no depth maps in a layout"));
-  write("depth.txt", "1 depth/1.png\n");
+  folder_.write("depth.txt", "1 depth/1.png\n");
   EXPECT_THAT(read_rgbd_folder(folder_.path()),
               HasError("none of the 1 depth maps that its list names is there"));
 }
 
 TEST_F(RgbdFolder, CalibrationsThatDifferAreNamed) {
-  write("depth/0.png", png_head(5));
-  write("camera.txt", "1 1 2 2\n");
-  write("intrinsics.txt", "2 2 2 2\n");
+  folder_.write("depth/0.png", png_head(5));
+  folder_.write("camera.txt", "1 1 2 2\n");
+  folder_.write("intrinsics.txt", "2 2 2 2\n");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), {{}, 1000.0}), HasError("differs from camera.txt"));
-  write("intrinsic_depth.txt", "3 3 2 2\n");
+  folder_.write("intrinsic_depth.txt", "3 3 2 2\n");
   const auto spec = value_of(read_rgbd_folder(folder_.path(), {{}, 1000.0}));
   EXPECT_EQ(spec.views[0].camera->intrinsics.fx, 3);
 }
@@ -336,11 +335,11 @@ void write_frames(const TemporaryFolder& folder, const Camera& camera, double sc
 }
 
 TEST_F(RgbdFolder, ReadsScanNetExports) {
-  write("depth/0.png", png_head(5));
-  write("pose/0.txt", kPose);
-  write("intrinsic/extrinsic_depth.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
-  write("intrinsic/intrinsic_color.txt", "11 0 5 0\n0 12 6 0\n0 0 1 0\n0 0 0 1\n");
-  write("intrinsic/intrinsic_depth.txt", "7 0 3 0\n0 8 4 0\n0 0 1 0\n0 0 0 1\n");
+  folder_.write("depth/0.png", png_head(5));
+  folder_.write("pose/0.txt", kPose);
+  folder_.write("intrinsic/extrinsic_depth.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  folder_.write("intrinsic/intrinsic_color.txt", "11 0 5 0\n0 12 6 0\n0 0 1 0\n0 0 0 1\n");
+  folder_.write("intrinsic/intrinsic_depth.txt", "7 0 3 0\n0 8 4 0\n0 0 1 0\n0 0 0 1\n");
   const auto spec = value_of(read_rgbd_folder(folder_.path(), {std::nullopt, 1000.0}));
   ASSERT_EQ(spec.views.size(), 1u);
   EXPECT_EQ(spec.views[0].camera->intrinsics.fx, 7.0);
@@ -348,12 +347,12 @@ TEST_F(RgbdFolder, ReadsScanNetExports) {
 }
 
 TEST_F(RgbdFolder, ReadsTartanAirsSides) {
-  write("depth_left/000000_left_depth.png", png_head(5));
-  write("depth_right/000000_right_depth.png", png_head(5));
-  write("image_left/000000_left.png", png_head(5));
+  folder_.write("depth_left/000000_left_depth.png", png_head(5));
+  folder_.write("depth_right/000000_right_depth.png", png_head(5));
+  folder_.write("image_left/000000_left.png", png_head(5));
   EXPECT_FALSE(is_rgbd_folder(folder_.path()));
-  write("pose_left.txt", "1 2 3 0 0 0 1\n");
-  write("pose_right.txt", "4 5 6 0 0 0 1\n");
+  folder_.write("pose_left.txt", "1 2 3 0 0 0 1\n");
+  folder_.write("pose_right.txt", "4 5 6 0 0 0 1\n");
   const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
   ASSERT_EQ(spec.views.size(), 1u);
   EXPECT_EQ(spec.views[0].name, "000000_left_depth");
@@ -363,11 +362,12 @@ TEST_F(RgbdFolder, ReadsTartanAirsSides) {
 }
 
 TEST_F(RgbdFolder, ReadsReplica) {
-  write("cam_params.json", R"({"camera": {"w": 4, "h": 3, "fx": 600.0, "fy": 601.0, "cx": 599.5,
+  folder_.write("cam_params.json",
+                R"({"camera": {"w": 4, "h": 3, "fx": 600.0, "fy": 601.0, "cx": 599.5,
                                "cy": 339.5, "scale": 6553.5}})");
-  write("room0/results/depth000000.png", png_head(5));
-  write("room0/results/frame000000.jpg", "");
-  write("room0/traj.txt", "1 0 0 5 0 0 -1 6 0 1 0 7 0 0 0 1\n");
+  folder_.write("room0/results/depth000000.png", png_head(5));
+  folder_.write("room0/results/frame000000.jpg", "");
+  folder_.write("room0/traj.txt", "1 0 0 5 0 0 -1 6 0 1 0 7 0 0 0 1\n");
   ASSERT_TRUE(is_rgbd_folder(folder_ / "room0"));
   const auto spec = value_of(read_rgbd_folder(folder_ / "room0"));
   ASSERT_EQ(spec.views.size(), 1u);
@@ -379,20 +379,20 @@ TEST_F(RgbdFolder, ReadsReplica) {
 }
 
 TEST_F(RgbdFolder, SkipsHiddenFiles) {
-  write("depth/0.png", png_head(5));
-  write("depth/._0.png", "Mac OS X");
-  write("._trajectory.txt", "Mac OS X");
-  write("trajectory.txt", "1 2 3 0 0 0 1\n");
+  folder_.write("depth/0.png", png_head(5));
+  folder_.write("depth/._0.png", "Mac OS X");
+  folder_.write("._trajectory.txt", "Mac OS X");
+  folder_.write("trajectory.txt", "1 2 3 0 0 0 1\n");
   EXPECT_EQ(value_of(read_rgbd_folder(folder_.path(), kOptions)).views.size(), 1u);
 }
 
 TEST_F(RgbdFolder, ReadsPosesOfLists) {
-  write("depth/0.png", png_head(5));
+  folder_.write("depth/0.png", png_head(5));
   for (const char* pose :
        {kPose, "1,0,0,5\n0,0,-1,6\n0,1,0,7\n0,0,0,1\n",
         "[[1, 0, 0, 5],\n [0, 0, -1, 6],\n [0, 1, 0, 7],\n [0, 0, 0, 1]]\n",
         "1 0 0 5\n0 0 -1 6\n0 1 0 7\n", "1 0 0 0\n0 0 1 0\n0 -1 0 0\n5 6 7 1\n"}) {
-    write("pose/0.txt", pose);
+    folder_.write("pose/0.txt", pose);
     const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
     const RigidMotion& found = spec.views.at(0).world_from_view;
     EXPECT_EQ(found.translation(), Eigen::Vector3d(5, 6, 7)) << pose;
@@ -401,23 +401,23 @@ TEST_F(RgbdFolder, ReadsPosesOfLists) {
 }
 
 TEST_F(RgbdFolder, ReadsAMatrixALine) {
-  write("depth/0.png", png_head(5));
+  folder_.write("depth/0.png", png_head(5));
   for (const char* line : {"1 0 0 5 0 0 -1 6 0 1 0 7\n", "1 0 0 5 0 0 -1 6 0 1 0 7 0 0 0 1\n"}) {
-    write("traj.txt", line);
+    folder_.write("traj.txt", line);
     const auto spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
     EXPECT_EQ(spec.views.at(0).world_from_view * Eigen::Vector3d::UnitY(),
               Eigen::Vector3d(5, 6, 8));
   }
-  write("traj.txt", "1 0 0 5 0 0 -1 6 0 1 0 7\n1 0 0 5 0 0 -1 6 0 1 0\n");
+  folder_.write("traj.txt", "1 0 0 5 0 0 -1 6 0 1 0 7\n1 0 0 5 0 0 -1 6 0 1 0\n");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions), HasError("line 2", "12 or 16 numbers"));
 }
 
 // Frames that were picked from a longer sequence.
 TEST_F(RgbdFolder, TakesPosesByTheNumbersOfFrames) {
-  write("depth/frame1.png", png_head(5));
-  write("depth/frame3.png", png_head(5));
+  folder_.write("depth/frame1.png", png_head(5));
+  folder_.write("depth/frame3.png", png_head(5));
   const auto z_of_views = [&](const std::string& poses) {
-    write("trajectory.txt", poses);
+    folder_.write("trajectory.txt", poses);
     std::vector<double> z;
     for (const ViewSpec& view : value_of(read_rgbd_folder(folder_.path(), kOptions)).views)
       z.push_back(view.world_from_view.translation().z());
@@ -427,14 +427,14 @@ TEST_F(RgbdFolder, TakesPosesByTheNumbersOfFrames) {
   EXPECT_EQ(z_of_views(pose(0) + pose(1) + pose(2) + pose(3)), (std::vector<double>{1, 3}));
   EXPECT_EQ(z_of_views(pose(1) + pose(2) + pose(3)), (std::vector<double>{1, 3}));
   EXPECT_EQ(z_of_views(pose(7) + pose(8)), (std::vector<double>{7, 8}));
-  write("depth/last.png", png_head(5));
+  folder_.write("depth/last.png", png_head(5));
   EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions), HasError("2 poses for 3 depth maps"));
 }
 
 TEST_F(RgbdFolder, LooksBesideAFolderWithoutCalibration) {
-  write("depth/0.png", png_head(5));
-  write("intrinsic/extrinsic_depth.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
-  write("camera.txt", "7 8 3 4\n");
+  folder_.write("depth/0.png", png_head(5));
+  folder_.write("intrinsic/extrinsic_depth.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  folder_.write("camera.txt", "7 8 3 4\n");
   const auto spec = value_of(read_rgbd_folder(folder_.path(), {std::nullopt, 1000.0}));
   EXPECT_EQ(spec.views.at(0).camera->intrinsics.fx, 7.0);
 }
@@ -442,11 +442,11 @@ TEST_F(RgbdFolder, LooksBesideAFolderWithoutCalibration) {
 // A camera at (1, 2, 3), turned by 90 degrees about its line of sight; y up, z back.
 TEST_F(RgbdFolder, ReadsRecordingsOfRecord3d) {
   const auto metadata = [&](const std::string& k) {
-    write("metadata.json", R"({"w": 20, "h": 40, "dw": 5, "dh": 10, "K": )" + k +
-                               R"(, "poses": [[0, 0, 0, 1, 0, 0, 0],
+    folder_.write("metadata.json", R"({"w": 20, "h": 40, "dw": 5, "dh": 10, "K": )" + k +
+                                       R"(, "poses": [[0, 0, 0, 1, 0, 0, 0],
                                   [0, 0, 0.5, 0.5, 1, 2, 3]]})");
   };
-  write("depth/1.png", png_head(5));
+  folder_.write("depth/1.png", png_head(5));
   metadata("[16, 0, 0, 0, 20, 0, 10, 22, 1]");
   const auto spec = value_of(read_rgbd_folder(folder_.path(), {std::nullopt, 1000.0}));
   ASSERT_EQ(spec.views.size(), 1u);
@@ -464,12 +464,12 @@ TEST_F(RgbdFolder, ReadsRecordingsOfRecord3d) {
 }
 
 TEST_F(RgbdFolder, ReadsRecordingsOfStrayScanner) {
-  write("camera_matrix.csv", "1440.0, 0.0, 959.5\n0.0, 1500.0, 719.5\n0.0, 0.0, 1.0");
+  folder_.write("camera_matrix.csv", "1440.0, 0.0, 959.5\n0.0, 1500.0, 719.5\n0.0, 0.0, 1.0");
   const std::string header = "timestamp, frame, x, y, z, qx, qy, qz, qw\n";
   const std::string first = "8.5, 000000, 0, 0, 0, 0, 0, 0, 1\n";
-  write("odometry.csv", header + first + "8.6, 000020, 1, 2, 3, 0, 0, 1, 0\n");
-  write("depth/000020.png", png_head(5));
-  write("depth/000021.png", png_head(5));
+  folder_.write("odometry.csv", header + first + "8.6, 000020, 1, 2, 3, 0, 0, 1, 0\n");
+  folder_.write("depth/000020.png", png_head(5));
+  folder_.write("depth/000021.png", png_head(5));
   const auto spec = value_of(read_rgbd_folder(folder_.path(), {}));
   ASSERT_EQ(spec.views.size(), 2u);
   const auto& camera = *spec.views[0].camera;
@@ -481,21 +481,22 @@ TEST_F(RgbdFolder, ReadsRecordingsOfStrayScanner) {
   EXPECT_TRUE(moved.isApprox(Eigen::Vector3d(0, 2, 4), 1e-12));
   EXPECT_EQ(spec.views[1].pose, PoseKind::kAbsent);
   EXPECT_FALSE(spec.views[0].mask);
-  write("confidence/000021.png", png_head(5));
+  folder_.write("confidence/000021.png", png_head(5));
   const auto masked = value_of(read_rgbd_folder(folder_.path(), {}));
   EXPECT_FALSE(masked.views[0].mask);
   EXPECT_EQ(masked.views[1].mask->file, folder_.path() / "confidence/000021.png");
 
-  write("odometry.csv", header + "8.6, 000020, 1, 2, 3, 0, 0, 1, 0, 750, 750, 959.5, 719.5\n");
+  folder_.write("odometry.csv",
+                header + "8.6, 000020, 1, 2, 3, 0, 0, 1, 0, 750, 750, 959.5, 719.5\n");
   const auto later = value_of(read_rgbd_folder(folder_.path(), {}));
   EXPECT_NEAR(later.views[0].camera->intrinsics.fx, 100.0, 1e-12);
   EXPECT_NEAR(later.views[1].camera->intrinsics.fx, 192.0, 1e-12);
 
-  write("odometry.csv", header + first + "8.6, 1, 2, 3\n");
+  folder_.write("odometry.csv", header + first + "8.6, 1, 2, 3\n");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), {}), HasError("odometry.csv", "line 3"));
-  write("odometry.csv", header + "8.6, 000020, 1, 2, 3, 0, 0, 2, 0\n");
+  folder_.write("odometry.csv", header + "8.6, 000020, 1, 2, 3, 0, 0, 2, 0\n");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), {}), HasError("line 2", "quaternion"));
-  write("camera_matrix.csv", "1440.0, 0.0\n");
+  folder_.write("camera_matrix.csv", "1440.0, 0.0\n");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), {}), HasError("camera_matrix.csv", "three numbers"));
 }
 
@@ -504,9 +505,10 @@ TEST_F(RgbdFolder, ReadsScenesOfTheBopBenchmark) {
     return R"({"cam_K": [)" + fx + R"(, 0, 2, 0, 9, 5, 0, 0, 1], "depth_scale": 0.1)" + more + "}";
   };
   const std::string turn = "[0, -1, 0, 1, 0, 0, 0, 0, 1]";
-  write("depth/000000.png", png_head(5));
-  write("depth/000003.png", png_head(5));
-  write("scene_camera.json", R"({"0": )" + camera("8", "") + R"(, "3": )" + camera("7", "") + "}");
+  folder_.write("depth/000000.png", png_head(5));
+  folder_.write("depth/000003.png", png_head(5));
+  folder_.write("scene_camera.json",
+                R"({"0": )" + camera("8", "") + R"(, "3": )" + camera("7", "") + "}");
   const auto none = value_of(read_rgbd_folder(folder_.path(), {}));
   ASSERT_EQ(none.views.size(), 2u);
   EXPECT_EQ(none.views[0].camera->intrinsics.fx, 8.0);
@@ -517,23 +519,24 @@ TEST_F(RgbdFolder, ReadsScenesOfTheBopBenchmark) {
 
   const std::string object =
       R"({"obj_id": 4, "cam_R_m2c": )" + turn + R"(, "cam_t_m2c": [0, 0, 500]})";
-  write("scene_gt.json", R"({"0": [)" + object + R"(], "3": [)" + object + "]}");
+  folder_.write("scene_gt.json", R"({"0": [)" + object + R"(], "3": [)" + object + "]}");
   const auto of_object = value_of(read_rgbd_folder(folder_.path(), {}));
   const Eigen::Vector3d seen = of_object.views[1].world_from_view * Eigen::Vector3d(0, 1, 0.5);
   EXPECT_TRUE(seen.isApprox(Eigen::Vector3d(1, 0, 0), 1e-12)) << seen.transpose();
   EXPECT_THAT(of_object.notes, Contains(HasSubstr("in the frame of the one object")));
-  write("scene_gt.json", R"({"0": [)" + object + R"(], "3": [)" + object + "," + object + "]}");
+  folder_.write("scene_gt.json",
+                R"({"0": [)" + object + R"(], "3": [)" + object + "," + object + "]}");
   EXPECT_EQ(value_of(read_rgbd_folder(folder_.path(), {})).views[0].pose, PoseKind::kAbsent);
 
   const std::string known = R"(, "cam_R_w2c": )" + turn + R"(, "cam_t_w2c": [0, 0, 250])";
-  write("scene_camera.json",
-        R"({"0": )" + camera("8", known) + R"(, "3": )" + camera("7", known) + "}");
+  folder_.write("scene_camera.json",
+                R"({"0": )" + camera("8", known) + R"(, "3": )" + camera("7", known) + "}");
   const auto of_world = value_of(read_rgbd_folder(folder_.path(), {}));
   EXPECT_NEAR((of_world.views[0].world_from_view * Eigen::Vector3d::Zero()).z(), -0.25, 1e-12);
 
-  write("scene_camera.json", R"({"0": {"cam_K": [1, 2]}})");
+  folder_.write("scene_camera.json", R"({"0": {"cam_K": [1, 2]}})");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), {}), HasError("scene_camera.json", "0.cam_K"));
-  write("scene_camera.json", R"({"first": )" + camera("8", "") + "}");
+  folder_.write("scene_camera.json", R"({"first": )" + camera("8", "") + "}");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), {}), HasError("first", "number of an image"));
 }
 
