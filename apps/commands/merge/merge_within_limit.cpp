@@ -11,7 +11,7 @@
 #include "relief/io/project_io.h"
 #include "relief/scan/static_background.h"
 #include "scan/base/parallel.h"
-#include "scan/io/project/loading/cloud_viewpoints.h"
+#include "scan/io/project/loading/settled_views.h"
 #include "scan/io/project/loading/view_loader.h"
 
 namespace relief {
@@ -92,8 +92,7 @@ Result<reconstruction::Model> merge_within_limit(const ProjectInput& input,
   unit = spec->unit;
   for (const std::string& note : spec->notes) Console::info(note);
   if (input.options.skip_damaged) drop_damaged(spec->views);
-  for (const std::string& note : settle_viewpoints(spec->views)) Console::info(note);
-  auto conventions = find_conventions(spec->views);
+  auto conventions = settle_views(spec->views);
   if (!conventions) return conventions.error();
   for (const std::string& note : conventions->notes) Console::info(note);
   auto background = find_background(input, spec->views);

@@ -149,27 +149,21 @@ GridFile row_of_points(const PointCloudFile& cloud) {
   return grid;
 }
 
-// The part of the points that have no place on the rays.
-double lost_part(const GridFile& grid, const PointCloudFile& cloud) {
-  const auto kept = std::ranges::count_if(
-      grid.points, [](const Eigen::Vector3d& point) { return point.allFinite(); });
-  return 1.0 - static_cast<double>(kept) / static_cast<double>(cloud.points.size());
-}
-
 // The cloud on rays from the origin of its frame, if these are the rays of its sensor: nearly every
 // point has one of its own, unlike on the rays of `found`, if these have a grid at all. Faces and
 // normals that look away from the origin speak against it.
 std::optional<GridFile> seen_from_origin(const PointCloudFile& cloud,
                                          const Result<GridFile>& found) {
-  const double lost = found ? lost_part(*found, cloud) : 1.0;
+  const double lost = found ? lost_part(*found, cloud.points.size()) : 1.0;
   if (lost <= kLostFromSensor) return std::nullopt;
   const CloudRays rays = rays_from(Eigen::Vector3d::Zero(), cloud.points);
   const double most = surround(cloud.points, rays) ? kLostAround : kLostFromSensor;
   auto grid = grid_on_rays(cloud, rays, true);
-  if (!grid || lost_part(*grid, cloud) > std::min(most, 0.5 * lost)) return std::nullopt;
+  if (!grid || lost_part(*grid, cloud.points.size()) > std::min(most, 0.5 * lost))
+    return std::nullopt;
   const bool has_sides = !cloud.facing.empty() || !cloud.normals.empty();
   if (has_sides && hidden_fraction(cloud, rays) > kManyHidden) return std::nullopt;
-  grid->side = FoundSide::kOrigin;
+  grid->assumed_viewpoint = AssumedViewpoint::kOrigin;
   grid->notes.insert(grid->notes.begin(),
                      "no viewpoint is given; taken as seen " + rays_text(rays) +
                          " (the origin of the frame: from there each point has a ray of its own)");
@@ -183,8 +177,9 @@ Result<GridFile> lattice_from_cloud(PointCloudFile& cloud, const CloudGridOption
     if (auto from_origin = seen_from_origin(cloud, grid)) return *std::move(from_origin);
   if (!grid) return grid;
   if (chosen.found && cloud.facing.empty())
-    grid->side =
-        chosen.rays.kind == CloudRays::Kind::kParallel ? FoundSide::kFarOff : FoundSide::kOrigin;
+    grid->assumed_viewpoint = chosen.rays.kind == CloudRays::Kind::kParallel
+                                  ? AssumedViewpoint::kFarOff
+                                  : AssumedViewpoint::kOrigin;
   std::vector<std::string> notes;
   if (!chosen.side_known)
     notes.push_back("no viewpoint is given; taken as seen along " +
@@ -215,6 +210,12 @@ Result<GridFile> grid_from_cloud(PointCloudFile cloud, const CloudGridOptions& o
   grid->world_from_view = cloud.world_from_view;
   grid->notes.insert(grid->notes.begin(), cloud.notes.begin(), cloud.notes.end());
   return grid;
+}
+
+double lost_part(const GridFile& grid, std::size_t points) {
+  const auto kept = std::ranges::count_if(
+      grid.points, [](const Eigen::Vector3d& point) { return point.allFinite(); });
+  return 1.0 - static_cast<double>(kept) / static_cast<double>(points);
 }
 
 }  // namespace relief

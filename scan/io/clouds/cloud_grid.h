@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include <Eigen/Core>
@@ -35,5 +36,8 @@ struct CloudGridOptions {
 /// Errors: kBadInput for normals or colours of another number than points; kUnsolvable for no
 /// points, points on a line, or nothing left.
 Result<GridFile> grid_from_cloud(PointCloudFile cloud, const CloudGridOptions& options = {});
+
+/// The part of `points` points that have no place on a grid.
+double lost_part(const GridFile& grid, std::size_t points);
 
 }  // namespace relief

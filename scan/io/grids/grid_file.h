@@ -15,8 +15,8 @@
 namespace relief {
 
 /// From where points were taken as seen.
-enum class FoundSide {
-  kGiven,   ///< The file or the user says it, or the points are on a grid of the sensor.
+enum class AssumedViewpoint {
+  kNone,    ///< The file or the user says it, or the points are on a grid of the sensor.
   kOrigin,  ///< The origin of the frame, as the points themselves tell.
   kFarOff,  ///< A side of them, along parallel rays.
 };
@@ -29,8 +29,8 @@ struct GridFile {
   Grid<Colour> colours;           ///< May be empty.
   std::optional<RigidMotion> world_from_view;  ///< Where the file tells, as VIEWPOINT of a PCD.
   std::optional<Camera> camera;                ///< Where the file tells the rays.
-  FoundSide side = FoundSide::kGiven;          ///< Of points that had no grid.
-  std::vector<std::string> notes;              ///< What was left out or assumed, for the user.
+  AssumedViewpoint assumed_viewpoint = AssumedViewpoint::kNone;  ///< Of points that had no grid.
+  std::vector<std::string> notes;  ///< What was left out or assumed, for the user.
 };
 
 /// Reads an organized grid: .ply with `range_grid` or with one vertex per grid place, organized

@@ -16,7 +16,7 @@
 #include "scan/base/parallel.h"
 #include "scan/base/system/system_memory.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/project/loading/cloud_viewpoints.h"
+#include "scan/io/project/loading/settled_views.h"
 #include "scan/io/project/loading/view_loader.h"
 #include "scan/io/project/view_spec.h"
 
@@ -88,17 +88,21 @@ Result<std::vector<LoadedView>> readable_views(LoadedViews loaded, bool skip_dam
 }
 
 // Settles together from where clouds were seen, and tells the project.
-void settle_sides(std::vector<ViewSpec>& specs, std::vector<LoadedView>& views,
-                  ScanProject& project) {
+void settle_viewpoints(std::vector<ViewSpec>& specs, std::vector<LoadedView>& views,
+                       ScanProject& project) {
   const auto spec_of = [&](const LoadedView& view) -> ViewSpec& {
     return *std::ranges::find(specs, view.view.name, &ViewSpec::name);
   };
-  std::vector<FoundSide> sides;
-  for (const LoadedView& view : views) sides.push_back(side_in_set(spec_of(view), view));
-  for (const std::size_t i : views_to_see_from_origin(sides))
+  std::vector<AssumedViewpoint> viewpoints;
+  for (const LoadedView& view : views)
+    viewpoints.push_back(view.assumed_viewpoint == AssumedViewpoint::kNone
+                             ? AssumedViewpoint::kNone
+                             : viewpoint_in_set(spec_of(view), view));
+  for (const std::size_t i : views_to_see_from_origin(viewpoints))
     see_from_origin(spec_of(views[i]), views[i]);
   for (const LoadedView& view : views)
-    if (view.side == FoundSide::kOrigin) project.seen_from_origin.push_back(view.view.name);
+    if (view.assumed_viewpoint == AssumedViewpoint::kOrigin)
+      project.seen_from_origin.push_back(view.view.name);
 }
 
 // Settles the conventions of all normals together and gives the views their normals.
@@ -222,7 +226,7 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
       return Error{ErrorKind::kInterrupted, path.string() + ": reading was interrupted"};
     auto views = readable_views(std::move(loaded), options.skip_damaged, project.notes);
     if (!views) return views.error();
-    settle_sides(spec->views, *views, project);
+    settle_viewpoints(spec->views, *views, project);
     const auto notes = settle_normals(*views);
     if (!notes) return notes.error();
     for (LoadedView& view : *views) {

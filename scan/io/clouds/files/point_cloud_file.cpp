@@ -11,7 +11,7 @@
 #include "relief/io/mesh_io.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/triangle_mesh.h"
-#include "scan/io/clouds/files/float_cloud.h"
+#include "scan/io/clouds/files/velodyne_bin.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
@@ -160,7 +160,7 @@ Result<PointCloudFile> read_pcd_cloud(const std::filesystem::path& path) {
 
 bool has_cloud_ending(const std::filesystem::path& path) {
   const std::string ending = lower_ending(path);
-  if (ending == ".bin") return is_float_cloud(path);
+  if (ending == ".bin") return is_velodyne_bin(path);
   return is_text_ending(ending) || is_mesh_ending(ending) || is_one_of(ending, {".pcd", ".ply"});
 }
 
@@ -183,7 +183,7 @@ Result<PointCloudFile> read_point_cloud(const std::filesystem::path& path) {
   auto cloud = [&]() -> Result<PointCloudFile> {
     if (is_text_ending(ending)) return read_text_cloud(path);
     if (ending == ".pcd") return read_pcd_cloud(path);
-    if (ending == ".bin") return read_float_cloud(path);
+    if (ending == ".bin") return read_velodyne_bin(path);
     if (ending == ".ply") return read_ply_cloud(path);
     if (is_mesh_ending(ending)) return read_mesh_cloud(path);
     return bad_input(path, "unknown format '" + ending +

@@ -32,15 +32,15 @@ struct PointCloudFile {
 /// - `.xyz .txt .asc .pts .csv .xyzn .xyzrgb`: text, see parse_xyz;
 /// - `.pcd`: points of a PCD, organized or not; its VIEWPOINT is the pose;
 /// - `.ply`: the vertices of a cloud or of a mesh, with `nx ny nz` and `red green blue`;
-/// - `.bin`: floats of a lidar, see float_cloud.h;
+/// - `.bin`: floats of a lidar, see velodyne_bin.h;
 /// - `.obj .stl .vtp`: the vertices of a mesh; equal corners of an STL are one point.
 /// Points that are not finite are left out, as are several at the origin, which many programs write
 /// where nothing was measured, and points exactly where an earlier one is. `notes` say how many.
 /// Errors (kBadInput) name the file and the place in it; a file without a point is one.
 Result<PointCloudFile> read_point_cloud(const std::filesystem::path& path);
 
-/// Whether read_point_cloud knows the ending of `path`. Of a `.bin`, which others write too, its
-/// first points tell.
+/// Whether read_point_cloud knows the ending of `path`. Of a `.bin`, which others write too, the
+/// points tell.
 bool has_cloud_ending(const std::filesystem::path& path);
 
 /// Text with a point in each line: numbers with blanks, tabs, commas or semicolons between them.

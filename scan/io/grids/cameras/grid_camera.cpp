@@ -1,10 +1,8 @@
 #include "scan/io/grids/cameras/grid_camera.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "relief/scan/range_view.h"
-#include "scan/base/median.h"
 #include "scan/io/grids/cameras/grid_samples.h"
 #include "scan/views/projection_fits.h"
 
@@ -15,15 +13,6 @@ namespace {
 // Of the sample spacing. Single precision, 2^-24, allows so much up to 16,000 spacings off; beyond,
 // a camera without a formula keeps the points where they are.
 constexpr double kOnRay = 1e-3;
-
-double median_spacing(const Grid<Eigen::Vector3d>& points) {
-  std::vector<double> lengths;
-  for (int v = 0; v < points.height(); ++v)
-    for (int u = 0; u + 1 < points.width(); ++u)
-      if (const double length = (points(u + 1, v) - points(u, v)).norm(); length == length)
-        lengths.push_back(length);
-  return median(lengths);
-}
 
 // The better of the model's own projection and the fitted one.
 RationalProjectionFit best_projection(const GridSamples& samples, const Camera& model) {
@@ -94,8 +83,8 @@ GridCamera camera_through_points(const Grid<Eigen::Vector3d>& points, const Came
       largest = std::max(largest, (ray.at(result.range(u, v)) - points(u, v)).norm());
     }
   }
-  result.exact_model =
-      model.model() != Camera::Model::kRayTable && largest <= kOnRay * median_spacing(points);
+  result.exact_model = model.model() != Camera::Model::kRayTable &&
+                       largest <= kOnRay * median_distance_beside(points, 1, 0);
   if (model.spherical_projection()) {
     add_spherical_camera(points, model, result);
     return result;

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Dense>
+
+#include "scan/base/median.h"
 
 namespace relief {
 
@@ -46,6 +49,16 @@ RationalProjection projection_of(const Camera& camera) {
       break;
   }
   return camera.projection().value_or(RationalProjection{});
+}
+
+double median_distance_beside(const Grid<Eigen::Vector3d>& points, int du, int dv) {
+  std::vector<double> distances;
+  for (int v = 0; v + dv < points.height(); ++v)
+    for (int u = 0; u + du < points.width(); ++u)
+      if (const double distance = (points(u + du, v + dv) - points(u, v)).norm();
+          std::isfinite(distance))
+        distances.push_back(distance);
+  return median(std::move(distances));
 }
 
 double rms_pixels(const GridSamples& samples, const RationalProjection& projection) {

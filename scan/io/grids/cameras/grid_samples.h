@@ -23,6 +23,10 @@ struct GridSamples {
 /// The finite points, row by row.
 GridSamples collect_samples(const Grid<Eigen::Vector3d>& points);
 
+/// Median distance of samples from those `du` columns and `dv` rows beside them [unit of the
+/// points]; 0 where there are none.
+double median_distance_beside(const Grid<Eigen::Vector3d>& points, int du, int dv);
+
 /// A camera with a formula, as a ratio of affine functions.
 RationalProjection projection_of(const Camera& camera);
 

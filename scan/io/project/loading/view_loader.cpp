@@ -13,7 +13,7 @@
 #include "scan/io/images/image_io.h"
 #include "scan/io/images/invalid_depth.h"
 #include "scan/io/normals/normal_map.h"
-#include "scan/io/project/loading/grid_rows.h"
+#include "scan/io/project/loading/unorganized_grid.h"
 #include "scan/io/project/scan_file.h"
 
 namespace relief {
@@ -157,8 +157,8 @@ Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& l
   GridOnRays on_rays = put_on_rays(spec, *grid);
   const bool has_images = spec.mask || spec.normals || spec.confidence || spec.colour ||
                           spec.deviation;  // On the rows and columns of the file.
-  if (!spec.camera && !grid->camera && !has_images && is_no_picture(*grid, on_rays.fitted)) {
-    if (auto other = without_rows(*grid, spec.grid_options.viewpoint)) {
+  if (!spec.camera && !grid->camera && !has_images && is_unorganized(*grid, on_rays.fitted)) {
+    if (auto other = regrid_points(*grid, spec.grid_options.viewpoint)) {
       *grid = *std::move(other);
       if (auto claimed = claim(); !claimed) return claimed;
       on_rays = put_on_rays(spec, *grid);
@@ -166,7 +166,7 @@ Result<void> load_grid(const ViewSpec& spec, MemoryBudget& memory, LoadedView& l
   }
   for (const std::string& note : grid->notes)
     loaded.notes.push_back("view " + spec.name + ": " + note);
-  loaded.side = grid->side;
+  loaded.assumed_viewpoint = grid->assumed_viewpoint;
   auto& [fitted, found] = on_rays;
   if (!found.empty() || !fitted.camera.can_project())
     loaded.notes.push_back("view " + spec.name + ": camera " +
@@ -324,27 +324,6 @@ void set_normals(LoadedView& loaded, const ChosenConvention& chosen) {
   if (!loaded.normals) return;
   append(loaded.notes, apply_convention(*loaded.normals, chosen, loaded.view));
   loaded.normals.reset();
-}
-
-Result<ConventionChoice> find_conventions(const std::vector<ViewSpec>& specs) {
-  std::vector<NormalEvidence> evidence;
-  std::vector<std::size_t> with_normals;
-  for (std::size_t i = 0; i < specs.size(); ++i) {
-    if (!specs[i].normals && !specs[i].grid) continue;
-    auto loaded = load_view(specs[i]);
-    if (!loaded) return loaded.error();
-    if (!loaded->normals) continue;
-    evidence.push_back(std::move(loaded->normals->evidence));
-    with_normals.push_back(i);
-  }
-  auto found = choose_conventions(evidence);
-  if (!found) return found;
-  ConventionChoice choice;
-  choice.notes = std::move(found->notes);
-  choice.views.resize(specs.size());
-  for (std::size_t k = 0; k < with_normals.size(); ++k)
-    choice.views[with_normals[k]] = found->views[k];
-  return choice;
 }
 
 }  // namespace relief

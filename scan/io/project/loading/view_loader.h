@@ -21,7 +21,7 @@ struct LoadedView {
   RangeView view;
   std::optional<StoredNormals> normals;
   std::vector<std::string> notes;
-  FoundSide side = FoundSide::kGiven;
+  AssumedViewpoint assumed_viewpoint = AssumedViewpoint::kNone;
 };
 
 /// Memory [bytes] that views may take together; may be used from several threads.
@@ -49,9 +49,5 @@ Result<LoadedView> load_view(const ViewSpec& spec);
 
 /// Gives the view its normals and frees the stored ones.
 void set_normals(LoadedView& loaded, const ChosenConvention& chosen);
-
-/// The conventions of the normals of all views, found by comparing them with the depth. Reads one
-/// view at a time. One choice for each spec; those of views without normals have no meaning.
-Result<ConventionChoice> find_conventions(const std::vector<ViewSpec>& specs);
 
 }  // namespace relief

@@ -12,11 +12,11 @@
 
 #include "relief/io/project_io.h"
 #include "scan/io/clouds/cloud_grid.h"
-#include "scan/io/clouds/files/float_cloud.h"
+#include "scan/io/clouds/files/velodyne_bin.h"
 #include "scan/io/files/binary_writer.h"
 #include "scan/io/grids/cameras/camera_fit.h"
-#include "scan/io/project/loading/cloud_viewpoints.h"
-#include "scan/io/project/loading/grid_rows.h"
+#include "scan/io/project/loading/settled_views.h"
+#include "scan/io/project/loading/unorganized_grid.h"
 #include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/scenes/synthetic_views.h"
@@ -68,20 +68,20 @@ PointCloudFile yard(double half_field_deg) {
 
 TEST(LidarClouds, OfAWideSectorAreSeenFromTheOrigin) {
   const auto grid = value_of(grid_from_cloud(yard(60.0)));
-  EXPECT_EQ(grid.side, FoundSide::kOrigin);
+  EXPECT_EQ(grid.assumed_viewpoint, AssumedViewpoint::kOrigin);
   EXPECT_TRUE(grid.camera->ray(3, 3).origin.isZero());
   EXPECT_THAT(grid.notes, Contains(HasSubstr("the origin of the frame")));
 }
 
 TEST(LidarClouds, OfOneSetAreSeenFromTheSamePlace) {
-  using enum FoundSide;
-  const auto others = [](const std::vector<FoundSide>& sides) {
+  using enum AssumedViewpoint;
+  const auto others = [](const std::vector<AssumedViewpoint>& sides) {
     return views_to_see_from_origin(sides).size();
   };
   EXPECT_EQ(others({kOrigin, kFarOff, kOrigin}), 1u);
   EXPECT_EQ(others({kOrigin, kFarOff}), 0u);
   EXPECT_EQ(others({kOrigin, kFarOff, kFarOff}), 0u);
-  EXPECT_EQ(others({kGiven, kFarOff}), 0u);
+  EXPECT_EQ(others({kNone, kFarOff}), 0u);
 }
 
 void write_text(const PointCloudFile& cloud, const std::filesystem::path& path, bool with_normals) {
@@ -127,12 +127,12 @@ std::string floats_of(const PointCloudFile& cloud, std::size_t columns) {
   return bytes;
 }
 
-TEST(FloatClouds, AreThoseOfKittiAndNuScenes) {
+TEST(VelodyneBin, AreThoseOfKittiAndNuScenes) {
   const TemporaryFolder folder;
   const PointCloudFile cloud = yard(180.0);
   for (const std::size_t columns : {4, 5}) {
     folder.write("sweep.bin", floats_of(cloud, columns));
-    ASSERT_TRUE(is_float_cloud(folder / "sweep.bin")) << columns;
+    ASSERT_TRUE(is_velodyne_bin(folder / "sweep.bin")) << columns;
     const auto read = value_of(read_point_cloud(folder / "sweep.bin"));
     ASSERT_EQ(read.points.size(), cloud.points.size());
     EXPECT_LT((read.points[7] - cloud.points[7]).norm(), 1e-5);
@@ -141,21 +141,21 @@ TEST(FloatClouds, AreThoseOfKittiAndNuScenes) {
   }
 }
 
-TEST(FloatClouds, AreTakenForNoOtherFile) {
+TEST(VelodyneBin, AreTakenForNoOtherFile) {
   const TemporaryFolder folder;
   for (const std::string& bytes :
        {std::string(), std::string("640&480&1&") + std::string(4096, '\x3f'),
         std::string(1600, '\0'), std::string(1601, '\0'), floats_of(yard(180.0), 4).substr(1)}) {
     folder.write("other.bin", bytes);
-    EXPECT_FALSE(is_float_cloud(folder / "other.bin"));
-    EXPECT_THAT(read_float_cloud(folder / "other.bin"), HasError("no points of a lidar"));
+    EXPECT_FALSE(is_velodyne_bin(folder / "other.bin"));
+    EXPECT_THAT(read_velodyne_bin(folder / "other.bin"), HasError("no points of a lidar"));
     EXPECT_THAT(read_project(folder / "other.bin"), HasError("COLMAP workspace"));
   }
 }
 
 // A lidar with five mirrors: each column of the file has the points of one, row by row of its
 // field.
-TEST(GridRows, OfAFileThatAreNoPictureAreNotTaken) {
+TEST(UnorganizedGrid, OfAFileThatAreNoPictureAreNotTaken) {
   constexpr int kMirrors = 5, kAcross = 60, kRows = 30;
   GridFile grid;
   grid.points = Grid<Eigen::Vector3d>(kMirrors, kAcross * kRows);
@@ -168,8 +168,8 @@ TEST(GridRows, OfAFileThatAreNoPictureAreNotTaken) {
   const auto fitted = [](const GridFile& file) {
     return camera_through_points(file.points, fit_camera(file).model);
   };
-  EXPECT_TRUE(is_no_picture(grid, fitted(grid)));
-  const auto found = without_rows(grid, Eigen::Vector3d::Zero());
+  EXPECT_TRUE(is_unorganized(grid, fitted(grid)));
+  const auto found = regrid_points(grid, Eigen::Vector3d::Zero());
   ASSERT_TRUE(found);
   EXPECT_GT(found->points.width(), kMirrors * kAcross / 2);
   EXPECT_THAT(found->notes.front(), HasSubstr("no picture"));
@@ -181,7 +181,7 @@ TEST(GridRows, OfAFileThatAreNoPictureAreNotTaken) {
       const Eigen::Vector3d direction = direction_at(0.5 * u - 20.0, 10.0 - 0.5 * v);
       picture.points(u, v) = range_of_yard(direction) * direction;
     }
-  EXPECT_FALSE(is_no_picture(picture, fitted(picture)));
+  EXPECT_FALSE(is_unorganized(picture, fitted(picture)));
 }
 
 }  // namespace

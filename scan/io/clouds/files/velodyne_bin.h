@@ -10,10 +10,10 @@ namespace relief {
 /// Whether a file holds points of a lidar as bare floats, as the sweeps of KITTI (x y z intensity)
 /// and of nuScenes (and the number of the ring behind). Nothing in them says so: the size of the
 /// file, and the numbers of points all over it, tell.
-bool is_float_cloud(const std::filesystem::path& path);
+bool is_velodyne_bin(const std::filesystem::path& path);
 
 /// Reads such a file: little-endian floats of 32 bits, in metres, seen from the origin. Intensities
 /// become grey. kBadInput where it is none.
-Result<PointCloudFile> read_float_cloud(const std::filesystem::path& path);
+Result<PointCloudFile> read_velodyne_bin(const std::filesystem::path& path);
 
 }  // namespace relief

@@ -1,6 +1,7 @@
-#include "scan/io/project/loading/cloud_viewpoints.h"
+#include "scan/io/project/loading/settled_views.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace relief {
@@ -29,19 +30,19 @@ double averted_part(const LoadedView& loaded) {
 
 }  // namespace
 
-std::vector<std::size_t> views_to_see_from_origin(const std::vector<FoundSide>& sides) {
-  const auto at_origin = std::ranges::count(sides, FoundSide::kOrigin);
+std::vector<std::size_t> views_to_see_from_origin(const std::vector<AssumedViewpoint>& viewpoints) {
+  const auto at_origin = std::ranges::count(viewpoints, AssumedViewpoint::kOrigin);
   std::vector<std::size_t> others;
-  for (std::size_t i = 0; i < sides.size(); ++i)
-    if (sides[i] == FoundSide::kFarOff) others.push_back(i);
+  for (std::size_t i = 0; i < viewpoints.size(); ++i)
+    if (viewpoints[i] == AssumedViewpoint::kFarOff) others.push_back(i);
   if (std::cmp_less_equal(at_origin, others.size())) others.clear();
   return others;
 }
 
-FoundSide side_in_set(const ViewSpec& spec, const LoadedView& loaded) {
+AssumedViewpoint viewpoint_in_set(const ViewSpec& spec, const LoadedView& loaded) {
   const bool other_frame = spec.grid_options.shared_frame ||
                            (spec.pose == PoseKind::kAbsent && loaded.view.pose != spec.pose);
-  return other_frame ? FoundSide::kGiven : loaded.side;
+  return other_frame ? AssumedViewpoint::kNone : loaded.assumed_viewpoint;
 }
 
 bool see_from_origin(ViewSpec& spec, LoadedView& loaded) {
@@ -52,7 +53,7 @@ bool see_from_origin(ViewSpec& spec, LoadedView& loaded) {
       static_cast<double>(seen->view.sample_count()) <
           kKept * static_cast<double>(loaded.view.sample_count()))
     return false;
-  seen->side = FoundSide::kOrigin;
+  seen->assumed_viewpoint = AssumedViewpoint::kOrigin;
   seen->notes.push_back("view " + spec.name +
                         ": taken as seen from the origin of the frame, as most clouds of the set "
                         "are; alone it would be taken as seen from far off");
@@ -61,19 +62,39 @@ bool see_from_origin(ViewSpec& spec, LoadedView& loaded) {
   return true;
 }
 
-std::vector<std::string> settle_viewpoints(std::vector<ViewSpec>& specs) {
-  std::vector<FoundSide> sides;
-  for (const ViewSpec& spec : specs) {
-    const bool asked = spec.grid && !spec.grid_options.viewpoint;
-    const auto loaded = asked ? load_view(spec) : LoadedView();
-    sides.push_back(asked && loaded ? side_in_set(spec, *loaded) : FoundSide::kGiven);
-  }
-  std::vector<std::string> notes;
-  for (const std::size_t i : views_to_see_from_origin(sides)) {
+Result<ConventionChoice> settle_views(std::vector<ViewSpec>& specs) {
+  std::vector<AssumedViewpoint> viewpoints(specs.size(), AssumedViewpoint::kNone);
+  std::vector<std::optional<NormalEvidence>> evidence(specs.size());
+  const auto take_evidence = [&](LoadedView& loaded, std::size_t i) {
+    evidence[i].reset();
+    if (loaded.normals) evidence[i] = std::move(loaded.normals->evidence);
+  };
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    if (!specs[i].normals && !specs[i].grid) continue;
     auto loaded = load_view(specs[i]);
-    if (loaded && see_from_origin(specs[i], *loaded)) notes.push_back(loaded->notes.back());
+    if (!loaded) return loaded.error();
+    viewpoints[i] = viewpoint_in_set(specs[i], *loaded);
+    take_evidence(*loaded, i);
   }
-  return notes;
+  ConventionChoice choice;
+  for (const std::size_t i : views_to_see_from_origin(viewpoints)) {
+    auto loaded = load_view(specs[i]);
+    if (!loaded) return loaded.error();
+    if (!see_from_origin(specs[i], *loaded)) continue;
+    choice.notes.push_back(loaded->notes.back());
+    take_evidence(*loaded, i);
+  }
+  std::vector<NormalEvidence> of_normals;
+  for (auto& one : evidence)
+    if (one) of_normals.push_back(std::move(*one));
+  auto found = choose_conventions(of_normals);
+  if (!found) return found;
+  choice.notes.insert(choice.notes.end(), found->notes.begin(), found->notes.end());
+  choice.views.resize(specs.size());
+  auto chosen = found->views.begin();
+  for (std::size_t i = 0; i < specs.size(); ++i)
+    if (evidence[i]) choice.views[i] = *chosen++;
+  return choice;
 }
 
 }  // namespace relief

@@ -1,4 +1,4 @@
-#include "scan/io/clouds/files/float_cloud.h"
+#include "scan/io/clouds/files/velodyne_bin.h"
 
 #include <algorithm>
 #include <cmath>
@@ -72,7 +72,7 @@ std::optional<std::size_t> columns_of(const BytesAt& bytes_at, std::size_t file_
 
 }  // namespace
 
-bool is_float_cloud(const std::filesystem::path& path) {
+bool is_velodyne_bin(const std::filesystem::path& path) {
   std::error_code code;
   const auto bytes = std::filesystem::file_size(path, code);
   if (code) return false;
@@ -87,7 +87,7 @@ bool is_float_cloud(const std::filesystem::path& path) {
   return columns_of(bytes_at, bytes).has_value();
 }
 
-Result<PointCloudFile> read_float_cloud(const std::filesystem::path& path) {
+Result<PointCloudFile> read_velodyne_bin(const std::filesystem::path& path) {
   const auto content = read_file(path);
   if (!content) return content.error();
   const auto bytes_at = [&](std::size_t place, std::size_t count) {

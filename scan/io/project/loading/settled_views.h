@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "scan/io/project/loading/view_loader.h"
+#include "scan/io/project/view_spec.h"
+
+namespace relief {
+
+/// Of views whose viewpoints were found from their points alone, those that are better seen from
+/// the origin of their frame: where more clouds were taken as seen from there, all come from
+/// sensors that leave their clouds so.
+std::vector<std::size_t> views_to_see_from_origin(const std::vector<AssumedViewpoint>& viewpoints);
+
+/// The viewpoint of a view as it counts for its set. Points in a frame that is not the sensor's
+/// own, as that of a file or one shared by all, tell nothing: kNone.
+AssumedViewpoint viewpoint_in_set(const ViewSpec& spec, const LoadedView& loaded);
+
+/// Reads a view once more with the origin as its viewpoint, and notes it in the spec. False, with
+/// nothing changed, where that view holds a fifth fewer of the points, or where its normals look
+/// away from the origin.
+bool see_from_origin(ViewSpec& spec, LoadedView& loaded);
+
+/// Settles what views decide together, reading one at a time: viewpoints of clouds, which `specs`
+/// then have, and conventions of normals, by comparing them with the depth. One choice for each
+/// spec; those of views without normals have no meaning.
+Result<ConventionChoice> settle_views(std::vector<ViewSpec>& specs);
+
+}  // namespace relief
