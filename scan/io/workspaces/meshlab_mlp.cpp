@@ -44,7 +44,9 @@ bool take_sixteen(std::string_view text, double* numbers) {
   return count == 16;
 }
 
-Result<void> take_mlp_pose(const MlpSource& source, const pugi::xml_node& mesh, ViewSpec& view) {
+// A matrix with a scale, which MeshLab's glueing allows, is no pose: it is left out with a note.
+Result<void> take_mlp_pose(const MlpSource& source, const pugi::xml_node& mesh, ViewSpec& view,
+                           std::vector<std::string>& notes) {
   const pugi::xml_node node = mesh.child("MLMatrix44");
   if (!node) return {};
   Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix;
@@ -52,14 +54,18 @@ Result<void> take_mlp_pose(const MlpSource& source, const pugi::xml_node& mesh, 
     return source.error(node.offset_debug(), "expected sixteen numbers in the MLMatrix44 of " +
                                                  view.name + "; save the project again as .mlp");
   const auto motion = rigid_motion_from_matrix(matrix, "the matrix of " + view.name);
-  if (!motion) return source.error(node.offset_debug(), motion.error().message);
+  if (!motion) {
+    notes.push_back("view " + view.name + ": taken without a pose: " +
+                    source.error(node.offset_debug(), motion.error().message).message);
+    return {};
+  }
   view.world_from_view = *motion;
   view.pose = PoseKind::kGuess;
   return {};
 }
 
 Result<ViewSpec> view_of_mesh(const MlpSource& source, const pugi::xml_node& mesh,
-                              const std::set<std::string>& names) {
+                              const std::set<std::string>& names, std::vector<std::string>& notes) {
   const std::string file = mesh.attribute("filename").value();
   if (file.empty())
     return source.error(mesh.offset_debug(),
@@ -70,7 +76,7 @@ Result<ViewSpec> view_of_mesh(const MlpSource& source, const pugi::xml_node& mes
   if (names.contains(view.name)) view.name = view.grid->filename().string();
   if (names.contains(view.name))
     return source.error(mesh.offset_debug(), "a second mesh is named " + view.name);
-  if (auto taken = take_mlp_pose(source, mesh, view); !taken) return taken.error();
+  if (auto taken = take_mlp_pose(source, mesh, view, notes); !taken) return taken.error();
   return view;
 }
 
@@ -89,7 +95,7 @@ Result<ProjectSpec> parse_meshlab_mlp(const std::string& text, const fs::path& p
   std::set<std::string> names;
   for (const auto& group : root.children("MeshGroup"))
     for (const auto& mesh : group.children("MLMesh")) {
-      auto view = view_of_mesh(source, mesh, names);
+      auto view = view_of_mesh(source, mesh, names, project.notes);
       if (!view) return view.error();
       names.insert(view->name);
       project.views.push_back(std::move(*view));

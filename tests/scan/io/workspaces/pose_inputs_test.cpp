@@ -12,6 +12,9 @@
 namespace relief {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 std::string mlp(const std::string& meshes) {
@@ -51,11 +54,23 @@ TEST(MeshLabMlp, ErrorsNameTheLine) {
   EXPECT_THAT(parse(mlp(mesh("", identity))), HasError("line 4: an MLMesh has no filename"));
   EXPECT_THAT(parse(mlp(mesh("a.ply", "1 0 0"))), HasError("line 5: expected sixteen numbers"));
   EXPECT_THAT(parse(mlp(mesh("a.ply", identity + " 3"))), HasError("expected sixteen numbers"));
-  EXPECT_THAT(parse(mlp(mesh("a.ply", "2" + identity.substr(1)))),
-              HasError("line 5: the matrix of a", "not a rigid motion"));
   EXPECT_THAT(
       parse(mlp(mesh("a.ply", identity) + mesh("b/a.ply", identity) + mesh("c/a.ply", identity))),
       HasError("a second mesh is named a.ply"));
+}
+
+// MeshLab's glueing may scale a mesh. Its matrix is no pose, and the other meshes keep theirs.
+TEST(MeshLabMlp, AMatrixWithAScaleIsLeftOut) {
+  const auto spec =
+      value_of(parse_meshlab_mlp(mlp(mesh("a.ply", "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1") +
+                                     mesh("b.ply", "1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1")),
+                                 "x.mlp"));
+  ASSERT_EQ(spec.views.size(), 2u);
+  EXPECT_EQ(spec.views[0].pose, PoseKind::kAbsent);
+  EXPECT_EQ(spec.views[1].pose, PoseKind::kGuess);
+  EXPECT_THAT(spec.notes, ElementsAre(AllOf(HasSubstr("view a: taken without a pose"),
+                                            HasSubstr("line 5: the matrix of a"),
+                                            HasSubstr("not a rigid motion"))));
 }
 
 TEST(MeshLabMlp, RealProjects) {
