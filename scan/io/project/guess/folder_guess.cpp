@@ -85,8 +85,13 @@ bool holds_whole_numbers(const fs::path& depth) {
   return ending == ".png" || ending == ".pgm";
 }
 
+// As far as their headers tell.
+bool have_other_sizes(const fs::path& colour, const fs::path& depth) {
+  return image_size(colour) && image_size(depth) && !have_equal_sizes(colour, depth);
+}
+
 ViewSpec guessed_view(const std::string& name, const std::vector<NamedImage>& images,
-                      const ReadProjectOptions& options) {
+                      const ReadProjectOptions& options, FolderGuess& guess) {
   ViewSpec view;
   view.name = name;
   for (const NamedImage& image : images) {
@@ -110,6 +115,11 @@ ViewSpec guessed_view(const std::string& name, const std::vector<NamedImage>& im
     }
   }
   if (!view.depth) return view;
+  if (view.colour && have_other_sizes(view.colour->file, view.depth->file)) {
+    guess.findings.push_back("left out " + view.colour->file.string() +
+                             ": its size is not that of " + view.depth->file.string());
+    view.colour.reset();
+  }
   view.camera = unknown_camera(view.depth->file);
   if (options.intrinsics) view.camera->intrinsics = *options.intrinsics;
   return view;
@@ -123,7 +133,7 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
   const CamerasByView cameras = listed_cameras(folder, guess);
   bool whole_numbers = false, without_camera = false;
   for (const auto& [name, images] : by_view) {
-    ViewSpec view = guessed_view(name, images, options);
+    ViewSpec view = guessed_view(name, images, options, guess);
     take_listed_camera(cameras, view);
     if (!view.depth) {
       for (const NamedImage& image : images)

@@ -16,10 +16,10 @@ namespace {
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
-std::string depth_png() {
+std::string depth_png(float nearest = 1000.0f) {
   Image image(12, 9, 1, 65535);
   for (std::size_t i = 0; i < image.samples.size(); ++i)
-    image.samples[i] = 1000.0f + static_cast<float>(i % 12) + static_cast<float>(i / 12);
+    image.samples[i] = nearest + static_cast<float>(i % 12) + static_cast<float>(i / 12);
   return *encode_png(image);
 }
 
@@ -166,7 +166,7 @@ TEST(FolderGuess, DepthMapsAreReadByTheIntrinsicsGiven) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "depth");
   folder.write("depth/1.png", depth_png());
-  folder.write("depth/2.png", depth_png());
+  folder.write("depth/2.png", depth_png(1100.0f));
   ReadProjectOptions options;
   options.intrinsics = PinholeIntrinsics{20.0, 21.0, 5.0, 4.0};
   const auto assumed = value_of(read_project_spec(folder / "depth", options));
@@ -187,16 +187,28 @@ TEST(FolderGuess, DepthMapsAreReadByTheIntrinsicsGiven) {
 TEST(FolderGuess, SixteenGreyBitsTellDepthMapsWithoutAWord) {
   const TemporaryFolder folder;
   Image photograph(12, 9, 3, 255);
-  for (const char* name : {"1", "2"}) {
-    folder.write(std::string(name) + ".png", depth_png());
+  folder.write("1.png", depth_png());
+  folder.write("2.png", depth_png(1100.0f));
+  for (const char* name : {"1", "2"})
     folder.write(std::string(name) + "_rgb.png", *encode_png(photograph));
-  }
   ReadProjectOptions options;
   options.intrinsics = PinholeIntrinsics{20.0, 21.0, 5.0, 4.0};
   const auto project = value_of(read_project(folder.path(), options));
   ASSERT_EQ(project.views.size(), 2u);
   EXPECT_NEAR(project.views[0].range(3, 2), 1.005, 1e-9);
   EXPECT_FALSE(project.views[0].colours.empty());
+}
+
+TEST(FolderGuess, ColoursOfAnotherSizeAreLeftOut) {
+  const TemporaryFolder folder;
+  folder.write("depth_1.png", depth_png());
+  folder.write("rgb_1.png", *encode_png(Image(24, 18, 3, 255)));
+  ReadProjectOptions options;
+  options.intrinsics = PinholeIntrinsics{20.0, 21.0, 5.0, 4.0};
+  const auto project = value_of(read_project(folder.path(), options));
+  ASSERT_EQ(project.views.size(), 1u);
+  EXPECT_TRUE(project.views[0].colours.empty());
+  EXPECT_THAT(project.notes, ::testing::Contains(HasSubstr("rgb_1.png: its size is not that of")));
 }
 
 TEST(FolderGuess, TellsOfIntrinsicsOfAnotherSize) {
