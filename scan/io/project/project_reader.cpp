@@ -2,12 +2,12 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <sstream>
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -16,6 +16,7 @@
 #include "scan/base/parallel.h"
 #include "scan/base/system/system_memory.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/project/loading/copied_views.h"
 #include "scan/io/project/loading/settled_views.h"
 #include "scan/io/project/loading/view_loader.h"
 #include "scan/io/project/view_spec.h"
@@ -105,6 +106,23 @@ void settle_viewpoints(std::vector<ViewSpec>& specs, std::vector<LoadedView>& vi
       project.seen_from_origin.push_back(view.view.name);
 }
 
+// A pose that all files tell alike is not taken.
+void settle_poses(const std::vector<ViewSpec>& specs, std::vector<LoadedView>& views,
+                  ScanProject& project) {
+  std::vector<std::optional<RigidMotion>> poses;
+  for (const LoadedView& view : views)
+    poses.push_back(pose_of_file(*std::ranges::find(specs, view.view.name, &ViewSpec::name), view));
+  if (!is_constant(poses)) return;
+  for (LoadedView& view : views) {
+    view.view.world_from_view = RigidMotion::Identity();
+    view.view.pose = PoseKind::kAbsent;
+  }
+  project.notes.push_back(
+      "the files of all " + std::to_string(views.size()) +
+      " views tell one and the same pose, as a turn of the axes that is in each file: it is not "
+      "taken; if the points of all files lie in one frame, give --shared-frame");
+}
+
 // Settles the conventions of all normals together and gives the views their normals.
 Result<std::vector<std::string>> settle_normals(std::vector<LoadedView>& views) {
   std::vector<NormalEvidence> evidence;
@@ -166,38 +184,6 @@ std::optional<std::string> note_on_principal_points(const std::vector<ViewSpec>&
   return note.str();
 }
 
-bool have_equal_ranges(const RangeView& a, const RangeView& b) {
-  const auto same = [](double x, double y) { return x == y || (x != x && y != y); };
-  return a.width() == b.width() && a.height() == b.height() &&
-         std::equal(a.range.begin(), a.range.end(), b.range.begin(), same);
-}
-
-// Views whose ranges are those of another one to the bit: copies, not measured again. Their noise
-// would seem to be shape.
-std::optional<std::string> note_on_copies(const std::vector<RangeView>& views) {
-  std::multimap<std::size_t, const RangeView*> by_samples;
-  const RangeView *first = nullptr, *copy = nullptr;
-  std::size_t copies = 0;
-  for (const RangeView& view : views) {
-    const std::size_t samples = view.sample_count();
-    const auto [begin, end] = by_samples.equal_range(samples);
-    const auto equal = std::find_if(
-        begin, end, [&](const auto& entry) { return have_equal_ranges(*entry.second, view); });
-    if (equal == end) {
-      by_samples.emplace(samples, &view);
-      continue;
-    }
-    if (copies++ == 0) {
-      first = equal->second;
-      copy = &view;
-    }
-  }
-  if (copies == 0) return std::nullopt;
-  return "the ranges of " + std::to_string(copies) + " of " + std::to_string(views.size()) +
-         " views are those of another view, as of " + copy->name + " and " + first->name +
-         ": leave copies out, as their noise seems to be shape";
-}
-
 Result<void> check_shared_frame(const ProjectSpec& spec, const ReadProjectOptions& options,
                                 const std::filesystem::path& path) {
   const bool used = std::any_of(spec.views.begin(), spec.views.end(), [](const ViewSpec& view) {
@@ -227,6 +213,7 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
     auto views = readable_views(std::move(loaded), options.skip_damaged, project.notes);
     if (!views) return views.error();
     settle_viewpoints(spec->views, *views, project);
+    settle_poses(spec->views, *views, project);
     const auto notes = settle_normals(*views);
     if (!notes) return notes.error();
     for (LoadedView& view : *views) {
@@ -236,7 +223,8 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
     project.notes.insert(project.notes.end(), notes->begin(), notes->end());
     if (auto note = note_on_principal_points(spec->views, project.views))
       project.notes.push_back(std::move(*note));
-    if (auto note = note_on_copies(project.views)) project.notes.push_back(std::move(*note));
+    for (std::string& note : leave_out_copies(project.views))
+      project.notes.push_back(std::move(note));
     if (seem_to_share_a_frame(project.views))
       project.notes.push_back(
           "the scans have no poses, but were seen from sides that are more than 90 degrees apart: "

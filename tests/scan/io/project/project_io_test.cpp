@@ -376,7 +376,9 @@ TEST(ProjectIo, DamagedFilesAreAllNamedAndCanBeLeftOut) {
       "0 0 -9\n1 0 -9\n0 1 -9\n1 1 -9\n1 0\n1 1\n1 2\n1 3\n";
   folder.write("a.ply", grid);
   folder.write("b.ply", grid.substr(0, grid.size() - 30));
-  folder.write("c.ply", grid);
+  std::string other = grid;
+  other.replace(other.find("0 0 -9"), 6, "0 0 -8");
+  folder.write("c.ply", other);
   EXPECT_THAT(read_project(folder.path()), HasError(ErrorKind::kBadInput, "b.ply"));
   EXPECT_THAT(read_project(folder.path()), HasError("--skip-damaged goes on without it"));
   folder.write("d.ply", grid.substr(0, grid.size() - 20));

@@ -20,8 +20,8 @@ namespace {
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
-RangeView ball_view(const std::string& name, double x) {
-  RangeView view = testing::render(testing::sphere({0, 0, 10}, 2.0),
+RangeView ball_view(const std::string& name, double x, double radius = 2.0) {
+  RangeView view = testing::render(testing::sphere({0, 0, 10}, radius),
                                    Camera::pinhole(40, 30, {60, 60, 19.5, 14.5}));
   view.name = name;
   view.pose = PoseKind::kGuess;
@@ -193,7 +193,7 @@ TEST(ScanFile, AFolderOfPointsIsAProject) {
   const TemporaryFolder folder;
   const RangeView view = ball_view("a", 0.0);
   folder.write("a.xyz", xyz_text(view));
-  folder.write("b.xyz", xyz_text(view));
+  folder.write("b.xyz", xyz_text(ball_view("b", 0.0, 1.9)));
   const auto project = value_of(read_project(folder / "."));
   ASSERT_EQ(project.views.size(), 2u);
   EXPECT_GT(project.views[0].sample_count(), view.sample_count() * 9 / 10);
@@ -206,7 +206,7 @@ TEST(ScanFile, AFolderOfPlainTextIsAProject) {
   const TemporaryFolder folder;
   const std::string points = "x y z\n" + xyz_text(ball_view("a", 0.0));
   folder.write("scan_2.csv", points);
-  folder.write("scan_10.csv", points);
+  folder.write("scan_10.csv", "x y z\n" + xyz_text(ball_view("b", 0.0, 1.9)));
   folder.write("notes.txt", std::string(2000, 'n'));
   const auto project = value_of(read_project(folder / "."));
   ASSERT_EQ(project.views.size(), 2u);
