@@ -7,8 +7,10 @@
 #include <set>
 #include <utility>
 
+#include "registration/global/links/pair_support.h"
 #include "registration/global/pair_search.h"
 #include "registration/pairwise/robust.h"
+#include "registration/pairwise/search_schedule.h"
 #include "registration/verification/common_errors.h"
 
 namespace relief::registration {
@@ -108,6 +110,25 @@ std::vector<const PoseLink*> those_within(const std::vector<ViewSurface>& surfac
   return within;
 }
 
+using ViewIndices = std::pair<std::size_t, std::size_t>;
+
+// Pairs of views whose links close loops at two places: views of a body of revolution, or of what
+// repeats itself, do so wherever they are turned to, and their loops tell nothing.
+std::set<ViewIndices> pairs_with_loops_at_two_places(const std::vector<ViewSurface>& surfaces,
+                                                     const std::vector<PoseLink>& links,
+                                                     const std::vector<int>& loops) {
+  std::map<ViewIndices, const PoseLink*> first;
+  std::set<ViewIndices> found;
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    if (loops[k] == 0) continue;
+    const PoseLink& link = links[k];
+    const auto [it, added] = first.try_emplace({link.a, link.b}, &link);
+    if (!added && !same_place(surfaces[link.a], link.b_from_a, it->second->b_from_a))
+      found.insert(it->first);
+  }
+  return found;
+}
+
 // What links that close loops and are believed otherwise show of strays and of missing samples.
 // False where too few do.
 bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<PoseLink>& links,
@@ -116,14 +137,18 @@ bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<P
   otherwise.max_free_space_violation =
       std::min(1.0, kWidestContradiction * otherwise.max_free_space_violation);
   std::vector<double> missing_coverage, free_space_violation;
+  const std::set<ViewIndices> symmetric = pairs_with_loops_at_two_places(surfaces, links, loops);
+  std::set<ViewIndices> telling;
   for (std::size_t k = 0; k < links.size(); ++k) {
     const PoseLink& link = links[k];
-    if (loops[k] == 0 || !plausible(link.evidence, surfaces[link.a], surfaces[link.b], otherwise))
+    if (loops[k] == 0 || symmetric.contains({link.a, link.b}) ||
+        !plausible(link.evidence, surfaces[link.a], surfaces[link.b], otherwise))
       continue;
+    telling.insert(std::minmax(link.a, link.b));
     missing_coverage.push_back(link.evidence.missing_coverage);
     free_space_violation.push_back(link.evidence.free_space_violation);
   }
-  if (missing_coverage.size() < kTellingLinks) return false;
+  if (telling.size() < kTellingLinks) return false;
   limits.max_missing_coverage = std::max(limits.max_missing_coverage,
                                          quantile(std::move(missing_coverage), kAbsenceQuantile));
   limits.max_free_space_violation =
@@ -164,13 +189,20 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
     return same_pose(view, link.b_from_a, other,
                      std::max(kLoopRadii * view.radius(), kLoopSpacings * view.spacing()));
   };
+  const auto stays = [&](std::size_t view, const RigidMotion& motion) {
+    return same_pose(surfaces[view], motion, RigidMotion::Identity(),
+                     kFirstSearchRadii * surfaces[view].radius());
+  };
   std::vector<int> loops(links.size(), 0);
   for (std::size_t k = 0; k < links.size(); ++k) {
     const auto& link = links[k];
     std::set<std::size_t> confirming;
-    for (const auto& [c, c_from_a] : from[link.a])
+    const bool link_stays = stays(link.a, link.b_from_a);
+    for (const auto& [c, c_from_a] : from[link.a]) {
+      const bool all_stay = link_stays && stays(link.a, c_from_a);  // Then so does the third.
       for (const auto& [end, end_from_c] : from[c])
-        if (end == link.b && agree(link, end_from_c * c_from_a)) confirming.insert(c);
+        if (end == link.b && !all_stay && agree(link, end_from_c * c_from_a)) confirming.insert(c);
+    }
     loops[k] = static_cast<int>(confirming.size());
   }
   return loops;

@@ -11,7 +11,10 @@ namespace relief::registration {
 /// One loop may close by chance (docs/results.md, Global registration).
 inline constexpr int kTellingLoops = 2;
 
-/// For each link how many views c confirm it by two others: a - c - b leads to the same pose.
+/// For each link how many views c confirm it by two others: a - c - b leads to the same pose. Views
+/// that a link lays on each other as they were seen from one place may be held there by what stands
+/// still before the sensor, or by the outline within which it sees a body of revolution: loops of
+/// three such links always close, and confirm nothing.
 std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
                              const std::vector<PoseLink>& links);
 

@@ -1,5 +1,6 @@
 #include "registration/global/view_groups.h"
 
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -133,6 +134,47 @@ TEST(LinkLimits, APoseThatSlidesTellsNothingOfErrors) {
   };
   EXPECT_EQ(normals({found, sliding}), normals({found}));
   EXPECT_LT(normals({sliding}), normals({found}));
+}
+
+// As those of a body of revolution, or of what stands still before the sensor.
+TEST(LinkLimits, LoopsOfViewsLaidOnEachOtherConfirmNothing) {
+  const auto views = six_neighbours();
+  const std::vector<ViewSurface> surfaces = surfaces_of(views);
+  const auto loops_at = [&](const auto& pose) {
+    std::vector<PoseLink> links;
+    for (const auto& [a, b] : {std::pair{0u, 1u}, std::pair{1u, 2u}, std::pair{0u, 2u}})
+      links.push_back({a, b, pose(b).inverse() * pose(a), {}});
+    return count_loops(surfaces, links);
+  };
+  EXPECT_EQ(loops_at([&](std::size_t i) { return views[i].world_from_view; }),
+            (std::vector<int>{1, 1, 1}));
+  EXPECT_EQ(loops_at([](std::size_t) { return RigidMotion::Identity(); }),
+            (std::vector<int>{0, 0, 0}));
+  EXPECT_EQ(loops_at([](std::size_t i) { return turn_about_z(0.01 * static_cast<double>(i)); }),
+            (std::vector<int>{0, 0, 0}));
+}
+
+TEST(LinkLimits, FollowFourPairsThatCloseLoopsAtOnePlace) {
+  const auto views = six_neighbours();
+  const std::vector<ViewSurface> surfaces = surfaces_of(views);
+  const auto link = [&](std::size_t a, std::size_t b, double turned = 0.0) {
+    PoseLink found{
+        a,
+        b,
+        turn_about_z(turned) * views[b].world_from_view.inverse() * views[a].world_from_view,
+        {}};
+    found.evidence.overlap = 0.5;
+    found.evidence.coherent_rms = 0.5 * coarser_spacing(surfaces[a], surfaces[b]);
+    return found;
+  };
+  const auto coherent = [&](const std::vector<PoseLink>& links) {
+    return fit_link_limits(surfaces, links, std::vector<int>(links.size(), 1), {})
+        .lone.max_coherent_rms;
+  };
+  const double general = VerificationThresholds().max_coherent_rms;
+  EXPECT_GT(coherent({link(0, 1), link(1, 2), link(2, 3), link(0, 2)}), 0.5);
+  EXPECT_EQ(coherent({link(0, 1), link(1, 2), link(0, 2), link(1, 0), link(0, 1)}), general);
+  EXPECT_EQ(coherent({link(0, 1), link(1, 2), link(2, 3), link(0, 2), link(0, 2, 1.0)}), general);
 }
 
 TEST(ViewGroups, OffPlaneSamplesAllowLargerErrorsThatNeighboursShare) {
