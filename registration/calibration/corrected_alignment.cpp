@@ -1,5 +1,7 @@
 #include "registration/calibration/corrected_alignment.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "registration/posegraph/joint/joint_refinement.h"
@@ -11,6 +13,24 @@ namespace {
 // Part of the overlap that must stay: chance and the borders of views take less than a twentieth.
 constexpr double kLeastOverlap = 0.95;
 
+std::size_t misfits(const JointRefinement& refined) {
+  return static_cast<std::size_t>(
+      std::ranges::count(refined.pairs, PairStatus::kMisfit, &PairFit::status));
+}
+
+// Poses found with the errors are near those without. Where pairs misfit all the same, the errors
+// had torn the views apart: then as from poses that are given.
+Result<JointRefinement> refine_corrected(const CorrectedViews& views,
+                                         const std::vector<RigidMotion>& start,
+                                         const std::vector<ViewRole>& roles) {
+  JointRefinementOptions near = views.align().refinement;
+  near.levels = 1;
+  auto refined = refine_jointly(views.surfaces(), start, roles, near, {});
+  if (!refined || misfits(*refined) == 0) return refined;
+  auto from_afar = refine_jointly(views.surfaces(), start, roles, views.align().refinement, {});
+  return from_afar && misfits(*from_afar) >= misfits(*refined) ? refined : from_afar;
+}
+
 }  // namespace
 
 Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& given,
@@ -21,9 +41,7 @@ Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& 
     roles.push_back(!given.views[i].aligned                     ? ViewRole::kExcluded
                     : views.given()[i].pose == PoseKind::kKnown ? ViewRole::kFixed
                                                                 : ViewRole::kFree);
-  JointRefinementOptions options = views.align().refinement;
-  options.levels = 1;
-  auto refined = refine_jointly(views.surfaces(), start, roles, options, {});
+  auto refined = refine_corrected(views, start, roles);
   if (!refined) return refined.error();
   Alignment alignment = given;
   for (std::size_t i = 0; i < given.views.size(); ++i) {
