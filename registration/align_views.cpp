@@ -48,7 +48,7 @@ class Aligning {
         find_starting_poses(surfaces_, views_, given->checked, starting_, progress_, units_);
     if (!starts) return starts.error();
     state_.starts = std::move(*starts);
-    take_roles();
+    take_roles(given->checked.kept);
     if (unchanged(given->checked)) {
       state_.refined = std::move(given->refined);
       state_.verified = std::move(given->verified);
@@ -60,14 +60,16 @@ class Aligning {
   }
 
  private:
-  void take_roles() {
+  void take_roles(const std::vector<bool>& kept) {
     state_.taken_out.assign(views_.size(), false);
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const auto& start = state_.starts.world_from_view[i];
       poses_.push_back(start.value_or(views_[i].world_from_view));
-      state_.roles.push_back(!start                               ? ViewRole::kExcluded
-                             : views_[i].pose == PoseKind::kKnown ? ViewRole::kFixed
-                                                                  : ViewRole::kFree);
+      state_.roles.push_back(!start ? ViewRole::kExcluded
+                             : views_[i].pose == PoseKind::kKnown ||
+                                     (kept[i] && !state_.starts.found_by_shape[i])
+                                 ? ViewRole::kFixed
+                                 : ViewRole::kFree);
     }
   }
 

@@ -82,6 +82,7 @@ class AlignmentReport {
     for (std::size_t i = 0; i < views_.size(); ++i) result.views.push_back(report_of(i, main));
     note_moves(result);
     note_given_poses(result);
+    note_kept_poses(result);
     note_kept_motions(result);
     note_one_place(result);
     if (views_.size() == 1) result.notes.push_back("one view only: nothing to align");
@@ -145,6 +146,20 @@ class AlignmentReport {
                          checked_.world_from_view[i] && !state_.starts.found_by_shape[i],
                          starts_at_origin(views_[i].camera)});
     for (std::string& note : notes_on_given_poses(given)) result.notes.push_back(std::move(note));
+  }
+
+  void note_kept_poses(Alignment& result) const {
+    std::vector<std::string> names;
+    std::size_t given = 0;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      given += views_[i].pose == PoseKind::kGuess && result.views[i].aligned ? 1 : 0;
+      if (checked_.kept[i] && result.views[i].aligned && !state_.starts.found_by_shape[i])
+        names.push_back(views_[i].name);
+    }
+    if (!names.empty())
+      result.notes.push_back(
+          (names.size() == given ? "the views" : some_of(names)) +
+          " stay at their given poses: refining led away from these without a better fit");
   }
 
   void note_kept_motions(Alignment& result) const {

@@ -25,6 +25,13 @@ RigidMotion moved(const RigidMotion& world_from_view, const RigidTangent& tangen
   return result;
 }
 
+RigidTangent tangent_at(const RigidMotion& motion, const Eigen::Vector3d& centre) {
+  const Eigen::AngleAxisd turn(motion.linear());
+  RigidTangent tangent;
+  tangent << turn.angle() * turn.axis(), motion * centre - centre;
+  return tangent;
+}
+
 Matrix6d tangents_about(const Eigen::Vector3d& point_from_centre) {
   Matrix6d change = Matrix6d::Identity();
   const Eigen::Vector3d& d = point_from_centre;

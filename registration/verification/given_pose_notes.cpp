@@ -65,7 +65,7 @@ std::optional<std::string> note_on_moves(const std::vector<GivenAndFound>& views
     moves.push_back((view.found * view.centre - view.given * view.centre).norm());
     if (moves.back() >= largest) largest = moves.back(), farthest = &view;
   }
-  if (moves.size() < 2) return std::nullopt;
+  if (moves.size() < 2 || largest == 0.0) return std::nullopt;
   std::ostringstream note;
   note << std::setprecision(2) << "refining moved the " << moves.size()
        << " views with given poses by " << quantile(moves, 0.5) << " (median), and by " << largest

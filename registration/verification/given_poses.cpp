@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "registration/posegraph/pose_step.h"
+#include "registration/verification/kept_poses.h"
+
 namespace relief::registration {
 
 namespace {
@@ -57,6 +60,114 @@ CheckedPoses settle(CheckedPoses checked, const std::vector<ViewRole>& roles,
   return checked;
 }
 
+void note_true(const std::vector<bool>& more, std::vector<bool>& flags) {
+  for (std::size_t i = 0; i < flags.size(); ++i)
+    if (more[i]) flags[i] = true;
+}
+
+bool any(const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); }
+
+// Given poses on their way to refined ones. Views that refining leads astray keep theirs, and the
+// others are refined beside them.
+class RefiningGiven {
+ public:
+  RefiningGiven(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMotion>& given,
+                const std::vector<ViewRole>& roles, Association association)
+      : surfaces_(surfaces),
+        given_(given),
+        roles_(roles),
+        association_(association),
+        kept_(roles.size(), false),
+        laid_on_others_(roles.size(), false),
+        astray_(roles.size(), Matrix6d::Zero()) {}
+
+  Result<JointRefinement> run(const JointRefinementOptions& refinement, const Progress& progress,
+                              const AlignUnits& units) {
+    for (;;) {
+      auto refined = units.refine_jointly(surfaces_, given_, with_kept(), refinement, progress);
+      if (!refined) return refined;
+      if (keep_those_astray(refined->world_from_view)) continue;
+      if (!all_fit_as_given(refined->world_from_view)) {
+        tell_deviations(*refined);
+        return refined;
+      }
+      note_true(free(), kept_);
+      auto as_given = units.refine_jointly(surfaces_, given_, with_kept(), refinement, progress);
+      if (!as_given) return as_given;
+      // What the views tell of their poses is what refining them finds.
+      as_given->held = std::move(refined->held);
+      as_given->pose_covariance = std::move(refined->pose_covariance);
+      as_given->pose_std = std::move(refined->pose_std);
+      as_given->joint_covariance = std::move(refined->joint_covariance);
+      tell_deviations(*as_given);
+      return as_given;
+    }
+  }
+
+  const std::vector<bool>& kept() const { return kept_; }
+
+  // Of views that were laid on each other nothing tells whether others contradict them.
+  std::vector<ViewRole> roles_to_verify() const {
+    auto roles = roles_;
+    for (std::size_t i = 0; i < roles.size(); ++i)
+      if (laid_on_others_[i]) roles[i] = ViewRole::kFixed;
+    return roles;
+  }
+
+ private:
+  std::vector<ViewRole> with_kept() const {
+    auto roles = roles_;
+    for (std::size_t i = 0; i < roles.size(); ++i)
+      if (kept_[i]) roles[i] = ViewRole::kFixed;
+    return roles;
+  }
+
+  std::vector<bool> free() const {
+    const auto roles = with_kept();
+    std::vector<bool> free;
+    for (const ViewRole role : roles) free.push_back(role == ViewRole::kFree);
+    return free;
+  }
+
+  // Whether there are any.
+  bool keep_those_astray(const std::vector<RigidMotion>& refined) {
+    const auto roles = with_kept();
+    auto astray = views_laid_on_each_other(surfaces_, given_, refined, roles, association_);
+    note_true(astray, laid_on_others_);
+    note_true(lost_views(surfaces_, given_, refined, roles, association_), astray);
+    note_true(astray, kept_);
+    for (std::size_t i = 0; i < astray.size(); ++i) {
+      if (!astray[i]) continue;
+      const RigidTangent moved =
+          tangent_at(refined[i] * given_[i].inverse(), given_[i] * surfaces_[i].centre());
+      astray_[i] = moved * moved.transpose();
+    }
+    return any(astray);
+  }
+
+  bool all_fit_as_given(const std::vector<RigidMotion>& refined) const {
+    return any(free()) &&
+           fit_as_well_as_refined(surfaces_, given_, refined, with_kept(), association_);
+  }
+
+  // Of a view that goes astray they are what it moved by: nothing tells its pose better.
+  void tell_deviations(JointRefinement& refined) const {
+    for (std::size_t i = 0; i < astray_.size(); ++i) {
+      if (astray_[i].isZero(0.0)) continue;
+      refined.pose_covariance[i] = astray_[i];
+      refined.pose_std[i] = astray_[i].diagonal().cwiseSqrt();
+    }
+  }
+
+  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<RigidMotion>& given_;
+  const std::vector<ViewRole>& roles_;
+  const Association association_;
+  std::vector<bool> kept_;            // Given poses that stay.
+  std::vector<bool> laid_on_others_;  // Of these, those of views_laid_on_each_other().
+  std::vector<Matrix6d> astray_;      // By what views went, squared; zero for others.
+};
+
 // Refines and verifies; views that are refuted are taken out, and the rest is refined again.
 Result<RefinedGivenPoses> refine_and_verify(const std::vector<ViewSurface>& surfaces,
                                             const std::vector<RigidMotion>& poses,
@@ -70,12 +181,13 @@ Result<RefinedGivenPoses> refine_and_verify(const std::vector<ViewSurface>& surf
   checked.fits_in_part.resize(roles.size());
   std::vector<std::vector<std::size_t>> partners(roles.size());  // That refuted views fit in part.
   for (;;) {
-    auto refined = units.refine_jointly(surfaces, poses, roles, refinement, progress);
+    RefiningGiven refining(surfaces, poses, roles, options.association);
+    auto refined = refining.run(refinement, progress, units);
     if (!refined) return refined.error();
     if (!report_progress(progress, 0.0, "verifying poses"))
       return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-    auto verified =
-        verify_poses(surfaces, refined->world_from_view, roles, verification_options(options));
+    auto verified = verify_poses(surfaces, refined->world_from_view, refining.roles_to_verify(),
+                                 verification_options(options));
     bool changed = false;
     for (std::size_t i = 0; i < roles.size() && !trust; ++i) {
       if (!verified.views[i].refuted) continue;
@@ -89,6 +201,7 @@ Result<RefinedGivenPoses> refine_and_verify(const std::vector<ViewSurface>& surf
       if (std::ranges::all_of(partners[i], [&](std::size_t j) { return checked.refuted[j]; }))
         checked.fits_in_part[i].reset();
     checked = settle(std::move(checked), roles, *refined, verified, trust);
+    checked.kept = refining.kept();
     return RefinedGivenPoses{std::move(checked), std::move(*refined), std::move(verified), {}};
   }
 }

@@ -32,14 +32,6 @@ std::vector<std::size_t> complement(const std::vector<std::size_t>& views,
   return others;
 }
 
-// What a motion of the world moves there, as a tangent about a centre.
-RigidTangent tangent_of(const RigidMotion& motion, const Eigen::Vector3d& centre) {
-  const Eigen::AngleAxisd turn(motion.linear());
-  RigidTangent tangent;
-  tangent << turn.angle() * turn.axis(), motion * centre - centre;
-  return tangent;
-}
-
 // What the views moved by on average since the start, as a tangent about a centre.
 RigidTangent mean_motion(const std::vector<std::size_t>& views,
                          const std::vector<RigidMotion>& start,
@@ -47,7 +39,7 @@ RigidTangent mean_motion(const std::vector<std::size_t>& views,
                          const Eigen::Vector3d& centre) {
   RigidTangent sum = RigidTangent::Zero();
   for (const std::size_t i : views)
-    sum += tangent_of(world_from_view[i] * start[i].inverse(), centre);
+    sum += tangent_at(world_from_view[i] * start[i].inverse(), centre);
   return views.empty() ? sum : RigidTangent(sum / static_cast<double>(views.size()));
 }
 
