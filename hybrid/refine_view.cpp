@@ -144,6 +144,7 @@ class Refinement {
   void keep_as_measured(RefineStatus status) {
     result_.view = measured_;
     result_.status = status;
+    if (ranges_.noise.known()) result_.sigma_position = ranges_.noise.sigma;
   }
 
   // The errors that the steps between measured samples show, but no less of the ranges than

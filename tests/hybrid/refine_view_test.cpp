@@ -110,6 +110,7 @@ TEST(RefineView, WithoutNormalsTheViewIsAsMeasured) {
   view.normals = {};
   const RefinedView result = refined(view);
   EXPECT_EQ(result.status, RefineStatus::kNoNormals);
+  EXPECT_NEAR(result.sigma_position, 0.3, 0.03);
   EXPECT_EQ(largest_change(view, result.view), 0.0);
   EXPECT_EQ(result.kept, view.sample_count());
 }

@@ -61,6 +61,7 @@ std::string table(const ReportContent& content) {
 
 std::string noise_in_words(const ReportContent& content, const std::string& entry) {
   const ReportFigures& report = content.report;
+  if (report.number(entry + "/sigma_position").value_or(0.0) <= 0.0) return {};
   std::string html =
       fmt::format("<p>Its ranges scatter by {} (standard deviation).",
                   report.shown(entry + "/sigma_position", Rounding::kThreeDigits, content.unit));

@@ -98,7 +98,8 @@ struct DeviationBand {
 /// What refining did to one view.
 struct RefineSummary {
   RefineStatus status = RefineStatus::kRefined;
-  double sigma_position = 0.0;       ///< Used [unit].
+  /// Used [unit]; of a view that stays as measured what its ranges show, 0 where they do not.
+  double sigma_position = 0.0;
   double sigma_normal = 0.0;         ///< Used [rad].
   double lambda = 0.0;               ///< The same ratio in the published method's terms.
   double bias_rms = 0.0;             ///< RMS of the bias that was found [rad]; 0 unless kLatent.
