@@ -60,6 +60,7 @@ void add_align(CLI::App& app, Action& action) {
   auto command = std::make_shared<AlignCommand>();
   auto* sub = app.add_subcommand("align", "Find the poses of all views");
   add_project_input(*sub, command->input);
+  command->input.options.for_alignment = true;
   add_background_option(*sub, command->input);
   sub->add_option("-o,--output", command->output,
                   "A scan.json with the poses found; it refers to the data of the input")

@@ -64,6 +64,7 @@ void add_calibrate(CLI::App& app, Action& action) {
   auto* sub = app.add_subcommand(
       "calibrate", "Align the views, and correct what the calibration of their sensors has wrong");
   add_project_input(*sub, command->input);
+  command->input.options.for_alignment = true;
   add_background_option(*sub, command->input);
   sub->add_option("-o,--output", command->output, "Folder for the corrected project")->required();
   add_align_options(*sub, command->align);

@@ -144,6 +144,7 @@ void add_info(CLI::App& app, Action& action) {
   auto* sub =
       app.add_subcommand("info", "What is in a project: views, samples, spacing, normals, noise");
   add_project_input(*sub, command->input);
+  command->input.options.for_alignment = true;
   add_background_option(*sub, command->input);
   add_common_options(*sub, command->common);
   sub->callback([command, &action] { action = [command] { return info(*command); }; });

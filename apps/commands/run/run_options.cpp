@@ -36,6 +36,7 @@ Context RunOptions::context(UnitStore* store) const {
 
 void add_run_options(CLI::App& command, RunOptions& options) {
   add_project_input(command, options.input);
+  options.input.options.for_alignment = true;
   add_background_option(command, options.input);
   command
       .add_option(

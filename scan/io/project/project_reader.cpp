@@ -213,7 +213,7 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
     auto views = readable_views(std::move(loaded), options.skip_damaged, project.notes);
     if (!views) return views.error();
     settle_viewpoints(spec->views, *views, project);
-    settle_poses(spec->views, *views, project);
+    if (options.for_alignment) settle_poses(spec->views, *views, project);
     const auto notes = settle_normals(*views);
     if (!notes) return notes.error();
     for (LoadedView& view : *views) {
@@ -223,7 +223,8 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
     project.notes.insert(project.notes.end(), notes->begin(), notes->end());
     if (auto note = note_on_principal_points(spec->views, project.views))
       project.notes.push_back(std::move(*note));
-    for (std::string& note : leave_out_copies(project.views))
+    for (std::string& note :
+         options.for_alignment ? leave_out_copies(project.views) : notes_on_copies(project.views))
       project.notes.push_back(std::move(note));
     if (seem_to_share_a_frame(project.views))
       project.notes.push_back(

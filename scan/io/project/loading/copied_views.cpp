@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <tuple>
 #include <utility>
 
 namespace relief {
@@ -20,56 +21,69 @@ bool have_equal_points(const RangeView& a, const RangeView& b) {
   return std::equal(a.range.begin(), a.range.end(), b.range.begin(), same);
 }
 
-// Which of two views with the same samples to keep: one with colours or normals of its own.
+// Which of two views with the same samples to keep: one with a pose, else one with colours or
+// normals of its own.
 bool tells_more(const RangeView& a, const RangeView& b) {
   const auto told = [](const RangeView& view) {
-    return (view.colours.empty() ? 0 : 1) + (view.normals.empty() ? 0 : 1);
+    return std::tuple(view.pose != PoseKind::kAbsent,
+                      (view.colours.empty() ? 0 : 1) + (view.normals.empty() ? 0 : 1));
   };
   return told(a) > told(b);
 }
 
-}  // namespace
+// A view and the one that it is a copy of.
+struct Copy {
+  std::size_t view = 0, original = 0;
+};
 
-std::vector<std::string> leave_out_copies(std::vector<RangeView>& views) {
-  std::multimap<std::size_t, std::size_t> by_samples;
-  std::vector<bool> left_out(views.size(), false);
-  std::string kept_example, left_out_example;
-  const auto name = [&](std::size_t copy, std::size_t original, std::string& example) {
-    if (example.empty()) example = "as of " + views[copy].name + " and " + views[original].name;
-  };
-  std::size_t kept = 0;
+std::vector<Copy> find_copies(const std::vector<RangeView>& views) {
+  std::vector<Copy> copies;
+  std::multimap<std::size_t, std::size_t> by_samples;  // Originals.
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const std::size_t samples = views[i].sample_count();
-    const auto [begin, end] = by_samples.equal_range(samples);
+    const auto [begin, end] = by_samples.equal_range(views[i].sample_count());
     const auto equal = std::find_if(begin, end, [&](const auto& entry) {
       return have_equal_points(views[entry.second], views[i]);
     });
     if (equal == end) {
-      by_samples.emplace(samples, i);
+      by_samples.emplace(views[i].sample_count(), i);
       continue;
     }
-    std::size_t original = equal->second, copy = i;
-    if (views[i].pose != PoseKind::kAbsent || views[original].pose != PoseKind::kAbsent) {
-      ++kept;
-      name(copy, original, kept_example);
-      continue;
-    }
-    if (tells_more(views[copy], views[original])) std::swap(equal->second, copy);
-    left_out[copy] = true;
-    name(copy, equal->second, left_out_example);
+    std::size_t copy = i;
+    if (tells_more(views[i], views[equal->second])) std::swap(equal->second, copy);
+    copies.push_back({copy, equal->second});
   }
-  const auto all = " of " + std::to_string(views.size()) + " views are those of another view, ";
-  const auto copies = std::ranges::count(left_out, true);
+  return copies;
+}
+
+std::string note_on(const std::vector<Copy>& copies, const std::vector<RangeView>& views,
+                    const std::string& what_follows) {
+  return "the ranges of " + std::to_string(copies.size()) + " of " + std::to_string(views.size()) +
+         " views are those of another view, as of " + views[copies.front().view].name + " and " +
+         views[copies.front().original].name + ": " + what_follows;
+}
+
+const char* const kKept = "leave copies out, as their noise seems to be shape";
+
+}  // namespace
+
+std::vector<std::string> leave_out_copies(std::vector<RangeView>& views) {
+  std::vector<Copy> left_out, kept;
+  for (const Copy& copy : find_copies(views))
+    (views[copy.view].pose == PoseKind::kAbsent ? left_out : kept).push_back(copy);
   std::vector<std::string> notes;
-  if (copies > 0)
-    notes.push_back("the samples of " + std::to_string(copies) + all + left_out_example +
-                    ": these copies are left out");
-  if (kept > 0)
-    notes.push_back("the samples of " + std::to_string(kept) + all + kept_example +
-                    ": leave copies out, as their noise seems to be shape");
+  if (!left_out.empty()) notes.push_back(note_on(left_out, views, "these copies are left out"));
+  if (!kept.empty()) notes.push_back(note_on(kept, views, kKept));
+  std::vector<bool> gone(views.size(), false);
+  for (const Copy& copy : left_out) gone[copy.view] = true;
   std::size_t next = 0;
-  std::erase_if(views, [&](const RangeView&) { return left_out[next++]; });
+  std::erase_if(views, [&](const RangeView&) { return gone[next++]; });
   return notes;
+}
+
+std::vector<std::string> notes_on_copies(const std::vector<RangeView>& views) {
+  const auto copies = find_copies(views);
+  if (copies.empty()) return {};
+  return {note_on(copies, views, kKept)};
 }
 
 }  // namespace relief

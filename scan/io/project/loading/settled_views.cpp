@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "scan/io/files/file_ending.h"
+
 namespace relief {
 
 namespace {
@@ -64,7 +66,7 @@ bool see_from_origin(ViewSpec& spec, LoadedView& loaded) {
 
 std::optional<RigidMotion> pose_of_file(const ViewSpec& spec, const LoadedView& loaded) {
   if (spec.pose != PoseKind::kAbsent || loaded.view.pose != PoseKind::kGuess ||
-      spec.grid_options.shared_frame)
+      spec.grid_options.shared_frame || !spec.grid || lower_ending(*spec.grid) != ".pcd")
     return std::nullopt;
   return loaded.view.world_from_view;
 }
@@ -79,7 +81,6 @@ bool is_constant(const std::vector<std::optional<RigidMotion>>& poses_of_files) 
 Result<ConventionChoice> settle_views(std::vector<ViewSpec>& specs) {
   std::vector<AssumedViewpoint> viewpoints(specs.size(), AssumedViewpoint::kNone);
   std::vector<std::optional<NormalEvidence>> evidence(specs.size());
-  std::vector<std::optional<RigidMotion>> poses(specs.size());
   const auto take_evidence = [&](LoadedView& loaded, std::size_t i) {
     evidence[i].reset();
     if (loaded.normals) evidence[i] = std::move(loaded.normals->evidence);
@@ -89,11 +90,8 @@ Result<ConventionChoice> settle_views(std::vector<ViewSpec>& specs) {
     auto loaded = load_view(specs[i]);
     if (!loaded) return loaded.error();
     viewpoints[i] = viewpoint_in_set(specs[i], *loaded);
-    poses[i] = pose_of_file(specs[i], *loaded);
     take_evidence(*loaded, i);
   }
-  if (is_constant(poses))
-    for (ViewSpec& spec : specs) spec.grid_options.ignore_pose = true;
   ConventionChoice choice;
   for (const std::size_t i : views_to_see_from_origin(viewpoints)) {
     auto loaded = load_view(specs[i]);

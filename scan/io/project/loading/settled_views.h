@@ -24,16 +24,16 @@ AssumedViewpoint viewpoint_in_set(const ViewSpec& spec, const LoadedView& loaded
 /// away from the origin.
 bool see_from_origin(ViewSpec& spec, LoadedView& loaded);
 
-/// The pose of a view that its file tells, as the VIEWPOINT of a PCD; nothing where the project
-/// tells the pose, or that points of all files are in one frame.
+/// The VIEWPOINT of a view's PCD where that is its pose; nothing where the project tells the pose,
+/// or that points of all files are in one frame. Other files tell frames on purpose.
 std::optional<RigidMotion> pose_of_file(const ViewSpec& spec, const LoadedView& loaded);
 
 /// Whether the files of all views, two or more, tell one and the same pose: the turn of axes that
 /// drivers write into each file, which says nothing of where views were measured from.
 bool is_constant(const std::vector<std::optional<RigidMotion>>& poses_of_files);
 
-/// Settles what views decide together, reading one at a time: viewpoints of clouds and poses of
-/// files, which `specs` then have, and conventions of normals, by comparing them with the depth.
+/// Settles what views decide together, reading one at a time: viewpoints of clouds, which `specs`
+/// then have, and conventions of normals, by comparing them with the depth.
 /// One choice for each spec; those of views without normals have no meaning.
 Result<ConventionChoice> settle_views(std::vector<ViewSpec>& specs);
 

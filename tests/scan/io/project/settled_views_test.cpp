@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "relief/io/project_io.h"
+#include "scan/io/e57/e57_file.h"
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/scenes/synthetic_views.h"
@@ -45,7 +46,7 @@ TEST(SettledViews, OnePoseInAllFilesIsNoPose) {
   const TemporaryFolder folder;
   folder.write("a.pcd", posed(ball_view(9), half_turn()));
   folder.write("b.pcd", posed(ball_view(10), half_turn()));
-  const auto project = value_of(read_project(folder.path()));
+  const auto project = value_of(read_project(folder.path(), {.for_alignment = true}));
   for (const RangeView& view : project.views) {
     EXPECT_EQ(view.pose, PoseKind::kAbsent);
     EXPECT_TRUE(view.world_from_view.matrix().isIdentity());
@@ -53,17 +54,29 @@ TEST(SettledViews, OnePoseInAllFilesIsNoPose) {
   EXPECT_THAT(project.notes, Contains(HasSubstr(kNoteOnPoses)));
 }
 
+// Merging takes views where they are, and conversions keep all of them.
+TEST(SettledViews, AllIsKeptWhereNoPosesAreLookedFor) {
+  const TemporaryFolder folder;
+  folder.write("a.pcd", posed(ball_view(9), half_turn()));
+  folder.write("b.pcd", posed(ball_view(9), half_turn()));
+  const auto project = value_of(read_project(folder.path()));
+  ASSERT_EQ(project.views.size(), 2u);
+  EXPECT_TRUE(project.views[1].world_from_view.isApprox(half_turn()));
+  EXPECT_THAT(project.notes, Contains(HasSubstr("leave copies out")));
+}
+
 TEST(SettledViews, PosesThatTellOfViewsAreKept) {
   const TemporaryFolder folder;
   folder.write("a.pcd", posed(ball_view(9), half_turn()));
-  const auto of_one = value_of(read_project(folder / "a.pcd"));
+  const auto of_one = value_of(read_project(folder / "a.pcd", {.for_alignment = true}));
   EXPECT_EQ(of_one.views[0].pose, PoseKind::kGuess);
   folder.write("b.pcd", posed(ball_view(10), Eigen::Translation3d(1, 0, 0) * half_turn()));
-  const auto different = value_of(read_project(folder.path()));
+  const auto different = value_of(read_project(folder.path(), {.for_alignment = true}));
   EXPECT_EQ(different.views[0].pose, PoseKind::kGuess);
   EXPECT_THAT(different.notes, Not(Contains(HasSubstr(kNoteOnPoses))));
   folder.write("b.pcd", posed(ball_view(10), half_turn()));
-  const auto of_one_frame = value_of(read_project(folder.path(), {.shared_frame = true}));
+  const auto of_one_frame =
+      value_of(read_project(folder.path(), {.shared_frame = true, .for_alignment = true}));
   EXPECT_EQ(of_one_frame.views[1].pose, PoseKind::kGuess);
   EXPECT_TRUE(of_one_frame.views[1].world_from_view.isApprox(half_turn()));
 }
@@ -76,17 +89,30 @@ TEST(SettledViews, CopiesWithoutPosesAreLeftOut) {
   folder.write("2.pcd", encode_pcd_grid(ball_view(10)));
   folder.write("3.pcd", encode_pcd_grid(ball_view(9)));
   folder.write("color_1.pcd", encode_pcd_grid(coloured));
-  const auto project = value_of(read_project(folder.path()));
+  const auto project = value_of(read_project(folder.path(), {.for_alignment = true}));
   EXPECT_THAT(names_of(project), ElementsAre("2", "color_1"));
   EXPECT_THAT(project.notes,
-              Contains(HasSubstr("the samples of 2 of 4 views are those of another view")));
+              Contains(HasSubstr("the ranges of 2 of 4 views are those of another view")));
+}
+
+// Points that a file tells to lie in one frame do.
+TEST(SettledViews, ScansOfOneFileKeepItsFrame) {
+  const TemporaryFolder folder;
+  const auto path = folder / "two.e57";
+  std::vector<RangeView> views{ball_view(9), ball_view(10)};
+  for (RangeView& view : views) view.pose = PoseKind::kGuess;
+  views[0].name = "a";
+  views[1].name = "b";
+  ASSERT_THAT(write_e57(views, path), IsOk());
+  const auto project = value_of(read_project(path, {.for_alignment = true}));
+  for (const RangeView& view : project.views) EXPECT_EQ(view.pose, PoseKind::kGuess);
 }
 
 TEST(SettledViews, CopiesWithPosesAreTold) {
   const TemporaryFolder folder;
   folder.write("a.pcd", posed(ball_view(9), half_turn()));
   folder.write("b.pcd", posed(ball_view(9), Eigen::Translation3d(1, 0, 0) * half_turn()));
-  const auto project = value_of(read_project(folder.path()));
+  const auto project = value_of(read_project(folder.path(), {.for_alignment = true}));
   EXPECT_EQ(project.views.size(), 2u);
   EXPECT_THAT(project.notes, Contains(HasSubstr("as of b and a: leave copies out")));
 }

@@ -32,6 +32,9 @@ struct ReadProjectOptions {
   /// Points and meshes without poses are all in one frame, as after an alignment elsewhere: it is
   /// their starting pose. Else nothing is known of the frames of separate files.
   bool shared_frame = false;
+  /// Poses are looked for: copies of views without poses are left out, and a pose that the PCD
+  /// files of all views tell alike is not taken.
+  bool for_alignment = false;
   /// Views that cannot be read are left out, with a note each, as long as there are others. Else
   /// they are an error, which names all of them.
   bool skip_damaged = false;
