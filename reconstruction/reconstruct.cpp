@@ -149,6 +149,7 @@ class Reconstructor {
     if (any_refined() && result_.views.size() > 1) {
       registration::AlignOptions options = options_.align;
       options.surface.normals = registration::NormalSource::kMeasured;
+      options.starting_poses.keep_given = false;
       auto alignment =
           align_or_find("align_again", result_.views, options, stages_.of(Stage::kAlignAgain),
                         stages_.missing_unit_error(Stage::kAlignAgain));

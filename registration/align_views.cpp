@@ -54,6 +54,8 @@ class Aligning {
       state_.verified = std::move(given->verified);
     } else if (const auto done = refine_all(); !done) {
       return done.error();
+    } else {
+      take_covariances_of_kept(*given);
     }
     return report_alignment(views_, surfaces_, starting_.given, given->checked, given->convention,
                             std::move(state_));
@@ -70,6 +72,15 @@ class Aligning {
                                      (kept[i] && !state_.starts.found_by_shape[i])
                                  ? ViewRole::kFixed
                                  : ViewRole::kFree);
+    }
+  }
+
+  // Views that keep their given poses were held, as if these were exact.
+  void take_covariances_of_kept(const RefinedGivenPoses& given) {
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      if (!given.checked.kept[i] || state_.starts.found_by_shape[i]) continue;
+      state_.refined.pose_covariance[i] = given.refined.pose_covariance[i];
+      state_.refined.pose_std[i] = given.refined.pose_std[i];
     }
   }
 

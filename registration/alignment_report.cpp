@@ -15,13 +15,14 @@ namespace relief::registration {
 namespace {
 
 // Of the views in a frame the largest verified group, or that of known views.
-std::size_t main_group(const PoseVerification& verified, const std::vector<ViewRole>& roles,
-                       const std::vector<std::size_t>& frames, std::size_t frame) {
+std::size_t main_group(const PoseVerification& verified, const std::vector<RangeView>& views,
+                       const std::vector<ViewRole>& roles, const std::vector<std::size_t>& frames,
+                       std::size_t frame) {
   std::map<std::size_t, std::pair<bool, std::size_t>> weight;
   for (std::size_t i = 0; i < roles.size(); ++i) {
     if (roles[i] == ViewRole::kExcluded || frames[i] != frame) continue;
     auto& [known, size] = weight[verified.group[i]];
-    known |= roles[i] == ViewRole::kFixed;
+    known |= views[i].pose == PoseKind::kKnown;
     ++size;
   }
   std::size_t main = roles.size();
@@ -78,7 +79,7 @@ class AlignmentReport {
                              ": so they bring the views together, and as world_from_view they do "
                              "not; --poses trust takes them as they are");
     const std::size_t main =
-        main_group(state_.verified, state_.roles, state_.starts.frame, state_.frame);
+        main_group(state_.verified, views_, state_.roles, state_.starts.frame, state_.frame);
     for (std::size_t i = 0; i < views_.size(); ++i) result.views.push_back(report_of(i, main));
     note_moves(result);
     note_given_poses(result);
@@ -238,7 +239,7 @@ class AlignmentReport {
   // Where two views differ, either may be wrong.
   bool has_other_unit(std::size_t i) const {
     const double relative = relative_spacings_[i];
-    const bool sought = state_.roles[i] == ViewRole::kFree || !state_.starts.world_from_view[i];
+    const bool sought = views_[i].pose != PoseKind::kKnown || !state_.starts.world_from_view[i];
     return views_.size() > 2 && sought && !state_.verified.views[i].overlaps &&
            given_poses_ != GivenPoses::kTrust &&
            (relative > kOtherUnit || relative < 1.0 / kOtherUnit);

@@ -18,6 +18,12 @@ std::size_t misfits(const JointRefinement& refined) {
       std::ranges::count(refined.pairs, PairStatus::kMisfit, &PairFit::status));
 }
 
+double total_overlap(const JointRefinement& refined) {
+  double total = 0.0;
+  for (const PairFit& pair : refined.pairs) total += pair.overlap;
+  return total;
+}
+
 // Poses found with the errors are near those without. Where pairs misfit all the same, the errors
 // had torn the views apart: then as from poses that are given.
 Result<JointRefinement> refine_corrected(const CorrectedViews& views,
@@ -28,7 +34,10 @@ Result<JointRefinement> refine_corrected(const CorrectedViews& views,
   auto refined = refine_jointly(views.surfaces(), start, roles, near, {});
   if (!refined || misfits(*refined) == 0) return refined;
   auto from_afar = refine_jointly(views.surfaces(), start, roles, views.align().refinement, {});
-  return from_afar && misfits(*from_afar) >= misfits(*refined) ? refined : from_afar;
+  if (!from_afar) return from_afar;
+  const bool better = misfits(*from_afar) < misfits(*refined) &&
+                      total_overlap(*from_afar) >= kLeastOverlap * total_overlap(*refined);
+  return better ? from_afar : refined;
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ Eigen::Vector3d common_centre(const std::vector<const ViewSurface*>& surfaces,
 RigidMotion moved(const RigidMotion& world_from_view, const RigidTangent& tangent,
                   const Eigen::Vector3d& centre);
 
-/// What a motion of the world moves at a centre, as a tangent about it.
+/// What a motion of the world moves at a centre, as a tangent about it ([rad], [unit]).
 RigidTangent tangent_at(const RigidMotion& motion, const Eigen::Vector3d& centre);
 
 /// Turns tangents about a centre into tangents about the point at `point_from_centre` from it, both

@@ -16,8 +16,9 @@ void hash_into(ContentHash& hash, const ViewSurfaceOptions& options) {
 }
 
 void hash_into(ContentHash& hash, const StartingPoseOptions& options) {
-  const auto& [given, search, association, min_overlap, max_free_space_violation] = options;
-  hash.add(given, search, association, min_overlap, max_free_space_violation);
+  const auto& [given, search, association, keep_given, min_overlap, max_free_space_violation] =
+      options;
+  hash.add(given, search, association, keep_given, min_overlap, max_free_space_violation);
 }
 
 void hash_into(ContentHash& hash, const JointRefinementOptions& options) {

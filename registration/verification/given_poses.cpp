@@ -60,57 +60,70 @@ CheckedPoses settle(CheckedPoses checked, const std::vector<ViewRole>& roles,
   return checked;
 }
 
-void note_true(const std::vector<bool>& more, std::vector<bool>& flags) {
+void merge_flags(const std::vector<bool>& more, std::vector<bool>& flags) {
   for (std::size_t i = 0; i < flags.size(); ++i)
     if (more[i]) flags[i] = true;
 }
 
 bool any(const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); }
 
+// Views may go astray one after another; then all that are left keep their poses. Bounds the time.
+constexpr int kMostRounds = 3;
+
 // Given poses on their way to refined ones. Views that refining leads astray keep theirs, and the
 // others are refined beside them.
 class RefiningGiven {
  public:
   RefiningGiven(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMotion>& given,
-                const std::vector<ViewRole>& roles, Association association)
+                const std::vector<ViewRole>& roles, const StartingPoseOptions& options)
       : surfaces_(surfaces),
         given_(given),
         roles_(roles),
-        association_(association),
+        keep_given_(options.keep_given),
+        association_(options.association),
         kept_(roles.size(), false),
-        laid_on_others_(roles.size(), false),
-        astray_(roles.size(), Matrix6d::Zero()) {}
+        coincident_(roles.size(), false),
+        displacement_covariance_(roles.size(), Matrix6d::Zero()) {}
 
   Result<JointRefinement> run(const JointRefinementOptions& refinement, const Progress& progress,
                               const AlignUnits& units) {
-    for (;;) {
-      auto refined = units.refine_jointly(surfaces_, given_, with_kept(), refinement, progress);
+    for (int round = 1;; ++round) {
+      const auto roles = with_kept();
+      auto refined = units.refine_jointly(surfaces_, given_, roles, refinement, progress);
       if (!refined) return refined;
-      if (keep_those_astray(refined->world_from_view)) continue;
-      if (!all_fit_as_given(refined->world_from_view)) {
-        tell_deviations(*refined);
+      const GivenAndRefined compared(surfaces_, given_, refined->world_from_view, roles,
+                                     association_);
+      if (keep_those_astray(compared, refined->world_from_view)) {
+        if (round == kMostRounds) merge_flags(free(), kept_);
+        continue;
+      }
+      if (!keep_given_ || !any(free()) || !compared.given_fit_as_well()) {
+        set_covariances(*refined);
         return refined;
       }
-      note_true(free(), kept_);
-      auto as_given = units.refine_jointly(surfaces_, given_, with_kept(), refinement, progress);
+      merge_flags(free(), kept_);
+      JointRefinementOptions nothing_moves = refinement;
+      nothing_moves.levels = 1;
+      auto as_given = units.refine_jointly(surfaces_, given_, with_kept(), nothing_moves, progress);
       if (!as_given) return as_given;
       // What the views tell of their poses is what refining them finds.
       as_given->held = std::move(refined->held);
       as_given->pose_covariance = std::move(refined->pose_covariance);
       as_given->pose_std = std::move(refined->pose_std);
       as_given->joint_covariance = std::move(refined->joint_covariance);
-      tell_deviations(*as_given);
+      as_given->kept_motions = std::move(refined->kept_motions);
+      set_covariances(*as_given);
       return as_given;
     }
   }
 
   const std::vector<bool>& kept() const { return kept_; }
 
-  // Of views that were laid on each other nothing tells whether others contradict them.
+  // Of coincident views nothing tells whether others contradict them.
   std::vector<ViewRole> roles_to_verify() const {
     auto roles = roles_;
     for (std::size_t i = 0; i < roles.size(); ++i)
-      if (laid_on_others_[i]) roles[i] = ViewRole::kFixed;
+      if (coincident_[i]) roles[i] = ViewRole::kFixed;
     return roles;
   }
 
@@ -130,42 +143,37 @@ class RefiningGiven {
   }
 
   // Whether there are any.
-  bool keep_those_astray(const std::vector<RigidMotion>& refined) {
-    const auto roles = with_kept();
-    auto astray = views_laid_on_each_other(surfaces_, given_, refined, roles, association_);
-    note_true(astray, laid_on_others_);
-    note_true(lost_views(surfaces_, given_, refined, roles, association_), astray);
-    note_true(astray, kept_);
+  bool keep_those_astray(const GivenAndRefined& compared, const std::vector<RigidMotion>& refined) {
+    auto astray = compared.coincident_views();
+    merge_flags(astray, coincident_);
+    merge_flags(compared.views_without_overlap(), astray);
+    merge_flags(astray, kept_);
     for (std::size_t i = 0; i < astray.size(); ++i) {
       if (!astray[i]) continue;
       const RigidTangent moved =
           tangent_at(refined[i] * given_[i].inverse(), given_[i] * surfaces_[i].centre());
-      astray_[i] = moved * moved.transpose();
+      displacement_covariance_[i] = moved * moved.transpose();
     }
     return any(astray);
   }
 
-  bool all_fit_as_given(const std::vector<RigidMotion>& refined) const {
-    return any(free()) &&
-           fit_as_well_as_refined(surfaces_, given_, refined, with_kept(), association_);
-  }
-
   // Of a view that goes astray they are what it moved by: nothing tells its pose better.
-  void tell_deviations(JointRefinement& refined) const {
-    for (std::size_t i = 0; i < astray_.size(); ++i) {
-      if (astray_[i].isZero(0.0)) continue;
-      refined.pose_covariance[i] = astray_[i];
-      refined.pose_std[i] = astray_[i].diagonal().cwiseSqrt();
+  void set_covariances(JointRefinement& refined) const {
+    for (std::size_t i = 0; i < displacement_covariance_.size(); ++i) {
+      if (displacement_covariance_[i].isZero(0.0)) continue;
+      refined.pose_covariance[i] = displacement_covariance_[i];
+      refined.pose_std[i] = displacement_covariance_[i].diagonal().cwiseSqrt();
     }
   }
 
   const std::vector<ViewSurface>& surfaces_;
   const std::vector<RigidMotion>& given_;
   const std::vector<ViewRole>& roles_;
+  const bool keep_given_;
   const Association association_;
-  std::vector<bool> kept_;            // Given poses that stay.
-  std::vector<bool> laid_on_others_;  // Of these, those of views_laid_on_each_other().
-  std::vector<Matrix6d> astray_;      // By what views went, squared; zero for others.
+  std::vector<bool> kept_;                         // Given poses that stay.
+  std::vector<bool> coincident_;                   // Of these, those of coincident_views().
+  std::vector<Matrix6d> displacement_covariance_;  // By what views went, squared; zero for others.
 };
 
 // Refines and verifies; views that are refuted are taken out, and the rest is refined again.
@@ -181,7 +189,7 @@ Result<RefinedGivenPoses> refine_and_verify(const std::vector<ViewSurface>& surf
   checked.fits_in_part.resize(roles.size());
   std::vector<std::vector<std::size_t>> partners(roles.size());  // That refuted views fit in part.
   for (;;) {
-    RefiningGiven refining(surfaces, poses, roles, options.association);
+    RefiningGiven refining(surfaces, poses, roles, options);
     auto refined = refining.run(refinement, progress, units);
     if (!refined) return refined.error();
     if (!report_progress(progress, 0.0, "verifying poses"))

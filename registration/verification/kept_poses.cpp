@@ -1,5 +1,6 @@
 #include "registration/verification/kept_poses.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include "registration/pairwise/search_schedule.h"
@@ -11,8 +12,8 @@ namespace relief::registration {
 
 namespace {
 
-// Of the overlap at given poses, less than this is left of a view that was lost.
-constexpr double kLeftOfLost = 0.5;
+// Of the overlap at given poses.
+constexpr double kMinOverlapKept = 0.5;
 // Pairs of a view that are compared, the largest overlaps first. Bounds the time.
 constexpr int kComparedPairsOfAView = 6;
 // What refining may gain where it only follows the errors of the views: of the overlap, of the mean
@@ -23,34 +24,8 @@ constexpr int kComparedPairsOfAView = 6;
 constexpr double kOverlapGain = 1.02, kSquaresGain = 1.02, kCoherentGain = 1.1,
                  kCoherentZero = 0.01;
 
-std::vector<ViewPair> free_pairs(const std::vector<ViewSurface>& surfaces,
-                                 const std::vector<RigidMotion>& poses,
-                                 const std::vector<ViewRole>& roles) {
-  auto pairs = find_meeting_pairs(surfaces, poses, 0.0);
-  std::erase_if(pairs, [&](const ViewPair& pair) {
-    return roles[pair.a] == ViewRole::kExcluded || roles[pair.b] == ViewRole::kExcluded;
-  });
-  return pairs;
-}
-
 RigidMotion relative(const ViewPair& pair, const std::vector<RigidMotion>& poses) {
   return poses[pair.b].inverse() * poses[pair.a];
-}
-
-// The pairs that overlap.
-std::vector<ViewPair> overlapping_pairs(const std::vector<ViewSurface>& surfaces,
-                                        const std::vector<RigidMotion>& poses,
-                                        const std::vector<ViewRole>& roles,
-                                        const JudgeOptions& judging) {
-  auto pairs = free_pairs(surfaces, poses, roles);
-  parallel_for(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      pairs[k].overlap = judge_free_space(surfaces[pairs[k].a], surfaces[pairs[k].b],
-                                          relative(pairs[k], poses), judging)
-                             .overlap;
-  });
-  std::erase_if(pairs, [](const ViewPair& pair) { return pair.overlap < kCountingOverlap; });
-  return pairs;
 }
 
 std::vector<double> overlaps_of_views(std::size_t views, const std::vector<ViewPair>& pairs) {
@@ -84,59 +59,64 @@ CommonFit fit_at(const std::vector<ViewSurface>& surfaces, const std::vector<Rig
   return fit;
 }
 
-JudgeOptions judging_with(Association association) {
-  JudgeOptions judging;
-  judging.association = association;
-  return judging;
-}
-
 }  // namespace
 
-std::vector<bool> lost_views(const std::vector<ViewSurface>& surfaces,
-                             const std::vector<RigidMotion>& given,
-                             const std::vector<RigidMotion>& refined,
-                             const std::vector<ViewRole>& roles, Association association) {
-  const JudgeOptions judging = judging_with(association);
-  const std::size_t views = surfaces.size();
-  const auto before = overlaps_of_views(views, overlapping_pairs(surfaces, given, roles, judging)),
-             after = overlaps_of_views(views, overlapping_pairs(surfaces, refined, roles, judging));
+GivenAndRefined::GivenAndRefined(const std::vector<ViewSurface>& surfaces,
+                                 const std::vector<RigidMotion>& given,
+                                 const std::vector<RigidMotion>& refined,
+                                 const std::vector<ViewRole>& roles, Association association)
+    : surfaces_(surfaces), given_(given), refined_(refined), roles_(roles) {
+  judging_.association = association;
+  pairs_given_ = overlapping_pairs(given);
+  pairs_refined_ = overlapping_pairs(refined);
+}
+
+std::vector<ViewPair> GivenAndRefined::overlapping_pairs(
+    const std::vector<RigidMotion>& poses) const {
+  auto pairs = find_meeting_pairs(surfaces_, poses, 0.0);
+  std::erase_if(pairs, [&](const ViewPair& pair) {
+    return roles_[pair.a] == ViewRole::kExcluded || roles_[pair.b] == ViewRole::kExcluded;
+  });
+  parallel_for(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      pairs[k].overlap = judge_free_space(surfaces_[pairs[k].a], surfaces_[pairs[k].b],
+                                          relative(pairs[k], poses), judging_)
+                             .overlap;
+  });
+  std::erase_if(pairs, [](const ViewPair& pair) { return pair.overlap < kCountingOverlap; });
+  return pairs;
+}
+
+std::vector<bool> GivenAndRefined::views_without_overlap() const {
+  const std::size_t views = surfaces_.size();
+  const auto before = overlaps_of_views(views, pairs_given_),
+             after = overlaps_of_views(views, pairs_refined_);
   std::vector<bool> lost(views);
   for (std::size_t i = 0; i < views; ++i)
-    lost[i] = roles[i] == ViewRole::kFree && after[i] < kLeftOfLost * before[i];
+    lost[i] = roles_[i] == ViewRole::kFree && after[i] < kMinOverlapKept * before[i];
   return lost;
 }
 
-std::vector<bool> views_laid_on_each_other(const std::vector<ViewSurface>& surfaces,
-                                           const std::vector<RigidMotion>& given,
-                                           const std::vector<RigidMotion>& refined,
-                                           const std::vector<ViewRole>& roles,
-                                           Association association) {
+std::vector<bool> GivenAndRefined::coincident_views() const {
   const auto apart = [&](const ViewPair& pair, const std::vector<RigidMotion>& poses) {
-    return largest_motion(relative(pair, poses), surfaces[pair.a]) /
-           (kFirstSearchRadii * surfaces[pair.a].radius());
+    const double radius = std::min(surfaces_[pair.a].radius(), surfaces_[pair.b].radius());
+    return largest_motion(relative(pair, poses), surfaces_[pair.a]) / (kFirstSearchRadii * radius);
   };
-  std::vector<bool> laid(surfaces.size());
-  for (const ViewPair& pair :
-       overlapping_pairs(surfaces, refined, roles, judging_with(association)))
-    if (apart(pair, refined) <= 1.0 && apart(pair, given) >= 2.0)
-      for (const std::size_t i : {pair.a, pair.b}) laid[i] = roles[i] == ViewRole::kFree;
+  std::vector<bool> laid(surfaces_.size());
+  for (const ViewPair& pair : pairs_refined_)
+    if (apart(pair, refined_) <= 1.0 && apart(pair, given_) >= 2.0)
+      for (const std::size_t i : {pair.a, pair.b}) laid[i] = roles_[i] == ViewRole::kFree;
   return laid;
 }
 
-bool fit_as_well_as_refined(const std::vector<ViewSurface>& surfaces,
-                            const std::vector<RigidMotion>& given,
-                            const std::vector<RigidMotion>& refined,
-                            const std::vector<ViewRole>& roles, Association association) {
-  const JudgeOptions judging = judging_with(association);
-  const auto pairs = largest_overlaps(
-      surfaces.size(), overlapping_pairs(surfaces, refined, roles, judging), kComparedPairsOfAView);
-  const CommonFit at_given = fit_at(surfaces, given, pairs, judging),
-                  at_refined = fit_at(surfaces, refined, pairs, judging);
+bool GivenAndRefined::given_fit_as_well() const {
+  const auto pairs = largest_overlaps(surfaces_.size(), pairs_refined_, kComparedPairsOfAView);
+  const CommonFit at_given = fit_at(surfaces_, given_, pairs, judging_),
+                  at_refined = fit_at(surfaces_, refined_, pairs, judging_);
   if (at_given.overlap <= 0.0 || at_refined.overlap > kOverlapGain * at_given.overlap) return false;
   return at_given.mean_square() <= kSquaresGain * at_refined.mean_square() &&
-         at_given.coherent_mean_square() <=
-             kCoherentGain * at_refined.coherent_mean_square() +
-                 kCoherentZero * at_refined.mean_square();
+         at_given.coherent_mean_square() <= kCoherentGain * at_refined.coherent_mean_square() +
+                                                kCoherentZero * at_refined.mean_square();
 }
 
 }  // namespace relief::registration

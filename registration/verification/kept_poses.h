@@ -3,35 +3,45 @@
 #include <vector>
 
 #include "registration/posegraph/joint/joint_refinement.h"
+#include "registration/posegraph/view_graph.h"
 #include "registration/surface/view_surface.h"
-#include "relief/registration/align_options.h"
+#include "registration/verification/pose_evidence.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {
 
-/// Free views that refining moved away from the views they overlapped at their given poses: less
-/// than half of that overlap is left, with whichever views. Refining goes where distances are
-/// small; of few or coarse samples that may be where hardly any are left to compare.
-std::vector<bool> lost_views(const std::vector<ViewSurface>& surfaces,
-                             const std::vector<RigidMotion>& given,
-                             const std::vector<RigidMotion>& refined,
-                             const std::vector<ViewRole>& roles, Association association);
+/// Given poses, world from view, beside those that refining made of them. Refining minimises
+/// distances, whatever made these: some given poses are better kept.
+class GivenAndRefined {
+ public:
+  /// All but the last outlive it. Views that are kExcluded take no part.
+  GivenAndRefined(const std::vector<ViewSurface>& surfaces, const std::vector<RigidMotion>& given,
+                  const std::vector<RigidMotion>& refined, const std::vector<ViewRole>& roles,
+                  Association association);
 
-/// Free views that refining laid on each other as if they were seen from one place, from given
-/// poses that were farther apart than it looks for partners. What stands still before the sensor
-/// does so, and a body of revolution, which shares most when seen within the same outline.
-std::vector<bool> views_laid_on_each_other(const std::vector<ViewSurface>& surfaces,
-                                           const std::vector<RigidMotion>& given,
-                                           const std::vector<RigidMotion>& refined,
-                                           const std::vector<ViewRole>& roles,
-                                           Association association);
+  /// Free views with less than half of the overlap left that they had, with whichever views. Of few
+  /// or coarse samples distances may be least where hardly any are left to compare.
+  std::vector<bool> views_without_overlap() const;
 
-/// Whether the views fit each other as well at their given poses as where refining moved them: they
-/// share as much, and neither the RMS of their distances nor its coherent part falls by more than
-/// samples tell. Then what moved them are errors that neighbouring samples share.
-bool fit_as_well_as_refined(const std::vector<ViewSurface>& surfaces,
-                            const std::vector<RigidMotion>& given,
-                            const std::vector<RigidMotion>& refined,
-                            const std::vector<ViewRole>& roles, Association association);
+  /// Free views that lie on each other as if they were seen from one place, to 0.2 radii, and were
+  /// twice as far apart: farther than refining looks for partners. What stands still before the
+  /// sensor does so, and a body of revolution, which shares most when seen within the same outline.
+  std::vector<bool> coincident_views() const;
+
+  /// Whether the views fit each other as well at the given poses: they share as much, to 2 %,
+  /// and neither the mean square of their distances nor its coherent part falls by more than 2 %
+  /// and 10 %. Then what moved them are errors that neighbouring samples share. False where nothing
+  /// overlaps.
+  bool given_fit_as_well() const;
+
+ private:
+  std::vector<ViewPair> overlapping_pairs(const std::vector<RigidMotion>& poses) const;
+
+  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<RigidMotion>&given_, &refined_;
+  const std::vector<ViewRole>& roles_;
+  JudgeOptions judging_;
+  std::vector<ViewPair> pairs_given_, pairs_refined_;  // Those that overlap at these poses.
+};
 
 }  // namespace relief::registration

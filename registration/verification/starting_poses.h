@@ -28,7 +28,7 @@ struct CheckedPoses {
   /// Refuted poses, refined, at which a part of the view fits: the rest may have moved between the
   /// scans, as the arm of a robot. They hold where no pose is found by shape.
   std::vector<std::optional<RigidMotion>> fits_in_part;
-  /// Given poses that stay to the bit, as refining only led away from them (kept_poses.h).
+  /// Given poses that stay to the bit, as refining found none that fit better (kept_poses.h).
   std::vector<bool> kept;
 };
 

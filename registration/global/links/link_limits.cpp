@@ -114,17 +114,18 @@ using ViewIndices = std::pair<std::size_t, std::size_t>;
 
 // Pairs of views whose links close loops at two places: views of a body of revolution, or of what
 // repeats itself, do so wherever they are turned to, and their loops tell nothing.
-std::set<ViewIndices> pairs_with_loops_at_two_places(const std::vector<ViewSurface>& surfaces,
-                                                     const std::vector<PoseLink>& links,
-                                                     const std::vector<int>& loops) {
-  std::map<ViewIndices, const PoseLink*> first;
+std::set<ViewIndices> ambiguous_pairs(const std::vector<ViewSurface>& surfaces,
+                                      const std::vector<PoseLink>& links,
+                                      const std::vector<int>& loops) {
+  std::map<ViewIndices, RigidMotion> first;  // Of the view with the larger index from the other.
   std::set<ViewIndices> found;
   for (std::size_t k = 0; k < links.size(); ++k) {
     if (loops[k] == 0) continue;
     const PoseLink& link = links[k];
-    const auto [it, added] = first.try_emplace({link.a, link.b}, &link);
-    if (!added && !same_place(surfaces[link.a], link.b_from_a, it->second->b_from_a))
-      found.insert(it->first);
+    const ViewIndices pair = std::minmax(link.a, link.b);
+    const RigidMotion pose = link.a < link.b ? link.b_from_a : link.b_from_a.inverse();
+    const auto [it, added] = first.try_emplace(pair, pose);
+    if (!added && !same_place(surfaces[pair.first], pose, it->second)) found.insert(pair);
   }
   return found;
 }
@@ -137,11 +138,11 @@ bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<P
   otherwise.max_free_space_violation =
       std::min(1.0, kWidestContradiction * otherwise.max_free_space_violation);
   std::vector<double> missing_coverage, free_space_violation;
-  const std::set<ViewIndices> symmetric = pairs_with_loops_at_two_places(surfaces, links, loops);
+  const std::set<ViewIndices> ambiguous = ambiguous_pairs(surfaces, links, loops);
   std::set<ViewIndices> telling;
   for (std::size_t k = 0; k < links.size(); ++k) {
     const PoseLink& link = links[k];
-    if (loops[k] == 0 || symmetric.contains({link.a, link.b}) ||
+    if (loops[k] == 0 || ambiguous.contains(std::minmax(link.a, link.b)) ||
         !plausible(link.evidence, surfaces[link.a], surfaces[link.b], otherwise))
       continue;
     telling.insert(std::minmax(link.a, link.b));
@@ -189,7 +190,7 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
     return same_pose(view, link.b_from_a, other,
                      std::max(kLoopRadii * view.radius(), kLoopSpacings * view.spacing()));
   };
-  const auto stays = [&](std::size_t view, const RigidMotion& motion) {
+  const auto is_near_identity = [&](std::size_t view, const RigidMotion& motion) {
     return same_pose(surfaces[view], motion, RigidMotion::Identity(),
                      kFirstSearchRadii * surfaces[view].radius());
   };
@@ -197,11 +198,13 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
   for (std::size_t k = 0; k < links.size(); ++k) {
     const auto& link = links[k];
     std::set<std::size_t> confirming;
-    const bool link_stays = stays(link.a, link.b_from_a);
+    const bool near_identity = is_near_identity(link.a, link.b_from_a);
     for (const auto& [c, c_from_a] : from[link.a]) {
-      const bool all_stay = link_stays && stays(link.a, c_from_a);  // Then so does the third.
-      for (const auto& [end, end_from_c] : from[c])
-        if (end == link.b && !all_stay && agree(link, end_from_c * c_from_a)) confirming.insert(c);
+      const bool both = near_identity && is_near_identity(link.a, c_from_a);
+      for (const auto& [end, end_from_c] : from[c]) {
+        if (end != link.b || (both && is_near_identity(c, end_from_c))) continue;
+        if (agree(link, end_from_c * c_from_a)) confirming.insert(c);
+      }
     }
     loops[k] = static_cast<int>(confirming.size());
   }

@@ -41,7 +41,9 @@ class KeptPoses : public ::testing::Test {
   }
   static bool fit_as_well(const std::vector<RigidMotion>& given,
                           const std::vector<RigidMotion>& refined) {
-    return fit_as_well_as_refined(surfaces(), given, refined, free_roles(), Association::kAuto);
+    const auto roles = free_roles();
+    return GivenAndRefined(surfaces(), given, refined, roles, Association::kAuto)
+        .given_fit_as_well();
   }
 };
 
@@ -61,18 +63,24 @@ TEST_F(KeptPoses, AViewMovedOffAllOthersIsLost) {
   refined[2].translation() += Eigen::Vector3d(0, 0, 4.0 * surfaces()[2].radius());
   std::vector<bool> expected(views().size(), false);
   expected[2] = true;
-  EXPECT_THAT(lost_views(surfaces(), truth(), refined, free_roles(), Association::kAuto),
-              ElementsAreArray(expected));
+  const auto given = truth();
   auto roles = free_roles();
+  const auto lost = [&] {
+    return GivenAndRefined(surfaces(), given, refined, roles, Association::kAuto)
+        .views_without_overlap();
+  };
+  EXPECT_THAT(lost(), ElementsAreArray(expected));
   roles[2] = ViewRole::kFixed;
   expected[2] = false;
-  EXPECT_THAT(lost_views(surfaces(), truth(), refined, roles, Association::kAuto),
-              ElementsAreArray(expected));
+  EXPECT_THAT(lost(), ElementsAreArray(expected));
 }
 
 TEST_F(KeptPoses, ViewsLaidOnEachOtherAreFound) {
+  const auto given = truth();
+  const auto roles = free_roles();
   const auto laid_at = [&](const std::vector<RigidMotion>& refined) {
-    return views_laid_on_each_other(surfaces(), truth(), refined, free_roles(), Association::kAuto);
+    return GivenAndRefined(surfaces(), given, refined, roles, Association::kAuto)
+        .coincident_views();
   };
   EXPECT_THAT(laid_at(truth()), ElementsAreArray(std::vector<bool>(views().size(), false)));
   auto refined = truth();

@@ -46,6 +46,9 @@ struct StartingPoseOptions {
   /// Whether to look by shape for poses that are not given, or not confirmed.
   bool search = true;
   Association association = Association::kAuto;
+  /// Whether all given poses stay to the bit where refining finds none that fit better (see
+  /// docs/registration.md, Given poses). Poses that the views gave need not.
+  bool keep_given = true;
   /// Two views are linked by shape when they share at least this fraction of their samples; in (0,
   /// 1]. With it and the next `relief_coarse_runs` places no view wrongly (docs/results.md, Global
   /// registration).
