@@ -1,7 +1,5 @@
 #include "registration/calibration/corrected_alignment.h"
 
-#include <algorithm>
-#include <cstddef>
 #include <utility>
 
 #include "registration/posegraph/joint/joint_refinement.h"
@@ -13,33 +11,6 @@ namespace {
 // Part of the overlap that must stay: chance and the borders of views take less than a twentieth.
 constexpr double kLeastOverlap = 0.95;
 
-std::size_t misfits(const JointRefinement& refined) {
-  return static_cast<std::size_t>(
-      std::ranges::count(refined.pairs, PairStatus::kMisfit, &PairFit::status));
-}
-
-double total_overlap(const JointRefinement& refined) {
-  double total = 0.0;
-  for (const PairFit& pair : refined.pairs) total += pair.overlap;
-  return total;
-}
-
-// Poses found with the errors are near those without. Where pairs misfit all the same, the errors
-// had torn the views apart: then as from poses that are given.
-Result<JointRefinement> refine_corrected(const CorrectedViews& views,
-                                         const std::vector<RigidMotion>& start,
-                                         const std::vector<ViewRole>& roles) {
-  JointRefinementOptions near = views.align().refinement;
-  near.levels = 1;
-  auto refined = refine_jointly(views.surfaces(), start, roles, near, {});
-  if (!refined || misfits(*refined) == 0) return refined;
-  auto from_afar = refine_jointly(views.surfaces(), start, roles, views.align().refinement, {});
-  if (!from_afar) return from_afar;
-  const bool better = misfits(*from_afar) < misfits(*refined) &&
-                      total_overlap(*from_afar) >= kLeastOverlap * total_overlap(*refined);
-  return better ? from_afar : refined;
-}
-
 }  // namespace
 
 Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& given,
@@ -50,7 +21,9 @@ Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& 
     roles.push_back(!given.views[i].aligned                     ? ViewRole::kExcluded
                     : views.given()[i].pose == PoseKind::kKnown ? ViewRole::kFixed
                                                                 : ViewRole::kFree);
-  auto refined = refine_corrected(views, start, roles);
+  JointRefinementOptions options = views.align().refinement;
+  options.levels = 1;
+  auto refined = refine_jointly(views.surfaces(), start, roles, options, {});
   if (!refined) return refined.error();
   Alignment alignment = given;
   for (std::size_t i = 0; i < given.views.size(); ++i) {
