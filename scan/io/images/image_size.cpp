@@ -187,11 +187,6 @@ std::optional<ImageSize> image_size(const std::filesystem::path& path) {
   return lower_ending(path) == ".tga" ? tga_size(head) : array_size(head);  // No mark of its own.
 }
 
-bool have_equal_sizes(const std::filesystem::path& a, const std::filesystem::path& b) {
-  const auto of_a = image_size(a), of_b = image_size(b);
-  return of_a && of_b && *of_a == *of_b;
-}
-
 bool is_grey_16_bit_png(const std::filesystem::path& path) {
   constexpr std::size_t kHeader = 26;  // The signature, the sizes, bits a sample, the colour type.
   std::string bytes(kHeader, '\0');

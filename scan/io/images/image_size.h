@@ -16,9 +16,6 @@ struct ImageSize {
 /// headers.
 std::optional<ImageSize> image_size(const std::filesystem::path& path);
 
-/// Whether the headers of two images say one and the same size.
-bool have_equal_sizes(const std::filesystem::path& a, const std::filesystem::path& b);
-
 /// Whether the header of a file is that of a PNG with one channel of 16 bits, as of depth maps.
 bool is_grey_16_bit_png(const std::filesystem::path& path);
 

@@ -88,30 +88,30 @@ Result<std::vector<LoadedView>> readable_views(LoadedViews loaded, bool skip_dam
   return views;
 }
 
+ViewSpec& spec_of(const LoadedView& view, std::vector<ViewSpec>& specs) {
+  return *std::ranges::find(specs, view.view.name, &ViewSpec::name);
+}
+
 // Settles together from where clouds were seen, and tells the project.
 void settle_viewpoints(std::vector<ViewSpec>& specs, std::vector<LoadedView>& views,
                        ScanProject& project) {
-  const auto spec_of = [&](const LoadedView& view) -> ViewSpec& {
-    return *std::ranges::find(specs, view.view.name, &ViewSpec::name);
-  };
   std::vector<AssumedViewpoint> viewpoints;
   for (const LoadedView& view : views)
     viewpoints.push_back(view.assumed_viewpoint == AssumedViewpoint::kNone
                              ? AssumedViewpoint::kNone
-                             : viewpoint_in_set(spec_of(view), view));
+                             : viewpoint_in_set(spec_of(view, specs), view));
   for (const std::size_t i : views_to_see_from_origin(viewpoints))
-    see_from_origin(spec_of(views[i]), views[i]);
+    see_from_origin(spec_of(views[i], specs), views[i]);
   for (const LoadedView& view : views)
     if (view.assumed_viewpoint == AssumedViewpoint::kOrigin)
       project.seen_from_origin.push_back(view.view.name);
 }
 
 // A pose that all files tell alike is not taken.
-void settle_poses(const std::vector<ViewSpec>& specs, std::vector<LoadedView>& views,
+void settle_poses(std::vector<ViewSpec>& specs, std::vector<LoadedView>& views,
                   ScanProject& project) {
   std::vector<std::optional<RigidMotion>> poses;
-  for (const LoadedView& view : views)
-    poses.push_back(pose_of_file(*std::ranges::find(specs, view.view.name, &ViewSpec::name), view));
+  for (const LoadedView& view : views) poses.push_back(pose_of_file(spec_of(view, specs), view));
   if (!is_constant(poses)) return;
   for (LoadedView& view : views) {
     view.view.world_from_view = RigidMotion::Identity();

@@ -87,7 +87,8 @@ bool holds_whole_numbers(const fs::path& depth) {
 
 // As far as their headers tell.
 bool have_other_sizes(const fs::path& colour, const fs::path& depth) {
-  return image_size(colour) && image_size(depth) && !have_equal_sizes(colour, depth);
+  const auto of_colour = image_size(colour), of_depth = image_size(depth);
+  return of_colour && of_depth && *of_colour != *of_depth;
 }
 
 ViewSpec guessed_view(const std::string& name, const std::vector<NamedImage>& images,

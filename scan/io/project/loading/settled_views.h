@@ -33,8 +33,8 @@ std::optional<RigidMotion> pose_of_file(const ViewSpec& spec, const LoadedView& 
 bool is_constant(const std::vector<std::optional<RigidMotion>>& poses_of_files);
 
 /// Settles what views decide together, reading one at a time: viewpoints of clouds, which `specs`
-/// then have, and conventions of normals, by comparing them with the depth.
-/// One choice for each spec; those of views without normals have no meaning.
+/// then have, and conventions of normals, by comparing them with the depth. One choice for each
+/// spec; those of views without normals have no meaning.
 Result<ConventionChoice> settle_views(std::vector<ViewSpec>& specs);
 
 }  // namespace relief

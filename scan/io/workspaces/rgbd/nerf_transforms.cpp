@@ -160,7 +160,7 @@ class Frames {
     distorted_ |= is_distorted(frame, all_);
     if (const auto mask = file_of(frame, "mask_path", folder_)) view.mask = ImageFile{*mask};
     if (const auto colour = file_of(frame, "file_path", folder_);
-        colour && have_equal_sizes(*colour, *depth))
+        colour && image_size(*colour) == image_size(*depth))
       view.colour = ImageFile{*colour};
     view.world_from_view = pose_of(frame);
     view.pose = PoseKind::kGuess;

@@ -118,6 +118,12 @@ Result<CameraSpec> camera_of_frame(const fs::path& folder, const RgbdFrame& fram
   return camera;
 }
 
+// A frame's colours are usable where each depth pixel has one.
+bool colours_fit(const RgbdFrame& frame) {
+  const auto depth = image_size(frame.depth), colour = image_size(*frame.colour);
+  return depth && colour && *depth == *colour;
+}
+
 Result<void> add_frame(const fs::path& folder, const RgbdFrame& frame,
                        const std::optional<TrajectoryPose>& pose, const RgbdSetting& setting,
                        std::set<std::string>& names, ProjectSpec& project, std::size_t& misfits) {
@@ -131,7 +137,7 @@ Result<void> add_frame(const fs::path& folder, const RgbdFrame& frame,
       DepthSpec{frame.depth, setting.depth_step.value_or(frame.depth_step.value_or(1.0)), false};
   view.camera = *camera;
   if (frame.mask) view.mask = ImageFile{*frame.mask};
-  if (frame.colour && have_equal_sizes(*frame.colour, frame.depth))  // A colour for each sample.
+  if (frame.colour && colours_fit(frame))
     view.colour = ImageFile{*frame.colour};
   else if (frame.colour)
     ++misfits;
