@@ -53,12 +53,12 @@ class Reconstructor {
         align_or_find("align", result_.views, options_.align, stages_.of(Stage::kAlign),
                       stages_.missing_unit_error(Stage::kAlign));
     if (!alignment) return alignment.error();
-    registration::apply_alignment(*alignment, result_.views);
     if (auto told = tell(callbacks_.aligned, *alignment); !told) return told;
     result_.first_alignment = std::move(*alignment);
     return {};
   }
 
+  // Starts from the views at their given poses, and ends with them aligned.
   Result<void> calibrate() {
     if (has_stage(Stage::kCalibrate, options_)) {
       auto calibration = calibrate_or_find(result_.views, result_.first_alignment, options_.align,
@@ -67,10 +67,14 @@ class Reconstructor {
       if (!calibration) return calibration.error();
       registration::apply_calibration(*calibration, result_.views);
       result_.calibration = std::move(*calibration);
-      if (result_.calibration.found()) result_.first_alignment = result_.calibration.alignment;
+    }
+    if (result_.calibration.found())
+      result_.first_alignment = result_.calibration.alignment;
+    else
+      registration::apply_alignment(result_.first_alignment, result_.views);
+    if (has_stage(Stage::kCalibrate, options_))
       if (auto told = tell(callbacks_.calibrated, result_.calibration, result_.views); !told)
         return told;
-    }
     drop_unaligned();
     if (result_.views.empty())
       return Error{ErrorKind::kUnsolvable, "no view could be aligned: nothing to merge"};

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "registration/align_surfaces.h"
 #include "registration/alignment_report.h"
 #include "registration/prepared_views.h"
 #include "registration/verification/given_poses.h"
@@ -174,13 +175,19 @@ std::vector<RigidMotion> Alignment::world_from_view() const {
   return poses;
 }
 
+Result<Alignment> align_surfaces(const std::vector<RangeView>& views,
+                                 const std::vector<ViewSurface>& surfaces,
+                                 const AlignOptions& options, const Progress& progress,
+                                 const AlignUnits& units) {
+  return Aligning(views, surfaces, options, units, progress).run();
+}
+
 Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOptions& options,
                               const Context& context) {
   return run_in(context, [&]() -> Result<Alignment> {
     const auto prepared = prepare_to_align(views, options, context);
     if (!prepared) return prepared.error();
-    const auto& [surfaces, units] = *prepared;
-    return Aligning(views, surfaces, options, units, context.progress).run();
+    return align_surfaces(views, prepared->surfaces, options, context.progress, prepared->units);
   });
 }
 

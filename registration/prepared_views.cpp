@@ -42,13 +42,6 @@ const RangeView* view_without_projection(const std::vector<RangeView>& views,
   return nullptr;
 }
 
-ViewSurfaceOptions surface_options_of(const AlignOptions& options) {
-  ViewSurfaceOptions surface = options.surface;
-  surface.neighbour_index |= options.refinement.association == Association::kNearest ||
-                             options.starting_poses.association == Association::kNearest;
-  return surface;
-}
-
 Result<std::vector<ViewSurface>> build_surfaces(const std::vector<RangeView>& views,
                                                 const ViewSurfaceOptions& surface,
                                                 const Progress& progress) {
@@ -65,6 +58,13 @@ Result<std::vector<ViewSurface>> build_surfaces(const std::vector<RangeView>& vi
 
 }  // namespace
 
+ViewSurfaceOptions surface_options(const AlignOptions& options) {
+  ViewSurfaceOptions surface = options.surface;
+  surface.neighbour_index |= options.refinement.association == Association::kNearest ||
+                             options.starting_poses.association == Association::kNearest;
+  return surface;
+}
+
 Result<PreparedViews> prepare_to_align(const std::vector<RangeView>& views,
                                        const AlignOptions& options, const Context& context) {
   if (views.empty()) return Error{ErrorKind::kBadInput, "there are no views to align"};
@@ -75,7 +75,7 @@ Result<PreparedViews> prepare_to_align(const std::vector<RangeView>& views,
                  "view " + view->name +
                      ": its camera has no projection of points to pixels; use "
                      "the association auto or nearest"};
-  const ViewSurfaceOptions surface = surface_options_of(options);
+  const ViewSurfaceOptions surface = surface_options(options);
   auto surfaces = build_surfaces(views, surface, context.progress);
   if (!surfaces) return surfaces.error();
   return PreparedViews{std::move(*surfaces), AlignUnits(context.store, views, surface)};

@@ -17,6 +17,9 @@ struct PreparedViews {
   AlignUnits units;                   ///< Of these surfaces.
 };
 
+/// How surfaces of views are made for such options.
+ViewSurfaceOptions surface_options(const AlignOptions& options);
+
 /// Errors: kBadInput for no views, impossible options, or a camera that cannot project where that
 /// is asked for; kInterrupted. The views must outlive the surfaces.
 Result<PreparedViews> prepare_to_align(const std::vector<RangeView>& views,

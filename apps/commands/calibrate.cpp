@@ -34,17 +34,18 @@ int calibrate(const CalibrateCommand& command) {
   const auto alignment =
       registration::align_views(project->views, command.align, context_of(command.common, "align"));
   if (!alignment) return fail(alignment.error());
-  registration::apply_alignment(*alignment, project->views);
-  warn_of_unverified(*alignment);
   const Stopwatch watch;
   const auto calibration =
       registration::calibrate_views(project->views, *alignment, command.align, command.options,
                                     context_of(command.common, "calibrate"));
   if (!calibration) return fail(calibration.error());
+  registration::apply_alignment(*alignment, project->views);
   registration::apply_calibration(*calibration, project->views);
+  const registration::Alignment& last = calibration->found() ? calibration->alignment : *alignment;
   Json report = calibration_report(*calibration, project->views);
   report["seconds"] = watch.seconds();
   log_calibration(*calibration, project->unit, report["seconds"]);
+  warn_of_unverified(last);
 
   if (const auto written =
           write_project(*project, command.output, context_of(command.common, "write"));
@@ -54,7 +55,7 @@ int calibrate(const CalibrateCommand& command) {
                                      "calibrate", report, command.common);
   if (!reported) return fail(reported.error());
   Console::info("wrote " + (command.output / "scan.json").string());
-  return alignment->complete() && alignment->solved() ? kDone : kDataDoesNotAllow;
+  return last.complete() && last.solved() ? kDone : kDataDoesNotAllow;
 }
 
 }  // namespace

@@ -22,6 +22,7 @@
 #include "registration/posegraph/pose_step.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "registration/posegraph/view_graph.h"
+#include "registration/prepared_views.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -55,7 +56,7 @@ std::vector<const RangeView*> pointers_to(const std::vector<RangeView>& views) {
 }
 
 AlignOptions with_index(AlignOptions align) {
-  align.surface.neighbour_index |= align.refinement.association == Association::kNearest;
+  align.surface = surface_options(align);
   return align;
 }
 
@@ -99,6 +100,7 @@ class Calibrating {
     if (!result_.alignment.solved() ||
         !fits_better(fit_of(corrected_, result_.alignment.world_from_view(), pairs_), fit_before_))
       return nothing_found();
+    if (const auto again = align_from_given_poses(); !again) return again.error();
     return std::move(result_);
   }
 
@@ -213,6 +215,22 @@ class Calibrating {
     auto aligned = align_corrected(corrected_, so_far, poses_, inflation_);
     if (!aligned) return aligned.error();
     result_.alignment = *std::move(aligned);
+    return {};
+  }
+
+  // A wrong sensor may tear views apart, refute right poses, or lead away from exact ones.
+  Result<void> align_from_given_poses() {
+    if (!may_gain_from_given(corrected_, aligned_, result_.alignment)) return {};
+    auto again = align_from_given(corrected_, result_.alignment, inflation_, progress_);
+    if (!again) return again.error();
+    const std::size_t verified = verified_views(*again), before = verified_views(result_.alignment);
+    if (verified < before || !again->solved() ||
+        !fits_better(fit_of(corrected_, again->world_from_view(), pairs_), fit_before_))
+      return {};
+    result_.alignment = std::move(*again);
+    result_.notes.push_back("the corrected views were aligned again from their given poses: " +
+                            std::to_string(verified) + " views are verified, " +
+                            std::to_string(before) + " were before");
     return {};
   }
 

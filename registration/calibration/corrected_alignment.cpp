@@ -1,8 +1,11 @@
 #include "registration/calibration/corrected_alignment.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "registration/align_surfaces.h"
 #include "registration/posegraph/joint/joint_refinement.h"
+#include "registration/verification/kept_poses.h"
 
 namespace relief::registration {
 
@@ -10,6 +13,14 @@ namespace {
 
 // Part of the overlap that must stay: chance and the borders of views take less than a twentieth.
 constexpr double kLeastOverlap = 0.95;
+
+void inflate(const std::vector<RigidTangent>& factors, Alignment& alignment) {
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    ViewReport& view = alignment.views[i];
+    view.pose_covariance = factors[i].asDiagonal() * view.pose_covariance * factors[i].asDiagonal();
+    view.pose_std = factors[i].cwiseProduct(view.pose_std);
+  }
+}
 
 }  // namespace
 
@@ -29,10 +40,10 @@ Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& 
   for (std::size_t i = 0; i < given.views.size(); ++i) {
     ViewReport& view = alignment.views[i];
     view.world_from_view = refined->world_from_view[i];
-    view.pose_covariance =
-        inflation[i].asDiagonal() * refined->pose_covariance[i] * inflation[i].asDiagonal();
-    view.pose_std = inflation[i].cwiseProduct(refined->pose_std[i]);
+    view.pose_covariance = refined->pose_covariance[i];
+    view.pose_std = refined->pose_std[i];
   }
+  inflate(inflation, alignment);
   alignment.pairs = std::move(refined->pairs);
   alignment.termination = refined->termination;
   alignment.iterations += refined->iterations;
@@ -40,6 +51,41 @@ Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& 
   alignment.loops = std::move(refined->loops);
   alignment.solves.insert(alignment.solves.end(), refined->solves.begin(), refined->solves.end());
   return alignment;
+}
+
+Result<Alignment> align_from_given(const CorrectedViews& views, const Alignment& given,
+                                   const std::vector<RigidTangent>& inflation,
+                                   const Progress& progress) {
+  auto alignment = align_surfaces(views.views(), views.surfaces(), views.align(), progress);
+  if (!alignment) return alignment;
+  inflate(inflation, *alignment);
+  alignment->iterations += given.iterations;
+  alignment->solves.insert(alignment->solves.begin(), given.solves.begin(), given.solves.end());
+  return alignment;
+}
+
+bool may_gain_from_given(const CorrectedViews& views, const Alignment& given,
+                         const Alignment& corrected) {
+  if (verified_views(given) < given.views.size()) return true;
+  std::vector<ViewRole> roles;
+  std::vector<RigidMotion> poses;
+  for (const RangeView& view : views.given()) {
+    roles.push_back(view.pose == PoseKind::kGuess   ? ViewRole::kFree
+                    : view.pose == PoseKind::kKnown ? ViewRole::kFixed
+                                                    : ViewRole::kExcluded);
+    poses.push_back(view.world_from_view);
+  }
+  const StartingPoseOptions& starting = views.align().starting_poses;
+  return starting.keep_given && starting.given != GivenPoses::kIgnore &&
+         GivenAndRefined(views.surfaces(), poses, corrected.world_from_view(), roles,
+                         starting.association)
+             .given_fit_as_well();
+}
+
+std::size_t verified_views(const Alignment& alignment) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      alignment.views,
+      [](const ViewReport& view) { return view.status == PoseStatus::kVerified; }));
 }
 
 PairwiseFit fit_of(const CorrectedViews& views, const std::vector<RigidMotion>& world_from_view,

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "registration/calibration/corrected_views.h"
 #include "registration/calibration/pairwise_fit.h"
 #include "registration/posegraph/view_graph.h"
 #include "relief/registration/align_views.h"
+#include "relief/scan/context.h"
 #include "relief/scan/result.h"
 #include "relief/scan/rigid_motion.h"
 
@@ -17,6 +19,20 @@ namespace relief::registration {
 Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& given,
                                   const std::vector<RigidMotion>& start,
                                   const std::vector<RigidTangent>& inflation);
+
+/// align_views() of the corrected views, from the poses that they were given with, shape search
+/// included. Deviations as above.
+Result<Alignment> align_from_given(const CorrectedViews& views, const Alignment& given,
+                                   const std::vector<RigidTangent>& inflation,
+                                   const Progress& progress);
+
+/// Whether aligning the corrected views from the poses that they were given with may give more than
+/// `corrected`, which starts from the poses of the alignment `given`: there not all views were
+/// verified, or the corrected views fit as well at the poses that they were given with.
+bool may_gain_from_given(const CorrectedViews& views, const Alignment& given,
+                         const Alignment& corrected);
+
+std::size_t verified_views(const Alignment& alignment);
 
 /// How well the views fit each other with the errors that are taken out, at such poses.
 PairwiseFit fit_of(const CorrectedViews& views, const std::vector<RigidMotion>& world_from_view,

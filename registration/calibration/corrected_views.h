@@ -44,6 +44,8 @@ class CorrectedViews {
                             const std::vector<ViewPair>& pairs, std::size_t samples);
 
   const std::vector<RangeView>& given() const { return given_; }
+  /// Without normals, unless the last correct() was with them.
+  const std::vector<RangeView>& views() const { return views_; }
   const std::vector<ViewSurface>& surfaces() const { return surfaces_; }
   const AlignOptions& align() const { return align_; }
   /// Of the tangents of the last sums; world frame.

@@ -203,6 +203,33 @@ TEST(CalibrateViews, IsTheSameOnAnyNumberOfThreads) {
   }
 }
 
+TEST(CalibrateViews, BringsBackViewsThatTheWrongSensorHadLost) {
+  auto [views, before, unused] = bent_ring();
+  constexpr std::size_t kLost = 4;
+  before.views[kLost].aligned = false;
+  before.views[kLost].status = PoseStatus::kLeftOut;
+  std::erase_if(before.pairs,
+                [&](const PairFit& pair) { return pair.a == kLost || pair.b == kLost; });
+  const SensorCalibration calibration = calibrate_views(views, before).value();
+  ASSERT_TRUE(calibration.found());
+  EXPECT_EQ(calibration.alignment.views[kLost].status, PoseStatus::kVerified);
+  EXPECT_LT(worst_pose(calibration.alignment), 0.3 * worst_pose(bent_ring().before));
+  EXPECT_THAT(calibration.notes, ::testing::Contains(::testing::HasSubstr("aligned again")));
+}
+
+TEST(CalibrateViews, ReturnsToExactPosesThatTheWrongSensorLedAwayFrom) {
+  auto views = bent_ring().views;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    views[i].world_from_view = true_ring()[i].world_from_view;
+  const Alignment before = align_views(views).value();
+  ASSERT_GT(worst_pose(before), 0.05);
+  const SensorCalibration calibration = calibrate_views(views, before).value();
+  ASSERT_TRUE(calibration.found());
+  for (std::size_t i = 0; i < views.size(); ++i)
+    EXPECT_EQ(calibration.alignment.views[i].world_from_view.matrix(),
+              views[i].world_from_view.matrix());
+}
+
 TEST(CalibrateViews, LeavesKnownPosesWhereTheyAre) {
   auto views = bent_ring().views;
   views[2].world_from_view = true_ring()[2].world_from_view;

@@ -85,9 +85,11 @@ struct SensorCalibration {
 /// poses, together with these poses (C2). Views with the same kind of camera, size of grid and
 /// intrinsics share a sensor. An error is estimated where correspondences and views that took no
 /// part in its estimate fit better with it than without, by more than chance. `aligned` is the
-/// alignment of the views, made with the options `align`. Views at known poses stay there. Nothing
-/// is found where fewer than three views overlap, or more than 200, and where shape alone does not
-/// hold all views.
+/// alignment of the views, made with the options `align`; `views` still have the poses that it was
+/// given. Where it left views unverified, and where the corrected views fit as well at their given
+/// poses, they are aligned again from these. Views at known poses stay there. Nothing is found
+/// where fewer than three views overlap, or more than 200, and where shape alone does not hold all
+/// views.
 ///
 /// Errors: kBadInput for options out of range; kInterrupted.
 Result<SensorCalibration> calibrate_views(const std::vector<RangeView>& views,
