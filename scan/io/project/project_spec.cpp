@@ -103,12 +103,22 @@ Result<ProjectSpec> spec_of_scans(const std::vector<fs::path>& files,
   return project;
 }
 
+// Says so where all cameras have intrinsics of their own.
+Result<ProjectSpec> parse_own_project(const std::string& text, const fs::path& path,
+                                      const std::optional<PinholeIntrinsics>& intrinsics) {
+  auto project = parse_scan_json(text, path, intrinsics);
+  if (project && intrinsics && parse_scan_json(text, path))
+    project->notes.push_back("--intrinsics are not used: " + path.string() +
+                             " tells those of all its views");
+  return project;
+}
+
 Result<ProjectSpec> parse_project(const std::string& text, const fs::path& path,
                                   const RgbdOptions& options) {
   const std::string ending = lower_ending(path);
   if (ending == ".json")
     return looks_like_nerf_transforms(text) ? parse_nerf_transforms(text, path, options)
-                                            : parse_scan_json(text, path);
+                                            : parse_own_project(text, path, options.intrinsics);
   auto project = ending == ".aln"   ? parse_meshlab_aln(text, path)
                  : ending == ".mlp" ? parse_meshlab_mlp(text, path)
                                     : parse_stanford_conf(text, path);

@@ -96,8 +96,10 @@ struct ProjectSpec {
 };
 
 /// Parses the text of a scan.json. Strict: an unknown key, a wrong type, a pose that is no rigid
-/// motion are errors (kBadInput) that name the place, such as `views[3].camera.fz`.
-Result<ProjectSpec> parse_scan_json(const std::string& text, const std::filesystem::path& path);
+/// motion are errors (kBadInput) that name the place, such as `views[3].camera.fz`. Pinholes with a
+/// focal length of 0, as drafts have them, take the intrinsics `unknown`.
+Result<ProjectSpec> parse_scan_json(const std::string& text, const std::filesystem::path& path,
+                                    const std::optional<PinholeIntrinsics>& unknown = {});
 
 /// Parses the text of a Stanford .conf: `bmesh FILE tx ty tz qx qy qz qw`.
 Result<ProjectSpec> parse_stanford_conf(const std::string& text, const std::filesystem::path& path);

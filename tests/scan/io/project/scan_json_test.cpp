@@ -56,6 +56,20 @@ TEST(ScanJson, NamesAnUnknownKeyWithItsPlace) {
               IsRefused("author: unknown key"));
 }
 
+TEST(ScanJson, FillsTheIntrinsicsOfADraft) {
+  const std::string draft =
+      document(R"({"name":"v0",)" + kDepth +
+               R"(,"camera":{"model":"pinhole","fx":0,"fy":0,"cx":0,"cy":0}})");
+  EXPECT_THAT(parse(draft), IsRefused("views[0].camera.fx: is 0"));
+  EXPECT_THAT(parse(draft), IsRefused("--intrinsics"));
+  const PinholeIntrinsics given{528.0, 527.0, 320.5, 240.25};
+  const auto spec = value_of(parse_scan_json(draft, "scan.json", given));
+  EXPECT_EQ(spec.views[0].camera->intrinsics.fy, 527.0);
+  EXPECT_EQ(spec.views[0].camera->intrinsics.cx, 320.5);
+  const std::string full = document(R"({"name":"v0",)" + kDepth + "," + kCamera + "}");
+  EXPECT_EQ(value_of(parse_scan_json(full, "scan.json", given)).views[0].camera->intrinsics.fx, 9);
+}
+
 TEST(ScanJson, NamesLineAndColumnOfASyntaxError) {
   EXPECT_THAT(parse("{\n  \"format\": oops\n}"), IsRefused("data/scan.json:2:13"));
   EXPECT_THAT(parse(""), IsRefused("data/scan.json:1:1"));
