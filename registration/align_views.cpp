@@ -49,7 +49,7 @@ class Aligning {
         find_starting_poses(surfaces_, views_, given->checked, starting_, progress_, units_);
     if (!starts) return starts.error();
     state_.starts = std::move(*starts);
-    take_roles(given->checked.kept);
+    take_roles();
     if (unchanged(given->checked)) {
       state_.refined = std::move(given->refined);
       state_.verified = std::move(given->verified);
@@ -63,14 +63,13 @@ class Aligning {
   }
 
  private:
-  void take_roles(const std::vector<bool>& kept) {
+  void take_roles() {
     state_.taken_out.assign(views_.size(), false);
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const auto& start = state_.starts.world_from_view[i];
       poses_.push_back(start.value_or(views_[i].world_from_view));
       state_.roles.push_back(!start ? ViewRole::kExcluded
-                             : views_[i].pose == PoseKind::kKnown ||
-                                     (kept[i] && !state_.starts.found_by_shape[i])
+                             : views_[i].pose == PoseKind::kKnown || state_.starts.kept[i]
                                  ? ViewRole::kFixed
                                  : ViewRole::kFree);
     }
@@ -79,7 +78,7 @@ class Aligning {
   // Views that keep their given poses were held, as if these were exact.
   void take_covariances_of_kept(const RefinedGivenPoses& given) {
     for (std::size_t i = 0; i < views_.size(); ++i) {
-      if (!given.checked.kept[i] || state_.starts.found_by_shape[i]) continue;
+      if (!state_.starts.kept[i]) continue;
       state_.refined.pose_covariance[i] = given.refined.pose_covariance[i];
       state_.refined.pose_std[i] = given.refined.pose_std[i];
     }

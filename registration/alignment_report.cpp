@@ -154,8 +154,7 @@ class AlignmentReport {
     std::size_t given = 0;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       given += views_[i].pose == PoseKind::kGuess && result.views[i].aligned ? 1 : 0;
-      if (checked_.kept[i] && result.views[i].aligned && !state_.starts.found_by_shape[i])
-        names.push_back(views_[i].name);
+      if (state_.starts.kept[i] && result.views[i].aligned) names.push_back(views_[i].name);
     }
     if (!names.empty())
       result.notes.push_back(

@@ -40,6 +40,8 @@ struct StartingPoses {
   std::vector<std::size_t> frame;
   /// Whether shape gave the pose, not the user.
   std::vector<bool> found_by_shape;
+  /// Whether it is a given pose that stays to the bit (CheckedPoses::kept).
+  std::vector<bool> kept;
   std::vector<std::string> reasons;  ///< Per view why it has no pose; empty when it has one.
   std::vector<std::string> notes;    ///< One line per pose that was found, for the user to check.
 };
