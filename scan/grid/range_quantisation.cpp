@@ -64,12 +64,16 @@ struct Difference {
 };
 using Differences = std::array<std::vector<Difference>, 2>;  // Along rows, along columns.
 
+int stride_for(const RangeView& view) {
+  const double thinning = static_cast<double>(view.sample_count()) / kEnough;
+  return std::max(1, static_cast<int>(std::sqrt(thinning)));
+}
+
 // `step` is one of the range that is known already: it blurs the multiples of a step of the
 // inverse.
-Differences differences_of(const RangeView& view, const Coordinate& coordinate, double step) {
+Differences differences_of(const RangeView& view, const Coordinate& coordinate, double step,
+                           int stride) {
   Differences differences;
-  const double thinning = static_cast<double>(view.sample_count()) / kEnough;
-  const int stride = std::max(1, static_cast<int>(std::sqrt(thinning)));
   for (const std::size_t axis : {0, 1}) {
     const int du = axis == 0 ? 1 : 0, dv = 1 - du;
     for (int v = 0; v + dv < view.height(); v += stride) {
@@ -254,14 +258,15 @@ double median_range(const RangeView& view, bool along_ray) {
 }  // namespace
 
 RangeQuantisation find_quantisation(const RangeView& view) {
+  const int stride = stride_for(view);
   for (const bool along_ray : {false, true}) {
     RangeQuantisation found;
     found.along_ray = along_ray;
-    const Step step = find_step(differences_of(view, {along_ray, false}, 0.0));
-    const Differences inverses = differences_of(view, {along_ray, true}, 0.0);
+    const Step step = find_step(differences_of(view, {along_ray, false}, 0.0, stride));
+    const Differences inverses = differences_of(view, {along_ray, true}, 0.0, stride);
     Step inverse = find_step(inverses);
     if (step.size > 0.0 && inverse.size == 0.0)
-      inverse = find_step(differences_of(view, {along_ray, true}, step.size));
+      inverse = find_step(differences_of(view, {along_ray, true}, step.size, stride));
     if (inverse.size == 0.0 && many_are_equal(inverses))
       inverse = find_step(differences_of_runs(view, {along_ray, true}, step.size));
     // Where the range hardly changes the one looks much like the other.

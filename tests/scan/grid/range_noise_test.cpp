@@ -236,6 +236,49 @@ TEST(RangeNoise, IsSeenWhereTheSensorInterpolatesAlongOneDirection) {
   EXPECT_LT(sigma, 0.35);
 }
 
+// Of large views only some of the differences are used.
+class LargeView : public ::testing::Test {
+ protected:
+  static constexpr int kWidth = 1280, kHeight = 160;
+  const RangeView exact_ =
+      testing::render(testing::plane({0, 0, 2000}, {0.23, 0.11, 1}),
+                      Camera::pinhole(kWidth, kHeight, {2000.0, 2000.0, 639.5, 79.5}));
+
+  RangeView with_noise(double sigma, std::uint32_t seed) const {
+    RangeView view = exact_;
+    testing::add_range_noise(view, sigma, seed);
+    return view;
+  }
+};
+
+TEST_F(LargeView, HasTheNoiseOfItsSamples) {
+  const RangeNoise noise = estimate_range_noise(with_noise(0.3, 5));
+  EXPECT_NEAR(noise.sigma, 0.3, 0.01);
+  EXPECT_TRUE(noise.map.empty());
+  EXPECT_LT(noise.differences, exact_.sample_count() / 8);
+}
+
+TEST_F(LargeView, HasAMapWhereTheNoiseChangesByAThird) {
+  RangeView view = with_noise(0.4, 5);
+  const RangeView quiet = with_noise(0.3, 6);
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth / 2; ++u) view.range(u, v) = quiet.range(u, v);
+  const RangeNoise noise = estimate_range_noise(view);
+  ASSERT_FALSE(noise.map.empty());
+  EXPECT_NEAR(noise.sigma_at(kWidth / 4, kHeight / 2), 0.3, 0.05);
+  EXPECT_NEAR(noise.sigma_at(3 * kWidth / 4, kHeight / 2), 0.4, 0.05);
+}
+
+TEST_F(LargeView, ShowsItsNoiseWhereEverySecondRowIsInterpolated) {
+  RangeView view = with_noise(0.3, 5);
+  for (int v = 1; v + 1 < kHeight; v += 2)
+    for (int u = 0; u < kWidth; ++u)
+      view.range(u, v) = 0.5 * (view.range(u, v - 1) + view.range(u, v + 1));
+  const double sigma = estimate_range_noise(view).sigma;
+  EXPECT_GT(sigma, 0.1);
+  EXPECT_LT(sigma, 0.35);
+}
+
 TEST(RangeNoise, IsUnknownWithoutNeighbours) {
   RangeView view = tilted_plane();
   for (int v = 0; v < kSide; ++v)
