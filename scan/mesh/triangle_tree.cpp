@@ -296,26 +296,37 @@ std::optional<TriangleTree::Hit> TriangleTree::first_hit(const Ray& ray) const {
   return best;
 }
 
+// Faces of one leaf are near each other: the tree is searched for all of them at once.
 void TriangleTree::visit_box_overlaps(
     std::size_t begin, std::size_t end,
     const std::function<bool(std::uint32_t f, std::uint32_t g)>& visit) const {
+  const auto end_of_leaf_at = [&](std::size_t place) -> std::size_t {
+    std::uint32_t index = 0;
+    while (nodes_[index].count == 0)
+      index = place < nodes_[index + 1].end ? index + 1 : nodes_[index].right;
+    return nodes_[index].end;
+  };
   std::array<std::uint32_t, kStackSize> stack;
-  for (std::size_t place = begin; place < end; ++place) {
-    const std::uint32_t f = faces_[place];
-    const Eigen::AlignedBox3d box = face_box(f);
+  std::array<Eigen::AlignedBox3d, kLeafSize> boxes;
+  for (std::size_t first = begin, last = begin; first < end; first = last) {
+    last = std::min(end, end_of_leaf_at(first));
+    Eigen::AlignedBox3d all;
+    for (std::size_t place = first; place < last; ++place)
+      all.extend(boxes[place - first] = face_box(faces_[place]));
     std::size_t depth = 0;
     stack[depth++] = 0;
     while (depth > 0) {
       const std::uint32_t index = stack[--depth];
       const Node& node = nodes_[index];
-      if (node.end <= place + 1 || !node.box().intersects(box)) continue;
+      if (node.end <= first + 1 || !node.box().intersects(all)) continue;
       if (node.count == 0) {
         stack[depth++] = node.right;
         stack[depth++] = index + 1;
       }
       for (std::uint32_t i = node.begin; i < node.begin + node.count; ++i) {
-        const std::uint32_t g = faces_[i];
-        if (i > place && face_box(g).intersects(box) && !visit(f, g)) return;
+        const Eigen::AlignedBox3d box = face_box(faces_[i]);
+        for (std::size_t place = first; place < std::min<std::size_t>(last, i); ++place)
+          if (boxes[place - first].intersects(box) && !visit(faces_[place], faces_[i])) return;
       }
     }
   }
