@@ -23,6 +23,9 @@ namespace {
 
 constexpr double kSigmaUnknown = 2.0 * std::numbers::pi / 180.0;  // [rad]
 constexpr double kLeastSigma = 1e-3;  // [rad]; float normals on curved surfaces know no better
+// Of what Tukey's biweight goes up to, 3.3 sigma: of normals of Gaussian errors one in 200 is
+// farther from their mean. Those farther off than all of it may have carried the mean away.
+constexpr double kNear = 0.5;
 // How many measurements the common scatter counts for against a vertex's own.
 constexpr double kPriorWeight = 3.0;
 constexpr std::size_t kGrain = 2048;  // vertices of one piece of work; changes no result
@@ -93,11 +96,13 @@ class Blender {
   explicit Blender(double sigma) : sigma_(sigma) {}
 
   // Starts from the spatial median (Weiszfeld 1937), which up to half of the weight cannot carry
-  // away, and ends with Tukey's biweight, to which views far off mean nothing.
+  // away, and ends with Tukey's biweight, to which views far off mean nothing. Where none is far
+  // off the mean serves as well to start from.
   Blend operator()(const std::vector<NormalObservation>& observations) {
     Blend blend = weighted_mean(
         observations, [](const NormalObservation& observation) { return observation.weight; });
-    for (int round = 0; round < 6 && observations.size() >= 3; ++round) {
+    const bool agree = all_near(blend.normal, observations);
+    for (int round = 0; round < 6 && observations.size() >= 3 && !agree; ++round) {
       const Eigen::Vector3d centre = blend.normal;
       blend = weighted_mean(observations, [&](const NormalObservation& observation) {
         return observation.weight / std::max(0.1 * sigma_, (observation.normal - centre).norm());
@@ -107,8 +112,7 @@ class Blender {
     for (int round = 0; round < 3 && observations.size() >= 3; ++round) {
       const Eigen::Vector3d centre = blend.normal;
       const Blend next = weighted_mean(observations, [&](const NormalObservation& observation) {
-        const double r2 = (observation.normal - centre).squaredNorm() /
-                          (kTukeyScale * kTukeyScale * 2 * sigma_ * sigma_);
+        const double r2 = squared_distance(observation, centre);
         return r2 < 1.0 ? observation.weight * (1.0 - r2) * (1.0 - r2) : 0.0;
       });
       if (next.views == 0) break;
@@ -138,6 +142,20 @@ class Blender {
     blend.normal.normalize();
     blend.effective = sum * sum / squares;
     return blend;
+  }
+
+  // In units of what Tukey's biweight goes up to.
+  double squared_distance(const NormalObservation& observation,
+                          const Eigen::Vector3d& centre) const {
+    return (observation.normal - centre).squaredNorm() /
+           (kTukeyScale * kTukeyScale * 2 * sigma_ * sigma_);
+  }
+
+  bool all_near(const Eigen::Vector3d& centre,
+                const std::vector<NormalObservation>& observations) const {
+    return std::all_of(observations.begin(), observations.end(), [&](const auto& observation) {
+      return squared_distance(observation, centre) < kNear * kNear;
+    });
   }
 
   double variance_about(const Eigen::Vector3d& normal,
