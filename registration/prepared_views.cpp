@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "registration/surface/view_surfaces.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -45,15 +46,12 @@ const RangeView* view_without_projection(const std::vector<RangeView>& views,
 Result<std::vector<ViewSurface>> build_surfaces(const std::vector<RangeView>& views,
                                                 const ViewSurfaceOptions& surface,
                                                 const Progress& progress) {
-  std::vector<ViewSurface> surfaces;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (!report_progress(progress, static_cast<double>(i) / static_cast<double>(views.size()),
-                         "preparing views"))
-      return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-    surfaces.emplace_back(views[i], surface);
-  }
+  auto surfaces = make_surfaces(
+      views.size(), [&](std::size_t i) { return ViewSurface(views[i], surface); },
+      [&](double part) { return report_progress(progress, part, "preparing views"); });
+  if (!surfaces) return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
   release_freed_memory();
-  return surfaces;
+  return *std::move(surfaces);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "registration/posegraph/joint/joint_refinement.h"
 #include "registration/posegraph/pose_step.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
+#include "registration/surface/view_surfaces.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -47,12 +48,13 @@ Result<void> CorrectedViews::correct(const ErrorModel& model, bool with_normals,
   });
   ViewSurfaceOptions options = align_.surface;
   options.normal_signal &= with_normals;
-  for (std::size_t i = 0; i < given_.size(); ++i) {
-    if (!report(static_cast<double>(i) / static_cast<double>(given_.size())))
-      return Error{ErrorKind::kInterrupted, "calibration was interrupted"};
+  const auto make = [&](std::size_t i) {
     if (!noise_[i]) noise_[i] = estimate_range_noise(given_[i]);
-    surfaces_.emplace_back(views_[i], *noise_[i], options);
-  }
+    return ViewSurface(views_[i], *noise_[i], options);
+  };
+  auto surfaces = make_surfaces(given_.size(), make, report);
+  if (!surfaces) return Error{ErrorKind::kInterrupted, "calibration was interrupted"};
+  surfaces_ = *std::move(surfaces);
   return {};
 }
 

@@ -57,20 +57,24 @@ RangeView with_ranges(const RangeView& view, Grid<double> ranges,
 
 std::optional<BridgedView> bridge_gaps(const RangeView& view, const RangeNoise& noise,
                                        const ConnectedGrid& grid, int margin) {
+  const auto samples = static_cast<double>(view.sample_count());
+  const auto inner = [&](const ConnectedGrid& of, const Grid<std::uint8_t>& bridged) {
+    double count = 0.0;
+    for (std::size_t i = 0; i < of.boundary.size(); ++i)
+      count += (bridged.empty() || !bridged[i]) && of.boundary[i] >= margin ? 1.0 : 0.0;
+    return count;
+  };
+  // No bridging gives more inner samples than there are samples.
+  const double inner_as_given = inner(grid, {});
+  if (inner_as_given > (1.0 - kLostToGaps) * samples) return std::nullopt;
   BridgedRange filled = bridge_small_gaps(without_strays(view, grid.edges), {.sigma = noise.sigma});
   // Each bridged sample has about four measured ones beside it.
-  if (4.0 * static_cast<double>(filled.bridged_count) <
-      kFewBesideGaps * static_cast<double>(view.sample_count()))
+  if (4.0 * static_cast<double>(filled.bridged_count) < kFewBesideGaps * samples)
     return std::nullopt;
   BridgedView result{with_ranges(view, std::move(filled.range), filled.bridged), {}, {}};
   result.grid = connect_grid(result.view);
-  const auto inner = [&](const ConnectedGrid& of) {
-    double count = 0.0;
-    for (std::size_t i = 0; i < of.boundary.size(); ++i)
-      count += !filled.bridged[i] && of.boundary[i] >= margin ? 1.0 : 0.0;
-    return count;
-  };
-  if (inner(grid) > (1.0 - kLostToGaps) * inner(result.grid)) return std::nullopt;
+  if (inner_as_given > (1.0 - kLostToGaps) * inner(result.grid, filled.bridged))
+    return std::nullopt;
   result.bridged = std::move(filled.bridged);
   return result;
 }

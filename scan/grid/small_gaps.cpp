@@ -24,14 +24,16 @@ class Bridging {
       : view_(view), known_(known), options_(options) {}
 
   bool has(int u, int v) const {
-    return view_.has_sample(u, v) || (known_.bridged.contains(u, v) && known_.bridged(u, v));
+    return known_.range.contains(u, v) && known_.range(u, v) == known_.range(u, v);
   }
 
   // From the nearest samples on both sides along (du, dv); nothing where they are too far apart or
   // on two surfaces.
   std::optional<Interpolated> across(int u, int v, int du, int dv) const {
-    const int after = distance(u, v, du, dv), before = distance(u, v, -du, -dv);
-    if (after == 0 || before == 0 || after + before > options_.widest + 1) return std::nullopt;
+    const int after = distance(u, v, du, dv);
+    if (after == 0) return std::nullopt;
+    const int before = distance(u, v, -du, -dv);
+    if (before == 0 || after + before > options_.widest + 1) return std::nullopt;
     const int au = u - before * du, av = v - before * dv, bu = u + after * du, bv = v + after * dv;
     if (!one_surface(au, av, bu, bv)) return std::nullopt;
     const double share = static_cast<double>(before) / (before + after);

@@ -96,6 +96,7 @@ Camera Camera::ray_table(Grid<Ray> rays, SphericalProjection projection) {
 }
 
 Ray Camera::ray(int u, int v) const {
+  if (model_ == Model::kPinhole) return pinhole_ray(intrinsics_, u, v, 1.0);  // The most frequent.
   if (model_ == Model::kRayTable) return (*table_)(u, v);
   return ray_at(u, v);
 }

@@ -1,6 +1,7 @@
 #include "relief/scan/range_view.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "relief/scan/discontinuities.h"
@@ -26,14 +27,14 @@ double sample_spacing(const RangeView& view) {
 }
 
 double sample_spacing(const Grid<Eigen::Vector3d>& points, const GridEdges& edges) {
-  std::vector<double> lengths;
+  std::vector<double> squares;  // Of the lengths.
   for (int v = 0; v < points.height(); ++v) {
     for (int u = 0; u < points.width(); ++u) {
-      if (edges.right(u, v)) lengths.push_back((points(u + 1, v) - points(u, v)).norm());
-      if (edges.down(u, v)) lengths.push_back((points(u, v + 1) - points(u, v)).norm());
+      if (edges.right(u, v)) squares.push_back((points(u + 1, v) - points(u, v)).squaredNorm());
+      if (edges.down(u, v)) squares.push_back((points(u, v + 1) - points(u, v)).squaredNorm());
     }
   }
-  return median(lengths);
+  return std::sqrt(median(squares));
 }
 
 }  // namespace relief

@@ -206,7 +206,8 @@ double SensorModel::range_correction(const RangeView& view, const Eigen::Vector2
   const Place at = place(view, pixel, range);
   double sum = 0.0;
   for (std::size_t k = 0; k < terms_.size(); ++k)
-    sum += coefficients[k] * terms_[k].scale * range_field(terms_[k], at);
+    if (coefficients[k] != 0.0)  // Of most terms it is.
+      sum += coefficients[k] * terms_[k].scale * range_field(terms_[k], at);
   return sum;
 }
 
