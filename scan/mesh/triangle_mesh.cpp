@@ -6,6 +6,7 @@
 
 #include "relief/scan/discontinuities.h"
 #include "scan/base/memory/paged_array.h"
+#include "scan/base/memory/paged_fill.h"
 #include "scan/base/parallel.h"
 
 namespace relief {
@@ -41,12 +42,14 @@ double enclosed_volume(const TriangleMesh& mesh) {
 PagedVector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
   PagedArray<Eigen::Vector3d> sums(mesh.vertices.size());
   serial_for(mesh.faces.size(), [&](std::size_t f) {
-    for (const std::uint32_t vertex : mesh.faces[f]) sums[vertex] += face_cross(mesh, f);
+    const Eigen::Vector3d cross = face_cross(mesh, f);
+    for (const std::uint32_t vertex : mesh.faces[f]) sums[vertex] += cross;
   });
-  PagedVector<Eigen::Vector3f> normals;
-  normals.reserve(sums.size());
-  serial_for(sums.size(),
-             [&](std::size_t v) { normals.push_back(sums[v].stableNormalized().cast<float>()); });
+  constexpr std::size_t kGrain = 4096;  // Vertices of one piece of work; changes no result.
+  auto normals = paged_filled<Eigen::Vector3f>(sums.size(), Eigen::Vector3f::Zero());
+  parallel_for(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) normals[v] = sums[v].stableNormalized().cast<float>();
+  });
   return normals;
 }
 
