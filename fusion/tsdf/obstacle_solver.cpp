@@ -35,15 +35,17 @@ float relax_block(SparseField& field, std::span<const NodeConstraint> constraint
   float largest = 0.0f;
   for (int z = 0; z < 8; ++z) {
     for (int y = 0; y < 8; ++y) {
+      const int row = y << 3 | z << 6;
+      const float* const above = y > 0 ? values + row - 8 : sides[2] + row + 56;
+      const float* const below = y < 7 ? values + row + 8 : sides[3] + row - 56;
+      const float* const before = z > 0 ? values + row - 64 : sides[4] + row + 448;
+      const float* const behind = z < 7 ? values + row + 64 : sides[5] + row - 448;
       for (int x = (y + z + colour) & 1; x < 8; x += 2) {
-        const int i = x | y << 3 | z << 6;
+        const int i = row | x;
         if (constraint[i].fixed()) continue;
         const float sum = (x > 0 ? values[i - 1] : sides[0][i + 7]) +
-                          (x < 7 ? values[i + 1] : sides[1][i - 7]) +
-                          (y > 0 ? values[i - 8] : sides[2][i + 56]) +
-                          (y < 7 ? values[i + 8] : sides[3][i - 56]) +
-                          (z > 0 ? values[i - 64] : sides[4][i + 448]) +
-                          (z < 7 ? values[i + 64] : sides[5][i - 448]);
+                          (x < 7 ? values[i + 1] : sides[1][i - 7]) + above[x] + below[x] +
+                          before[x] + behind[x];
         const float relaxed = values[i] + relaxation * (sum / 6.0f - values[i]);
         const float bounded = std::max(relaxed, constraint[i].floor);
         const float share = std::abs(bounded) < beside ? 1.0f : kFarShare;
