@@ -17,12 +17,14 @@ std::vector<const registration::ViewReport*> aligned_views(
   return aligned;
 }
 
-// Held views have none: they are what the others are known against.
+// Of the noise alone: errors of the sensors are in both alignments. Held views have none: they are
+// what the others are known against.
 double median_pose_std(const registration::Alignment& alignment) {
   std::vector<double> deviations;
   for (const registration::ViewReport* view : aligned_views(alignment)) {
-    const double deviation = std::hypot(view->pose_std[3], view->pose_std[4], view->pose_std[5]);
-    if (deviation > 0.0) deviations.push_back(deviation);
+    const double variance =
+        view->pose_std.tail<3>().squaredNorm() - view->sensor_covariance.diagonal().tail<3>().sum();
+    if (variance > 0.0) deviations.push_back(std::sqrt(variance));
   }
   return deviations.empty() ? 0.0 : median(deviations);
 }

@@ -8,6 +8,7 @@
 #include "registration/align_surfaces.h"
 #include "registration/alignment_report.h"
 #include "registration/prepared_views.h"
+#include "registration/uncertainty/sensor_error_covariance.h"
 #include "registration/verification/given_poses.h"
 
 namespace relief::registration {
@@ -186,7 +187,10 @@ Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOp
   return run_in(context, [&]() -> Result<Alignment> {
     const auto prepared = prepare_to_align(views, options, context);
     if (!prepared) return prepared.error();
-    return align_surfaces(views, prepared->surfaces, options, context.progress, prepared->units);
+    const auto& [surfaces, units] = *prepared;
+    auto aligned = align_surfaces(views, surfaces, options, context.progress, units);
+    if (aligned) include_sensor_errors(views, surfaces, options.refinement, *aligned);
+    return aligned;
   });
 }
 

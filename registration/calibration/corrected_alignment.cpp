@@ -42,6 +42,7 @@ Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& 
     view.world_from_view = refined->world_from_view[i];
     view.pose_covariance = refined->pose_covariance[i];
     view.pose_std = refined->pose_std[i];
+    view.sensor_covariance.setZero();
   }
   inflate(inflation, alignment);
   alignment.pairs = std::move(refined->pairs);

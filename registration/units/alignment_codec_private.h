@@ -31,9 +31,10 @@ void serialize(Archive& archive, LoopClosure& loop) {
 
 template <class Archive>
 void serialize(Archive& archive, ViewReport& view) {
-  auto& [name, world_from_view, aligned, status, pose_covariance, pose_std, reason, kept_motions] =
-      view;
-  archive(name, world_from_view, aligned, status, pose_covariance, pose_std, reason, kept_motions);
+  auto& [name, world_from_view, aligned, status, pose_covariance, pose_std, sensor_covariance,
+         reason, kept_motions] = view;
+  archive(name, world_from_view, aligned, status, pose_covariance, pose_std, sensor_covariance,
+          reason, kept_motions);
 }
 
 template <class Archive>

@@ -56,6 +56,11 @@ Json in_words(const std::vector<registration::DegenerateDirection>& directions) 
   return words;
 }
 
+std::vector<double> roots_of(const Vector6d& variances) {
+  const Vector6d roots = variances.cwiseMax(0.0).cwiseSqrt();
+  return {roots.begin(), roots.end()};
+}
+
 Json view_report(const registration::ViewReport& view) {
   Json report = {{"name", view.name},
                  {"world_from_view", to_json(view.world_from_view)},
@@ -65,6 +70,8 @@ Json view_report(const registration::ViewReport& view) {
   Json& covariance = report["pose_covariance"] = Json::array();
   for (const auto& row : view.pose_covariance.rowwise())
     covariance.push_back(std::vector<double>(row.begin(), row.end()));
+  if (const auto variances = view.sensor_covariance.diagonal(); variances.maxCoeff() > 0.0)
+    report["sensor_std"] = roots_of(variances);
   if (!view.reason.empty()) report["reason"] = view.reason;
   if (!view.kept_motions.empty()) report["kept_motions"] = in_words(view.kept_motions);
   return report;

@@ -38,9 +38,12 @@ struct ViewReport {
   bool aligned = false;
   PoseStatus status = PoseStatus::kLeftOut;
   /// Covariance of the pose as tangent (rotation [rad], translation [unit]) about the view's centre
-  /// in world axes, relative to the held view (R12), and the roots of its diagonal.
+  /// in world axes, relative to the held view (R12), with what errors of the sensors explain (R19),
+  /// and the roots of its diagonal.
   Matrix6d pose_covariance = Matrix6d::Zero();
   RigidTangent pose_std = RigidTangent::Zero();
+  /// The part of `pose_covariance` that errors of the sensors explain; zero where none show.
+  Matrix6d sensor_covariance = Matrix6d::Zero();
   std::string reason;  ///< Why it is not verified; empty when it is.
   /// Motions (world frame) along which the view keeps the pose that it started from: nothing but
   /// noise tells anything about them.

@@ -1,0 +1,250 @@
+#include "registration/uncertainty/sensor_error_covariance.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "registration/calibration/calibration_input.h"
+#include "registration/calibration/corrected_views.h"
+#include "registration/calibration/estimation/calibration_sums.h"
+#include "registration/calibration/estimation/fold_system.h"
+#include "registration/calibration/estimation/reduced_sum.h"
+#include "registration/calibration/model/error_model.h"
+#include "registration/calibration/selection/held_out.h"
+#include "registration/pairwise/robust.h"
+#include "registration/posegraph/pose_step.h"
+#include "registration/posegraph/refinement/pose_graph_refinement.h"
+#include "registration/posegraph/view_graph.h"
+#include "scan/base/linear_algebra.h"
+#include "scan/base/parallel.h"
+
+namespace relief::registration {
+
+namespace {
+
+// As for calibration: two views agree by wrong poses as well, and dense systems bound the others.
+constexpr std::size_t kFewestViews = 3, kMostViewsApart = 40, kMostViews = 200;
+// Samples of the source, per direction of a pair. Bounds the time.
+constexpr std::size_t kSamples = 1500;
+// Edge of the cubes that are in one fold as a whole [sample spacings], as of the clusters of (R12).
+constexpr double kPatch = 8.0;
+// Standard errors by which the gain of the five folds must exceed 0: Student's t of four degrees of
+// freedom lies beyond with a probability of 0.005. There are two dozen candidates.
+constexpr double kLeastGain = 4.6;
+// Part of the sum of squares that an error must take away: samples move by a tenth of the deviation
+// of distances. The bias that noise near the spacing gives interpolated ranges takes 0.004.
+constexpr double kLeastPart = 0.01;
+// Deviation of a coefficient before any correspondence is known, in deviations of the distances of
+// views. Poses take most of an error up: wrong focal lengths, range offsets and drifts of rooms and
+// objects moved samples by 7 to 10 times what was left between the views.
+constexpr double kPriorFactor = 8.0;
+
+// An error of the sensors, and what it moves the poses by.
+struct Explanation {
+  ErrorChoice choice;
+  double gain = 0.0, gain_std = 0.0;            // Of held-out correspondences (C3).
+  std::array<Eigen::VectorXd, kFolds> motions;  // Of all poses, by the other folds.
+};
+
+std::vector<const RangeView*> pointers_to(const std::vector<RangeView>& views) {
+  std::vector<const RangeView*> pointers;
+  for (const RangeView& view : views) pointers.push_back(&view);
+  return pointers;
+}
+
+std::vector<double> spacings_of(const std::vector<ViewSurface>& surfaces) {
+  std::vector<double> spacings;
+  for (const ViewSurface& surface : surfaces) spacings.push_back(surface.spacing());
+  return spacings;
+}
+
+std::size_t linked_views(std::size_t views, const std::vector<ViewPair>& pairs) {
+  std::vector<bool> linked(views, false);
+  for (const ViewPair& pair : pairs) linked[pair.a] = linked[pair.b] = true;
+  return static_cast<std::size_t>(std::count(linked.begin(), linked.end(), true));
+}
+
+double median_deviation(const std::vector<PairSums>& sums) {
+  std::vector<double> deviations;
+  for (const PairSums& pair : sums)
+    if (pair.deviation > 0.0) deviations.push_back(pair.deviation);
+  return deviations.empty() ? 0.0 : quantile(std::move(deviations), 0.5);
+}
+
+// Whether the scale of the ranges, where all views share it, is that of everything.
+bool no_view_shows_scale(const Sensors& sensors) {
+  return sensors.models.size() == 1 && sensors.models.front().scales_all();
+}
+
+// All that the sensors may have wrong but the overall scale.
+std::vector<ErrorChoice> candidates(const Sensors& sensors, bool per_view) {
+  std::vector<ErrorChoice> choices;
+  for (const SensorModel& sensor : sensors.models) {
+    for (std::size_t k = 0; k < sensor.terms(); ++k) {
+      for (const bool apart : {false, true}) {
+        const ErrorChoice choice{sensor.error_of(k), apart};
+        const bool overall_scale =
+            choice.error == SensorError::kRangeScale && !apart && no_view_shows_scale(sensors);
+        if (overall_scale || (apart && !per_view)) continue;
+        if (std::find(choices.begin(), choices.end(), choice) == choices.end())
+          choices.push_back(choice);
+      }
+    }
+  }
+  return choices;
+}
+
+class Explaining {
+ public:
+  Explaining(const std::vector<PairSums>& sums, const Sensors& sensors,
+             const std::vector<bool>& held, bool per_view)
+      : sensors_(sensors),
+        prior_(kPriorFactor * median_deviation(sums) / sensors.models.front().spacing()),
+        system_(sums, sensors, held, per_view) {
+    parallel_for(kFolds, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) {
+        const Fold& fold = system_.folds[f];
+        train_[f] = fold.poses_of_others.reduce(fold.others);
+        test_[f] = fold.poses_of_others.reduce(fold.own);
+      }
+    });
+  }
+
+  // The errors that explain the distances best: the one that gains most, and those that gain as
+  // much to within a standard error of that (Hastie, Tibshirani and Friedman 2009, section 7.10).
+  std::vector<Explanation> best() const {
+    std::vector<Explanation> found;
+    for (const ErrorChoice& choice : candidates(sensors_, system_.layout.per_view))
+      if (auto explanation = explain(choice)) found.push_back(*std::move(explanation));
+    std::stable_sort(found.begin(), found.end(),
+                     [](const auto& a, const auto& b) { return a.gain > b.gain; });
+    if (found.empty()) return found;
+    const double least = found.front().gain - found.front().gain_std;
+    std::erase_if(found, [&](const Explanation& explanation) { return explanation.gain < least; });
+    return found;
+  }
+
+  // The second moment of what the errors may have moved a view by, each as likely as the others.
+  Matrix6d second_moment(const std::vector<Explanation>& explanations, std::size_t view) const {
+    Matrix6d sum = Matrix6d::Zero();
+    const Eigen::Index at = system_.layout.pose[view];
+    if (at < 0) return sum;
+    constexpr auto kCount = static_cast<double>(kFolds);
+    for (const Explanation& explanation : explanations) {
+      RigidTangent mean = RigidTangent::Zero();
+      for (const Eigen::VectorXd& motion : explanation.motions)
+        mean += motion.segment<6>(at) / kCount;
+      sum += mean * mean.transpose();
+      for (const Eigen::VectorXd& motion : explanation.motions) {  // The jackknife (Efron 1982).
+        const RigidTangent apart = motion.segment<6>(at) - mean;
+        sum += (kCount - 1.0) / kCount * apart * apart.transpose();
+      }
+    }
+    return sum / static_cast<double>(explanations.size());
+  }
+
+ private:
+  // Nothing where held-out correspondences gain no more than by chance.
+  std::optional<Explanation> explain(const ErrorChoice& choice) const {
+    ErrorModel model;
+    model.add(choice, sensors_);
+    const auto places = coefficients_of(model, sensors_, system_.layout);
+    Explanation explanation;
+    explanation.choice = choice;
+    double squares = 0.0;
+    for (std::size_t f = 0; f < kFolds; ++f) {
+      ReducedSum train = train_[f].by_parameters(places);
+      train.matrix.diagonal().array() += 1.0 / (prior_ * prior_);
+      if (choice.error == SensorError::kRangeScale && no_view_shows_scale(sensors_))
+        train.matrix.array() += train.matrix.trace();  // The mean over the views stays at 0.
+      const Eigen::VectorXd step = -solve_symmetric(train.matrix, train.gradient);
+      const double gain = test_[f].by_parameters(places).fall(step) / system_.squares;
+      explanation.gain += gain;
+      squares += gain * gain;
+      explanation.motions[f] =
+          system_.folds[f].poses_of_others.slope * at_coefficients(step, places);
+    }
+    constexpr auto kCount = static_cast<double>(kFolds);
+    const double scatter = squares - explanation.gain * explanation.gain / kCount;
+    explanation.gain_std = std::sqrt(std::max(0.0, scatter) * kCount / (kCount - 1.0));
+    const bool real = explanation.gain > kLeastPart &&
+                      explanation.gain > kLeastGain * explanation.gain_std;  // No number is not.
+    if (!real) return std::nullopt;
+    return explanation;
+  }
+
+  Eigen::VectorXd at_coefficients(const Eigen::VectorXd& parameters,
+                                  const std::vector<std::vector<Eigen::Index>>& places) const {
+    Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(system_.layout.coefficients);
+    for (std::size_t p = 0; p < places.size(); ++p)
+      for (const Eigen::Index c : places[p])
+        coefficients[c] += parameters[static_cast<Eigen::Index>(p)];
+    return coefficients;
+  }
+
+  const Sensors& sensors_;
+  double prior_;  // Deviation of a coefficient [sample spacings].
+  FoldSystem system_;
+  std::array<ReducedSum, kFolds> train_, test_;  // Of all coefficients.
+};
+
+std::string note_on(const Explanation& explanation, double motion) {
+  char text[320];
+  std::snprintf(
+      text, sizeof text,
+      "views disagree by more than noise explains: an error of the sensor, as of its %s%s, "
+      "explains %.2g %% of their squared distances and moves views by %.2g (median); the "
+      "deviations of poses include that, and calibrating may correct it",
+      std::string(to_string(explanation.choice.error)).c_str(),
+      explanation.choice.per_view ? " view by view" : "", 100.0 * explanation.gain, motion);
+  return text;
+}
+
+}  // namespace
+
+void include_sensor_errors(const std::vector<RangeView>& views,
+                           const std::vector<ViewSurface>& surfaces,
+                           const JointRefinementOptions& refinement, Alignment& alignment) {
+  const auto pairs = fitting_pairs(alignment);
+  const std::size_t linked = linked_views(views.size(), pairs);
+  if (linked < kFewestViews || linked > kMostViews || !shape_holds_all(alignment)) return;
+  const auto spacings = spacings_of(surfaces);
+  const Sensors sensors = find_sensors(pointers_to(views), spacings);
+  CalibratedViews measured;
+  measured.given = &views;
+  measured.surfaces = &surfaces;
+  measured.sensors = &sensors;
+  measured.nearby_ranges = parallel_map<Grid<double>>(
+      views.size(), [&](std::size_t i) { return nearby_ranges(views[i]); });
+  measured.world_from_view = alignment.world_from_view();
+  measured.centre = common_centre(pointers_to(surfaces), measured.world_from_view);
+  CalibrationSumOptions summing;
+  summing.search = finest_search(surfaces, refinement);
+  summing.samples = kSamples;
+  summing.patch = kPatch * *std::max_element(spacings.begin(), spacings.end());
+  const auto sums = sum_pairs(measured, pairs, summing);
+  const Explaining explaining(sums, sensors, held_views(views, pairs), linked <= kMostViewsApart);
+  const auto explanations = explaining.best();
+  if (explanations.empty()) return;
+  std::vector<double> motions;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Matrix6d about_view =
+        tangents_about(measured.world_from_view[i] * surfaces[i].centre() - measured.centre);
+    const Matrix6d moment =
+        about_view * explaining.second_moment(explanations, i) * about_view.transpose();
+    if (moment.isZero(0.0) || !moment.allFinite()) continue;
+    ViewReport& view = alignment.views[i];
+    view.sensor_covariance = moment;
+    view.pose_covariance += moment;
+    view.pose_std = view.pose_covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    motions.push_back(std::sqrt(moment.diagonal().tail<3>().sum()));
+  }
+  if (!motions.empty())
+    alignment.notes.push_back(note_on(explanations.front(), quantile(std::move(motions), 0.5)));
+}
+
+}  // namespace relief::registration

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "registration/surface/view_surface.h"
+#include "relief/registration/align_options.h"
+#include "relief/registration/align_views.h"
+#include "relief/scan/range_view.h"
+
+namespace relief::registration {
+
+/// Adds to the covariances of the poses what errors of the sensors may have done to these, where
+/// held-out correspondences fit better with such an error than without (R19), and a note that says
+/// so. `surfaces`: of the views. Nothing is added where fewer than three views overlap, or more
+/// than 200, and where shape alone does not hold all views.
+void include_sensor_errors(const std::vector<RangeView>& views,
+                           const std::vector<ViewSurface>& surfaces,
+                           const JointRefinementOptions& refinement, Alignment& alignment);
+
+}  // namespace relief::registration

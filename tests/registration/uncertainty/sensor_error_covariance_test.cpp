@@ -1,0 +1,111 @@
+#include "registration/uncertainty/sensor_error_covariance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "registration/calibration/model/sensor_model.h"
+#include "relief/registration/align_views.h"
+#include "scan/base/median.h"
+#include "tests/registration/bumpy_object.h"
+
+namespace relief::registration {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::vector<RangeView>& true_ring() {
+  static const std::vector<RangeView> views = testing::ring_of_views({.views = 10});
+  return views;
+}
+
+double spacing() { return sample_spacing(true_ring()[0]); }
+
+// What a sensor measures whose error of a kind has coefficients of each view, from poses that are
+// nearly right.
+template <typename Coefficient>
+std::vector<RangeView> spoiled(SensorError error, const Coefficient& coefficient) {
+  std::vector<RangeView> views = true_ring();
+  std::vector<const RangeView*> pointers;
+  for (const RangeView& view : true_ring()) pointers.push_back(&view);
+  const Sensors sensors = find_sensors(pointers, std::vector<double>(views.size(), spacing()));
+  const SensorModel& model = sensors.models.front();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    std::vector<double> coefficients(model.terms(), 0.0);
+    for (std::size_t k = 0; k < model.terms(); ++k)
+      if (model.error_of(k) == error) coefficients[k] = coefficient(i);
+    views[i].range = model.corrected(views[i], coefficients).range;
+  }
+  return testing::perturbed(views, Eigen::Vector3d::Zero(), 0.01, 0.5 * spacing());
+}
+
+Eigen::Vector3d mean_sample(const RangeView& view) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      if (!view.has_sample(u, v)) continue;
+      sum += view.point(u, v);
+      count += 1.0;
+    }
+  }
+  return sum / count;
+}
+
+// The median over the views of how far a pose is from the true one, relative to the view that
+// stays, over what its deviation says, with or without errors of the sensors.
+struct ErrorOverDeviation {
+  double with_sensors = 0.0, without_sensors = 0.0;
+};
+
+ErrorOverDeviation error_over_deviation(const Alignment& alignment) {
+  const auto truth = testing::poses_of(true_ring());
+  const RigidMotion frame = truth[0] * alignment.views[0].world_from_view.inverse();
+  std::vector<double> with, without;
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    const ViewReport& view = alignment.views[i];
+    const Eigen::Vector3d centre = mean_sample(true_ring()[i]);
+    const double error = (frame * view.world_from_view * centre - truth[i] * centre).norm();
+    const Vector6d all = view.pose_covariance.diagonal(),
+                   sensors = view.sensor_covariance.diagonal();
+    with.push_back(error / std::sqrt(all.tail<3>().sum()));
+    without.push_back(error / std::sqrt((all - sensors).tail<3>().sum()));
+  }
+  return {median(with), median(without)};
+}
+
+TEST(SensorErrorCovariance, IsZeroForWhiteNoise) {
+  const auto alignment =
+      align_views(spoiled(SensorError::kRangeOffset, [](std::size_t) { return 0.0; })).value();
+  for (const ViewReport& view : alignment.views) EXPECT_TRUE(view.sensor_covariance.isZero(0.0));
+  EXPECT_THAT(alignment.notes, Not(Contains(HasSubstr("error of the sensor"))));
+}
+
+TEST(SensorErrorCovariance, ExplainsPosesThatASharedErrorMoved) {
+  const auto alignment =
+      align_views(spoiled(SensorError::kQuadraticWarp, [](std::size_t) { return 0.4; })).value();
+  const ErrorOverDeviation ratio = error_over_deviation(alignment);
+  EXPECT_GT(ratio.without_sensors, 3.0);
+  EXPECT_GT(ratio.with_sensors, 0.5);
+  EXPECT_LT(ratio.with_sensors, 2.0);
+  EXPECT_THAT(alignment.notes, Contains(HasSubstr("error of the sensor")));
+}
+
+TEST(SensorErrorCovariance, ExplainsPosesThatErrorsOfEachViewMoved) {
+  const auto alignment = align_views(spoiled(SensorError::kRangeOffset, [](std::size_t view) {
+                           return 2.0 * std::sin(1.0 + 2.0 * static_cast<double>(view));
+                         })).value();
+  const ErrorOverDeviation ratio = error_over_deviation(alignment);
+  EXPECT_GT(ratio.without_sensors, 3.0);
+  EXPECT_GT(ratio.with_sensors, 0.5);
+  EXPECT_LT(ratio.with_sensors, 2.0);
+}
+
+}  // namespace
+}  // namespace relief::registration
