@@ -36,7 +36,7 @@ struct ViewGroupOptions {
   /// How much larger the RMS of distances and of normals may be than those of the better links of
   /// the same project; > 1.
   double largest_excess = 1.5;
-  /// The coherent RMS that is allowed to confirmed links [sample spacings]; at least that of
+  /// The coherent RMS that is allowed to confirmed links [coherence_scale()]; at least that of
   /// `limits`, which holds for the others.
   double confirmed_coherent_rms = 0.2;
   /// Two ways of joining are told apart when the support of the weaker is below this part of that

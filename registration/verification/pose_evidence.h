@@ -66,8 +66,8 @@ struct VerificationThresholds {
   double max_rms = 2.2;
   /// Largest RMS of the differences between unit normals: 60 degrees.
   double max_normal_rms = 1.0;
-  /// Largest coherent RMS [sample spacings]. Calibration errors of real scanners reach 0.15, wrong
-  /// poses hardly ever stay below 0.2.
+  /// Largest coherent RMS [coherence_scale(): sample spacings, or more]. Calibration errors of real
+  /// scanners reach 0.15, wrong poses hardly ever stay below 0.2.
   double max_coherent_rms = 0.2;
   /// Largest contradiction, in [0, 1]. At true poses there is none, at wrong ones rarely less than
   /// a twentieth.
@@ -88,8 +88,13 @@ bool misses_coverage(const PoseEvidence& evidence, const VerificationThresholds&
 /// The RMS of the evidence in units of what noise and sampling of the two views explain.
 double relative_rms(const PoseEvidence& evidence, const ViewSurface& a, const ViewSurface& b);
 
-/// The coherent RMS of the evidence [sample spacings], less what the rounding of the ranges makes:
-/// all samples of a terrace are rounded alike.
+/// What coherent misfits are measured in [unit]: the coarser sample spacing, at least a hundredth
+/// of the smaller radius. Wrong poses misfit in proportion to the views, however fine their
+/// samples; so do errors of a calibration.
+double coherence_scale(const ViewSurface& a, const ViewSurface& b);
+
+/// The coherent RMS of the evidence [coherence_scale()], less what the rounding of the ranges
+/// makes: all samples of a terrace are rounded alike.
 double relative_coherent_rms(const PoseEvidence& evidence, const ViewSurface& a,
                              const ViewSurface& b);
 

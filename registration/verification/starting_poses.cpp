@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "registration/global/global_registration.h"
+#include "registration/global/view_groups.h"
 
 namespace relief::registration {
 
@@ -209,6 +210,18 @@ void note_found_links(const ViewGroups& placed, const std::vector<RangeView>& vi
                            percent(link.evidence.overlap));
 }
 
+// What a pose lacks that nothing contradicts, after "sharing ..., where surfaces differ by ...".
+std::string describe_lack(const PoseEvidence& evidence, const ViewSurface& a,
+                          const ViewSurface& b) {
+  const double enough = ViewGroupOptions().lone_overlap;
+  if (evidence.overlap < enough)
+    return "; sharing less than " + percent(enough) +
+           ", it needs a third view that overlaps both and confirms it";
+  if (largest_ratio(evidence, a, b, {}) > 1.0 || misfits_locally(evidence, a, b))
+    return ", neighbouring samples alike, as at wrong poses";
+  return ", more than where other pairs of these views fit";
+}
+
 // What is known of the best pose that was found but not believed.
 std::string describe_rejected(const PoseLink& link, std::size_t view,
                               const std::vector<RangeView>& views,
@@ -225,6 +238,7 @@ std::string describe_rejected(const PoseLink& link, std::size_t view,
   if (misses_coverage(evidence))
     against += ", and one of the two saw nothing in place of " +
                percent(evidence.missing_coverage) + " of what faces it";
+  if (against.empty()) against = describe_lack(evidence, surfaces[link.a], surfaces[link.b]);
   return "the best is next to " + views[link.a == view ? link.b : link.a].name + ", sharing " +
          percent(evidence.overlap) + ", " + text + against;
 }

@@ -33,7 +33,7 @@ constexpr double kLeastNormalLimit = 0.12;
 // noise would. A Kinect's differ by 0.21 to 0.28 at right poses; at wrong ones, where they are
 // within 40 degrees to be compared at all, by 0.35 to 0.39.
 constexpr double kCandidateNormalLimit = 0.2;
-constexpr double kLeastCoherentLimit = 0.12;  // [sample spacings]; general is 0.2.
+constexpr double kLeastCoherentLimit = 0.12;  // [coherence_scale()]; general is 0.2.
 // A triangle may close by chance; more links that close loops tell the errors of the views.
 constexpr std::size_t kTellingLinks = 4;
 // Wrong poses misfit in proportion to the size of the views: by a spacing and more on an object of
@@ -60,7 +60,7 @@ struct Deviations {
     const ViewSurface &a = surfaces[link.a], &b = surfaces[link.b];
     rms.push_back(relative_rms(link.evidence, a, b));
     normal_rms.push_back(link.evidence.normal_rms);
-    coherent_rms.push_back(link.evidence.coherent_rms / coarser_spacing(a, b));
+    coherent_rms.push_back(link.evidence.coherent_rms / coherence_scale(a, b));
   }
 };
 
@@ -101,13 +101,26 @@ VerificationThresholds follow(const std::vector<ViewSurface>& surfaces,
 }
 
 std::vector<const PoseLink*> those_within(const std::vector<ViewSurface>& surfaces,
-                                          const std::vector<PoseLink>& links,
+                                          const std::vector<const PoseLink*>& links,
                                           const VerificationThresholds& limits) {
   std::vector<const PoseLink*> within;
-  for (const PoseLink& link : links)
-    if (plausible(link.evidence, surfaces[link.a], surfaces[link.b], limits))
-      within.push_back(&link);
+  for (const PoseLink* link : links)
+    if (plausible(link->evidence, surfaces[link->a], surfaces[link->b], limits))
+      within.push_back(link);
   return within;
+}
+
+// The links that tell what errors the views have: those that share enough to be believed alone, or
+// close loops. Small patches fit better, also at wrong poses: where there are others, they tell
+// nothing.
+std::vector<const PoseLink*> telling_links(const std::vector<PoseLink>& links,
+                                           const std::vector<int>& loops, double lone_overlap) {
+  std::vector<const PoseLink*> telling, all;
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    all.push_back(&links[k]);
+    if (loops[k] > 0 || links[k].evidence.overlap >= lone_overlap) telling.push_back(&links[k]);
+  }
+  return telling.empty() ? all : telling;
 }
 
 using ViewIndices = std::pair<std::size_t, std::size_t>;
@@ -158,14 +171,14 @@ bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<P
   return true;
 }
 
-// The median of the links' sample spacings [unit]; infinite without links.
-double typical_spacing(const std::vector<ViewSurface>& surfaces,
-                       const std::vector<const PoseLink*>& links) {
-  std::vector<double> spacings;
+// The median of the links' coherence_scale() [unit]; infinite without links.
+double typical_coherence_scale(const std::vector<ViewSurface>& surfaces,
+                               const std::vector<const PoseLink*>& links) {
+  std::vector<double> scales;
   for (const PoseLink* link : links)
-    spacings.push_back(coarser_spacing(surfaces[link->a], surfaces[link->b]));
-  return spacings.empty() ? std::numeric_limits<double>::infinity()
-                          : quantile(std::move(spacings), 0.5);
+    scales.push_back(coherence_scale(surfaces[link->a], surfaces[link->b]));
+  return scales.empty() ? std::numeric_limits<double>::infinity()
+                        : quantile(std::move(scales), 0.5);
 }
 
 LinkLimits with_loop_confirmed(LinkLimits limits, const VerificationThresholds& general) {
@@ -221,7 +234,7 @@ bool may_be_right(const PoseEvidence& evidence, const ViewSurface& a, const View
       general.max_normal_rms,
       kCandidateNormalLimit + kNormalDeviations * std::hypot(a.normal_error(), b.normal_error()));
   limits.max_coherent_rms = std::max(kWidestCoherent * general.max_coherent_rms,
-                                     kWarpDeviations * joint_noise(a, b) / coarser_spacing(a, b));
+                                     kWarpDeviations * joint_noise(a, b) / coherence_scale(a, b));
   return plausible(evidence, a, b, limits);
 }
 
@@ -253,16 +266,15 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
                            const std::vector<PoseLink>& links, const std::vector<int>& loops,
                            const ViewGroupOptions& options) {
   // Beyond the general limits where even the better pairs are, and loops close all the same.
-  std::vector<const PoseLink*> all;
-  for (const PoseLink& link : links) all.push_back(&link);
+  const auto telling = telling_links(links, loops, options.lone_overlap);
   VerificationThresholds open = options.limits;
   open.max_rms *= kWidestRms;
   open.max_coherent_rms = std::numeric_limits<double>::infinity();  // See may_be_right().
-  LinkLimits wide{follow(surfaces, all, options.largest_excess, open),
-                  follow(surfaces, all, kConfirmedExcess, open),
+  LinkLimits wide{follow(surfaces, telling, options.largest_excess, open),
+                  follow(surfaces, telling, kConfirmedExcess, open),
                   {}};
   // Errors beyond the noise are smooth: neighbours share them.
-  const double shared = options.judge.min_stddev / typical_spacing(surfaces, all);
+  const double shared = options.judge.min_stddev / typical_coherence_scale(surfaces, telling);
   wide.lone.max_coherent_rms =
       std::max(wide.lone.max_coherent_rms, options.largest_excess * shared);
   wide.confirmed.max_coherent_rms = std::max(
@@ -274,7 +286,7 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
   }
   VerificationThresholds believed = options.limits;
   believed.max_coherent_rms = std::max(believed.max_coherent_rms, options.confirmed_coherent_rms);
-  const auto links_believed = those_within(surfaces, links, believed);
+  const auto links_believed = those_within(surfaces, telling, believed);
   LinkLimits limits{
       follow(surfaces, links_believed, options.largest_excess, options.limits), {}, {}};
   limits.confirmed = limits.lone;

@@ -1,5 +1,6 @@
 #include "registration/global/view_groups.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -175,6 +176,35 @@ TEST(LinkLimits, FollowFourPairsThatCloseLoopsAtOnePlace) {
   EXPECT_GT(coherent({link(0, 1), link(1, 2), link(2, 3), link(0, 2)}), 0.5);
   EXPECT_EQ(coherent({link(0, 1), link(1, 2), link(0, 2), link(1, 0), link(0, 1)}), general);
   EXPECT_EQ(coherent({link(0, 1), link(1, 2), link(2, 3), link(0, 2), link(0, 2, 1.0)}), general);
+}
+
+// Small patches fit better than errors bend the whole.
+TEST(LinkLimits, DoNotFollowLinksThatShareTooLittleToBeBelieved) {
+  const auto views = six_neighbours();
+  const std::vector<ViewSurface> surfaces = surfaces_of(views);
+  const auto link = [&](std::size_t a, std::size_t b, double overlap, double rms) {
+    PoseLink found{a, b, views[b].world_from_view.inverse() * views[a].world_from_view, {}};
+    found.evidence.overlap = overlap;
+    found.evidence.rms = rms * coarser_spacing(surfaces[a], surfaces[b]);
+    return found;
+  };
+  const auto limit = [&](const std::vector<PoseLink>& links, int loops) {
+    return fit_link_limits(surfaces, links, std::vector<int>(links.size(), loops), {}).lone.max_rms;
+  };
+  const PoseLink large = link(0, 1, 0.4, 0.5), small = link(2, 3, 0.2, 0.2);
+  EXPECT_EQ(limit({large, small}, 0), limit({large}, 0));
+  EXPECT_LT(limit({large, small}, 1), limit({large}, 1));  // Confirmed links tell their errors.
+  EXPECT_LT(limit({small}, 0), limit({large}, 0));         // So do small ones without others.
+}
+
+TEST(PoseEvidence, MeasuresCoherentMisfitsByTheSizeOfViewsWhoseSamplesAreFine) {
+  const auto views = testing::ring_of_views({.views = 2, .pixels = 100});
+  const auto fine_views = testing::ring_of_views({.views = 2, .pixels = 400});
+  const auto coarse = surfaces_of(views), fine = surfaces_of(fine_views);
+  EXPECT_EQ(coherence_scale(coarse[0], coarse[1]), coarser_spacing(coarse[0], coarse[1]));
+  const double radius = std::min(fine[0].radius(), fine[1].radius());
+  EXPECT_EQ(coherence_scale(fine[0], fine[1]), 0.01 * radius);
+  EXPECT_GT(coherence_scale(fine[0], fine[1]), coarser_spacing(fine[0], fine[1]));
 }
 
 TEST(ViewGroups, OffPlaneSamplesAllowLargerErrorsThatNeighboursShare) {
