@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "registration/pairwise/robust.h"
+#include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/view_graph.h"
 #include "registration/verification/common_errors.h"
 #include "scan/base/parallel.h"
@@ -31,6 +32,12 @@ constexpr double kPlanarStrays = 0.05;
 // says little.
 constexpr double kMostMoved = 0.5;
 constexpr double kFewestStrays = 0.01;  // Of all samples of a view: 5 of the 500 looked at.
+
+// Over the typical radius: wrong poses misfit by as little (link_limits.cpp).
+constexpr double kWrongRadii = 0.02;
+// A deviation measured within a reach that exceeds it sixfold grows by less in a wider one; one
+// that fills its reach, as at wrong poses, grows by a factor of 6 / sqrt(3) or more.
+constexpr double kSettled = 1.2;
 
 // One pair of views at the poses that are judged.
 struct Judged {
@@ -99,12 +106,37 @@ void find_planar_pairs(const std::vector<ViewSurface>& surfaces,
   });
 }
 
+double median_radius(const std::vector<ViewSurface>& surfaces) {
+  std::vector<double> radii;
+  for (const ViewSurface& surface : surfaces)
+    if (!surface.samples().empty()) radii.push_back(surface.radius());
+  return radii.empty() ? 0.0 : quantile(std::move(radii), 0.5);
+}
+
 double common_stddev_of(const std::vector<ViewSurface>& surfaces,
                         const std::vector<Judged>& pairs) {
   std::vector<PairDeviation> deviations;
   for (const Judged& pair : pairs)
     if (pair.fit_known) deviations.push_back({pair.a, pair.b, pair.evidence.rms});
   return common_stddev(surfaces, deviations);
+}
+
+// What the better pairs deviate by, of all that `pairs` may. Partners are looked for within a reach
+// that follows from the errors expected, so a deviation near that reach is measured again with a
+// wider one, until it stays. Wrong poses fill any reach: if it does not stay, the first one counts.
+double settled_stddev(const std::vector<ViewSurface>& surfaces,
+                      const std::vector<RigidMotion>& poses, JudgeOptions judging,
+                      std::vector<Judged> pairs) {
+  const double first = common_stddev_of(surfaces, pairs);
+  const double most = kWrongRadii * median_radius(surfaces);
+  for (double stddev = first; stddev > 0.0 && stddev <= most;) {
+    judging.min_stddev = stddev;
+    judge(surfaces, poses, judging, pairs);
+    const double wider = common_stddev_of(surfaces, pairs);
+    if (wider <= kSettled * stddev) return stddev;
+    stddev = wider;
+  }
+  return first;
 }
 
 // The limits, widened to what the pairs of these views have in common.
@@ -120,7 +152,7 @@ VerificationThresholds limits_of_views(const std::vector<ViewSurface>& surfaces,
     rms.push_back(relative_rms(pair.evidence, a, b));
     normal_rms.push_back(pair.evidence.normal_rms);
     coherent_rms.push_back(relative_coherent_rms(pair.evidence, a, b));
-    noise.push_back(joint_noise(a, b) / coarser_spacing(a, b));
+    noise.push_back(joint_noise(a, b) / coherence_scale(a, b));
   }
   const auto widen = [](double& limit, std::vector<double> values, double widest) {
     limit =
@@ -137,8 +169,15 @@ VerificationThresholds limits_of_views(const std::vector<ViewSurface>& surfaces,
   return limits;
 }
 
+// The RMS that the common errors of all pairs explain between two views, as relative_rms() has it.
+double explained_rms(const ViewSurface& a, const ViewSurface& b, double common_stddev) {
+  const double spacing = coarser_spacing(a, b), noise = joint_noise(a, b);
+  return largest_plausible_rms(spacing, std::max(noise, common_stddev)) /
+         largest_plausible_rms(spacing, noise);
+}
+
 void decide(const std::vector<ViewSurface>& surfaces, const VerificationThresholds& general,
-            std::vector<Judged>& pairs) {
+            double common_stddev, std::vector<Judged>& pairs) {
   const VerificationThresholds limits = limits_of_views(surfaces, pairs, general);
   const double strays = std::max(kStrays, limits.max_free_space_violation);
   VerificationThresholds allowed = limits;
@@ -158,7 +197,10 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
     pair.confirms = within(limits) && leaves_space_free;
     if (pair.fit_known && !pair.planar && pair.evidence.overlap >= general.min_overlap)
       pair.fitting_in_part = within(in_part) ? pair.evidence.overlap : -pair.evidence.overlap;
-    pair.allows = pair.confirms || (!pair.planar && within(allowed));
+    VerificationThresholds of_pair = allowed;
+    of_pair.max_rms =
+        std::max(allowed.max_rms, explained_rms(surfaces[pair.a], surfaces[pair.b], common_stddev));
+    pair.allows = pair.confirms || (!pair.planar && within(of_pair));
   }
 }
 
@@ -216,10 +258,10 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
   JudgeOptions judging;
   judging.association = options.association;
   judge(surfaces, world_from_view, judging, pairs);
-  judging.min_stddev = common_stddev_of(surfaces, pairs);
+  judging.min_stddev = settled_stddev(surfaces, world_from_view, judging, pairs);
   if (judging.min_stddev > 0.0) judge(surfaces, world_from_view, judging, pairs);
   find_planar_pairs(surfaces, world_from_view, judging, pairs);
-  decide(surfaces, options.limits, pairs);
+  decide(surfaces, options.limits, judging.min_stddev, pairs);
 
   const std::size_t views = surfaces.size();
   std::vector<bool> refuted(views, false);

@@ -94,10 +94,10 @@ TEST_F(PoseVerificationTest, MissingSamplesRefuteNothing) {
 // all pairs disagree at right poses.
 class SmoothErrorsTest : public PoseVerificationTest {
  protected:
-  static std::vector<RangeView> smoothly_wrong() {
+  static std::vector<RangeView> smoothly_wrong(double spacings = 5.0) {
     auto wrong = views();
     for (std::size_t i = 0; i < wrong.size(); ++i) {
-      const double size = 5.0 * sample_spacing(wrong[i]), phase = 1.7 * static_cast<double>(i);
+      const double size = spacings * sample_spacing(wrong[i]), phase = 1.7 * static_cast<double>(i);
       for (int v = 0; v < wrong[i].height(); ++v)
         for (int u = 0; u < wrong[i].width(); ++u)
           wrong[i].range(u, v) +=
@@ -109,6 +109,13 @@ class SmoothErrorsTest : public PoseVerificationTest {
 
 TEST_F(SmoothErrorsTest, RefuteNoView) {
   const auto verified = verify(smoothly_wrong(), testing::poses_of(views()));
+  for (const ViewVerification& view : verified.views) EXPECT_FALSE(view.refuted);
+}
+
+// Of more than the reach within which partners are looked for at first, four spacings, so that what
+// is found there does not show how large they are.
+TEST_F(SmoothErrorsTest, BeyondTheFirstReachRefuteNoView) {
+  const auto verified = verify(smoothly_wrong(8.0), testing::poses_of(views()));
   for (const ViewVerification& view : verified.views) EXPECT_FALSE(view.refuted);
 }
 
