@@ -99,6 +99,7 @@ class ViewSurface {
   /// sample, moved within its tangent plane to the foot of the query. Needs the index and a sample.
   std::vector<Eigen::Vector2d> closest(const Eigen::Matrix3Xd& points) const;
 
+  int width() const { return surface_.width(); }         ///< Of the grid [pixels].
   double spacing() const { return surface_.spacing(); }  ///< Median sample spacing [unit].
   /// Standard deviation of the noise of positions along the normal [unit]: of the white part
   /// robustly from third differences, of rounded ranges at least what their steps make; where it

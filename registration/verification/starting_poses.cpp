@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "registration/global/global_registration.h"
+#include "registration/global/links/moved_piece.h"
 #include "registration/global/view_groups.h"
 
 namespace relief::registration {
@@ -238,6 +239,10 @@ std::string describe_rejected(const PoseLink& link, std::size_t view,
   if (misses_coverage(evidence))
     against += ", and one of the two saw nothing in place of " +
                percent(evidence.missing_coverage) + " of what faces it";
+  if (moved_before_still_sensor(surfaces[link.a], surfaces[link.b], link.b_from_a))
+    against +=
+        ", and both were taken from one place while something moved: if that is the object, leave "
+        "out what stands still (a mask per view)";
   if (against.empty()) against = describe_lack(evidence, surfaces[link.a], surfaces[link.b]);
   return "the best is next to " + views[link.a == view ? link.b : link.a].name + ", sharing " +
          percent(evidence.overlap) + ", " + text + against;

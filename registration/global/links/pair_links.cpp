@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "registration/global/links/link_limits.h"
+#include "registration/global/links/moved_piece.h"
 #include "registration/global/links/off_plane_samples.h"
 #include "registration/global/links/shared_constraint.h"
 #include "scan/base/parallel.h"
@@ -51,6 +52,9 @@ std::vector<PoseLink> PairLinks::of_pair(std::size_t a, std::size_t b,
                                       hypothesis.b_from_a, options_.judge.min_stddev)
             : OffPlaneVerdict::kUnknown;
     if (may_deny && verdict == OffPlaneVerdict::kDenied) return;
+    if (moved_before_still_sensor(surfaces_[a], surfaces_[b], hypothesis.b_from_a,
+                                  options_.judge.min_stddev))
+      return;
     links.push_back({a, b, hypothesis.b_from_a, hypothesis.evidence,
                      mostly_planar && verdict == OffPlaneVerdict::kUnknown,
                      verdict == OffPlaneVerdict::kConfirmed});

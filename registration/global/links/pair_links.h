@@ -33,7 +33,8 @@ class PairLinks {
 
   /// The links that hypotheses of a pair make, best hypothesis first, with those of the poses that
   /// symmetries lead to from the best one. Poses that samples off the flat faces deny are left
-  /// out; where such samples confirm one, so are those for which faces alone speak.
+  /// out; where such samples confirm one, so are those for which faces alone speak. So are poses of
+  /// a sensor that stood still while something moved before it.
   std::vector<PoseLink> of_pair(std::size_t a, std::size_t b,
                                 const std::vector<PoseHypothesis>& found,
                                 const CoarseScale& scale) const;

@@ -1,7 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "relief/registration/align_views.h"
@@ -10,6 +15,16 @@
 
 namespace relief::registration {
 namespace {
+
+testing::Surface nearest_of(std::vector<testing::Surface> parts) {
+  return [parts = std::move(parts)](const Ray& ray) {
+    std::optional<testing::SurfaceHit> nearest;
+    for (const auto& part : parts)
+      if (const auto hit = part(ray); hit && hit->t > 0.0 && (!nearest || hit->t < nearest->t))
+        nearest = hit;
+    return nearest;
+  };
+}
 
 // A floor with things on it before a wall, and another wall far behind [mm, y down].
 testing::Surface room() {
@@ -23,13 +38,18 @@ testing::Surface room() {
                               {1300, 3200, 260, 470}, {-1200, 2400, 350, 350}};
   for (const auto& [x, z, radius, y] : places)
     parts.push_back(testing::sphere({x, y, z}, 1.4 * radius));
-  return [parts](const Ray& ray) {
-    std::optional<testing::SurfaceHit> nearest;
-    for (const auto& part : parts)
-      if (const auto hit = part(ray); hit && hit->t > 0.0 && (!nearest || hit->t < nearest->t))
-        nearest = hit;
-    return nearest;
-  };
+  return nearest_of(parts);
+}
+
+// Three balls on the floor, turned about a vertical axis.
+testing::Surface figure(double angle) {
+  std::vector<testing::Surface> balls;
+  const double places[][4] = {{0, 0, 150, 450}, {260, 90, 150, 450}, {-120, -240, 130, 470}};
+  for (const auto& [x, z, radius, y] : places)
+    balls.push_back(testing::sphere({-150 + x * std::cos(angle) - z * std::sin(angle), y,
+                                     1250 + x * std::sin(angle) + z * std::cos(angle)},
+                                    radius));
+  return nearest_of(balls);
 }
 
 // Active stereo: inverse ranges are rounded, to 1 mm at 0.7 m and to 1.3 m at the far wall, and err
@@ -57,6 +77,20 @@ std::vector<RangeView> views_of_robot() {
     views.push_back(testing::render(room(), camera, pose));
     views.back().name = "view" + std::to_string(i);
     add_stereo_errors(views.back(), 1.7 * i);
+  }
+  return views;
+}
+
+// A camera that stands still sees a room, and a figure that is turned between views.
+std::vector<RangeView> views_of_turned_figure(double step) {
+  const Camera camera = Camera::pinhole(200, 150, {120, 120, 99.5, 74.5});
+  const RigidMotion pose(Eigen::AngleAxisd(-0.44, Eigen::Vector3d::UnitX()));
+  std::vector<RangeView> views;
+  for (int i = 0; i < 4; ++i) {
+    views.push_back(testing::render(nearest_of({room(), figure(step * i)}), camera, pose));
+    views.back().name = "view" + std::to_string(i);
+    views.back().pose = PoseKind::kAbsent;
+    testing::add_range_noise(views.back(), 0.5, static_cast<std::uint32_t>(i + 1));
   }
   return views;
 }
@@ -106,6 +140,19 @@ TEST(DepthCamera, AViewWithoutAPoseIsFoundAmongViewsThatHaveOne) {
     views[missing].world_from_view = RigidMotion::Identity();
     expect_no_wrong_pose(truth, value_of(align_views(views)), 6);
   }
+}
+
+TEST(DepthCamera, WhatStandsStillJoinsNoViewsOfAnObjectThatWasTurned) {
+  const auto alignment = value_of(align_views(views_of_turned_figure(1.0)));
+  for (const auto& view : alignment.views) {
+    EXPECT_FALSE(view.aligned) << view.name;
+    EXPECT_THAT(view.reason, ::testing::HasSubstr("taken from one place while something moved"));
+  }
+}
+
+TEST(DepthCamera, ViewsFromOnePlaceAreJoinedWhereNothingMoved) {
+  expect_no_wrong_pose(views_of_turned_figure(0.0),
+                       value_of(align_views(views_of_turned_figure(0.0))), 4);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "registration/global/features/resampled_view.h"
 #include "registration/global/features/view_similarity.h"
 #include "registration/global/links/consistency_graph.h"
+#include "registration/global/links/moved_piece.h"
 #include "registration/global/links/shared_constraint.h"
 #include "registration/global/pair_search.h"
 #include "registration/global/robust_motion.h"
@@ -316,6 +317,32 @@ TEST(ViewSimilarity, RanksNeighboursBeforeOpposites) {
   EXPECT_GE(neighbours, 5u);
   const LocalFeatures none;
   EXPECT_THAT(rank_pairs({&none, &none}), ElementsAre(std::pair<std::size_t, std::size_t>(0, 1)));
+}
+
+// A board, and a ball before it that a camera which stands still sees elsewhere in the second view.
+TEST(MovedPiece, TellsWhatMovedBeforeASensorThatStoodStill) {
+  const Camera camera = Camera::pinhole(160, 120, {200, 200, 79.5, 59.5});
+  const auto view_with_ball_at = [&](double x, std::uint32_t seed) {
+    const auto ball = testing::sphere({x, 0, 85}, 4);
+    const auto board = testing::plane({0, 0, 100}, {0.2, 0.1, -1});
+    RangeView view = testing::render(
+        [&](const Ray& ray) {
+          const auto hit = ball(ray);
+          return hit ? hit : board(ray);
+        },
+        camera);
+    testing::add_range_noise(view, 0.1, seed);
+    return view;
+  };
+  const RangeView view = view_with_ball_at(0, 1), same = view_with_ball_at(0, 2),
+                  moved = view_with_ball_at(10, 3);
+  const ViewSurface a(view), b(same), c(moved);
+  const RigidMotion still = RigidMotion::Identity();
+  EXPECT_FALSE(moved_before_still_sensor(a, b, still));
+  EXPECT_TRUE(moved_before_still_sensor(a, c, still));
+  EXPECT_TRUE(moved_before_still_sensor(c, a, still));
+  const RigidMotion elsewhere(Eigen::Translation3d(10.0 * a.spacing(), 0, 0));
+  EXPECT_FALSE(moved_before_still_sensor(a, c, elsewhere));
 }
 
 }  // namespace
