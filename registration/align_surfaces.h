@@ -12,7 +12,8 @@
 
 namespace relief::registration {
 
-/// align_views() of views whose surfaces are made. The only error is kInterrupted.
+/// align_views() of views whose surfaces are made, without what errors of the sensors add to the
+/// covariances of poses. The only error is kInterrupted.
 Result<Alignment> align_surfaces(const std::vector<RangeView>& views,
                                  const std::vector<ViewSurface>& surfaces,
                                  const AlignOptions& options, const Progress& progress = {},

@@ -59,8 +59,8 @@ bool has_piece_in_front(const ViewSurface& source, const ViewSurface& target,
     if (is_in_front(source, source.sample(i), target, target_from_source, min_stddev))
       in_front.push_back(i);
   const std::size_t least = std::max(
-      kFewestSamples, static_cast<std::size_t>(
-                          kSmallestPiece * static_cast<double>(source.samples().size())));
+      kFewestSamples,
+      static_cast<std::size_t>(kSmallestPiece * static_cast<double>(source.samples().size())));
   return largest_piece(source, in_front) >= least;
 }
 
