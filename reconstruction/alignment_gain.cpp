@@ -23,7 +23,7 @@ double median_pose_std(const registration::Alignment& alignment) {
   std::vector<double> deviations;
   for (const registration::ViewReport* view : aligned_views(alignment)) {
     const double variance =
-        view->pose_std.tail<3>().squaredNorm() - view->sensor_covariance.diagonal().tail<3>().sum();
+        (view->pose_covariance - view->sensor_covariance).diagonal().tail<3>().sum();
     if (variance > 0.0) deviations.push_back(std::sqrt(variance));
   }
   return deviations.empty() ? 0.0 : median(deviations);

@@ -65,16 +65,15 @@ class Reconstructor {
                                            options_.calibration, stages_.of(Stage::kCalibrate),
                                            stages_.missing_unit_error(Stage::kCalibrate));
       if (!calibration) return calibration.error();
+      registration::apply_alignment(result_.first_alignment, result_.views);
       registration::apply_calibration(*calibration, result_.views);
       result_.calibration = std::move(*calibration);
-    }
-    if (result_.calibration.found())
-      result_.first_alignment = result_.calibration.alignment;
-    else
-      registration::apply_alignment(result_.first_alignment, result_.views);
-    if (has_stage(Stage::kCalibrate, options_))
+      if (result_.calibration.found()) result_.first_alignment = result_.calibration.alignment;
       if (auto told = tell(callbacks_.calibrated, result_.calibration, result_.views); !told)
         return told;
+    } else {
+      registration::apply_alignment(result_.first_alignment, result_.views);
+    }
     drop_unaligned();
     if (result_.views.empty())
       return Error{ErrorKind::kUnsolvable, "no view could be aligned: nothing to merge"};

@@ -189,7 +189,10 @@ Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOp
     if (!prepared) return prepared.error();
     const auto& [surfaces, units] = *prepared;
     auto aligned = align_surfaces(views, surfaces, options, context.progress, units);
-    if (aligned) include_sensor_errors(views, surfaces, options.refinement, *aligned);
+    if (!aligned) return aligned;
+    if (!report_progress(context.progress, 0.0, "measuring errors of sensors"))
+      return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
+    include_sensor_errors(views, surfaces, options.refinement, *aligned);
     return aligned;
   });
 }

@@ -29,30 +29,16 @@ namespace relief::registration {
 
 namespace {
 
-// One alone shows no error of its sensor, and two agree by a wrong pose as well.
-constexpr std::size_t kFewestViews = 3;
 // Renewals of the correspondences at most. Errors of half a percent of the focal length come to
 // rest in three.
 constexpr int kMostIterations = 6;
 // Coefficients and poses have come to rest when they move samples by no more [sample spacings]: as
 // much as the poses of exact data err by.
 constexpr double kTolerance = 0.01;
-// More views have only errors that they share: the terms of all views make a dense system, of a
-// thousand unknowns for 40.
-constexpr std::size_t kMostViewsApart = 40;
-// More views are left as they are: all poses together make a dense system, of 13 MB and half a
-// second for 200.
-constexpr std::size_t kMostViews = 200;
 
 std::vector<double> spacings_of(const std::vector<RangeView>& views) {
   return parallel_map<double>(views.size(),
                               [&](std::size_t i) { return sample_spacing(views[i]); });
-}
-
-std::vector<const RangeView*> pointers_to(const std::vector<RangeView>& views) {
-  std::vector<const RangeView*> pointers;
-  for (const RangeView& view : views) pointers.push_back(&view);
-  return pointers;
 }
 
 AlignOptions with_index(AlignOptions align) {
@@ -76,8 +62,7 @@ class Calibrating {
         corrected_(views, sensors_, with_index(align)) {}
 
   Result<SensorCalibration> run() {
-    if (options_.scope == CalibrationScope::kOff || linked_views() < kFewestViews ||
-        linked_views() > kMostViews || !shape_holds_all(aligned_))
+    if (options_.scope == CalibrationScope::kOff || !can_be_calibrated(aligned_, pairs_))
       return std::move(result_);
     for (bool moving = true; moving && result_.iterations < kMostIterations;) {
       if (const auto corrected = correct(false); !corrected) return corrected.error();
@@ -105,18 +90,10 @@ class Calibrating {
   }
 
  private:
-  std::size_t linked_views() const {
-    std::vector<bool> linked(given_.size(), false);
-    for (const ViewPair& pair : pairs_) linked[pair.a] = linked[pair.b] = true;
-    return static_cast<std::size_t>(std::count(linked.begin(), linked.end(), true));
-  }
-
-  bool may_err_apart() const {
-    return options_.scope != CalibrationScope::kShared && linked_views() <= kMostViewsApart;
-  }
-
   FoldSystem fold_system(const std::vector<PairSums>& sums) const {
-    return FoldSystem(sums, sensors_, held_, may_err_apart());
+    const bool apart =
+        options_.scope != CalibrationScope::kShared && may_err_apart(given_.size(), pairs_);
+    return FoldSystem(sums, sensors_, held_, apart);
   }
 
   // Other places of the same views confirm what other views do not: a view's local errors.
@@ -150,13 +127,6 @@ class Calibrating {
       const double fraction = (result_.iterations + part) / (kMostIterations + 1);
       return report_progress(progress_, fraction, "calibrating sensors");
     });
-  }
-
-  static double median_deviation(const std::vector<PairSums>& sums) {
-    std::vector<double> deviations;
-    for (const PairSums& pair : sums)
-      if (pair.deviation > 0.0) deviations.push_back(pair.deviation);
-    return quantile(deviations, 0.5);
   }
 
   void select(const std::vector<PairSums>& sums) {
@@ -224,7 +194,8 @@ class Calibrating {
     auto again = align_from_given(corrected_, result_.alignment, inflation_, progress_);
     if (!again) return again.error();
     const std::size_t verified = verified_views(*again), before = verified_views(result_.alignment);
-    if (verified < before || !again->solved() ||
+    if (verified < before || aligned_views(*again) < aligned_views(result_.alignment) ||
+        !again->solved() ||
         !fits_better(fit_of(corrected_, again->world_from_view(), pairs_), fit_before_))
       return {};
     result_.alignment = std::move(*again);

@@ -1,6 +1,10 @@
 #include "registration/calibration/calibration_input.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <utility>
+
+#include "registration/pairwise/robust.h"
 
 namespace relief::registration {
 
@@ -8,6 +12,19 @@ namespace {
 
 // Pairs with the largest overlaps of a view that are used. Bounds time and memory.
 constexpr int kMostPairsOfAView = 8;
+// One alone shows no error of its sensor, and two agree by a wrong pose as well.
+constexpr std::ptrdiff_t kFewestViews = 3;
+// More views have only errors that they share: the terms of all views make a dense system, of a
+// thousand unknowns for 40.
+constexpr std::ptrdiff_t kMostViewsApart = 40;
+// More views are left as they are: all poses together make a dense system, of 13 MB and half a
+// second for 200.
+constexpr std::ptrdiff_t kMostViews = 200;
+
+std::ptrdiff_t count_linked(std::size_t views, const std::vector<ViewPair>& pairs) {
+  const std::vector<bool> linked = linked_views(views, pairs);
+  return std::count(linked.begin(), linked.end(), true);
+}
 
 }  // namespace
 
@@ -41,6 +58,34 @@ bool shape_holds_all(const Alignment& aligned) {
       held[view] = held[view] || fit.degenerate_directions.empty();
     }
   return paired == held;
+}
+
+std::vector<bool> linked_views(std::size_t views, const std::vector<ViewPair>& pairs) {
+  std::vector<bool> linked(views, false);
+  for (const ViewPair& pair : pairs) linked[pair.a] = linked[pair.b] = true;
+  return linked;
+}
+
+bool can_be_calibrated(const Alignment& aligned, const std::vector<ViewPair>& pairs) {
+  const auto linked = count_linked(aligned.views.size(), pairs);
+  return linked >= kFewestViews && linked <= kMostViews && shape_holds_all(aligned);
+}
+
+bool may_err_apart(std::size_t views, const std::vector<ViewPair>& pairs) {
+  return count_linked(views, pairs) <= kMostViewsApart;
+}
+
+double median_deviation(const std::vector<PairSums>& sums) {
+  std::vector<double> deviations;
+  for (const PairSums& pair : sums)
+    if (pair.deviation > 0.0) deviations.push_back(pair.deviation);
+  return deviations.empty() ? 0.0 : quantile(std::move(deviations), 0.5);
+}
+
+std::vector<const RangeView*> pointers_to(const std::vector<RangeView>& views) {
+  std::vector<const RangeView*> pointers;
+  for (const RangeView& view : views) pointers.push_back(&view);
+  return pointers;
 }
 
 RangeView ranges_of(const RangeView& view) {

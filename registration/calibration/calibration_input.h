@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
+#include "registration/calibration/estimation/calibration_sums.h"
 #include "registration/posegraph/view_graph.h"
 #include "relief/registration/align_views.h"
 #include "relief/scan/range_view.h"
@@ -18,6 +20,20 @@ std::vector<bool> held_views(const std::vector<RangeView>& views,
 
 /// Whether the shape of the pairs holds every view that has pairs.
 bool shape_holds_all(const Alignment& aligned);
+
+/// Which views have pairs.
+std::vector<bool> linked_views(std::size_t views, const std::vector<ViewPair>& pairs);
+
+/// Whether at least three views have pairs, at most 200, and shape_holds_all().
+bool can_be_calibrated(const Alignment& aligned, const std::vector<ViewPair>& pairs);
+
+/// Whether the errors of single views may be estimated: of at most 40 views with pairs.
+bool may_err_apart(std::size_t views, const std::vector<ViewPair>& pairs);
+
+/// The median over the pairs of the robust deviations of their distances, those of 0 left out.
+double median_deviation(const std::vector<PairSums>& sums);
+
+std::vector<const RangeView*> pointers_to(const std::vector<RangeView>& views);
 
 /// All that a surface without normal maps is made of.
 RangeView ranges_of(const RangeView& view);

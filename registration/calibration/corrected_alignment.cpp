@@ -45,6 +45,7 @@ Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& 
     view.sensor_covariance.setZero();
   }
   inflate(inflation, alignment);
+  alignment.sensor_error.clear();
   alignment.pairs = std::move(refined->pairs);
   alignment.termination = refined->termination;
   alignment.iterations += refined->iterations;
@@ -67,7 +68,9 @@ Result<Alignment> align_from_given(const CorrectedViews& views, const Alignment&
 
 bool may_gain_from_given(const CorrectedViews& views, const Alignment& given,
                          const Alignment& corrected) {
-  if (verified_views(given) < given.views.size()) return true;
+  const auto usable = static_cast<std::size_t>(std::ranges::count_if(
+      views.surfaces(), [](const ViewSurface& surface) { return !surface.samples().empty(); }));
+  if (verified_views(given) < usable) return true;
   std::vector<ViewRole> roles;
   std::vector<RigidMotion> poses;
   for (const RangeView& view : views.given()) {
@@ -87,6 +90,10 @@ std::size_t verified_views(const Alignment& alignment) {
   return static_cast<std::size_t>(std::ranges::count_if(
       alignment.views,
       [](const ViewReport& view) { return view.status == PoseStatus::kVerified; }));
+}
+
+std::size_t aligned_views(const Alignment& alignment) {
+  return static_cast<std::size_t>(std::ranges::count(alignment.views, true, &ViewReport::aligned));
 }
 
 PairwiseFit fit_of(const CorrectedViews& views, const std::vector<RigidMotion>& world_from_view,

@@ -26,8 +26,6 @@ namespace relief::registration {
 
 namespace {
 
-// As for calibration: two views agree by wrong poses as well, and dense systems bound the others.
-constexpr std::size_t kFewestViews = 3, kMostViewsApart = 40, kMostViews = 200;
 // Samples of the source, per direction of a pair. Bounds the time.
 constexpr std::size_t kSamples = 1500;
 // Edge of the cubes that are in one fold as a whole [sample spacings], as of the clusters of (R12).
@@ -50,32 +48,13 @@ struct Explanation {
   std::array<Eigen::VectorXd, kFolds> motions;  // Of all poses, by the other folds.
 };
 
-std::vector<const RangeView*> pointers_to(const std::vector<RangeView>& views) {
-  std::vector<const RangeView*> pointers;
-  for (const RangeView& view : views) pointers.push_back(&view);
-  return pointers;
-}
-
 std::vector<double> spacings_of(const std::vector<ViewSurface>& surfaces) {
   std::vector<double> spacings;
   for (const ViewSurface& surface : surfaces) spacings.push_back(surface.spacing());
   return spacings;
 }
 
-std::size_t linked_views(std::size_t views, const std::vector<ViewPair>& pairs) {
-  std::vector<bool> linked(views, false);
-  for (const ViewPair& pair : pairs) linked[pair.a] = linked[pair.b] = true;
-  return static_cast<std::size_t>(std::count(linked.begin(), linked.end(), true));
-}
-
-double median_deviation(const std::vector<PairSums>& sums) {
-  std::vector<double> deviations;
-  for (const PairSums& pair : sums)
-    if (pair.deviation > 0.0) deviations.push_back(pair.deviation);
-  return deviations.empty() ? 0.0 : quantile(std::move(deviations), 0.5);
-}
-
-// Whether the scale of the ranges, where all views share it, is that of everything.
+// Whether the scale of the ranges, where all views share it, cannot be told from that of the scene.
 bool no_view_shows_scale(const Sensors& sensors) {
   return sensors.models.size() == 1 && sensors.models.front().scales_all();
 }
@@ -172,7 +151,7 @@ class Explaining {
     const double scatter = squares - explanation.gain * explanation.gain / kCount;
     explanation.gain_std = std::sqrt(std::max(0.0, scatter) * kCount / (kCount - 1.0));
     const bool real = explanation.gain > kLeastPart &&
-                      explanation.gain > kLeastGain * explanation.gain_std;  // No number is not.
+                      explanation.gain > kLeastGain * explanation.gain_std;  // False for NaN.
     if (!real) return std::nullopt;
     return explanation;
   }
@@ -192,15 +171,15 @@ class Explaining {
   std::array<ReducedSum, kFolds> train_, test_;  // Of all coefficients.
 };
 
-std::string note_on(const Explanation& explanation, double motion) {
+std::string describe(const Explanation& explanation, double motion) {
   char text[320];
-  std::snprintf(
-      text, sizeof text,
-      "views disagree by more than noise explains: an error of the sensor, as of its %s%s, "
-      "explains %.2g %% of their squared distances and moves views by %.2g (median); the "
-      "deviations of poses include that, and calibrating may correct it",
-      std::string(to_string(explanation.choice.error)).c_str(),
-      explanation.choice.per_view ? " view by view" : "", 100.0 * explanation.gain, motion);
+  std::snprintf(text, sizeof text,
+                "views disagree by more than noise explains: an error like %s%s explains %.2g %% "
+                "of their squared distances and moves the median view by %.2g; the deviations of "
+                "poses include that, and calibrating may correct it",
+                std::string(to_string(explanation.choice.error)).c_str(),
+                explanation.choice.per_view ? " (one per view)" : "", 100.0 * explanation.gain,
+                motion);
   return text;
 }
 
@@ -210,16 +189,17 @@ void include_sensor_errors(const std::vector<RangeView>& views,
                            const std::vector<ViewSurface>& surfaces,
                            const JointRefinementOptions& refinement, Alignment& alignment) {
   const auto pairs = fitting_pairs(alignment);
-  const std::size_t linked = linked_views(views.size(), pairs);
-  if (linked < kFewestViews || linked > kMostViews || !shape_holds_all(alignment)) return;
+  if (!can_be_calibrated(alignment, pairs)) return;
   const auto spacings = spacings_of(surfaces);
   const Sensors sensors = find_sensors(pointers_to(views), spacings);
   CalibratedViews measured;
   measured.given = &views;
   measured.surfaces = &surfaces;
   measured.sensors = &sensors;
-  measured.nearby_ranges = parallel_map<Grid<double>>(
-      views.size(), [&](std::size_t i) { return nearby_ranges(views[i]); });
+  const std::vector<bool> linked = linked_views(views.size(), pairs);
+  measured.nearby_ranges = parallel_map<Grid<double>>(views.size(), [&](std::size_t i) {
+    return linked[i] ? nearby_ranges(views[i]) : Grid<double>();
+  });
   measured.world_from_view = alignment.world_from_view();
   measured.centre = common_centre(pointers_to(surfaces), measured.world_from_view);
   CalibrationSumOptions summing;
@@ -227,7 +207,8 @@ void include_sensor_errors(const std::vector<RangeView>& views,
   summing.samples = kSamples;
   summing.patch = kPatch * *std::max_element(spacings.begin(), spacings.end());
   const auto sums = sum_pairs(measured, pairs, summing);
-  const Explaining explaining(sums, sensors, held_views(views, pairs), linked <= kMostViewsApart);
+  const Explaining explaining(sums, sensors, held_views(views, pairs),
+                              may_err_apart(views.size(), pairs));
   const auto explanations = explaining.best();
   if (explanations.empty()) return;
   std::vector<double> motions;
@@ -244,7 +225,7 @@ void include_sensor_errors(const std::vector<RangeView>& views,
     motions.push_back(std::sqrt(moment.diagonal().tail<3>().sum()));
   }
   if (!motions.empty())
-    alignment.notes.push_back(note_on(explanations.front(), quantile(std::move(motions), 0.5)));
+    alignment.sensor_error = describe(explanations.front(), quantile(std::move(motions), 0.5));
 }
 
 }  // namespace relief::registration

@@ -45,8 +45,9 @@ void serialize(Archive& archive, SolverSummary& solve) {
 
 template <class Archive>
 void serialize(Archive& archive, Alignment& alignment) {
-  auto& [views, pairs, termination, iterations, rms, solves, loops, notes] = alignment;
-  archive(views, pairs, termination, iterations, rms, solves, loops, notes);
+  auto& [views, pairs, termination, iterations, rms, solves, loops, notes, sensor_error] =
+      alignment;
+  archive(views, pairs, termination, iterations, rms, solves, loops, notes, sensor_error);
 }
 
 template <class Archive>

@@ -166,6 +166,7 @@ void log_alignment(const registration::Alignment& alignment, const std::string& 
                    double seconds) {
   constexpr std::size_t kShortTable = 60;
   for (const std::string& note : alignment.notes) Console::info(note);
+  if (!alignment.sensor_error.empty()) Console::info(alignment.sensor_error);
   const auto log = alignment.pairs.size() <= kShortTable ? Console::info : Console::detail;
   if (!alignment.pairs.empty())
     for (const std::string& line : pair_table(alignment, unit)) log(line);

@@ -104,6 +104,8 @@ TEST(CalibrateViews, FindsABendThatAllViewsShare) {
   EXPECT_TRUE(has_error(calibration, SensorError::kQuadraticWarp, false));
   EXPECT_LT(calibration.deviation_after, 0.9 * calibration.deviation_before);
   EXPECT_LT(worst_pose(calibration.alignment), 0.3 * worst_pose(before));
+  EXPECT_NE(before.sensor_error, "");
+  EXPECT_EQ(calibration.alignment.sensor_error, "");
   const Sensors sensors = sensors_of(views);
   const SensorModel& model = sensors.models.front();
   for (std::size_t k = 0, index = 0; k < model.terms(); ++k) {

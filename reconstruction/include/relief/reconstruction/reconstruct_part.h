@@ -13,7 +13,7 @@ namespace relief::reconstruction {
 
 /// A part of a reconstruction: one stage, after what the stages before it have left in the store.
 struct ReconstructionPart {
-  /// Nothing after this stage is computed.
+  /// Nothing after this stage is computed. Where it is kAlign the views stay at their given poses.
   Stage last = Stage::kPolish;
   /// Where `last` is kRefine: only these views are refined, by their indices among the views given.
   /// Those that the alignment left out are passed over. Nothing: all.

@@ -83,6 +83,9 @@ struct Alignment {
   std::vector<SolverSummary> solves;  ///< Of the refinement that gave the poses, in their order.
   std::vector<LoopClosure> loops;     ///< Of cycles of pairs, the least explained first.
   std::vector<std::string> notes;     ///< What the user should know, one line each.
+  /// In words, the error of the sensors that explains most of what views disagree by (R19); empty
+  /// where none shows.
+  std::string sensor_error;
 
   /// Whether all views are in one frame.
   bool complete() const;

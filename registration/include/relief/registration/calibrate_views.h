@@ -97,8 +97,8 @@ Result<SensorCalibration> calibrate_views(const std::vector<RangeView>& views,
                                           const CalibrationOptions& options = {},
                                           const Context& context = {});
 
-/// Gives views their corrected ranges, cameras and poses. `views` are those that were calibrated,
-/// as they were then.
+/// Gives views their corrected ranges, cameras and poses, where anything was found. `views` are
+/// those that were calibrated; their poses may be those of apply_alignment() by then.
 void apply_calibration(const SensorCalibration& calibration, std::vector<RangeView>& views);
 
 /// `range offset`, `focal length` ...
