@@ -121,22 +121,32 @@ double common_stddev_of(const std::vector<ViewSurface>& surfaces,
   return common_stddev(surfaces, deviations);
 }
 
-// What the better pairs deviate by, of all that `pairs` may. Partners are looked for within a reach
-// that follows from the errors expected, so a deviation near that reach is measured again with a
-// wider one, until it stays. Wrong poses fill any reach: if it does not stay, the first one counts.
-double settled_stddev(const std::vector<ViewSurface>& surfaces,
-                      const std::vector<RigidMotion>& poses, JudgeOptions judging,
-                      std::vector<Judged> pairs) {
+// What the better pairs deviate by [unit].
+struct CommonErrors {
+  double stddev = 0.0;
+  bool settled = true;  // Whether a wider reach finds no more.
+};
+
+// Partners are looked for within a reach that follows from the errors expected, so the deviation is
+// measured again with the reach that it asks for, until it stays. Wrong poses fill any reach: if it
+// does not stay, the first one counts. `pairs` are judged with `judging`, and then with what is
+// returned.
+CommonErrors measure_common_errors(const std::vector<ViewSurface>& surfaces,
+                                   const std::vector<RigidMotion>& poses, JudgeOptions& judging,
+                                   std::vector<Judged>& pairs) {
   const double first = common_stddev_of(surfaces, pairs);
+  if (!(first > 0.0)) return {};
   const double most = kWrongRadii * median_radius(surfaces);
-  for (double stddev = first; stddev > 0.0 && stddev <= most;) {
+  for (double stddev = first; stddev <= most;) {
     judging.min_stddev = stddev;
     judge(surfaces, poses, judging, pairs);
     const double wider = common_stddev_of(surfaces, pairs);
-    if (wider <= kSettled * stddev) return stddev;
+    if (wider <= kSettled * stddev) return {stddev, true};
     stddev = wider;
   }
-  return first;
+  judging.min_stddev = first;
+  judge(surfaces, poses, judging, pairs);
+  return {first, false};
 }
 
 // The limits, widened to what the pairs of these views have in common.
@@ -177,7 +187,7 @@ double explained_rms(const ViewSurface& a, const ViewSurface& b, double common_s
 }
 
 void decide(const std::vector<ViewSurface>& surfaces, const VerificationThresholds& general,
-            double common_stddev, std::vector<Judged>& pairs) {
+            const CommonErrors& common, std::vector<Judged>& pairs) {
   const VerificationThresholds limits = limits_of_views(surfaces, pairs, general);
   const double strays = std::max(kStrays, limits.max_free_space_violation);
   VerificationThresholds allowed = limits;
@@ -198,8 +208,9 @@ void decide(const std::vector<ViewSurface>& surfaces, const VerificationThreshol
     if (pair.fit_known && !pair.planar && pair.evidence.overlap >= general.min_overlap)
       pair.fitting_in_part = within(in_part) ? pair.evidence.overlap : -pair.evidence.overlap;
     VerificationThresholds of_pair = allowed;
-    of_pair.max_rms =
-        std::max(allowed.max_rms, explained_rms(surfaces[pair.a], surfaces[pair.b], common_stddev));
+    if (common.settled)
+      of_pair.max_rms = std::max(allowed.max_rms,
+                                 explained_rms(surfaces[pair.a], surfaces[pair.b], common.stddev));
     pair.allows = pair.confirms || (!pair.planar && within(of_pair));
   }
 }
@@ -258,10 +269,9 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
   JudgeOptions judging;
   judging.association = options.association;
   judge(surfaces, world_from_view, judging, pairs);
-  judging.min_stddev = settled_stddev(surfaces, world_from_view, judging, pairs);
-  if (judging.min_stddev > 0.0) judge(surfaces, world_from_view, judging, pairs);
+  const CommonErrors common = measure_common_errors(surfaces, world_from_view, judging, pairs);
   find_planar_pairs(surfaces, world_from_view, judging, pairs);
-  decide(surfaces, options.limits, judging.min_stddev, pairs);
+  decide(surfaces, options.limits, common, pairs);
 
   const std::size_t views = surfaces.size();
   std::vector<bool> refuted(views, false);

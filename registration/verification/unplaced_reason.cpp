@@ -19,7 +19,8 @@ std::string describe_lack(const PoseEvidence& evidence, const ViewSurface& a,
   if (evidence.overlap < enough)
     return "; sharing less than " + in_percent(enough) +
            ", it needs a third view that overlaps both and confirms it";
-  if (largest_ratio(evidence, a, b, {}) > 1.0 || misfits_locally(evidence, a, b))
+  if (relative_coherent_rms(evidence, a, b) > VerificationThresholds().max_coherent_rms ||
+      misfits_locally(evidence, a, b))
     return ", neighbouring samples alike, as at wrong poses";
   return ", more than where other pairs of these views fit";
 }
@@ -53,8 +54,8 @@ std::string describe_ambiguity(const AmbiguousPair& pair, const std::string& oth
   if (!pair.second_overlap)
     return "shares " + in_percent(pair.overlap) + " with " + other +
            ", but only shapes that fit at other poses, too, as flat or round ones";
-  return "fits " + other + " in more ways than one (overlaps " + in_percent(pair.overlap) + " and " +
-         in_percent(*pair.second_overlap) + "), its shape is symmetric or too plain";
+  return "fits " + other + " in more ways than one (overlaps " + in_percent(pair.overlap) +
+         " and " + in_percent(*pair.second_overlap) + "), its shape is symmetric or too plain";
 }
 
 }  // namespace

@@ -13,13 +13,14 @@ namespace relief::registration {
 
 namespace {
 
-// Of a view whose sensor stood still [sample spacings]: as far as the finest level of ICP searches.
+// Largest motion of a sensor that counts as still [sample spacings]: as far as the finest level of
+// ICP searches.
 constexpr double kStill = 4.0;
 // Part of a view's samples: less is no piece. Where nothing moved, 0.0005 of those of a depth
 // camera hang together in front, along outlines that flicker, and 0.004 where a box of a twentieth
 // of the image turned.
 constexpr double kSmallestPiece = 0.002;
-// Of it, whatever the view has: noise alone cuts off nine.
+// Fewest samples of a piece: noise alone joins up to nine.
 constexpr std::size_t kFewestSamples = 25;
 
 bool is_in_front(const ViewSurface& source, const SurfacePoint& sample, const ViewSurface& target,
