@@ -25,7 +25,7 @@ constexpr int kLeastTile = 16;  // [samples]
 // At most so many differences along the side of a tile are used, which bounds the time: 9 x 9 that
 // have no sample in common tell the noise to 0.13 as well.
 constexpr int kAlongTile = 24;
-constexpr std::size_t kFewestInTile = 32;
+constexpr int kFewestInTile = 32;  // Overlapping ones, or as many as tell as much.
 constexpr std::size_t kFewest = 30;
 
 // Variance of the logarithm of core_sigma(), times the number of differences it is from: 1.28 for
@@ -200,16 +200,20 @@ class TiledNoise {
                : Stencil::kAlongColumns;
   }
 
+  // Of the logarithm of the deviation that so many differences give.
+  double variance_of(std::size_t differences) const {
+    return (stride_ > 1 ? kThinnedLogVariance : kLogVariance) / static_cast<double>(differences);
+  }
+
   void find_tile_sigmas() {
     parallel_for(tiles_.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         Tile& tile = tiles_[k];
-        if (tile.differences.size() < kFewestInTile) continue;
+        if (variance_of(tile.differences.size()) > kLogVariance / kFewestInTile) continue;
         const double sigma = core_sigma(tile.differences);
         if (!(sigma > 0.0)) continue;
         tile.log_sigma = std::log(sigma);
-        tile.variance = (stride_ > 1 ? kThinnedLogVariance : kLogVariance) /
-                        static_cast<double>(tile.differences.size());
+        tile.variance = variance_of(tile.differences.size());
       }
     });
   }

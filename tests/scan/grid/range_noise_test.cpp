@@ -269,6 +269,23 @@ TEST_F(LargeView, HasAMapWhereTheNoiseChangesByAThird) {
   EXPECT_NEAR(noise.sigma_at(3 * kWidth / 4, kHeight / 2), 0.4, 0.05);
 }
 
+// A fifth of the samples missing at random leaves 0.8^9 of the squares.
+TEST_F(LargeView, HasAMapWhereSamplesAreMissing) {
+  RangeView view = with_noise(0.6, 5);
+  const RangeView quiet = with_noise(0.3, 6);
+  std::mt19937 random(7);
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      if (u < kWidth / 2) view.range(u, v) = quiet.range(u, v);
+      if (random() % 5 == 0) view.range(u, v) = kNoSample;
+    }
+  }
+  const RangeNoise noise = estimate_range_noise(view);
+  ASSERT_FALSE(noise.map.empty());
+  EXPECT_NEAR(noise.sigma_at(kWidth / 4, kHeight / 2), 0.3, 0.06);
+  EXPECT_NEAR(noise.sigma_at(3 * kWidth / 4, kHeight / 2), 0.6, 0.12);
+}
+
 TEST_F(LargeView, ShowsItsNoiseWhereEverySecondRowIsInterpolated) {
   RangeView view = with_noise(0.3, 5);
   for (int v = 1; v + 1 < kHeight; v += 2)
