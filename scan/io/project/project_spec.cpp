@@ -103,13 +103,20 @@ Result<ProjectSpec> spec_of_scans(const std::vector<fs::path>& files,
   return project;
 }
 
-// Says so where all cameras have intrinsics of their own.
+bool has_intrinsics(const ViewSpec& view, const PinholeIntrinsics& intrinsics) {
+  return view.camera && view.camera->intrinsics.fx == intrinsics.fx &&
+         view.camera->intrinsics.fy == intrinsics.fy;
+}
+
+// Says so where no camera needs the intrinsics.
 Result<ProjectSpec> parse_own_project(const std::string& text, const fs::path& path,
-                                      const std::optional<PinholeIntrinsics>& intrinsics) {
-  auto project = parse_scan_json(text, path, intrinsics);
-  if (project && intrinsics && parse_scan_json(text, path))
-    project->notes.push_back("--intrinsics are not used: " + path.string() +
-                             " tells those of all its views");
+                                      const std::optional<PinholeIntrinsics>& of_drafts) {
+  auto project = parse_scan_json(text, path, of_drafts);
+  if (project && of_drafts && std::ranges::none_of(project->views, [&](const ViewSpec& view) {
+        return has_intrinsics(view, *of_drafts);
+      }))
+    project->notes.push_back("--intrinsics are not used: in " + path.string() +
+                             " no focal length is 0");
   return project;
 }
 

@@ -97,9 +97,9 @@ struct ProjectSpec {
 
 /// Parses the text of a scan.json. Strict: an unknown key, a wrong type, a pose that is no rigid
 /// motion are errors (kBadInput) that name the place, such as `views[3].camera.fz`. Pinholes with a
-/// focal length of 0, as drafts have them, take the intrinsics `unknown`.
+/// focal length of 0, as drafts have them, take the intrinsics `of_drafts`.
 Result<ProjectSpec> parse_scan_json(const std::string& text, const std::filesystem::path& path,
-                                    const std::optional<PinholeIntrinsics>& unknown = {});
+                                    const std::optional<PinholeIntrinsics>& of_drafts = {});
 
 /// Parses the text of a Stanford .conf: `bmesh FILE tx ty tz qx qy qz qw`.
 Result<ProjectSpec> parse_stanford_conf(const std::string& text, const std::filesystem::path& path);

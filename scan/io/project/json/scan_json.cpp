@@ -65,14 +65,13 @@ Eigen::Vector3d read_direction(JsonObject& camera, const std::string& key) {
   return direction.normalized();
 }
 
-using Intrinsics = std::optional<PinholeIntrinsics>;
-
-// Drafts have focal lengths of 0 where none are known: these take `unknown`.
-void read_pinhole(JsonObject& camera, const Intrinsics& unknown, CameraSpec& spec) {
+// Drafts have focal lengths of 0 where none are known: these take `of_drafts`, as a whole.
+void read_pinhole(JsonObject& camera, const std::optional<PinholeIntrinsics>& of_drafts,
+                  CameraSpec& spec) {
   spec.intrinsics = {camera.number("fx"), camera.number("fy"), camera.number("cx"),
                      camera.number("cy")};
   const auto is_draft = [&] { return spec.intrinsics.fx == 0.0 || spec.intrinsics.fy == 0.0; };
-  if (unknown && is_draft()) spec.intrinsics = *unknown;
+  if (of_drafts && is_draft()) spec.intrinsics = *of_drafts;
   if (is_draft())
     throw JsonError(camera.place(spec.intrinsics.fx == 0.0 ? "fx" : "fy") +
                     ": is 0, but must be a number other than 0: the focal length in pixels; write "
@@ -131,7 +130,7 @@ void read_spherical(JsonObject& camera, CameraSpec& spec) {
                     "a turn and from -90 to 90; a camera needs two columns and rows");
 }
 
-CameraSpec read_camera(JsonObject camera, const Intrinsics& unknown) {
+CameraSpec read_camera(JsonObject camera, const std::optional<PinholeIntrinsics>& of_drafts) {
   using Model = CameraSpec::Model;
   CameraSpec spec;
   spec.model = camera.choice<Model>("model", {{"pinhole", Model::kPinhole},
@@ -148,7 +147,7 @@ CameraSpec read_camera(JsonObject camera, const Intrinsics& unknown) {
   else if (spec.model == Model::kSpherical)
     read_spherical(camera, spec);
   else
-    read_pinhole(camera, unknown, spec);
+    read_pinhole(camera, of_drafts, spec);
   camera.finish();
   return spec;
 }
@@ -211,7 +210,7 @@ void read_pose(JsonObject& view, ViewSpec& spec) {
 }
 
 ViewSpec read_view(JsonObject view, const std::filesystem::path& project,
-                   const Intrinsics& unknown) {
+                   const std::optional<PinholeIntrinsics>& of_drafts) {
   ViewSpec spec;
   spec.name = view.text("name");
   if (spec.name.empty()) throw JsonError(view.place("name") + ": is empty");
@@ -220,7 +219,7 @@ ViewSpec read_view(JsonObject view, const std::filesystem::path& project,
   if (spec.depth.has_value() == spec.grid.has_value())
     throw JsonError(view.place("depth") + ": view " + spec.name +
                     " needs either depth or grid, and only one of them");
-  if (view.has("camera")) spec.camera = read_camera(view.object("camera"), unknown);
+  if (view.has("camera")) spec.camera = read_camera(view.object("camera"), of_drafts);
   if (spec.depth && !spec.camera)
     throw JsonError(view.place("camera") + ": missing; depth without a camera gives no points");
   if (spec.depth && spec.camera->model == CameraSpec::Model::kOrthographic && !spec.camera->origin)
@@ -241,7 +240,7 @@ ViewSpec read_view(JsonObject view, const std::filesystem::path& project,
 }
 
 ProjectSpec read_document(const json& document, const std::filesystem::path& path,
-                          const Intrinsics& unknown) {
+                          const std::optional<PinholeIntrinsics>& of_drafts) {
   JsonObject root(document, "");
   if (!root.has("format"))
     throw JsonError("format: missing; a project begins with \"format\": \"relief-scan\"");
@@ -257,7 +256,7 @@ ProjectSpec read_document(const json& document, const std::filesystem::path& pat
   std::set<std::string> names;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const std::string place = "views[" + std::to_string(i) + "]";
-    project.views.push_back(read_view(JsonObject(views[i], place), path, unknown));
+    project.views.push_back(read_view(JsonObject(views[i], place), path, of_drafts));
     if (!names.insert(project.views.back().name).second)
       throw JsonError(place + ".name: a second view is named '" + project.views.back().name + "'");
   }
@@ -276,9 +275,10 @@ std::string line_and_column(const std::string& text, std::size_t byte) {
 }  // namespace
 
 Result<ProjectSpec> parse_scan_json(const std::string& text, const std::filesystem::path& path,
-                                    const std::optional<PinholeIntrinsics>& unknown) {
+                                    const std::optional<PinholeIntrinsics>& of_drafts) {
   try {
-    return read_document(json::parse(text, nullptr, true, /*ignore_comments=*/true), path, unknown);
+    return read_document(json::parse(text, nullptr, true, /*ignore_comments=*/true), path,
+                         of_drafts);
   } catch (const json::parse_error& error) {
     return Error{ErrorKind::kBadInput,
                  path.string() + ":" + line_and_column(text, error.byte) + ": not valid JSON here"};
