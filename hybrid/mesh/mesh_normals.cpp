@@ -23,8 +23,8 @@ namespace {
 
 constexpr double kSigmaUnknown = 2.0 * std::numbers::pi / 180.0;  // [rad]
 constexpr double kLeastSigma = 1e-3;  // [rad]; float normals on curved surfaces know no better
-// Of what Tukey's biweight goes up to, 3.3 sigma: of normals of Gaussian errors one in 200 is
-// farther from their mean. Those farther off than all of it may have carried the mean away.
+// Part of the cut-off of Tukey's biweight within which all normals must lie for their mean to be a
+// safe start: 3.3 sigma, which one in 200 normals with Gaussian errors exceeds.
 constexpr double kNear = 0.5;
 // How many measurements the common scatter counts for against a vertex's own.
 constexpr double kPriorWeight = 3.0;

@@ -68,7 +68,7 @@ class Cells {
 
   static std::size_t slot_of(std::uint64_t cell) { return CounterRandom::scrambled(cell) % kSlots; }
 
-  // Few cells meet a slot of others, so most faces are told without a search. Changes no result.
+  // Few cells share a slot, so most lookups end here. Changes no result.
   static constexpr std::size_t kSlots = 1 << 22;
 
   Eigen::Vector3d origin_;
