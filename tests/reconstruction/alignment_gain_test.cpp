@@ -14,7 +14,7 @@ registration::Alignment alignment_of(double rms, double deviation) {
   alignment.termination = registration::RefinementTermination::kConverged;
   alignment.views.resize(2);
   for (auto& view : alignment.views) view.aligned = true;
-  alignment.views[1].pose_std[3] = deviation;
+  alignment.views[1].pose_covariance(3, 3) = deviation * deviation;
   return alignment;
 }
 
@@ -25,8 +25,8 @@ TEST(AlignmentGain, IsKeptWhereDeviationsFall) {
       compare_alignments(alignment_of(0.2, 0.04), alignment_of(0.1, 0.03), kNoSamples);
   EXPECT_EQ(gain.verdict, GainVerdict::kGain);
   EXPECT_TRUE(gain.kept());
-  EXPECT_EQ(gain.first_pose_std, 0.04);
-  EXPECT_EQ(gain.second_pose_std, 0.03);
+  EXPECT_DOUBLE_EQ(gain.first_pose_std, 0.04);
+  EXPECT_DOUBLE_EQ(gain.second_pose_std, 0.03);
   EXPECT_EQ(gain.first_rms, 0.2);
   EXPECT_EQ(gain.second_rms, 0.1);
 }
