@@ -13,6 +13,7 @@
 #include "relief/scan/mesh_check.h"
 #include "scan/base/cell_key.h"
 #include "scan/base/counter_random.h"
+#include "scan/base/memory/paged_array.h"
 #include "scan/base/parallel.h"
 
 namespace relief {
