@@ -249,6 +249,15 @@ class LargeView : public ::testing::Test {
     testing::add_range_noise(view, sigma, seed);
     return view;
   }
+
+  // Of the left and of the right half.
+  RangeView with_noises(double left, double right) const {
+    RangeView view = with_noise(right, 5);
+    const RangeView other = with_noise(left, 6);
+    for (int v = 0; v < kHeight; ++v)
+      for (int u = 0; u < kWidth / 2; ++u) view.range(u, v) = other.range(u, v);
+    return view;
+  }
 };
 
 TEST_F(LargeView, HasTheNoiseOfItsSamples) {
@@ -259,11 +268,7 @@ TEST_F(LargeView, HasTheNoiseOfItsSamples) {
 }
 
 TEST_F(LargeView, HasAMapWhereTheNoiseChangesByAThird) {
-  RangeView view = with_noise(0.4, 5);
-  const RangeView quiet = with_noise(0.3, 6);
-  for (int v = 0; v < kHeight; ++v)
-    for (int u = 0; u < kWidth / 2; ++u) view.range(u, v) = quiet.range(u, v);
-  const RangeNoise noise = estimate_range_noise(view);
+  const RangeNoise noise = estimate_range_noise(with_noises(0.3, 0.4));
   ASSERT_FALSE(noise.map.empty());
   EXPECT_NEAR(noise.sigma_at(kWidth / 4, kHeight / 2), 0.3, 0.05);
   EXPECT_NEAR(noise.sigma_at(3 * kWidth / 4, kHeight / 2), 0.4, 0.05);
@@ -271,15 +276,10 @@ TEST_F(LargeView, HasAMapWhereTheNoiseChangesByAThird) {
 
 // A fifth of the samples missing at random leaves 0.8^9 of the squares.
 TEST_F(LargeView, HasAMapWhereSamplesAreMissing) {
-  RangeView view = with_noise(0.6, 5);
-  const RangeView quiet = with_noise(0.3, 6);
+  RangeView view = with_noises(0.3, 0.6);
   std::mt19937 random(7);
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) {
-      if (u < kWidth / 2) view.range(u, v) = quiet.range(u, v);
-      if (random() % 5 == 0) view.range(u, v) = kNoSample;
-    }
-  }
+  for (double& range : view.range)
+    if (random() % 5 == 0) range = kNoSample;
   const RangeNoise noise = estimate_range_noise(view);
   ASSERT_FALSE(noise.map.empty());
   EXPECT_NEAR(noise.sigma_at(kWidth / 4, kHeight / 2), 0.3, 0.06);
