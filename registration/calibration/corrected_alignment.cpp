@@ -5,6 +5,7 @@
 
 #include "registration/align_surfaces.h"
 #include "registration/posegraph/joint/joint_refinement.h"
+#include "registration/verification/given_poses.h"
 #include "registration/verification/kept_poses.h"
 
 namespace relief::registration {
@@ -71,19 +72,14 @@ bool may_gain_from_given(const CorrectedViews& views, const Alignment& given,
   const auto usable = static_cast<std::size_t>(std::ranges::count_if(
       views.surfaces(), [](const ViewSurface& surface) { return !surface.samples().empty(); }));
   if (verified_views(given) < usable) return true;
-  std::vector<ViewRole> roles;
-  std::vector<RigidMotion> poses;
-  for (const RangeView& view : views.given()) {
-    roles.push_back(view.pose == PoseKind::kGuess   ? ViewRole::kFree
-                    : view.pose == PoseKind::kKnown ? ViewRole::kFixed
-                                                    : ViewRole::kExcluded);
-    poses.push_back(view.world_from_view);
-  }
   const StartingPoseOptions& starting = views.align().starting_poses;
-  return starting.keep_given && starting.given != GivenPoses::kIgnore &&
-         GivenAndRefined(views.surfaces(), poses, corrected.world_from_view(), roles,
-                         starting.association)
-             .given_fit_as_well();
+  if (!starting.keep_given) return false;
+  std::vector<RigidMotion> poses;
+  for (const RangeView& view : views.given()) poses.push_back(view.world_from_view);
+  const auto roles = roles_of(views.given(), starting.given);
+  const auto refined = corrected.world_from_view();
+  return GivenAndRefined(views.surfaces(), poses, refined, roles, starting.association)
+      .given_fit_as_well();
 }
 
 std::size_t verified_views(const Alignment& alignment) {

@@ -10,17 +10,6 @@ namespace relief::registration {
 
 namespace {
 
-std::vector<ViewRole> roles_of(const std::vector<RangeView>& views, GivenPoses given) {
-  std::vector<ViewRole> roles;
-  for (const RangeView& view : views) {
-    const bool used = view.pose == PoseKind::kGuess && given != GivenPoses::kIgnore;
-    roles.push_back(view.pose == PoseKind::kKnown ? ViewRole::kFixed
-                    : used                        ? ViewRole::kFree
-                                                  : ViewRole::kExcluded);
-  }
-  return roles;
-}
-
 // Views that share a frame whatever their pairs say: known ones, and trusted ones.
 void join_groups(const std::vector<bool>& together, std::vector<std::size_t>& group) {
   std::size_t first = group.size();
@@ -222,6 +211,17 @@ std::size_t most_confirmed(const RefinedGivenPoses& poses) {
 }
 
 }  // namespace
+
+std::vector<ViewRole> roles_of(const std::vector<RangeView>& views, GivenPoses given) {
+  std::vector<ViewRole> roles;
+  for (const RangeView& view : views) {
+    const bool used = view.pose == PoseKind::kGuess && given != GivenPoses::kIgnore;
+    roles.push_back(view.pose == PoseKind::kKnown ? ViewRole::kFixed
+                    : used                        ? ViewRole::kFree
+                                                  : ViewRole::kExcluded);
+  }
+  return roles;
+}
 
 PoseVerificationOptions verification_options(const StartingPoseOptions& options) {
   PoseVerificationOptions verification;

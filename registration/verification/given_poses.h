@@ -23,6 +23,9 @@ struct RefinedGivenPoses {
   PoseConvention convention;  ///< In which the given poses were taken.
 };
 
+/// Known poses are fixed, guesses free unless they are ignored, and views without a pose excluded.
+std::vector<ViewRole> roles_of(const std::vector<RangeView>& views, GivenPoses given);
+
 /// Refines the given poses jointly and verifies them; views that the others refute are taken out,
 /// unless the user trusts them, and the rest is refined again without them. Guesses are taken in
 /// the convention of find_pose_convention() where more views confirm each other then. The only
