@@ -7,8 +7,8 @@
 
 #include "registration/align_surfaces.h"
 #include "registration/alignment_report.h"
+#include "registration/calibration/sensor_error_covariance.h"
 #include "registration/prepared_views.h"
-#include "registration/uncertainty/sensor_error_covariance.h"
 #include "registration/verification/given_poses.h"
 
 namespace relief::registration {

@@ -37,6 +37,33 @@ CorrespondenceOptions finest_search(const std::vector<ViewSurface>& surfaces,
   return search;
 }
 
+CalibratedViews calibrated_views(const std::vector<RangeView>& given,
+                                 const std::vector<RangeView>& measured,
+                                 const std::vector<ViewSurface>& surfaces, const Sensors& sensors,
+                                 const std::vector<RigidMotion>& world_from_view,
+                                 const std::vector<ViewPair>& pairs) {
+  CalibratedViews views;
+  views.given = &given;
+  views.surfaces = &surfaces;
+  views.sensors = &sensors;
+  const std::vector<bool> linked = linked_views(given.size(), pairs);
+  views.nearby_ranges = parallel_map<Grid<double>>(given.size(), [&](std::size_t i) {
+    return linked[i] ? nearby_ranges(measured[i]) : Grid<double>();
+  });
+  views.world_from_view = world_from_view;
+  views.centre = common_centre(pointers_to(surfaces), world_from_view);
+  return views;
+}
+
+CalibrationSumOptions sum_options(const std::vector<ViewSurface>& surfaces,
+                                  const JointRefinementOptions& refinement, std::size_t samples) {
+  CalibrationSumOptions options;
+  options.search = finest_search(surfaces, refinement);
+  options.samples = samples;
+  options.patch = kPatch * largest_spacing(surfaces);
+  return options;
+}
+
 Result<void> CorrectedViews::correct(const ErrorModel& model, bool with_normals,
                                      const Reporting& report) {
   surfaces_.clear();
@@ -60,18 +87,8 @@ Result<void> CorrectedViews::correct(const ErrorModel& model, bool with_normals,
 
 std::vector<PairSums> CorrectedViews::sum(const std::vector<RigidMotion>& world_from_view,
                                           const std::vector<ViewPair>& pairs, std::size_t samples) {
-  calibrated_.given = &given_;
-  calibrated_.surfaces = &surfaces_;
-  calibrated_.sensors = &sensors_;
-  calibrated_.nearby_ranges = parallel_map<Grid<double>>(
-      given_.size(), [&](std::size_t i) { return nearby_ranges(views_[i]); });
-  calibrated_.world_from_view = world_from_view;
-  calibrated_.centre = common_centre(pointers_to(surfaces_), world_from_view);
-  CalibrationSumOptions options;
-  options.search = finest_search(surfaces_, align_.refinement);
-  options.samples = samples;
-  options.patch = kPatch * largest_spacing(surfaces_);
-  return sum_pairs(calibrated_, pairs, options);
+  calibrated_ = calibrated_views(given_, views_, surfaces_, sensors_, world_from_view, pairs);
+  return sum_pairs(calibrated_, pairs, sum_options(surfaces_, align_.refinement, samples));
 }
 
 }  // namespace relief::registration

@@ -25,6 +25,18 @@ namespace relief::registration {
 CorrespondenceOptions finest_search(const std::vector<ViewSurface>& surfaces,
                                     const JointRefinementOptions& refinement);
 
+/// The samples of `measured` that the surfaces are of, at such poses, as sum_pairs() takes them.
+/// All but the last two outlive the result. Views without pairs have no nearby ranges.
+CalibratedViews calibrated_views(const std::vector<RangeView>& given,
+                                 const std::vector<RangeView>& measured,
+                                 const std::vector<ViewSurface>& surfaces, const Sensors& sensors,
+                                 const std::vector<RigidMotion>& world_from_view,
+                                 const std::vector<ViewPair>& pairs);
+
+/// finest_search() with `samples` of the source, and patches as large as the clusters of (R12).
+CalibrationSumOptions sum_options(const std::vector<ViewSurface>& surfaces,
+                                  const JointRefinementOptions& refinement, std::size_t samples);
+
 /// The views with the errors that are known so far taken out, and their surfaces.
 class CorrectedViews {
  public:

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,6 +10,7 @@
 
 #include "registration/calibration/model/sensor_model.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/registration/calibration/spoiled_ring.h"
 #include "tests/support/result_matchers.h"
 
 namespace relief::registration {
@@ -19,38 +19,10 @@ namespace {
 using testing::mean_displacements;
 using testing::perturbed;
 using testing::poses_of;
-
-const std::vector<RangeView>& true_ring() {
-  static const std::vector<RangeView> views = testing::ring_of_views({.views = 10});
-  return views;
-}
-
-double spacing() {
-  static const double value = sample_spacing(true_ring()[0]);
-  return value;
-}
-
-Sensors sensors_of(const std::vector<RangeView>& views) {
-  std::vector<const RangeView*> pointers;
-  for (const RangeView& view : views) pointers.push_back(&view);
-  return find_sensors(pointers, std::vector<double>(views.size(), spacing()));
-}
-
-// What a sensor measures whose error `error` has the coefficients that `coefficient(view, index)`
-// gives for its first terms.
-std::vector<RangeView> spoiled(SensorError error,
-                               const std::function<double(std::size_t, int)>& coefficient) {
-  std::vector<RangeView> views = true_ring();
-  const Sensors sensors = sensors_of(views);
-  const SensorModel& model = sensors.models.front();
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    std::vector<double> coefficients(model.terms(), 0.0);
-    for (std::size_t k = 0, index = 0; k < model.terms(); ++k)
-      if (model.error_of(k) == error) coefficients[k] = coefficient(i, static_cast<int>(index++));
-    views[i].range = model.corrected(views[i], coefficients).range;
-  }
-  return perturbed(views, Eigen::Vector3d::Zero(), 0.01, 0.5 * spacing());
-}
+using testing::sensors_of;
+using testing::spacing;
+using testing::spoiled;
+using testing::true_ring;
 
 SensorCalibration calibrated(const std::vector<RangeView>& views,
                              const CalibrationOptions& options = {}, const Context& context = {}) {

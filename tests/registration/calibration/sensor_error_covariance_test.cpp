@@ -1,4 +1,4 @@
-#include "registration/uncertainty/sensor_error_covariance.h"
+#include "registration/calibration/sensor_error_covariance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,40 +8,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "registration/calibration/model/sensor_model.h"
 #include "relief/registration/align_views.h"
 #include "scan/base/median.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/registration/calibration/spoiled_ring.h"
 
 namespace relief::registration {
 namespace {
 
 using ::testing::HasSubstr;
-
-const std::vector<RangeView>& true_ring() {
-  static const std::vector<RangeView> views = testing::ring_of_views({.views = 10});
-  return views;
-}
-
-double spacing() { return sample_spacing(true_ring()[0]); }
-
-// What a sensor measures whose error of a kind has coefficients of each view, from poses that are
-// nearly right.
-template <typename Coefficient>
-std::vector<RangeView> spoiled(SensorError error, const Coefficient& coefficient) {
-  std::vector<RangeView> views = true_ring();
-  std::vector<const RangeView*> pointers;
-  for (const RangeView& view : true_ring()) pointers.push_back(&view);
-  const Sensors sensors = find_sensors(pointers, std::vector<double>(views.size(), spacing()));
-  const SensorModel& model = sensors.models.front();
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    std::vector<double> coefficients(model.terms(), 0.0);
-    for (std::size_t k = 0; k < model.terms(); ++k)
-      if (model.error_of(k) == error) coefficients[k] = coefficient(i);
-    views[i].range = model.corrected(views[i], coefficients).range;
-  }
-  return testing::perturbed(views, Eigen::Vector3d::Zero(), 0.01, 0.5 * spacing());
-}
+using testing::spoiled;
+using testing::true_ring;
 
 Eigen::Vector3d mean_sample(const RangeView& view) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -80,14 +57,15 @@ ErrorOverDeviation error_over_deviation(const Alignment& alignment) {
 
 TEST(SensorErrorCovariance, IsZeroForWhiteNoise) {
   const auto alignment =
-      align_views(spoiled(SensorError::kRangeOffset, [](std::size_t) { return 0.0; })).value();
+      align_views(spoiled(SensorError::kRangeOffset, [](std::size_t, int) { return 0.0; })).value();
   for (const ViewReport& view : alignment.views) EXPECT_TRUE(view.sensor_covariance.isZero(0.0));
   EXPECT_EQ(alignment.sensor_error, "");
 }
 
 TEST(SensorErrorCovariance, ExplainsPosesThatASharedErrorMoved) {
-  const auto alignment =
-      align_views(spoiled(SensorError::kQuadraticWarp, [](std::size_t) { return 0.4; })).value();
+  const auto alignment = align_views(spoiled(SensorError::kQuadraticWarp, [](std::size_t, int) {
+                           return 0.4;
+                         })).value();
   const ErrorOverDeviation ratio = error_over_deviation(alignment);
   EXPECT_GT(ratio.without_sensors, 3.0);
   EXPECT_GT(ratio.with_sensors, 0.5);
@@ -96,7 +74,7 @@ TEST(SensorErrorCovariance, ExplainsPosesThatASharedErrorMoved) {
 }
 
 TEST(SensorErrorCovariance, ExplainsPosesThatErrorsOfEachViewMoved) {
-  const auto alignment = align_views(spoiled(SensorError::kRangeOffset, [](std::size_t view) {
+  const auto alignment = align_views(spoiled(SensorError::kRangeOffset, [](std::size_t view, int) {
                            return 2.0 * std::sin(1.0 + 2.0 * static_cast<double>(view));
                          })).value();
   const ErrorOverDeviation ratio = error_over_deviation(alignment);

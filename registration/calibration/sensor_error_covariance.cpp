@@ -1,4 +1,4 @@
-#include "registration/uncertainty/sensor_error_covariance.h"
+#include "registration/calibration/sensor_error_covariance.h"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,6 @@
 #include "registration/calibration/selection/held_out.h"
 #include "registration/pairwise/robust.h"
 #include "registration/posegraph/pose_step.h"
-#include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "registration/posegraph/view_graph.h"
 #include "scan/base/linear_algebra.h"
 #include "scan/base/parallel.h"
@@ -28,8 +27,6 @@ namespace {
 
 // Samples of the source, per direction of a pair. Bounds the time.
 constexpr std::size_t kSamples = 1500;
-// Edge of the cubes that are in one fold as a whole [sample spacings], as of the clusters of (R12).
-constexpr double kPatch = 8.0;
 // Standard errors by which the gain of the five folds must exceed 0: Student's t of four degrees of
 // freedom lies beyond with a probability of 0.005. There are two dozen candidates.
 constexpr double kLeastGain = 4.6;
@@ -190,23 +187,10 @@ void include_sensor_errors(const std::vector<RangeView>& views,
                            const JointRefinementOptions& refinement, Alignment& alignment) {
   const auto pairs = fitting_pairs(alignment);
   if (!can_be_calibrated(alignment, pairs)) return;
-  const auto spacings = spacings_of(surfaces);
-  const Sensors sensors = find_sensors(pointers_to(views), spacings);
-  CalibratedViews measured;
-  measured.given = &views;
-  measured.surfaces = &surfaces;
-  measured.sensors = &sensors;
-  const std::vector<bool> linked = linked_views(views.size(), pairs);
-  measured.nearby_ranges = parallel_map<Grid<double>>(views.size(), [&](std::size_t i) {
-    return linked[i] ? nearby_ranges(views[i]) : Grid<double>();
-  });
-  measured.world_from_view = alignment.world_from_view();
-  measured.centre = common_centre(pointers_to(surfaces), measured.world_from_view);
-  CalibrationSumOptions summing;
-  summing.search = finest_search(surfaces, refinement);
-  summing.samples = kSamples;
-  summing.patch = kPatch * *std::max_element(spacings.begin(), spacings.end());
-  const auto sums = sum_pairs(measured, pairs, summing);
+  const Sensors sensors = find_sensors(pointers_to(views), spacings_of(surfaces));
+  const CalibratedViews measured =
+      calibrated_views(views, views, surfaces, sensors, alignment.world_from_view(), pairs);
+  const auto sums = sum_pairs(measured, pairs, sum_options(surfaces, refinement, kSamples));
   const Explaining explaining(sums, sensors, held_views(views, pairs),
                               may_err_apart(views.size(), pairs));
   const auto explanations = explaining.best();
