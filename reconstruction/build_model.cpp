@@ -35,7 +35,7 @@ Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& opt
   if (!polished) return polished.error();
   model.polished = *polished;
   if (polished->rounds == 0) return {};
-  MeshCheck check = check_mesh(polished->mesh);
+  MeshCheck check = check_moved_vertices(polished->mesh, model.check);
   if (model.check.watertight() && !check.watertight()) {
     model.polished.reset();
     return Error{ErrorKind::kUnsolvable, "polished, the surface would be no closed manifold"};

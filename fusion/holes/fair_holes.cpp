@@ -53,7 +53,7 @@ Result<std::vector<std::string>> fair_holes(const FairFillOptions& options,
   if (fair.near_samples)
     if (const auto faired = fair_again(options, views, mesh, progress); !faired)
       return faired.error();
-  MeshCheck faired = check_mesh(mesh);
+  MeshCheck faired = check_moved_vertices(mesh, check);
   if (faired.watertight()) {
     check = std::move(faired);
   } else {

@@ -19,6 +19,8 @@ namespace relief {
 
 namespace {
 
+constexpr std::size_t kAtOnce = 1 << 14;  // Vertices or faces of one piece of work.
+
 // One side of a face, as an undirected edge. `corner` is 3 face + k, where the side starts.
 struct HalfEdge {
   std::uint32_t low, high, corner;
@@ -66,8 +68,9 @@ HalfEdges sorted_half_edges(const TriangleMesh& mesh) {
   serial_for(place.size(), [&](std::size_t v) { count += std::exchange(place[v], count); });
   HalfEdges sides(count);
   visit([&](const HalfEdge& side) { sides[place[side.low]++] = side; });
-  serial_for(place.size(), [&](std::size_t v) {
-    std::sort(sides.begin() + (v == 0 ? 0 : place[v - 1]), sides.begin() + place[v]);
+  parallel_for(place.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      std::sort(sides.begin() + (v == 0 ? 0 : place[v - 1]), sides.begin() + place[v]);
   });
   return sides;
 }
@@ -116,7 +119,6 @@ void count_vertices(const TriangleMesh& mesh, DisjointSets& fans, MeshCheck& che
     check.unused_vertices += fan_count[v] == 0;
     check.non_manifold_vertices += fan_count[v] > 1;
     check.components += fan_count[v] > 0 && components.find(static_cast<std::uint32_t>(v)) == v;
-    check.non_finite_vertices += !mesh.vertices[v].allFinite();
   });
 }
 
@@ -165,6 +167,23 @@ bool degenerate(const TriangleMesh& mesh, std::size_t face) {
   return !(face_cross(mesh, face).norm() > 1e-12 * longest);
 }
 
+// What depends on where the vertices are.
+void count_by_places(const TriangleMesh& mesh, MeshCheck& check) {
+  const auto sum_of = [](std::size_t count, const auto& is_one) {
+    return parallel_sum<std::size_t>(count, kAtOnce, 0, [&](std::size_t begin, std::size_t end) {
+      std::size_t sum = 0;
+      for (std::size_t i = begin; i < end; ++i) sum += is_one(i);
+      return sum;
+    });
+  };
+  check.non_finite_vertices =
+      sum_of(mesh.vertices.size(), [&](std::size_t v) { return !mesh.vertices[v].allFinite(); });
+  check.duplicate_vertices = duplicate_vertices(mesh);
+  check.degenerate_faces =
+      sum_of(mesh.faces.size(), [&](std::size_t f) { return degenerate(mesh, f); });
+  check.volume = mesh.faces.empty() ? 0.0 : enclosed_volume(mesh);
+}
+
 }  // namespace
 
 bool MeshCheck::closed() const {
@@ -197,10 +216,7 @@ MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options) 
   DisjointSets fans(3 * checked->faces.size());
   count_edges(*checked, fans, check);
   count_vertices(*checked, fans, check);
-  check.duplicate_vertices = duplicate_vertices(*checked);
-  serial_for(checked->faces.size(),
-             [&](std::size_t f) { check.degenerate_faces += degenerate(*checked, f); });
-  check.volume = checked->faces.empty() ? 0.0 : enclosed_volume(*checked);
+  count_by_places(*checked, check);
   if (check.closed() && check.manifold()) {
     // Euler and Poincare: V - E + F = 2 (components - genus).
     const auto used = static_cast<long>(check.vertices - check.unused_vertices);
@@ -209,6 +225,15 @@ MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options) 
   }
   if (options.self_intersections) check.self_intersections = find_self_intersections(mesh, {});
   return check;
+}
+
+MeshCheck check_moved_vertices(const TriangleMesh& mesh, MeshCheck before) {
+  const bool same_size =
+      mesh.vertices.size() == before.vertices && mesh.faces.size() == before.faces;
+  if (!same_size || before.invalid_faces > 0) return check_mesh(mesh);
+  count_by_places(mesh, before);
+  before.self_intersections.reset();
+  return before;
 }
 
 }  // namespace relief

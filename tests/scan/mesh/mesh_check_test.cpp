@@ -218,6 +218,24 @@ TEST(MeshCheck, SurvivesNonsense) {
   EXPECT_FALSE(check_mesh(mesh).watertight());
 }
 
+TEST(MeshCheck, OfMovedVerticesIsThatOfTheMesh) {
+  TriangleMesh mesh = torus(30, 20);
+  const MeshCheck before = check_mesh(mesh, {.self_intersections = true});
+  mesh.vertices[5] = mesh.vertices[6];  // No area between them.
+  mesh.vertices[70].z() = std::numeric_limits<double>::infinity();
+  const MeshCheck whole = check_mesh(mesh), moved = check_moved_vertices(mesh, before);
+  EXPECT_EQ(moved.duplicate_vertices, 1u);
+  EXPECT_EQ(moved.degenerate_faces, whole.degenerate_faces);
+  EXPECT_GT(moved.degenerate_faces, 1u);
+  EXPECT_EQ(moved.non_finite_vertices, 1u);
+  EXPECT_EQ(moved.genus, whole.genus);
+  EXPECT_FALSE(moved.self_intersections);
+  mesh.vertices[70] = mesh.vertices[5] = {0, 0, 9};
+  EXPECT_EQ(check_moved_vertices(mesh, before).volume, check_mesh(mesh).volume);
+  mesh.faces.pop_back();
+  EXPECT_EQ(check_moved_vertices(mesh, before).boundary_edges, 3u);  // Other faces: all anew.
+}
+
 // So many that they are sorted in parts. Zeros of both signs are one place.
 TEST(MeshCheck, CountsRepeatedPlacesOfManyVertices) {
   TriangleMesh mesh;

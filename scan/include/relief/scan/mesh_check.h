@@ -59,6 +59,10 @@ struct MeshCheckOptions {
 /// do) and time log-linear in the size of the mesh, which has less than 2^32 / 3 faces.
 MeshCheck check_mesh(const TriangleMesh& mesh, const MeshCheckOptions& options = {});
 
+/// The check of a mesh, without self-intersections, in a quarter of the time: `before` is that of
+/// the same faces with their vertices at other places.
+MeshCheck check_moved_vertices(const TriangleMesh& mesh, MeshCheck before);
+
 struct SelfIntersectionOptions {
   /// The search ends soon after so many pairs are found. >= 1.
   std::size_t limit = 1000000;
