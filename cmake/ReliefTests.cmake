@@ -57,6 +57,7 @@ set(RELIEF_UNSANITIZED_TESTS
   GlobalRegistration.KeepsTwoObjects*
   GlobalRegistration.LeavesOutAView*
   GlobalRegistration.PlacesTheBunny*
+  HandEye.Of*
   HtmlReport.HoldsASmallModel*
   HtmlReport.IsNotWritten*
   HtmlReport.ThinsALargeModel

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "registration/surface/view_surface.h"
@@ -18,5 +19,8 @@ Result<Alignment> align_surfaces(const std::vector<RangeView>& views,
                                  const std::vector<ViewSurface>& surfaces,
                                  const AlignOptions& options, const Progress& progress = {},
                                  const AlignUnits& units = {});
+
+/// How many views are PoseStatus::kVerified.
+std::size_t verified_views(const Alignment& alignment);
 
 }  // namespace relief::registration

@@ -9,6 +9,7 @@
 #include "registration/alignment_report.h"
 #include "registration/calibration/sensor_error_covariance.h"
 #include "registration/prepared_views.h"
+#include "registration/verification/given_pose_errors.h"
 #include "registration/verification/given_poses.h"
 
 namespace relief::registration {
@@ -43,9 +44,12 @@ class Aligning {
         units_(units),
         progress_(progress) {}
 
-  Result<Alignment> run() {
-    auto given = refine_given_poses(surfaces_, views_, starting_, refinement_, progress_, units_);
+  // Takes guesses in `convention`; without one in what find_pose_convention() says.
+  Result<Alignment> run(const std::optional<PoseConvention>& convention = {}) {
+    auto given = refine_given_poses(surfaces_, views_, starting_, refinement_, convention,
+                                    progress_, units_);
     if (!given) return given.error();
+    convention_ = given->convention;
     auto starts =
         find_starting_poses(surfaces_, views_, given->checked, starting_, progress_, units_);
     if (!starts) return starts.error();
@@ -62,6 +66,8 @@ class Aligning {
     return report_alignment(views_, surfaces_, starting_.given, given->checked, given->convention,
                             std::move(state_));
   }
+
+  const PoseConvention& convention() const { return convention_; }
 
  private:
   void take_roles() {
@@ -159,6 +165,7 @@ class Aligning {
   JointRefinementOptions refinement_;
   const AlignUnits& units_;
   const Progress& progress_;
+  PoseConvention convention_;
   std::vector<RigidMotion> poses_;
   AlignmentState state_;
 };
@@ -179,7 +186,33 @@ Result<Alignment> align_surfaces(const std::vector<RangeView>& views,
                                  const std::vector<ViewSurface>& surfaces,
                                  const AlignOptions& options, const Progress& progress,
                                  const AlignUnits& units) {
-  return Aligning(views, surfaces, options, units, progress).run();
+  Aligning aligning(views, surfaces, options, units, progress);
+  auto aligned = aligning.run();
+  if (!aligned || options.starting_poses.given != GivenPoses::kCheck) return aligned;
+  if (options.starting_poses.search &&
+      refining_led_far(views, surfaces, *aligned, aligning.convention())) {
+    AlignOptions by_shape = options;
+    by_shape.starting_poses.given = GivenPoses::kIgnore;
+    auto found = Aligning(views, surfaces, by_shape, units, progress).run();
+    if (!found) return found;
+    if (fits_far_better(surfaces, *found, *aligned)) {
+      aligned = std::move(found);
+      aligned->notes.emplace_back(
+          "the given poses are not used: refining them led far away, and the views fit each other "
+          "far better at poses found by their shape; --poses trust takes the given ones");
+    }
+  }
+  const auto convention = agreeing_convention(views, surfaces, *aligned, aligning.convention());
+  if (!convention) return aligned;
+  auto again = Aligning(views, surfaces, options, units, progress).run(convention);
+  if (!again) return again;
+  return verified_views(*again) > verified_views(*aligned) ? again : aligned;
+}
+
+std::size_t verified_views(const Alignment& alignment) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      alignment.views,
+      [](const ViewReport& view) { return view.status == PoseStatus::kVerified; }));
 }
 
 Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOptions& options,

@@ -14,7 +14,8 @@ namespace relief::registration {
 
 namespace {
 
-// Of the views in a frame the largest verified group, or that of known views.
+// Of the views in a frame the largest verified group, of those with known views if there are any. A
+// known view alone confirms nothing.
 std::size_t main_group(const PoseVerification& verified, const std::vector<RangeView>& views,
                        const std::vector<ViewRole>& roles, const std::vector<std::size_t>& frames,
                        std::size_t frame) {
@@ -28,9 +29,10 @@ std::size_t main_group(const PoseVerification& verified, const std::vector<Range
   std::size_t main = roles.size();
   std::pair<bool, std::size_t> most(false, 1);
   for (const auto& [group, w] : weight) {
-    if (!(w > most)) continue;
+    const auto weight_of_group = std::pair(w.first && w.second > 1, w.second);
+    if (!(weight_of_group > most)) continue;
     main = group;
-    most = w;
+    most = weight_of_group;
   }
   return main;
 }
@@ -111,7 +113,7 @@ class AlignmentReport {
     if (!state_.refined.kept_motions.empty()) view.kept_motions = state_.refined.kept_motions[i];
     const bool confirmed =
         (state_.verified.group[i] == main_group && !contradicted && !is_guess_along_a_motion(i)) ||
-        views_.size() == 1 || views_[i].pose == PoseKind::kKnown;
+        views_.size() == 1 || (views_[i].pose == PoseKind::kKnown && verified.overlaps);
     view.status = !view.aligned ? PoseStatus::kLeftOut
                   : confirmed   ? PoseStatus::kVerified
                                 : PoseStatus::kUnverified;

@@ -15,7 +15,7 @@ Result<std::size_t> search_pairs(const std::vector<RangeView>& views, const Alig
     if (!prepared) return prepared.error();
     const auto& [surfaces, units] = *prepared;
     const auto given = refine_given_poses(surfaces, views, options.starting_poses,
-                                          options.refinement, context.progress, units);
+                                          options.refinement, {}, context.progress, units);
     if (!given) return given.error();
     return search_first_pairs(surfaces, given->checked, options.starting_poses, block,
                               context.progress, units);

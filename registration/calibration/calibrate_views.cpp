@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "registration/align_surfaces.h"
 #include "registration/calibration/calibration_input.h"
 #include "registration/calibration/calibration_notes.h"
 #include "registration/calibration/corrected_alignment.h"

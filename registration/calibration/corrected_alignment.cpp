@@ -82,12 +82,6 @@ bool may_gain_from_given(const CorrectedViews& views, const Alignment& given,
       .given_fit_as_well();
 }
 
-std::size_t verified_views(const Alignment& alignment) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      alignment.views,
-      [](const ViewReport& view) { return view.status == PoseStatus::kVerified; }));
-}
-
 std::size_t aligned_views(const Alignment& alignment) {
   return static_cast<std::size_t>(std::ranges::count(alignment.views, true, &ViewReport::aligned));
 }

@@ -32,7 +32,6 @@ Result<Alignment> align_from_given(const CorrectedViews& views, const Alignment&
 bool may_gain_from_given(const CorrectedViews& views, const Alignment& given,
                          const Alignment& corrected);
 
-std::size_t verified_views(const Alignment& alignment);
 std::size_t aligned_views(const Alignment& alignment);
 
 /// How well the views fit each other with the errors that are taken out, at such poses.

@@ -234,6 +234,7 @@ Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& sur
                                              const std::vector<RangeView>& views,
                                              const StartingPoseOptions& options,
                                              const JointRefinementOptions& refinement,
+                                             const std::optional<PoseConvention>& asked,
                                              const Progress& progress, const AlignUnits& units) {
   const auto roles = roles_of(views, options.given);
   std::vector<RigidMotion> poses;
@@ -242,13 +243,14 @@ Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& sur
     return refine_and_verify(surfaces, from, roles, options, refinement, progress, units);
   };
   const PoseConvention convention =
-      convention_of(surfaces, poses, roles, options.given == GivenPoses::kTrust);
+      asked ? *asked : convention_of(surfaces, poses, roles, options.given == GivenPoses::kTrust);
   if (convention.as_given()) return refine(poses);
   std::vector<RigidMotion> converted;
   for (const RigidMotion& pose : poses) converted.push_back(convention.world_from_view(pose));
   auto other = refine(converted);
   if (!other) return other;
   other->convention = convention;
+  if (asked) return other;
   const auto all =
       static_cast<std::size_t>(std::count(roles.begin(), roles.end(), ViewRole::kFree));
   if (most_confirmed(*other) == all) return other;

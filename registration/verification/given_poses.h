@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "registration/posegraph/joint/joint_refinement.h"
@@ -28,12 +29,13 @@ std::vector<ViewRole> roles_of(const std::vector<RangeView>& views, GivenPoses g
 
 /// Refines the given poses jointly and verifies them; views that the others refute are taken out,
 /// unless the user trusts them, and the rest is refined again without them. Guesses are taken in
-/// the convention of find_pose_convention() where more views confirm each other then. The only
-/// error is kInterrupted.
+/// `convention`; without one in that of find_pose_convention() where more views confirm each other
+/// then. The only error is kInterrupted.
 Result<RefinedGivenPoses> refine_given_poses(const std::vector<ViewSurface>& surfaces,
                                              const std::vector<RangeView>& views,
                                              const StartingPoseOptions& options,
                                              const JointRefinementOptions& refinement,
+                                             const std::optional<PoseConvention>& convention = {},
                                              const Progress& progress = {},
                                              const AlignUnits& units = {});
 

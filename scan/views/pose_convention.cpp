@@ -1,6 +1,7 @@
 #include "scan/views/pose_convention.h"
 
 #include <cstdio>
+#include <numbers>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -47,11 +48,11 @@ RigidMotion PoseConvention::world_from_view(const RigidMotion& pose) const {
   read.translation() *= unit;
   if (view_from_world) read = read.inverse();
   read.linear() = read.linear() * axes;
-  if (!is_left_handed(axes)) return read;
+  if (!is_left_handed(axes)) return read * body_from_view;
   const Eigen::Vector3d mirror(1.0, -1.0, 1.0);
   read.linear() = mirror.asDiagonal() * read.linear();
   read.translation() = mirror.asDiagonal() * read.translation();
-  return read;
+  return read * body_from_view;
 }
 
 std::string PoseConvention::describe() const {
@@ -63,6 +64,12 @@ std::string PoseConvention::describe() const {
   char times[40];
   std::snprintf(times, sizeof times, ", translations times %g", unit);
   if (unit != 1.0) text += times;
+  char body[160];
+  std::snprintf(body, sizeof body,
+                ", of a body that the sensor is fixed to: turned by %.3g deg and %.3g away from it",
+                rotation_angle(body_from_view) * 180.0 / std::numbers::pi,
+                body_from_view.translation().norm());
+  if (has_body()) text += body;
   return text;
 }
 

@@ -24,11 +24,14 @@ struct PoseConvention {
   /// and world are left-handed.
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   StoredRotation rotation = StoredRotation::kAsRead;
+  /// Poses are those of a body that the sensor is fixed to, as of a robot; axes are the body's.
+  RigidMotion body_from_view = RigidMotion::Identity();
 
   bool as_given() const {
     return unit == 1.0 && !view_from_world && axes.isIdentity(0.0) &&
-           rotation == StoredRotation::kAsRead;
+           rotation == StoredRotation::kAsRead && !has_body();
   }
+  bool has_body() const { return !body_from_view.matrix().isIdentity(0.0); }
   /// world_from_view of a pose in this convention. Of a left-handed world y is reversed.
   RigidMotion world_from_view(const RigidMotion& pose) const;
   /// In words, as `view_from_world with x right, y up, z back`.

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "registration/surface/view_surface.h"
+#include "relief/registration/align_views.h"
+#include "relief/scan/range_view.h"
+#include "scan/views/pose_convention.h"
+
+namespace relief::registration {
+
+/// Whether refining moved most guesses by more than guesses err, to where views deviate by more
+/// than their noise: they may have come to rest anywhere. False where a pose is known. `taken` is
+/// the convention in which the guesses were taken.
+bool refining_led_far(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
+                      const Alignment& alignment, const PoseConvention& taken);
+
+/// Whether three views or more are verified, and pairs deviate by less than half of before.
+bool fits_far_better(const std::vector<ViewSurface>& surfaces, const Alignment& now,
+                     const Alignment& before);
+
+/// The convention in which the guesses agree with the verified poses of an alignment: these show
+/// that all guesses err alike (calibrate_hand_eye()). Nothing where they do not, where all guesses
+/// are verified, and where a pose is known.
+std::optional<PoseConvention> agreeing_convention(const std::vector<RangeView>& views,
+                                                  const std::vector<ViewSurface>& surfaces,
+                                                  const Alignment& alignment,
+                                                  const PoseConvention& taken);
+
+}  // namespace relief::registration
