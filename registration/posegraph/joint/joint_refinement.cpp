@@ -26,6 +26,9 @@ constexpr int kFewestTogether = 20;
 // they need gigabytes. What a view's pairs share is its own noise: with n of them its pose errs by
 // the root of 1 + 1/n times what all could give, 2 % more for 24.
 constexpr int kMostPairsOfAView = 24;
+// Last steps before degenerate directions are looked for, and after: along what only noise holds,
+// many steps would lead far. See PoseGraphRefinementOptions::max_iterations.
+constexpr int kFirstLastSteps = 6, kMostLastSteps = 60;
 // What is left of the overlaps of all pairs without a drift, and by what their RMS may grow. Where
 // a drift changes nothing else they are 1: rooms with blurred depths gave 0.97 and 1.03. Where
 // views had gone elsewhere they were 0.6 to 0.75, or the RMS doubled.
@@ -185,10 +188,17 @@ class Refining {
     }
     release_freed_memory();  // What solving took; the last steps grow as large.
     if (!report_progress(progress_, 0.0, "computing covariances")) return interrupted();
-    auto drifting = degenerate_groups(finish({}), surfaces_, result_.world_from_view, result_.group,
-                                      result_.held);
+    const RefinementTermination of_levels = result_.termination;
+    auto drifting = degenerate_groups(finish({}, kFirstLastSteps), surfaces_,
+                                      result_.world_from_view, result_.group, result_.held);
     std::erase_if(drifting, [&](const auto& group) { return held_by_maps(group, result_.pairs); });
-    if (!drifting.empty()) finish_without_drift(drifting);
+    if (!drifting.empty()) {
+      finish_without_drift(drifting);
+    } else if (result_.termination == RefinementTermination::kIterationLimit &&
+               result_.last_motion > plan_.levels.back().tolerance) {
+      result_.termination = of_levels;
+      finish({}, kMostLastSteps);
+    }
     return std::move(result_);
   }
 
@@ -234,10 +244,11 @@ class Refining {
     return true;
   }
 
-  std::vector<PairConstraint> finish(MotionsOfViews kept_motions) {
-    return take_last_steps(
-        surfaces_, {pairs_, largest_overlaps(surfaces_.size(), pairs_, kMostPairsOfAView)},
-        plan_.levels.back(), plan_.nearly_degenerate, std::move(kept_motions), options_, result_);
+  std::vector<PairConstraint> finish(MotionsOfViews kept_motions, int most_steps) {
+    return take_last_steps(surfaces_,
+                           {pairs_, largest_overlaps(surfaces_.size(), pairs_, kMostPairsOfAView)},
+                           plan_.levels.back(), plan_.nearly_degenerate, std::move(kept_motions),
+                           most_steps, options_, result_);
   }
 
   // A drift along degenerate directions leaves the fit as it is. A large one may have led to where
@@ -254,7 +265,7 @@ class Refining {
   void finish_without(Drift drift, const std::vector<DegenerateGroup>& drifting) {
     auto kept_motions = remove_drift(drifting, drift, surfaces_, start_, result_.world_from_view);
     link_views(plan_.levels.back());
-    if (!pairs_.empty()) finish(std::move(kept_motions));
+    if (!pairs_.empty()) finish(std::move(kept_motions), kFirstLastSteps);
   }
 
   const std::vector<ViewSurface>& surfaces_;

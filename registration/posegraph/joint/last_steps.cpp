@@ -20,7 +20,7 @@ namespace {
 // Of one direction of a pair: 120 residuals a pair, for six unknowns, where one is judged.
 constexpr int kFewestAlone = 60;
 // The last steps are precise enough to stop at less than the levels before them [tolerances]. Poses
-// err by one, and a last step follows anyway. Smaller costs steps, of which there are 6 at most.
+// err by one, and a last step follows anyway. Smaller costs steps, most often up to 6.
 constexpr double kFinalTolerance = 0.5;
 // Residuals of all pairs together in the last step: some ten seconds of processor time. The steps
 // before it take a quarter: they err by twice as much, and the last step leaves a tenth of that.
@@ -102,9 +102,10 @@ bool set_covariances(const PoseCovariance& covariance, JointRefinement& result) 
 // Gives the covariance too. Returns what the very last step was made of.
 PoseGraphLastStep refine(const std::vector<ViewSurface>& surfaces,
                          const std::vector<ViewPair>& pairs, const SearchLevel& level,
-                         const std::vector<bool>& nearly_degenerate,
+                         const std::vector<bool>& nearly_degenerate, int most_steps,
                          const JointRefinementOptions& options, JointRefinement& result) {
   PoseGraphRefinementOptions last;
+  last.max_iterations = most_steps;
   last.kept_motions = result.kept_motions;
   last.search = search_at(level, pairs.size(), kFewestAlone, options);
   last.last_samples = last_samples(options, pairs.size());
@@ -139,12 +140,12 @@ PoseGraphLastStep refine(const std::vector<ViewSurface>& surfaces,
 std::vector<PairConstraint> take_last_steps(const std::vector<ViewSurface>& surfaces,
                                             const LinkedPairs& pairs, const SearchLevel& level,
                                             const std::vector<bool>& nearly_degenerate,
-                                            MotionsOfViews kept_motions,
+                                            MotionsOfViews kept_motions, int most_steps,
                                             const JointRefinementOptions& options,
                                             JointRefinement& result) {
   result.kept_motions = std::move(kept_motions);
   const PoseGraphLastStep last_step =
-      refine(surfaces, pairs.strongest, level, nearly_degenerate, options, result);
+      refine(surfaces, pairs.strongest, level, nearly_degenerate, most_steps, options, result);
   if (result.termination == RefinementTermination::kSolverFailed) return {};
   auto shared = describe_fit(PairMatcher(surfaces, result.world_from_view, pairs.all,
                                          search_at(level, pairs.all.size(), kFewestAlone, options),

@@ -21,6 +21,12 @@ constexpr std::size_t kPairsAtOnce = 64;
 // as wide, and a sixteenth of the memory: 16 kB a pair, with 5000 patches a view.
 constexpr std::size_t kPairsWithFinePatches = 500;
 
+// Two halves of so many steps are taken at a time. Others follow where both halves led so many
+// times as far as the earlier one alone. Steps at one pace give 2, steps that halve what is left 1
+// + 1/8, and steps to and fro 1.
+constexpr int kHalfOfSteps = 3;
+constexpr double kLeadsOn = 1.25;
+
 double median_spacing(const std::vector<const ViewSurface*>& surfaces) {
   std::vector<double> spacings;
   for (const ViewSurface* surface : surfaces)
@@ -89,6 +95,10 @@ class MovingPairs {
       poses_[i] = moved(before[i], tangents[i], compression_.centre);
       since_[i] += tangents[i];
     }
+    return largest_motion_since(before);
+  }
+  /// Of a sample [unit].
+  double largest_motion_since(const std::vector<RigidMotion>& before) const {
     return largest_motion(surfaces_, before, poses_);
   }
 
@@ -179,24 +189,56 @@ std::optional<double> take(const PoseGraphStep& step, MovingPairs& views,
   return views.move(step.tangents);
 }
 
-// Steps until the poses stand still. The gain of one step scales the next one (Barzilai and Borwein
-// 1988). Whether all could be taken.
-bool approach(const std::vector<bool>& held, const PoseGraphRefinementOptions& options,
-              MovingPairs& views, PoseGraphRefinement& result) {
-  std::vector<PairInformation> before;
-  PoseGraphStep step;
-  do {
-    auto pairs = views.compress(options.step_samples);
+// The steps before the last one. The gain of one step scales the next one (Barzilai and Borwein
+// 1988).
+class Approach {
+ public:
+  Approach(const std::vector<bool>& held, const PoseGraphRefinementOptions& options,
+           MovingPairs& views, PoseGraphRefinement& result)
+      : held_(held), options_(options), views_(views), result_(result) {}
+
+  // Steps until the poses stand still, or go to and fro. Whether all could be taken.
+  bool run() {
+    bool leads_on = true;
+    while (usable_ && leads_on && !arrived()) {
+      const auto start = views_.poses();
+      take_half();
+      const double half = views_.largest_motion_since(start);
+      take_half();
+      leads_on = views_.largest_motion_since(start) > kLeadsOn * half;
+    }
+    return usable_;
+  }
+
+ private:
+  bool arrived() const {
+    return result_.iterations >= options_.max_iterations ||
+           (result_.iterations > 0 && result_.last_motion <= options_.tolerance);
+  }
+
+  void take_half() {
+    for (int i = 0; i < kHalfOfSteps && usable_ && !arrived(); ++i) take_one();
+  }
+
+  void take_one() {
+    auto pairs = views_.compress(options_.step_samples);
     const double step_gain =
-        before.empty() ? 1.0 : views.system(before, held).step_gain(pairs, step.tangents);
-    step = newton_step(views.system(pairs, held), step_gain);
-    before = std::move(pairs);
-    const auto motion = take(step, views, result);
-    if (!motion) return false;
-    result.last_motion = *motion;
-  } while (result.last_motion > options.tolerance && result.iterations < options.max_iterations);
-  return true;
-}
+        before_.empty() ? 1.0 : views_.system(before_, held_).step_gain(pairs, step_.tangents);
+    step_ = newton_step(views_.system(pairs, held_), step_gain);
+    before_ = std::move(pairs);
+    const auto motion = take(step_, views_, result_);
+    usable_ = motion.has_value();
+    if (usable_) result_.last_motion = *motion;
+  }
+
+  const std::vector<bool>& held_;
+  const PoseGraphRefinementOptions& options_;
+  MovingPairs& views_;
+  PoseGraphRefinement& result_;
+  std::vector<PairInformation> before_;
+  PoseGraphStep step_;
+  bool usable_ = true;
+};
 
 }  // namespace
 
@@ -207,7 +249,7 @@ PoseGraphRefinement refine_pose_graph(const std::vector<const ViewSurface*>& sur
                                       std::vector<RigidMotion>& world_from_view) {
   PoseGraphRefinement result;
   MovingPairs views(surfaces, pairs, options, world_from_view);
-  if (!approach(held, options, views, result)) return result;
+  if (!Approach(held, options, views, result).run()) return result;
   views.measure_deviations();
   const double step_gain = step_gain_at(views, held, options.step_samples);
   ClusterScores scores(surfaces.size());

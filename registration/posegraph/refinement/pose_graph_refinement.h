@@ -23,7 +23,9 @@ struct PoseGraphRefinementOptions {
   /// which determines the precision. 0: all.
   std::size_t step_samples = 4000, last_samples = 0;
   double tolerance = 0.0;  ///< The last step follows one that moved no sample by more [unit].
-  int max_iterations = 6;
+  /// Steps before the last one, at most. More than six are taken only as long as they lead on: what
+  /// goes to and fro stands as still as renewed correspondences let it.
+  int max_iterations = 60;
   /// What the normal maps say of each directed pair at the poses given, (a, b) at 2k, (b, a) at
   /// 2k + 1; empty: nothing.
   std::vector<NormalMatches> normals;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <span>
+#include <vector>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -18,6 +20,7 @@
 #include "scan/base/robust_scales.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/registration/relief_views.h"
+#include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::registration {
 namespace {
@@ -221,6 +224,44 @@ TEST(PoseGraphRefinement, FindsExactPosesOfExactViews) {
                     options_for(ring), poses);
   for (const double error : mean_displacements(ring.truth, poses, poses_of(ring.truth)))
     EXPECT_LT(error, 0.005 * ring.spacing());
+}
+
+// As of a street: nearly all samples lie on what its length leaves alone, so their scatter is that
+// of noise, and most of what holds the views along it is farther off than that.
+testing::Surface corner_with_balls() {
+  std::vector<testing::Surface> parts = {testing::plane({0, 0, 10}, {0, 0, -1}),
+                                         testing::plane({0, 3, 0}, {0, -1, 0})};
+  for (int i = 0; i < 4; ++i)
+    parts.push_back(testing::sphere({-3.0 + 2.1 * i, 0.5 - 0.6 * (i % 2), 10.0}, 0.4));
+  return [parts](const Ray& ray) {
+    std::optional<testing::SurfaceHit> first;
+    for (const auto& part : parts)
+      if (const auto hit = part(ray); hit && (!first || hit->t < first->t)) first = hit;
+    return first;
+  };
+}
+
+TEST(PoseGraphRefinement, GoesOnWhileStepsLeadOn) {
+  const Camera camera = Camera::pinhole(160, 120, {150, 150, 79.5, 59.5});
+  std::vector<RangeView> views;
+  std::vector<RigidMotion> truth(2, RigidMotion::Identity());
+  truth[1].translation() << 0.7, 0.1, 0.3;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    views.push_back(testing::render(corner_with_balls(), camera, truth[i]));
+    testing::add_range_noise(views.back(), 0.01, static_cast<std::uint32_t>(i + 1));
+  }
+  const std::vector<ViewSurface> surfaces(views.begin(), views.end());
+  const double spacing = surfaces[0].spacing();
+  PoseGraphRefinementOptions options;
+  options.search.max_distance = 5.0 * spacing;
+  options.tolerance = 0.005 * spacing;
+  auto poses = truth;
+  poses[1].translation().x() += 4.0 * spacing;  // Of which six steps leave more than half.
+  const auto refined =
+      refine_pose_graph(pointers_to(surfaces), {{0, 1}}, {true, false}, options, poses);
+  EXPECT_GT(refined.iterations, 7);
+  EXPECT_LE(refined.last_motion, options.tolerance);
+  EXPECT_LT((poses[1].translation() - truth[1].translation()).norm(), 0.1 * spacing);
 }
 
 // Poses of a disturbed ring after some renewals, with one view held.
