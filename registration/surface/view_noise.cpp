@@ -43,9 +43,9 @@ void third_differences(const RangeView& view, const GridEdges& edges,
 
 }  // namespace
 
-double position_noise(const RangeView& view, const ConnectedGrid& grid) {
+double position_noise(const RangeView& view, const ConnectedGrid& grid, const RangeNoise& noise) {
   const int stride = stride_for(view);
-  const auto normals = estimate_normals(view, grid, {.stride = stride});
+  const auto normals = estimate_normals(view, grid, {.stride = stride, .noise = &noise});
   std::vector<double> differences;
   third_differences(view, grid.edges, normals, stride, 1, 0, differences);
   third_differences(view, grid.edges, normals, stride, 0, 1, differences);

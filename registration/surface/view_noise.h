@@ -11,7 +11,7 @@ namespace relief::registration {
 
 /// Standard deviation of the white noise of positions along the normal [unit], robustly from third
 /// differences of the range along rows and columns; 0 where there are none.
-double position_noise(const RangeView& view, const ConnectedGrid& grid);
+double position_noise(const RangeView& view, const ConnectedGrid& grid, const RangeNoise& noise);
 
 /// Standard deviation of the slope of a plane [rad] that is fitted to a square window of half width
 /// `radius` [pixels] of samples with that noise.

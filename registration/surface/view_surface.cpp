@@ -102,14 +102,15 @@ Grid<Eigen::Vector3f> ViewSurface::smooth_normals(const RangeView& view, const C
                                                   const Grid<std::uint8_t>& bridged,
                                                   const ViewSurfaceOptions& options) {
   const double spacing = sample_spacing(grid.points, grid.edges);
-  noise_ = position_noise(view, grid);
+  noise_ = position_noise(view, grid, ranges);
   double step = typical_step(view, ranges);
   const auto radius_for = [&] {
     return options.normal_radius > 0 ? options.normal_radius : normal_radius(noise_, spacing, step);
   };
   if (step > 0.0) {
     // Differences of rounded ranges are mostly zero: the ranges as a whole tell more.
-    const auto coarse = estimate_normals(view, grid, {.radius = radius_for(), .stride = 4});
+    const auto coarse =
+        estimate_normals(view, grid, {.radius = radius_for(), .stride = 4, .noise = &ranges});
     const double incidence = typical_incidence(view, coarse);
     if (noise_ >= kDither * step * incidence) {
       step = 0.0;
@@ -125,7 +126,8 @@ Grid<Eigen::Vector3f> ViewSurface::smooth_normals(const RangeView& view, const C
   normal_error_ =
       std::hypot(slope_noise(noise_, spacing, radius), terrace_slope(rounding_, spacing, radius));
   const int outermost = std::min(options.boundary_margin, options.final_margin);
-  auto normals = estimate_normals(view, grid, {.radius = radius, .margin = outermost});
+  auto normals =
+      estimate_normals(view, grid, {.radius = radius, .margin = outermost, .noise = &ranges});
   for (std::size_t i = 0; i < normals.size(); ++i) {
     if (grid.boundary[i] < outermost)
       normals[i].setConstant(std::numeric_limits<float>::quiet_NaN());

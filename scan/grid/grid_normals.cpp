@@ -173,13 +173,38 @@ std::optional<Eigen::Vector3d> least_direction(const Eigen::Matrix3d& c) {
   return best.normalized();
 }
 
-Eigen::Vector3f plane_normal(const Moments& sum, const Ray& ray) {
+// Of what a window is wide across the ray, standard deviations: from here on planes are fitted
+// along the ray. Up to there noise turns planes across by two degrees at most, a third of its
+// square.
+constexpr double kNoisyWindow = 0.32;
+
+// The least-squares plane along the ray, if the noise matters to the window. `c` is the covariance
+// of its samples, times their count.
+std::optional<Eigen::Vector3d> normal_along_ray(const Eigen::Matrix3d& c, double count,
+                                                const Eigen::Vector3d& ray, double noise) {
+  Eigen::Matrix<double, 3, 2> across;
+  across.col(0) = ray.unitOrthogonal();
+  across.col(1) = ray.cross(across.col(0));
+  const Eigen::Matrix2d width = across.transpose() * c * across;
+  const double half = 0.5 * width.trace(), determinant = width.determinant();
+  const double least = half - std::sqrt(std::max(0.0, half * half - determinant));
+  const bool noisy = kNoisyWindow * kNoisyWindow * least < count * noise * noise;
+  if (!noisy || !(determinant > 1e-6 * half * half)) return std::nullopt;
+  const Eigen::Vector2d slope = width.inverse() * (across.transpose() * c * ray);
+  return (ray - across * slope).normalized();
+}
+
+// `noise`: standard deviation along the ray [unit]; 0: none.
+Eigen::Vector3f plane_normal(const Moments& sum, const Ray& ray, double noise) {
   if (sum.count < 3.0) return kNoNormal;
   const Eigen::Vector3d mean = Eigen::Vector3d(sum.x, sum.y, sum.z) / sum.count;
   Eigen::Matrix3d covariance;
   covariance << sum.xx, sum.xy, sum.xz, sum.xy, sum.yy, sum.yz, sum.xz, sum.yz, sum.zz;
   covariance -= sum.count * mean * mean.transpose();
-  const auto normal = least_direction(covariance);
+  auto normal = noise > 0.0
+                    ? normal_along_ray(covariance, sum.count, ray.direction.normalized(), noise)
+                    : std::nullopt;
+  if (!normal) normal = least_direction(covariance);
   return normal ? facing_sensor(*normal, ray) : kNoNormal;
 }
 
@@ -202,6 +227,9 @@ Grid<Eigen::Vector3f> estimate_normals(const RangeView& view, const GridEdges& e
 Grid<Eigen::Vector3f> estimate_normals(const RangeView& view, const ConnectedGrid& grid,
                                        const GridNormalOptions& options) {
   Grid<Eigen::Vector3f> normals(view.width(), view.height(), kNoNormal);
+  const auto noise_at = [&](int u, int v) {
+    return options.noise ? options.noise->sigma_at(u, v) : 0.0;
+  };
   const auto rows = [&](std::size_t begin, std::size_t end) {
     ConnectedWindow connected(grid.points, grid.edges, options.radius);
     RowOfWindows whole(grid.points, options.radius);
@@ -211,8 +239,8 @@ Grid<Eigen::Vector3f> estimate_normals(const RangeView& view, const ConnectedGri
       for (int u = 0; u < view.width(); u += options.stride) {
         if (!view.has_sample(u, v) || grid.boundary(u, v) < options.margin) continue;
         const bool inside = grid.boundary(u, v) > options.radius;
-        normals(u, v) =
-            plane_normal(inside ? whole.at(u) : connected.collect(u, v), view.camera.ray(u, v));
+        normals(u, v) = plane_normal(inside ? whole.at(u) : connected.collect(u, v),
+                                     view.camera.ray(u, v), noise_at(u, v));
       }
     }
   };

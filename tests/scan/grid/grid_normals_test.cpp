@@ -130,5 +130,24 @@ TEST(GridNormals, AnIsolatedSampleHasNone) {
     EXPECT_FALSE(normal.allFinite());
 }
 
+// As of a wall beside a lidar: its noise is larger than a window. Across the plane, most normals
+// turn into the surface, to the same side at the same pixel of all views.
+TEST(GridNormals, NoiseLargerThanAWindowTurnsThemNowhere) {
+  RangeView view = testing::render(testing::plane({0, 0, 10}, {0.5, 0, -1}), kCamera);
+  const auto truth = view.normals;
+  testing::add_range_noise(view, 0.3, 1);  // Windows have a standard deviation of 0.14.
+  const GridEdges edges = connect_samples(view);
+  const RangeNoise noise = estimate_range_noise(view);
+  ASSERT_NEAR(noise.sigma, 0.3, 0.1);
+  const auto mean_angle_deg = [&](const Grid<Eigen::Vector3f>& normals) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3f& normal : normals)
+      if (normal.allFinite()) sum += normal.cast<double>();
+    return std::acos(sum.normalized().dot(truth(40, 30).cast<double>())) * 57.29577951308232;
+  };
+  EXPECT_GT(mean_angle_deg(estimate_normals(view, edges)), 10.0);
+  EXPECT_LT(mean_angle_deg(estimate_normals(view, edges, {.noise = &noise})), 4.0);
+}
+
 }  // namespace
 }  // namespace relief
