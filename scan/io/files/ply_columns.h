@@ -12,7 +12,7 @@
 namespace relief {
 
 /// The values of three scalar properties, which belong together. They live in the PlyElement.
-using PlyColumns = std::array<const std::vector<double>*, 3>;
+using PlyColumns = std::array<const PagedVector<double>*, 3>;
 
 /// Nothing unless `element` has all three, as scalars.
 inline std::optional<PlyColumns> ply_columns(const PlyElement& element,

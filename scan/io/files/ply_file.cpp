@@ -9,8 +9,9 @@
 #include <cstring>
 #include <optional>
 
-#include "scan/io/files/atomic_file.h"
+#include "scan/base/parallel.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/files/mapped_file.h"
 #include "scan/io/files/text_lines.h"
 
 namespace relief {
@@ -64,8 +65,9 @@ struct PropertyType {
 // Reads the header, then the elements.
 class PlyParser {
  public:
-  PlyParser(std::string_view content, const std::filesystem::path& path)
-      : path_(path), begin_(content.data()), rest_(content) {}
+  PlyParser(std::string_view content, const std::filesystem::path& path,
+            const std::function<void(std::size_t)>& parsed)
+      : path_(path), parsed_(parsed), begin_(content.data()), rest_(content) {}
 
   Result<PlyFile> parse() {
     if (auto header = parse_header(); !header) return header.error();
@@ -172,6 +174,14 @@ class PlyParser {
     return {};
   }
 
+  // Before instance i of an element.
+  void look_at_memory(std::size_t i) const {
+    constexpr std::size_t kBetweenLooks = 4096, kBetweenReleases = std::size_t{1} << 16;
+    if (i % kBetweenLooks == 0) check_stop_and_memory();
+    if (parsed_ && i % kBetweenReleases == 0)
+      parsed_(static_cast<std::size_t>(rest_.data() - begin_));
+  }
+
   // The least number of bytes that one instance of an element takes.
   std::size_t least_bytes(std::size_t e) const {
     std::size_t bytes = 0;
@@ -211,6 +221,7 @@ class PlyParser {
   Result<void> parse_ascii(std::size_t e) {
     PlyElement& element = file_.elements[e];
     for (std::size_t i = 0; i < element.count; ++i) {
+      look_at_memory(i);
       std::string_view line = take_line();
       for (std::string_view probe = line; next_word(probe).empty();) {  // skips blank lines
         if (rest_.empty())
@@ -262,6 +273,7 @@ class PlyParser {
   Result<void> parse_binary(std::size_t e) {
     PlyElement& element = file_.elements[e];
     for (std::size_t i = 0; i < element.count; ++i) {
+      look_at_memory(i);
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         PlyProperty& property = element.properties[p];
         std::size_t length = 1;
@@ -328,6 +340,7 @@ class PlyParser {
   }
 
   const std::filesystem::path& path_;
+  const std::function<void(std::size_t)>& parsed_;
   const char* begin_;
   std::string_view rest_;
   std::string_view last_word_;
@@ -351,14 +364,15 @@ const PlyElement* PlyFile::find(std::string_view element) const {
   return found == elements.end() ? nullptr : &*found;
 }
 
-Result<PlyFile> parse_ply(std::string_view content, const std::filesystem::path& path) {
-  return PlyParser(content, path).parse();
+Result<PlyFile> parse_ply(std::string_view content, const std::filesystem::path& path,
+                          const std::function<void(std::size_t)>& parsed) {
+  return PlyParser(content, path, parsed).parse();
 }
 
 Result<PlyFile> read_ply(const std::filesystem::path& path) {
-  auto content = read_file(path);
-  if (!content) return content.error();
-  return parse_ply(*content, path);
+  const auto file = MappedFile::open(path);
+  if (!file) return file.error();
+  return parse_ply(file->content(), path, [&](std::size_t end) { file->release_before(end); });
 }
 
 }  // namespace relief

@@ -16,9 +16,22 @@ namespace relief {
 
 namespace {
 
-const std::vector<double>* scalars(const PlyElement& element, std::string_view name) {
+const PagedVector<double>* scalars(const PlyElement& element, std::string_view name) {
   const PlyProperty* property = element.find(name);
   return property && !property->is_list ? &property->values : nullptr;
+}
+
+// Between two of many items, the i-th of which comes next.
+void look_at_memory(std::size_t i) {
+  constexpr std::size_t kBetweenLooks = 4096;
+  if (i % kBetweenLooks == 0) check_stop_and_memory();
+}
+
+// Calls take(i) for each vertex, and makes room for a value of each before.
+template <typename T, typename Take>
+void append(std::size_t count, PagedVector<T>& values, const Take& take) {
+  values.reserve(count);
+  serial_for(count, [&](std::size_t i) { values.push_back(take(i)); });
 }
 
 Result<void> read_vertices(const PlyElement& element, TriangleMesh& mesh,
@@ -27,6 +40,7 @@ Result<void> read_vertices(const PlyElement& element, TriangleMesh& mesh,
   if (!x || !y || !z) return bad_input(path, "element vertex lacks x, y or z");
   mesh.vertices.reserve(element.count);
   for (std::size_t i = 0; i < element.count; ++i) {
+    look_at_memory(i);
     mesh.vertices.emplace_back((*x)[i], (*y)[i], (*z)[i]);
     if (!mesh.vertices.back().allFinite())
       return bad_input(path, "vertex " + std::to_string(i) + " has a NaN or infinite coordinate");
@@ -37,29 +51,33 @@ Result<void> read_vertices(const PlyElement& element, TriangleMesh& mesh,
 void read_attributes(const PlyElement& element, TriangleMesh& mesh) {
   const auto *nx = scalars(element, "nx"), *ny = scalars(element, "ny"),
              *nz = scalars(element, "nz");
-  if (nx && ny && nz)
-    for (std::size_t i = 0; i < element.count; ++i)
-      mesh.normals.push_back(Eigen::Vector3d((*nx)[i], (*ny)[i], (*nz)[i]).cast<float>());
-  if (const auto* quality = scalars(element, "quality"))
-    for (const double value : *quality) mesh.quality.push_back(static_cast<float>(value));
   const auto whole = [](double value, double max) {
     return value > 0.0 ? std::min(std::floor(value), max) : 0.0;
   };
+  const auto byte = [&](double value) { return static_cast<std::uint8_t>(whole(value, 255)); };
+  if (nx && ny && nz)
+    append(element.count, mesh.normals, [&](std::size_t i) -> Eigen::Vector3f {
+      return Eigen::Vector3d((*nx)[i], (*ny)[i], (*nz)[i]).cast<float>();
+    });
+  if (const auto* quality = scalars(element, "quality"))
+    append(element.count, mesh.quality,
+           [&](std::size_t i) { return static_cast<float>((*quality)[i]); });
   if (const auto* views = scalars(element, "views"))
-    for (const double value : *views)
-      mesh.views.push_back(static_cast<std::uint16_t>(whole(value, 65535)));
+    append(element.count, mesh.views,
+           [&](std::size_t i) { return static_cast<std::uint16_t>(whole((*views)[i], 65535)); });
   if (const auto* sources = scalars(element, "source_view"))
-    for (const double value : *sources)
-      mesh.source_views.push_back(static_cast<std::uint16_t>(whole(value, kNoSourceView)));
+    append(element.count, mesh.source_views, [&](std::size_t i) {
+      return static_cast<std::uint16_t>(whole((*sources)[i], kNoSourceView));
+    });
   if (const auto* filled = scalars(element, "filled"))
-    for (const double value : *filled)
-      mesh.filled.push_back(static_cast<std::uint8_t>(whole(value, 1)));
+    append(element.count, mesh.filled,
+           [&](std::size_t i) { return static_cast<std::uint8_t>(whole((*filled)[i], 1)); });
   const auto *red = scalars(element, "red"), *green = scalars(element, "green"),
              *blue = scalars(element, "blue");
-  const auto byte = [&](double value) { return static_cast<std::uint8_t>(whole(value, 255)); };
   if (red && green && blue)
-    for (std::size_t i = 0; i < element.count; ++i)
-      mesh.colours.push_back({byte((*red)[i]), byte((*green)[i]), byte((*blue)[i])});
+    append(element.count, mesh.colours, [&](std::size_t i) -> Colour {
+      return {byte((*red)[i]), byte((*green)[i]), byte((*blue)[i])};
+    });
 }
 
 const PlyProperty* face_list(const PlyElement& element) {
@@ -77,6 +95,7 @@ Result<void> read_faces(const PlyElement& element, TriangleMesh& mesh,
   const auto vertex_count = static_cast<double>(mesh.vertices.size());
   mesh.faces.reserve(element.count);
   for (std::size_t i = 0; i < element.count; ++i) {
+    look_at_memory(i);
     const std::size_t begin = list->starts[i], end = list->starts[i + 1];
     if (end - begin < 3)
       return bad_input(

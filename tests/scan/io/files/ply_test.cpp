@@ -1,11 +1,17 @@
+#include <array>
 #include <cstring>
+#include <fstream>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "relief/scan/context.h"
+#include "scan/base/memory/memory_limit.h"
 #include "scan/io/files/ply_file.h"
 #include "scan/io/grids/grid_file.h"
 #include "tests/support/limited_memory.h"
+#include "tests/support/memory_limits.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -39,6 +45,44 @@ TEST(Ply, ReadsEveryScalarTypeInAscii) {
   for (const auto& property : properties) values.push_back(property.values.at(0));
   EXPECT_THAT(values,
               ElementsAre(-128, 255, -32768, 65535, -2147483648.0, 4294967295.0, 1.5, 1e-300));
+}
+
+// A mesh of `rows` x `columns` vertices as a binary PLY file.
+std::string plane_of(std::uint32_t rows, std::uint32_t columns) {
+  std::string bytes = "ply\nformat binary_big_endian 1.0\nelement vertex " +
+                      std::to_string(rows * columns) +
+                      "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                      std::to_string(2 * (rows - 1) * (columns - 1)) +
+                      "\nproperty list uchar uint vertex_indices\nend_header\n";
+  for (std::uint32_t i = 0; i < rows * columns; ++i)
+    for (const auto value :
+         {static_cast<float>(i % columns), static_cast<float>(i / columns), 0.0f})
+      append_big_endian(bytes, value);
+  for (std::uint32_t v = 0; v + 1 < rows; ++v) {
+    for (std::uint32_t u = 0; u + 1 < columns; ++u) {
+      const std::uint32_t a = v * columns + u, b = a + columns;
+      for (const auto& face : {std::array{a, a + 1, b}, std::array{b, a + 1, b + 1}}) {
+        bytes += '\x03';
+        for (const std::uint32_t corner : face) append_big_endian(bytes, corner);
+      }
+    }
+  }
+  return bytes;
+}
+
+TEST(Ply, ColumnsOfLargeMeshesKeepToAMemoryLimit) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "plane.ply", std::ios::binary) << plane_of(700, 500);
+  const Context context{.memory = 128 * testing::kMebibyte, .temporary_folder = folder.path()};
+  ASSERT_TRUE(run_until_stopped(context, [&] {
+    const std::size_t before = resident_beyond_files();
+    const auto ply = read_ply(folder / "plane.ply");
+    EXPECT_LT(resident_beyond_files(), before + 18 * testing::kMebibyte) << "of 31 MB";
+    ASSERT_THAT(ply, IsOk());
+    const PlyElement* face = ply->find("face");
+    ASSERT_EQ(face->count, 697'602u);
+    EXPECT_EQ(face->properties[0].values.back(), 349'999.0);
+  }));
 }
 
 TEST(Ply, ReadsBigEndianListsAndScalars) {
