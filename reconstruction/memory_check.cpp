@@ -14,7 +14,6 @@ namespace {
 constexpr int kMebibyteBits = 20;
 
 // Measured on the bear, the bunny and five views of a Kinect (docs/results.md).
-constexpr std::size_t kAlignedPixel = 8;     // Samples for alignment [bytes per pixel].
 constexpr std::size_t kPolishedVertex = 40;  // What lies in no file [bytes per vertex].
 
 Result<void> compare(const std::string& work, std::size_t needed, const MemoryLimit& limit,
@@ -34,15 +33,13 @@ Result<void> check_memory_to_refine(const std::vector<RangeView>& views,
                                     const hybrid::RefineOptions& options) {
   const MemoryLimit* const limit = current_memory_limit();
   if (!limit) return {};
-  std::size_t pixels = 0, largest = 0;
+  std::size_t largest = 0;
   for (const RangeView& view : views) {
-    pixels += view.range.size();
     if (view.has_normals())
       largest = std::max(largest, hybrid::memory_to_refine(view, options.solver));
   }
   const std::size_t refining = largest > 0 ? largest + limit->most_in_memory() : 0;
-  return compare("aligning and refining the views",
-                 resident_beyond_files() + std::max(kAlignedPixel * pixels, refining), *limit,
+  return compare("aligning and refining the views", resident_beyond_files() + refining, *limit,
                  "raise the limit, or give fewer views");
 }
 

@@ -18,6 +18,10 @@ constexpr double kUnseen = 1.1;  // [widths]
 // leaves them all the same, close_zero_set() adds blocks, with values of the coarser level.
 constexpr int kBandCells = 2;
 
+// Of which blocks are looked for side by side. Bound the memory; change no result.
+constexpr std::size_t kViewsAtOnce = 64;
+constexpr std::size_t kBlocksAtOnce = 2048;
+
 Eigen::AlignedBox3d bounds_of(const std::vector<ViewSampler>& views, MemoryLimit* memory) {
   Eigen::AlignedBox3d box;
   for (const ViewSampler& view : views) {
@@ -35,6 +39,13 @@ bool crossed_cell(const SparseField::Padded& padded, const Node& n) {
     if ((corner > 0.0f) != first) return true;
   }
   return false;
+}
+
+// Adds all blocks between two.
+void add_box(const Node& low, const Node& high, KeySet& blocks) {
+  for (int z = low.z(); z <= high.z(); ++z)
+    for (int y = low.y(); y <= high.y(); ++y)
+      for (int x = low.x(); x <= high.x(); ++x) blocks.add(key_of({x, y, z}));
 }
 
 }  // namespace
@@ -62,30 +73,30 @@ FieldDomain domain_of(const std::vector<ViewSampler>& views, double voxel_size, 
 
 std::vector<NodeKey> blocks_near(const std::vector<ViewSampler>& views, const Lattice& lattice,
                                  double reach, MemoryLimit* memory) {
-  std::vector<std::vector<NodeKey>> by_view(views.size());
   const auto block_at = [&](const Eigen::Vector3d& p) -> Node {
     return (lattice.coordinates(p) / kBlockSide).array().floor().cast<int>();
   };
-  parallel_for(views.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      evict_pages(memory, 2 * views[i].bytes());
-      Node last_low = Node::Constant(INT_MAX), last_high = last_low;
-      views[i].for_surface_points([&](const Eigen::Vector3d& p) {
-        const Node low = block_at(p - Eigen::Vector3d::Constant(reach));
-        const Node high = block_at(p + Eigen::Vector3d::Constant(reach));
-        if (low == last_low && high == last_high) return;
-        last_low = low, last_high = high;
-        for (int z = low.z(); z <= high.z(); ++z)
-          for (int y = low.y(); y <= high.y(); ++y)
-            for (int x = low.x(); x <= high.x(); ++x) by_view[i].push_back(key_of({x, y, z}));
-      });
-      make_sorted_set(by_view[i]);
-    }
-  });
-  std::vector<NodeKey> all;
-  for (const auto& keys : by_view) all.insert(all.end(), keys.begin(), keys.end());
-  make_sorted_set(all);
-  return all;
+  const auto blocks_of = [&](const ViewSampler& view) {
+    evict_pages(memory, 2 * view.bytes());
+    KeySet blocks;
+    Node last_low = Node::Constant(INT_MAX), last_high = last_low;
+    view.for_surface_points([&](const Eigen::Vector3d& p) {
+      const Node low = block_at(p - Eigen::Vector3d::Constant(reach));
+      const Node high = block_at(p + Eigen::Vector3d::Constant(reach));
+      if (low == last_low && high == last_high) return;
+      last_low = low, last_high = high;
+      add_box(low, high, blocks);
+    });
+    return blocks.take();
+  };
+  KeySet all;
+  for (std::size_t first = 0; first < views.size(); first += kViewsAtOnce) {
+    const std::size_t count = std::min(kViewsAtOnce, views.size() - first);
+    const auto by_view = parallel_map<std::vector<NodeKey>>(
+        count, [&](std::size_t i) { return blocks_of(views[first + i]); });
+    for (const auto& blocks : by_view) all.add(blocks);
+  }
+  return all.take();
 }
 
 std::vector<NodeKey> parents_of(const std::vector<NodeKey>& blocks) {
@@ -109,30 +120,31 @@ std::vector<NodeKey> all_blocks(const Node& cells) {
 }
 
 std::vector<NodeKey> finer_blocks_near_zero(const SparseField& field, MemoryLimit* memory) {
-  std::vector<std::vector<NodeKey>> found(field.block_count());
-  parallel_for(field.block_count(), 16, [&](std::size_t begin, std::size_t end) {
-    evict_pages(memory);
+  const auto near_zero_of = [&](std::size_t b) {
+    KeySet blocks;
+    if (!field.active(b)) return blocks.take();
     SparseField::Padded padded;
-    for (std::size_t b = begin; b < end; ++b) {
-      if (!field.active(b)) continue;
-      field.gather(b, padded);
-      for (int i = 0; i < kBlockNodes; ++i) {
-        const Node local = node_at_offset(i);
-        if (!crossed_cell(padded, local)) continue;
-        const Node cell = field.first_node(b) + local;
-        const Node low = block_of(2 * (cell - Node::Constant(kBandCells)));
-        const Node high = block_of(2 * (cell + Node::Constant(kBandCells + 1)));
-        for (int z = low.z(); z <= high.z(); ++z)
-          for (int y = low.y(); y <= high.y(); ++y)
-            for (int x = low.x(); x <= high.x(); ++x) found[b].push_back(key_of({x, y, z}));
-      }
-      make_sorted_set(found[b]);
+    field.gather(b, padded);
+    for (int i = 0; i < kBlockNodes; ++i) {
+      const Node local = node_at_offset(i);
+      if (!crossed_cell(padded, local)) continue;
+      const Node cell = field.first_node(b) + local;
+      add_box(block_of(2 * (cell - Node::Constant(kBandCells))),
+              block_of(2 * (cell + Node::Constant(kBandCells + 1))), blocks);
     }
-  });
-  std::vector<NodeKey> all;
-  for (const auto& keys : found) all.insert(all.end(), keys.begin(), keys.end());
-  make_sorted_set(all);
-  return all;
+    return blocks.take();
+  };
+  KeySet all;
+  for (std::size_t first = 0; first < field.block_count(); first += kBlocksAtOnce) {
+    const std::size_t count = std::min(kBlocksAtOnce, field.block_count() - first);
+    std::vector<std::vector<NodeKey>> found(count);
+    parallel_for(count, 16, [&](std::size_t begin, std::size_t end) {
+      evict_pages(memory);
+      for (std::size_t b = begin; b < end; ++b) found[b] = near_zero_of(first + b);
+    });
+    for (const auto& blocks : found) all.add(blocks);
+  }
+  return all.take();
 }
 
 }  // namespace relief::fusion

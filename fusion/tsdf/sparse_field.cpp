@@ -50,6 +50,11 @@ void make_sorted_set(std::vector<NodeKey>& keys) {
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
+std::vector<NodeKey> KeySet::take() {
+  make_sorted_set(keys_);
+  return {keys_.begin(), keys_.end()};
+}
+
 SparseField::SparseField(const Lattice& lattice, std::vector<NodeKey> active_blocks,
                          const SparseField* coarser, float outside_value, MemoryLimit* memory)
     : lattice_(lattice),
@@ -87,18 +92,16 @@ void SparseField::clear_values() {
 }
 
 void SparseField::add_border() {
-  std::vector<NodeKey> all;
-  all.reserve(27 * keys_.size());
+  KeySet set;
   for (std::size_t b = 0; b < keys_.size(); ++b) {
     if (!active_[b]) {
-      all.push_back(keys_[b]);
+      set.add(keys_[b]);
       continue;
     }
     const Node centre = node_of(keys_[b]);
-    for_neighbourhood(
-        [&](int dx, int dy, int dz) { all.push_back(key_of(centre + Node(dx, dy, dz))); });
+    for_neighbourhood([&](int dx, int dy, int dz) { set.add(key_of(centre + Node(dx, dy, dz))); });
   }
-  make_sorted_set(all);
+  std::vector<NodeKey> all = set.take();
   std::vector<std::uint8_t> active(all.size(), 0);
   for (std::size_t b = 0; b < keys_.size(); ++b) {
     const auto place = std::lower_bound(all.begin(), all.end(), keys_[b]);
@@ -109,13 +112,13 @@ void SparseField::add_border() {
 }
 
 void SparseField::link_neighbours() {
-  neighbours_.resize(keys_.size());
-  for (std::size_t b = 0; b < keys_.size(); ++b) {
+  neighbours_ = PagedArray<std::array<std::int32_t, 27>>(keys_.size(), memory_);
+  serial_for(keys_.size(), [&](std::size_t b) {
     const Node centre = block(b);
     std::size_t k = 0;
     for_neighbourhood(
         [&](int dx, int dy, int dz) { neighbours_[b][k++] = find(centre + Node(dx, dy, dz)); });
-  }
+  });
 }
 
 std::int32_t SparseField::find(const Node& block) const {

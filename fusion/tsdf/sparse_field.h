@@ -97,8 +97,8 @@ class SparseField {
   float outside_value_;
   std::vector<NodeKey> keys_;
   std::vector<std::uint8_t> active_;
-  std::vector<std::array<std::int32_t, 27>> neighbours_;
   MemoryLimit* memory_;
+  PagedArray<std::array<std::int32_t, 27>> neighbours_;  // See neighbour().
   PagedArray<float> values_;
 };
 
@@ -109,5 +109,31 @@ inline constexpr std::size_t padded_index(int x, int y, int z) {
 
 /// Sorts and removes repetitions.
 void make_sorted_set(std::vector<NodeKey>& keys);
+
+/// A set of keys of which most are added many times: never holds many more than twice its own.
+class KeySet {
+ public:
+  void add(NodeKey key) {
+    keys_.push_back(key);
+    if (keys_.size() >= next_) remove_repetitions();
+  }
+  void add(const std::vector<NodeKey>& keys) {
+    for (const NodeKey key : keys) add(key);
+  }
+  /// The keys in ascending order, in no more memory than they need.
+  std::vector<NodeKey> take();
+
+ private:
+  // Changes no result.
+  static constexpr std::size_t kFewest = 65536;
+
+  void remove_repetitions() {
+    make_sorted_set(keys_);
+    next_ = 2 * keys_.size() + kFewest;
+  }
+
+  std::vector<NodeKey> keys_;
+  std::size_t next_ = kFewest;  // So many keys are looked at for repetitions.
+};
 
 }  // namespace relief::fusion

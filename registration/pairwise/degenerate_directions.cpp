@@ -49,7 +49,7 @@ struct Extent {
   Eigen::Vector3d centre;
   double radius = 0.0;
 
-  explicit Extent(const std::vector<OrientedPoint>& points) {
+  explicit Extent(std::span<const OrientedPoint> points) {
     const double count = static_cast<double>(points.size());
     const Eigen::Vector3d first = points.front().point;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -75,7 +75,7 @@ ConstraintSpectrum sorted(const ConstraintSpectrum& spectrum) {
   return result;
 }
 
-ConstraintSpectrum analyse_constraints(const std::vector<OrientedPoint>& points) {
+ConstraintSpectrum analyse_constraints(std::span<const OrientedPoint> points) {
   ConstraintSpectrum result;
   if (points.size() < kFewestPoints) return result;
   const double count = static_cast<double>(points.size());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,7 @@ struct ConstraintSpectrum {
 ConstraintSpectrum sorted(const ConstraintSpectrum& spectrum);
 
 /// All eigenvalues are zero for fewer than six points.
-ConstraintSpectrum analyse_constraints(const std::vector<OrientedPoint>& points);
+ConstraintSpectrum analyse_constraints(std::span<const OrientedPoint> points);
 
 /// How firmly two surfaces that lie on each other are held by what both show.
 ///

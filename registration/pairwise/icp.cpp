@@ -184,7 +184,7 @@ class PairAlignment {
         const ViewSurface &from = forward ? source_ : target_, &to = forward ? target_ : source_;
         const RigidMotion to_from_from = forward ? poses[0] : poses[0].inverse();
         const auto found = find_correspondences(from, to, to_from_from, search_at(level, options_));
-        last.normals.push_back(match_normals(from, to, to_from_from, found, level.signal_level));
+        last.normals.add(match_normals(from, to, to_from_from, found, level.signal_level));
       }
     }
     // Pairs are aligned side by side, so the two directions of one need no threads.

@@ -149,23 +149,27 @@ const NormalSignal& ViewSurface::prepared_signal() const {
 
 void ViewSurface::select_samples(const Grid<Eigen::Vector3d>& points,
                                  const Grid<std::uint8_t>& bridged) {
+  std::vector<std::uint32_t> inner_samples, edge_samples;
   surface_.for_each_sample([&](int u, int v) {
     const std::size_t index = points.index(u, v);
     if ((!bridged.empty() && bridged[index]) || is_too_noisy(u, v)) return;
     const bool inner = surface_.boundary_distance(u, v) >= inner_margin_;
-    (inner ? samples_ : edge_samples_).push_back(static_cast<std::uint32_t>(index));
+    (inner ? inner_samples : edge_samples).push_back(static_cast<std::uint32_t>(index));
     if (inner) mean_normal_ += surface_.normal(u, v);
   });
-  scatter(edge_samples_);
-  if (samples_.empty()) return;
+  scatter(edge_samples);
+  edge_samples_.assign(edge_samples.begin(), edge_samples.end());
+  if (inner_samples.empty()) return;
   // Relative to one sample, so that a view far from its own origin loses nothing.
-  const Eigen::Vector3d& first = points[samples_.front()];
+  const Eigen::Vector3d& first = points[inner_samples.front()];
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const std::uint32_t i : samples_) sum += points[i] - first;
+  for (const std::uint32_t i : inner_samples) sum += points[i] - first;
   mean_normal_.normalize();
-  centre_ = first + sum / static_cast<double>(samples_.size());
-  for (const std::uint32_t i : samples_) radius_ = std::max(radius_, (points[i] - centre_).norm());
-  scatter(samples_);
+  centre_ = first + sum / static_cast<double>(inner_samples.size());
+  for (const std::uint32_t i : inner_samples)
+    radius_ = std::max(radius_, (points[i] - centre_).norm());
+  scatter(inner_samples);
+  samples_.assign(inner_samples.begin(), inner_samples.end());
 }
 
 // Whether its noise leaves a sample less than a hundredth of the weight of a typical one.

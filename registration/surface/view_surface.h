@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,6 +15,7 @@
 #include "registration/surface/normal_signal.h"
 #include "relief/registration/align_options.h"
 #include "relief/scan/discontinuities.h"
+#include "relief/scan/page_allocator.h"
 #include "relief/scan/range_view.h"
 #include "scan/grid/connected_grid.h"
 #include "scan/grid/range_noise.h"
@@ -61,9 +63,9 @@ class ViewSurface {
   /// Grid indices of the usable samples (measured, normal, positive confidence, off the boundary,
   /// at most kLargestNoiseRatio times the typical noise) in a scattered order: every prefix is
   /// spread over the whole surface.
-  const std::vector<std::uint32_t>& samples() const { return samples_; }
+  std::span<const std::uint32_t> samples() const { return samples_; }
   /// Those between the two margins, scattered too.
-  const std::vector<std::uint32_t>& edge_samples() const { return edge_samples_; }
+  std::span<const std::uint32_t> edge_samples() const { return edge_samples_; }
   /// The sample at a grid index of samples() or edge_samples().
   SurfacePoint sample(std::uint32_t index) const;
 
@@ -144,7 +146,7 @@ class ViewSurface {
   int inner_margin_;                         // [pixels]
   int signal_levels_ = 0;
   std::unique_ptr<LazySignal> signal_ = std::make_unique<LazySignal>();
-  std::vector<std::uint32_t> samples_, edge_samples_;
+  PagedVector<std::uint32_t> samples_, edge_samples_;
   std::unique_ptr<NeighbourIndex> index_;
   double noise_ = 0.0, typical_noise_ = 0.0, rounding_ = 0.0, normal_noise_ = 0.0,
          normal_error_ = 0.0, radius_ = 0.0;

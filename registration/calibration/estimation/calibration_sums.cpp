@@ -184,7 +184,7 @@ std::vector<PairSums> sum_pairs(const CalibratedViews& views, const std::vector<
                                 const CalibrationSumOptions& options) {
   std::vector<std::vector<std::uint32_t>> samples;
   for (const ViewSurface& surface : *views.surfaces) {
-    const auto& all = surface.samples();
+    const auto all = surface.samples();
     samples.emplace_back(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(
                                                         std::min(all.size(), options.samples)));
   }

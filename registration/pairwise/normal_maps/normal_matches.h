@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -8,6 +10,7 @@
 #include "registration/pairwise/degenerate_directions.h"
 #include "registration/surface/view_surface.h"
 #include "relief/scan/rigid_motion.h"
+#include "scan/base/memory/paged_lists.h"
 
 namespace relief::registration {
 
@@ -45,6 +48,32 @@ struct NormalMatches {
   double effective_sigma = 0.0;
   /// How many matches say the same, because they lie in the same few cells of the maps; >= 1.
   double redundancy = 1.0;
+};
+
+/// The matches of a directed pair, without their redundancy.
+struct NormalMatchesView {
+  std::span<const NormalMatch> items;
+  double sigma = 0.0, effective_sigma = 0.0;  ///< As in NormalMatches.
+};
+
+/// The matches of many directed pairs. They lie in files under a memory limit.
+class NormalMatchesOfPairs {
+ public:
+  bool empty() const { return items_.size() == 0; }
+  void add(const NormalMatches& of_pair) {
+    items_.add(of_pair.items);
+    sigmas_.push_back({of_pair.sigma, of_pair.effective_sigma});
+  }
+  NormalMatchesView operator[](std::size_t pair) const {
+    return {items_[pair], sigmas_[pair].of_residuals, sigmas_[pair].effective};
+  }
+
+ private:
+  struct Sigmas {
+    double of_residuals, effective;
+  };
+  PagedLists<NormalMatch> items_;
+  std::vector<Sigmas> sigmas_;
 };
 
 /// What the normal maps of both views say at correspondences, at resolution `level`; none where

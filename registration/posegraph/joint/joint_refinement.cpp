@@ -13,6 +13,7 @@
 #include "registration/posegraph/pairs/pair_matcher.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "registration/posegraph/view_graph.h"
+#include "relief/scan/page_allocator.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -77,13 +78,18 @@ std::vector<ViewPair> pairs_at(const std::vector<ViewSurface>& surfaces,
 // that holds a view well needs no help from maps, whose errors are less well known.
 std::vector<bool> nearly_degenerate_views(const std::vector<ViewSurface>& surfaces,
                                           const std::vector<RigidMotion>& world_from_view,
-                                          const std::vector<DirectedMatches>& matches) {
-  std::vector<std::vector<OrientedPoint>> points(surfaces.size());
-  for (const auto& directed : matches) {
-    const RigidMotion& pose = world_from_view[directed.target];
-    for (const auto& c : directed.found.items)
-      for (const std::size_t view : {directed.source, directed.target})
-        points[view].push_back({pose * c.target.point, pose.linear() * c.target.normal});
+                                          const PairMatcher& match) {
+  std::vector<PagedVector<OrientedPoint>> points(surfaces.size());
+  for (std::size_t first = 0; first < match.size(); first += kMatchedAtOnce) {
+    const std::size_t count = std::min(kMatchedAtOnce, match.size() - first);
+    const auto matches =
+        parallel_map<DirectedMatches>(count, [&](std::size_t i) { return match(first + i); });
+    for (const auto& directed : matches) {
+      const RigidMotion& pose = world_from_view[directed.target];
+      for (const auto& c : directed.found.items)
+        for (const std::size_t view : {directed.source, directed.target})
+          points[view].push_back({pose * c.target.point, pose.linear() * c.target.normal});
+    }
   }
   std::vector<bool> nearly_degenerate(surfaces.size());
   for (std::size_t i = 0; i < surfaces.size(); ++i)
@@ -114,8 +120,7 @@ SearchPlan plan_search(const std::vector<ViewSurface>& surfaces,
   const PairMatcher match(surfaces, world_from_view, pairs,
                           search_at(level, pairs.size(), kFewestTogether, options),
                           level.signal_level, plan.nearly_degenerate);
-  const auto matches = parallel_map<DirectedMatches>(match.size(), match);
-  plan.nearly_degenerate = nearly_degenerate_views(surfaces, world_from_view, matches);
+  plan.nearly_degenerate = nearly_degenerate_views(surfaces, world_from_view, match);
   if (std::find(plan.nearly_degenerate.begin(), plan.nearly_degenerate.end(), true) !=
       plan.nearly_degenerate.end())
     plan.levels = levels_for(surfaces, options, signal_levels);
@@ -226,10 +231,9 @@ class Refining {
       const PairMatcher match(surfaces_, result_.world_from_view, strongest,
                               search_at(level, strongest.size(), kFewestTogether, options_),
                               level.signal_level, plan_.nearly_degenerate);
-      auto matches = parallel_map<DirectedMatches>(match.size(), match);
       const auto before = result_.world_from_view;
       result_.solves.push_back(
-          solve_poses(surfaces_, std::move(matches), result_.held, {}, result_.world_from_view));
+          solve_poses(surfaces_, match.size(), match, result_.held, {}, result_.world_from_view));
       if (result_.solves.back().termination == SolverTermination::kFailed) {
         result_.termination = RefinementTermination::kSolverFailed;
         return true;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 #include <ceres/ceres.h>
@@ -10,6 +11,7 @@
 #include "registration/posegraph/joint/pose_parameters.h"
 #include "registration/posegraph/pairs/pair_terms.h"
 #include "registration/posegraph/sparse_solver.h"
+#include "scan/base/memory/paged_lists.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -35,9 +37,18 @@ PoseBlocks pose_blocks(const std::vector<ViewSurface>& surfaces,
   return blocks;
 }
 
-PairTerms terms_of(const DirectedMatches& pair, const ViewSurface& source,
+// The terms of a directed pair, while the next ones are made.
+struct MadeTerms {
+  std::size_t source = 0, target = 0;
+  std::vector<PlaneResidual> planes;
+  std::vector<NormalResidual> normals;
+};
+
+MadeTerms terms_of(const DirectedMatches& pair, const ViewSurface& source,
                    const ViewSurface& target, const RigidMotion& source_from_target) {
-  PairTerms terms;
+  MadeTerms terms{pair.source, pair.target, {}, {}};
+  terms.planes.reserve(pair.found.items.size());
+  terms.normals.reserve(pair.normals.items.size());
   for (const Correspondence& c : pair.found.items)
     terms.planes.push_back({c.source.point - source.centre(), c.target.point - target.centre(),
                             c.target.normal, std::sqrt(c.weight) / pair.found.sigma});
@@ -56,8 +67,10 @@ class CompressedPairs : public ceres::EvaluationCallback {
  public:
   explicit CompressedPairs(const std::vector<PoseParameters>& poses) : poses_(poses) {}
 
-  void add(std::size_t source, std::size_t target, PairTerms terms) {
-    pairs_.push_back({source, target, std::move(terms), {}});
+  void add(const MadeTerms& terms) {
+    pairs_.push_back({terms.source, terms.target, {}});
+    planes_.add(terms.planes);
+    normals_.add(terms.normals);
   }
 
   // Compresses all at the first poses. Whether they are finite: Ceres would print what is not.
@@ -83,18 +96,20 @@ class CompressedPairs : public ceres::EvaluationCallback {
     parallel_for(pairs_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         Pair& pair = pairs_[i];
-        pair.now = pair.terms.compress(relative_pose(poses_[pair.source], poses_[pair.target]));
+        pair.now = PairTerms{planes_[i], normals_[i]}.compress(
+            relative_pose(poses_[pair.source], poses_[pair.target]));
       }
     });
   }
 
   struct Pair {
     std::size_t source, target;
-    PairTerms terms;
     CompressedTerms now;
   };
   const std::vector<PoseParameters>& poses_;
   std::vector<Pair> pairs_;
+  PagedLists<PlaneResidual> planes_;  // Of each pair.
+  PagedLists<NormalResidual> normals_;
   bool started_ = false;  // Whether they are those of the first poses, not asked for yet.
 };
 
@@ -122,20 +137,31 @@ class PairCost : public ceres::SizedCostFunction<7, 7, 7> {
   std::size_t index_;
 };
 
+// Those of `count` directed pairs from `first` on; none of pairs that share nothing or cannot move.
+std::vector<MadeTerms> terms_of(const std::vector<ViewSurface>& surfaces, std::size_t first,
+                                std::size_t count, const MatchDirectedPair& match,
+                                const std::vector<bool>& fixed,
+                                const std::vector<RigidMotion>& world_from_view) {
+  return parallel_map<MadeTerms>(count, [&](std::size_t i) {
+    const DirectedMatches pair = match(first + i);
+    if (fixed[pair.source] && fixed[pair.target]) return MadeTerms();
+    return terms_of(pair, surfaces[pair.source], surfaces[pair.target],
+                    world_from_view[pair.source].inverse() * world_from_view[pair.target]);
+  });
+}
+
 }  // namespace
 
-SolverSummary solve_poses(const std::vector<ViewSurface>& surfaces,
-                          std::vector<DirectedMatches> matches, const std::vector<bool>& fixed,
+SolverSummary solve_poses(const std::vector<ViewSurface>& surfaces, std::size_t pair_count,
+                          const MatchDirectedPair& match, const std::vector<bool>& fixed,
                           const JointSolverOptions& options,
                           std::vector<RigidMotion>& world_from_view) {
   PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
   CompressedPairs pairs(blocks.values);
-  for (DirectedMatches& of_pair : matches) {
-    const DirectedMatches pair = std::exchange(of_pair, {});
-    if (pair.found.items.empty() || (fixed[pair.source] && fixed[pair.target])) continue;
-    pairs.add(pair.source, pair.target,
-              terms_of(pair, surfaces[pair.source], surfaces[pair.target],
-                       world_from_view[pair.source].inverse() * world_from_view[pair.target]));
+  for (std::size_t first = 0; first < pair_count; first += kMatchedAtOnce) {
+    const std::size_t count = std::min(kMatchedAtOnce, pair_count - first);
+    for (const MadeTerms& terms : terms_of(surfaces, first, count, match, fixed, world_from_view))
+      if (!terms.planes.empty()) pairs.add(terms);
   }
   if (!pairs.start())
     return {.termination = SolverTermination::kFailed,

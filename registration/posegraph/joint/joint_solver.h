@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,17 +21,23 @@ struct DirectedMatches {
   NormalMatches normals;  ///< Of `found`; empty where they would add little.
 };
 
+using MatchDirectedPair = std::function<DirectedMatches(std::size_t)>;
+
+/// Directed pairs that are matched at a time: enough for all threads. Changes no result.
+inline constexpr std::size_t kMatchedAtOnce = 128;
+
 struct JointSolverOptions {
   int max_iterations = 2;  ///< Levenberg-Marquardt steps; few, when correspondences are renewed.
 };
 
 /// One minimisation of (R3) and (R9) over all poses with fixed correspondences: Levenberg-Marquardt
 /// with the Cauchy loss and a sparse Cholesky factorisation; the terms of a directed pair make
-/// seven residuals, whatever their number (R6). Each of `matches`, the largest thing there is, is
-/// gone as soon as it has been taken up. Poses with `fixed` are not touched; none is if it
-/// failed.
-[[nodiscard]] SolverSummary solve_poses(const std::vector<ViewSurface>& surfaces,
-                                        std::vector<DirectedMatches> matches,
+/// seven residuals, whatever their number (R6). `match` gives the correspondences of directed pairs
+/// 0 to `pairs` - 1 at the poses given, from several threads at once. No more of them are held at a
+/// time than are needed, since they are the largest thing there is: what is made of them lies in
+/// files under a memory limit. Poses with `fixed` are not touched; none is if it failed.
+[[nodiscard]] SolverSummary solve_poses(const std::vector<ViewSurface>& surfaces, std::size_t pairs,
+                                        const MatchDirectedPair& match,
                                         const std::vector<bool>& fixed,
                                         const JointSolverOptions& options,
                                         std::vector<RigidMotion>& world_from_view);

@@ -99,6 +99,19 @@ bool set_covariances(const PoseCovariance& covariance, JointRefinement& result) 
   return true;
 }
 
+// What the normal maps say of each directed pair.
+NormalMatchesOfPairs match_normals(const PairMatcher& match) {
+  NormalMatchesOfPairs matches;
+  for (std::size_t first = 0; first < match.size(); first += kMatchedAtOnce) {
+    const std::size_t count = std::min(kMatchedAtOnce, match.size() - first);
+    const auto some = parallel_map<NormalMatches>(count, [&](std::size_t i) {
+      return match.by_normal_maps(first + i) ? match(first + i).normals : NormalMatches();
+    });
+    for (const NormalMatches& of_pair : some) matches.add(of_pair);
+  }
+  return matches;
+}
+
 // Gives the covariance too. Returns what the very last step was made of.
 PoseGraphLastStep refine(const std::vector<ViewSurface>& surfaces,
                          const std::vector<ViewPair>& pairs, const SearchLevel& level,
@@ -116,9 +129,7 @@ PoseGraphLastStep refine(const std::vector<ViewSurface>& surfaces,
       nearly_degenerate.end()) {
     const PairMatcher match(surfaces, result.world_from_view, pairs, last.search,
                             level.signal_level, nearly_degenerate);
-    last.normals = parallel_map<NormalMatches>(match.size(), [&](std::size_t i) {
-      return match.by_normal_maps(i) ? match(i).normals : NormalMatches();
-    });
+    last.normals = match_normals(match);
   }
   auto poses = result.world_from_view;
   auto refined = refine_pose_graph(pointers_to(surfaces), pairs, result.held, last, poses);

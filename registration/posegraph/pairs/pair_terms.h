@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include <span>
 
 #include "registration/pairwise/degenerate_directions.h"
 #include "registration/pairwise/normal_equations.h"
@@ -25,8 +25,8 @@ inline CompressedTerms compress(const NormalEquations& sum, double losses) {
 /// All terms of the joint refinement between one view's samples and another's surface: (R3) and
 /// (R9), with the Cauchy loss.
 struct PairTerms {
-  std::vector<PlaneResidual> planes;
-  std::vector<NormalResidual> normals;
+  std::span<const PlaneResidual> planes;
+  std::span<const NormalResidual> normals;
 
   /// All of them at a relative pose, exactly: they depend on six parameters only, whatever their
   /// number (R6).

@@ -64,13 +64,13 @@ class Accumulator {
 }  // namespace
 
 std::vector<std::uint32_t> in_grid_order(const ViewSurface& view, std::size_t count) {
-  const auto &inner = view.samples(), &edge = view.edge_samples();
+  const auto inner = view.samples(), edge = view.edge_samples();
   const std::size_t total = inner.size() + edge.size();
   const std::size_t wanted = count > 0 ? std::min(count, total) : total;
   const std::size_t of_edge = total > 0 ? wanted * edge.size() / total : 0;
   std::vector<std::uint32_t> samples;
   samples.reserve(wanted);
-  const auto append = [&](const std::vector<std::uint32_t>& part, std::size_t first) {
+  const auto append = [&](std::span<const std::uint32_t> part, std::size_t first) {
     samples.insert(samples.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(first));
   };
   append(inner, wanted - of_edge);
@@ -118,7 +118,7 @@ PairInformation pair_information(const ViewSurface& source, const ViewSurface& t
   return sum;
 }
 
-void add_normals(const NormalMatches& normals, const RigidMotion& world_from_target,
+void add_normals(const NormalMatchesView& normals, const RigidMotion& world_from_target,
                  const Eigen::Vector3d& centre, const RigidTangent& since, PairInformation& sum) {
   if (normals.items.empty()) return;
   RigidMotion centred_from_target = world_from_target;

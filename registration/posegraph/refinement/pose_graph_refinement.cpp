@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "registration/pairwise/robust.h"
 #include "registration/posegraph/pose_step.h"
 #include "registration/posegraph/refinement/pair_information.h"
 #include "registration/posegraph/refinement/pose_graph_system.h"
+#include "scan/base/memory/paged_lists.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -16,6 +18,8 @@ namespace {
 
 // Directed pairs whose patches are summed, and made larger where there are many, at a time.
 constexpr std::size_t kPairsAtOnce = 64;
+// Views whose samples are chosen at a time. Bounds the memory; changes no result.
+constexpr std::size_t kViewsAtOnce = 64;
 
 // Pairs of views, of which all patches are kept for loop closures. Beyond, patches are four times
 // as wide, and a sixteenth of the memory: 16 kB a pair, with 5000 patches a view.
@@ -113,12 +117,22 @@ class MovingPairs {
            about_view;
   }
 
+  PagedLists<std::uint32_t> samples_of_views(std::size_t samples) const {
+    PagedLists<std::uint32_t> of_views;
+    for (std::size_t first = 0; first < surfaces_.size(); first += kViewsAtOnce) {
+      const std::size_t count = std::min(kViewsAtOnce, surfaces_.size() - first);
+      const auto some = parallel_map<std::vector<std::uint32_t>>(
+          count, [&](std::size_t i) { return in_grid_order(*surfaces_[first + i], samples); });
+      for (const auto& of_view : some) of_views.add(of_view);
+    }
+    return of_views;
+  }
+
   // Calls visit(pair) in the order of the pairs.
   template <typename Visit>
   std::vector<PairInformation> compress_all(std::size_t samples, double patch,
                                             const Visit& visit) const {
-    const auto of_view = parallel_map<std::vector<std::uint32_t>>(
-        surfaces_.size(), [&](std::size_t i) { return in_grid_order(*surfaces_[i], samples); });
+    const PagedLists<std::uint32_t> of_view = samples_of_views(samples);
     std::vector<PairInformation> all(2 * pairs_.size());
     for (std::size_t first = 0; first < all.size(); first += kPairsAtOnce) {
       const std::size_t count = std::min(kPairsAtOnce, all.size() - first);
@@ -131,7 +145,7 @@ class MovingPairs {
     return all;
   }
 
-  PairInformation compress_pair(std::size_t i, const std::vector<std::uint32_t>& samples,
+  PairInformation compress_pair(std::size_t i, std::span<const std::uint32_t> samples,
                                 double patch) const {
     const std::size_t source = source_of(pairs_, i), target = target_of(pairs_, i);
     PairInformation sum;

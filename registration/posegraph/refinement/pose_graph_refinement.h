@@ -28,7 +28,7 @@ struct PoseGraphRefinementOptions {
   int max_iterations = 60;
   /// What the normal maps say of each directed pair at the poses given, (a, b) at 2k, (b, a) at
   /// 2k + 1; empty: nothing.
-  std::vector<NormalMatches> normals;
+  NormalMatchesOfPairs normals;
   /// Edge of the patches within which residuals may depend on each other [sample spacings].
   double patch = 8.0;
   /// For two views: relative motions that they do not determine, and that steps leave alone. World

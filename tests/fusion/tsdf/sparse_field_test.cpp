@@ -1,6 +1,8 @@
 #include "fusion/tsdf/sparse_field.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -28,6 +30,16 @@ TEST(Lattice, KeysOrderAndInvert) {
     EXPECT_EQ(node_of(key_of(node)), node);
   EXPECT_LT(key_of({5, 5, -1}), key_of({0, 0, 0}));
   EXPECT_LT(key_of({5, -1, 0}), key_of({0, 0, 0}));
+}
+
+TEST(KeySet, HoldsEachKeyOnceInNoMoreMemoryThanNeeded) {
+  KeySet set;
+  for (NodeKey i = 0; i < 500'000; ++i) set.add(i * i % 1000);
+  const std::vector<NodeKey> keys = set.take();
+  EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
+  EXPECT_EQ(std::adjacent_find(keys.begin(), keys.end()), keys.end());
+  EXPECT_EQ(keys.size(), 159u) << "squares modulo 1000";
+  EXPECT_EQ(keys.capacity(), keys.size());
 }
 
 TEST(SparseField, ProlongsLinearFunctionsExactly) {

@@ -1,13 +1,19 @@
 #include "registration/posegraph/joint/joint_solver.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "registration/posegraph/joint/joint_refinement.h"
+#include "relief/scan/context.h"
+#include "scan/base/memory/memory_limit.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/support/memory_limits.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
 
 namespace relief::registration {
 namespace {
@@ -56,7 +62,8 @@ TEST(JointSolver, SaysWhetherItsSolutionIsOfUse) {
   std::vector<DirectedMatches> matches{matches_of(surfaces, views)};
   const auto given = poses_of(views);
   auto poses = given;
-  const auto summary = solve_poses(surfaces, matches, {true, false}, {}, poses);
+  const auto match = [&](std::size_t i) { return matches[i]; };
+  const auto summary = solve_poses(surfaces, 1, match, {true, false}, {}, poses);
   EXPECT_EQ(summary.termination, SolverTermination::kIterationLimit);
   EXPECT_EQ(summary.stage, SolverStage::kJoint);
   EXPECT_EQ(summary.iterations, JointSolverOptions().max_iterations);
@@ -66,9 +73,34 @@ TEST(JointSolver, SaysWhetherItsSolutionIsOfUse) {
 
   poses = given;
   matches[0].found.items[7].weight = kInfinity;
-  EXPECT_EQ(solve_poses(surfaces, matches, {true, false}, {}, poses).termination,
+  EXPECT_EQ(solve_poses(surfaces, 1, match, {true, false}, {}, poses).termination,
             SolverTermination::kFailed);
   EXPECT_TRUE(same_bytes(poses, given));
+}
+
+// Beyond what lies in files, at most, while `pairs` directed pairs are matched [bytes].
+std::size_t most_memory_for(std::size_t pairs) {
+  const auto views = two_views();
+  const auto surfaces = surfaces_of(views);
+  const DirectedMatches matches = matches_of(surfaces, views);
+  const testing::TemporaryFolder folder;
+  const Context context{
+      .threads = 1, .memory = 100 * testing::kMebibyte, .temporary_folder = folder.path()};
+  std::size_t most = 0;
+  const auto match = [&](std::size_t i) {
+    if (i % 100 == 0) most = std::max(most, resident_beyond_files());
+    return matches;
+  };
+  auto poses = poses_of(views);
+  EXPECT_TRUE(run_until_stopped(context, [&] {
+    EXPECT_NE(solve_poses(surfaces, pairs, match, {true, false}, {}, poses).termination,
+              SolverTermination::kFailed);
+  }));
+  return most;
+}
+
+TEST(JointSolver, ManyPairsNeedNoMoreMemoryThanFew) {
+  EXPECT_LT(most_memory_for(4000), most_memory_for(400) + 24 * testing::kMebibyte);
 }
 
 TEST(JointRefinement, SaysThatItsSolverFailed) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -11,11 +12,20 @@
 namespace relief::registration {
 namespace {
 
+struct Terms {
+  std::vector<PlaneResidual> planes;
+  std::vector<NormalResidual> normals;
+
+  CompressedTerms compress(const RigidMotion& motion) const {
+    return PairTerms{planes, normals}.compress(motion);
+  }
+};
+
 class RandomTerms {
  public:
   /// Points in a ball; the normals of the planes have a z component times `tilt` less than others.
-  PairTerms make(int planes, int normals, double flatness = 1.0) {
-    PairTerms terms;
+  Terms make(int planes, int normals, double flatness = 1.0) {
+    Terms terms;
     for (int i = 0; i < planes; ++i) {
       const Eigen::Vector3d n =
           Eigen::Vector3d(flatness * number_(engine_), flatness * number_(engine_), 1.0)
@@ -49,7 +59,7 @@ class RandomTerms {
 
 double cauchy_loss(double squared, double c) { return c * c * std::log1p(squared / (c * c)); }
 
-double loss_at(const PairTerms& terms, const RigidMotion& motion) {
+double loss_at(const Terms& terms, const RigidMotion& motion) {
   double sum = 0.0;
   RigidTangent j;
   std::array<RigidTangent, 2> both;
@@ -63,7 +73,7 @@ double loss_at(const PairTerms& terms, const RigidMotion& motion) {
 }
 
 // sum of w j j^T over all terms.
-Matrix6d information_at(const PairTerms& terms, const RigidMotion& motion) {
+Matrix6d information_at(const Terms& terms, const RigidMotion& motion) {
   Matrix6d sum = Matrix6d::Zero();
   RigidTangent j;
   std::array<RigidTangent, 2> both;
@@ -79,7 +89,7 @@ Matrix6d information_at(const PairTerms& terms, const RigidMotion& motion) {
   return sum;
 }
 
-void expect_exact(const PairTerms& terms, const RigidMotion& motion) {
+void expect_exact(const Terms& terms, const RigidMotion& motion) {
   const CompressedTerms compressed = terms.compress(motion);
   const double loss = loss_at(terms, motion);
   EXPECT_NEAR(compressed.residuals.squaredNorm(), loss, 1e-11 * loss);
@@ -113,7 +123,7 @@ TEST(PairTerms, FewTermsDetermineFewDirections) {
 
 TEST(PairTerms, NothingHoldsAMotionAlongAPlane) {
   RandomTerms random;
-  PairTerms terms = random.make(500, 0, 0.0);
+  Terms terms = random.make(500, 0, 0.0);
   expect_exact(terms, random.motion());
   const CompressedTerms compressed = terms.compress(RigidMotion::Identity());
   RigidTangent along;
@@ -123,7 +133,7 @@ TEST(PairTerms, NothingHoldsAMotionAlongAPlane) {
 
 TEST(PairTerms, UnitsChangeNoResidual) {
   RandomTerms random;
-  PairTerms terms = random.make(500, 0);
+  Terms terms = random.make(500, 0);
   RigidMotion motion = random.motion();
   const CompressedTerms before = terms.compress(motion);
   constexpr double kUnit = 1e6;

@@ -61,7 +61,7 @@ std::vector<bool> first_held(std::size_t views) {
 TEST(PairInformation, TakesInnerAndEdgeSamplesInProportion) {
   const Ring ring(1);
   const ViewSurface& view = ring.surfaces[0];
-  const auto &inner = view.samples(), &edge = view.edge_samples();
+  const auto inner = view.samples(), edge = view.edge_samples();
   ASSERT_FALSE(edge.empty());
   EXPECT_EQ(in_grid_order(view, 0).size(), inner.size() + edge.size());
   const auto some = in_grid_order(view, 3000);

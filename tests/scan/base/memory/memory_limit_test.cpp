@@ -13,6 +13,7 @@
 #include "relief/scan/context.h"
 #include "relief/scan/grid.h"
 #include "scan/base/memory/paged_array.h"
+#include "scan/base/memory/paged_lists.h"
 #include "scan/base/parallel.h"
 #include "scan/base/system/system_memory.h"
 #include "tests/support/memory_limits.h"
@@ -44,6 +45,25 @@ TEST_F(MemoryLimitTest, ArraysKeepTheirValuesWhenTheirPagesAreHandedBack) {
   for (std::uint32_t i = 0; i < moved.size(); ++i) ASSERT_EQ(moved[i], 2654435761u * i);
   EXPECT_THAT(limit.check(), IsOk());
   EXPECT_EQ(folder_.size(), 0u) << "the files have no name";
+}
+
+TEST_F(MemoryLimitTest, ManyShortListsLieInFewFiles) {
+  const Context context{.memory = 64 * kMebibyte, .temporary_folder = folder_.path()};
+  PagedLists<std::uint64_t> lists;
+  ASSERT_TRUE(run_until_stopped(context, [&] {
+    const std::size_t before = resident_beyond_files();
+    for (std::uint64_t i = 0; i < 100'000; ++i)
+      lists.add(std::vector<std::uint64_t>(i % 1000, i));  // 400 MB in all.
+    EXPECT_LT(resident_beyond_files(), before + 24 * kMebibyte);
+  }));
+  ASSERT_EQ(lists.size(), 100'000u);
+  for (std::uint64_t i = 0; i < lists.size(); ++i) {
+    ASSERT_EQ(lists[i].size(), i % 1000);
+    if (!lists[i].empty()) {
+      ASSERT_EQ(lists[i].front(), i);
+      ASSERT_EQ(lists[i].back(), i);
+    }
+  }
 }
 
 TEST_F(MemoryLimitTest, AnEighthOfTheLimitMayLieInMemory) {
