@@ -201,8 +201,10 @@ class Refining {
       finish_without_drift(drifting);
     } else if (result_.termination == RefinementTermination::kIterationLimit &&
                result_.last_motion > plan_.levels.back().tolerance) {
+      const JointRefinement before = result_;
       result_.termination = of_levels;
       finish({}, kMostLastSteps);
+      if (result_.termination == RefinementTermination::kSolverFailed) result_ = before;
     }
     return std::move(result_);
   }
