@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "scan/base/parallel.h"
 
@@ -51,8 +52,10 @@ void make_sorted_set(std::vector<NodeKey>& keys) {
 }
 
 std::vector<NodeKey> KeySet::take() {
-  make_sorted_set(keys_);
-  return {keys_.begin(), keys_.end()};
+  std::vector<NodeKey> keys = std::exchange(keys_, {});
+  make_sorted_set(keys);
+  next_ = kFewest;
+  return {keys.begin(), keys.end()};
 }
 
 SparseField::SparseField(const Lattice& lattice, std::vector<NodeKey> active_blocks,

@@ -120,8 +120,10 @@ class KeySet {
   void add(const std::vector<NodeKey>& keys) {
     for (const NodeKey key : keys) add(key);
   }
-  /// The keys in ascending order, in no more memory than they need.
+  /// The keys in ascending order, in no more memory than they need. The set is empty afterwards.
   std::vector<NodeKey> take();
+  /// How many keys are held, with their repetitions.
+  std::size_t held() const { return keys_.size(); }
 
  private:
   // Changes no result.
