@@ -7,9 +7,13 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <functional>
 #include <optional>
+#include <system_error>
 
 #include "scan/base/parallel.h"
+#include "scan/io/files/atomic_file.h"
 #include "scan/io/files/io_error.h"
 #include "scan/io/files/mapped_file.h"
 #include "scan/io/files/text_lines.h"
@@ -370,6 +374,12 @@ Result<PlyFile> parse_ply(std::string_view content, const std::filesystem::path&
 }
 
 Result<PlyFile> read_ply(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) {  // A pipe, or the error to tell.
+    const auto content = read_file(path);
+    if (!content) return content.error();
+    return parse_ply(*content, path, {});
+  }
   const auto file = MappedFile::open(path);
   if (!file) return file.error();
   return parse_ply(file->content(), path, [&](std::size_t end) { file->release_before(end); });
