@@ -57,7 +57,8 @@ set(RELIEF_UNSANITIZED_TESTS
   GlobalRegistration.KeepsTwoObjects*
   GlobalRegistration.LeavesOutAView*
   GlobalRegistration.PlacesTheBunny*
-  HandEye.Of*
+  HandEye.OfARobot*
+  HandEye.OfOneScaleIsTaken
   HtmlReport.HoldsASmallModel*
   HtmlReport.IsNotWritten*
   HtmlReport.ThinsALargeModel

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "registration/align_surfaces.h"
@@ -170,6 +171,76 @@ class Aligning {
   AlignmentState state_;
 };
 
+// Aligns, and once more where the poses that come out show that the guesses err alike, or that
+// refining led from them to where views do not belong.
+class AligningGuesses {
+ public:
+  AligningGuesses(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
+                  const AlignOptions& options, const AlignUnits& units, const Progress& progress)
+      : views_(views), surfaces_(surfaces), options_(options), units_(units), progress_(progress) {}
+
+  Result<Alignment> run() {
+    Aligning aligning(views_, surfaces_, options_, units_, progress_);
+    auto aligned = aligning.run();
+    if (!aligned || options_.starting_poses.given != GivenPoses::kCheck) return aligned;
+    taken_ = aligning.convention();
+    if (options_.starting_poses.search && refining_led_far(views_, surfaces_, *aligned, taken_)) {
+      auto found = align_by_shape();
+      if (!found) return found;
+      if (fits_far_better(surfaces_, *found, *aligned)) return instead_of(*aligned, *found);
+    }
+    auto again = align_agreeing_with(*aligned);
+    if (!again) return again.error();
+    const bool more = *again && verified_views(**again) > verified_views(*aligned);
+    return more ? std::move(**again) : std::move(*aligned);
+  }
+
+ private:
+  Result<Alignment> align_by_shape() const {
+    AlignOptions options = options_;
+    options.starting_poses.given = GivenPoses::kIgnore;
+    return Aligning(views_, surfaces_, options, units_, progress_).run();
+  }
+
+  // From guesses corrected such that they agree with `shown`; nothing where no correction does.
+  Result<std::optional<Alignment>> align_agreeing_with(const Alignment& shown) const {
+    const auto convention = agreeing_convention(views_, surfaces_, shown, taken_);
+    if (!convention) return std::optional<Alignment>();
+    auto again = Aligning(views_, surfaces_, options_, units_, progress_).run(convention);
+    if (!again) return again.error();
+    return std::optional(std::move(*again));
+  }
+
+  // `found` fits far better. No view is given up for that: `aligned` stays with a note where it has
+  // more.
+  Result<Alignment> instead_of(Alignment& aligned, Alignment& found) const {
+    const std::size_t verified = verified_views(found), most = verified_views(aligned);
+    auto again = align_agreeing_with(found);
+    if (!again) return again.error();
+    if (*again && verified_views(**again) >= std::max(verified, most) &&
+        fits_far_better(surfaces_, **again, aligned))
+      return std::move(**again);
+    if (verified >= most) {
+      found.notes.emplace_back(
+          "the given poses are not used: refining them led far away, and the views fit each other "
+          "far better at poses found by their shape; --poses trust takes the given ones");
+      return std::move(found);
+    }
+    aligned.notes.push_back(
+        "refining led far away from the given poses, and " + std::to_string(verified) +
+        " views fit each other far better at poses found by their shape: check the given poses, or "
+        "look at the others with --poses ignore");
+    return std::move(aligned);
+  }
+
+  const std::vector<RangeView>& views_;
+  const std::vector<ViewSurface>& surfaces_;
+  const AlignOptions& options_;
+  const AlignUnits& units_;
+  const Progress& progress_;
+  PoseConvention taken_;  // The convention in which the guesses were taken.
+};
+
 }  // namespace
 
 bool Alignment::complete() const {
@@ -186,27 +257,7 @@ Result<Alignment> align_surfaces(const std::vector<RangeView>& views,
                                  const std::vector<ViewSurface>& surfaces,
                                  const AlignOptions& options, const Progress& progress,
                                  const AlignUnits& units) {
-  Aligning aligning(views, surfaces, options, units, progress);
-  auto aligned = aligning.run();
-  if (!aligned || options.starting_poses.given != GivenPoses::kCheck) return aligned;
-  if (options.starting_poses.search &&
-      refining_led_far(views, surfaces, *aligned, aligning.convention())) {
-    AlignOptions by_shape = options;
-    by_shape.starting_poses.given = GivenPoses::kIgnore;
-    auto found = Aligning(views, surfaces, by_shape, units, progress).run();
-    if (!found) return found;
-    if (fits_far_better(surfaces, *found, *aligned)) {
-      aligned = std::move(found);
-      aligned->notes.emplace_back(
-          "the given poses are not used: refining them led far away, and the views fit each other "
-          "far better at poses found by their shape; --poses trust takes the given ones");
-    }
-  }
-  const auto convention = agreeing_convention(views, surfaces, *aligned, aligning.convention());
-  if (!convention) return aligned;
-  auto again = Aligning(views, surfaces, options, units, progress).run(convention);
-  if (!again) return again;
-  return verified_views(*again) > verified_views(*aligned) ? again : aligned;
+  return AligningGuesses(views, surfaces, options, units, progress).run();
 }
 
 std::size_t verified_views(const Alignment& alignment) {

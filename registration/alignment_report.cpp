@@ -113,7 +113,8 @@ class AlignmentReport {
     if (!state_.refined.kept_motions.empty()) view.kept_motions = state_.refined.kept_motions[i];
     const bool confirmed =
         (state_.verified.group[i] == main_group && !contradicted && !is_guess_along_a_motion(i)) ||
-        views_.size() == 1 || (views_[i].pose == PoseKind::kKnown && verified.overlaps);
+        views_.size() == 1 ||
+        (views_[i].pose == PoseKind::kKnown && verified.overlaps && !contradicted);
     view.status = !view.aligned ? PoseStatus::kLeftOut
                   : confirmed   ? PoseStatus::kVerified
                                 : PoseStatus::kUnverified;

@@ -1,6 +1,6 @@
 #include "registration/verification/given_pose_errors.h"
 
-#include <cmath>
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -12,8 +12,8 @@ namespace relief::registration {
 
 namespace {
 
-// Guesses that refining moves farther [radii of views] were no guesses of these poses: views may
-// have come to rest anywhere. A turn of twelve degrees.
+// Pairs that refining moves farther to each other [radii of views] were not guessed: they may have
+// come to rest anywhere. A turn of twelve degrees.
 constexpr double kFar = 0.2;
 // Pairs that deviate by more than this many times their noise may not belong where they are: three
 // quarters of their squared distances are unexplained.
@@ -31,6 +31,7 @@ std::vector<PoseConvention> readings_of(const PoseConvention& taken) {
   for (const bool inverse : {taken.view_from_world, !taken.view_from_world})
     for (const StoredRotation rotation :
          {StoredRotation::kAsRead, StoredRotation::kInverse, StoredRotation::kQuaternionWFirst}) {
+      if (inverse == taken.view_from_world && rotation == taken.rotation) continue;
       PoseConvention reading = taken;
       reading.view_from_world = inverse;
       reading.rotation = rotation;
@@ -43,34 +44,41 @@ std::vector<PoseConvention> readings_of(const PoseConvention& taken) {
 double median_misfit(const std::vector<ViewSurface>& surfaces, const Alignment& alignment) {
   std::vector<double> misfits;
   for (const PairFit& pair : alignment.pairs) {
-    const double noise = std::hypot(surfaces[pair.a].noise(), surfaces[pair.b].noise());
+    const double noise = joint_noise(surfaces[pair.a], surfaces[pair.b]);
     if (noise > 0.0) misfits.push_back(pair.rms / noise);
   }
   return misfits.empty() ? 0.0 : quantile(std::move(misfits), 0.5);
+}
+
+bool is_guess(const RangeView& view) { return view.pose == PoseKind::kGuess; }
+
+bool any_known(const std::vector<RangeView>& views) {
+  return std::ranges::any_of(views,
+                             [](const RangeView& view) { return view.pose == PoseKind::kKnown; });
 }
 
 }  // namespace
 
 bool refining_led_far(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
                       const Alignment& alignment, const PoseConvention& taken) {
+  if (any_known(views)) return false;
   std::vector<double> moves;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (views[i].pose == PoseKind::kKnown) return false;
-    if (views[i].pose == PoseKind::kAbsent || !alignment.views[i].aligned ||
-        surfaces[i].samples().empty())
-      continue;
-    const Eigen::Vector3d& centre = surfaces[i].centre();
-    const RigidMotion given = taken.world_from_view(views[i].world_from_view);
-    moves.push_back((alignment.views[i].world_from_view * centre - given * centre).norm() /
-                    surfaces[i].radius());
+  for (const PairFit& pair : alignment.pairs) {
+    const double radius = surfaces[pair.b].radius();
+    if (!is_guess(views[pair.a]) || !is_guess(views[pair.b]) || !(radius > 0.0)) continue;
+    const RigidMotion given = taken.world_from_view(views[pair.a].world_from_view).inverse() *
+                              taken.world_from_view(views[pair.b].world_from_view);
+    const RigidMotion found =
+        alignment.views[pair.a].world_from_view.inverse() * alignment.views[pair.b].world_from_view;
+    moves.push_back(largest_motion(given.inverse() * found, surfaces[pair.b]) / radius);
   }
-  return moves.size() > 2 && quantile(std::move(moves), 0.5) > kFar &&
+  return !moves.empty() && quantile(std::move(moves), 0.5) > kFar &&
          median_misfit(surfaces, alignment) > kLargeMisfit;
 }
 
 bool fits_far_better(const std::vector<ViewSurface>& surfaces, const Alignment& now,
                      const Alignment& before) {
-  return verified_views(now) > 2 &&
+  return verified_views(now) >= kFewestVerified &&
          median_misfit(surfaces, now) < kFarBetter * median_misfit(surfaces, before);
 }
 
@@ -78,26 +86,30 @@ std::optional<PoseConvention> agreeing_convention(const std::vector<RangeView>& 
                                                   const std::vector<ViewSurface>& surfaces,
                                                   const Alignment& alignment,
                                                   const PoseConvention& taken) {
+  if (any_known(views)) return std::nullopt;
   std::vector<std::size_t> verified;
+  std::vector<double> spacings;
   std::size_t guesses = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    if (views[i].pose == PoseKind::kKnown) return std::nullopt;
-    if (views[i].pose == PoseKind::kAbsent || surfaces[i].samples().empty()) continue;
+    if (!is_guess(views[i]) || surfaces[i].samples().empty()) continue;
     ++guesses;
-    if (alignment.views[i].status == PoseStatus::kVerified) verified.push_back(i);
+    if (alignment.views[i].status != PoseStatus::kVerified) continue;
+    verified.push_back(i);
+    spacings.push_back(surfaces[i].spacing());
   }
   if (verified.size() == guesses || verified.size() < kFewestVerified) return std::nullopt;
   const auto poses_in = [&](const PoseConvention& convention) {
     std::vector<GivenAndFound> poses;
     for (const std::size_t i : verified)
-      poses.push_back({.name = views[i].name,
-                       .given = convention.world_from_view(views[i].world_from_view),
+      poses.push_back({.given = convention.world_from_view(views[i].world_from_view),
                        .found = alignment.views[i].world_from_view,
                        .centre = surfaces[i].centre()});
     return poses;
   };
   std::optional<PoseConvention> best;
-  double wanted = kMuchNearer * median_error({}, poses_in(taken));
+  const double as_taken = median_error({}, poses_in(taken));
+  if (as_taken <= quantile(std::move(spacings), 0.5)) return std::nullopt;
+  double wanted = kMuchNearer * as_taken;
   for (const PoseConvention& other : readings_of(taken)) {
     const auto poses = poses_in(other);
     const HandEye hand_eye = calibrate_hand_eye(poses).value_or(HandEye());

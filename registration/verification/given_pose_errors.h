@@ -10,9 +10,9 @@
 
 namespace relief::registration {
 
-/// Whether refining moved most guesses by more than guesses err, to where views deviate by more
-/// than their noise: they may have come to rest anywhere. False where a pose is known. `taken` is
-/// the convention in which the guesses were taken.
+/// Whether refining moved most pairs of guesses to each other by more than guesses err, to where
+/// views deviate by more than their noise: they may have come to rest anywhere. False where a pose
+/// is known. `taken` is the convention in which the guesses were taken.
 bool refining_led_far(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
                       const Alignment& alignment, const PoseConvention& taken);
 
@@ -21,8 +21,8 @@ bool fits_far_better(const std::vector<ViewSurface>& surfaces, const Alignment& 
                      const Alignment& before);
 
 /// The convention in which the guesses agree with the verified poses of an alignment: these show
-/// that all guesses err alike (calibrate_hand_eye()). Nothing where they do not, where all guesses
-/// are verified, and where a pose is known.
+/// that all guesses err alike (calibrate_hand_eye()). Nothing where they do not, where guesses err
+/// by less than a sample spacing, where all are verified, and where a pose is known.
 std::optional<PoseConvention> agreeing_convention(const std::vector<RangeView>& views,
                                                   const std::vector<ViewSurface>& surfaces,
                                                   const Alignment& alignment,

@@ -90,16 +90,16 @@ Eigen::Matrix3d rotation_of_body(const std::vector<Motion>& motions) {
 
 // Which unknowns a fit has.
 struct Unknowns {
-  bool place = false, scale = false;
+  bool body = false, scale = false;
 };
 
-// (R - I) x + (s - 1) t = R_x t_found - t with R and t of the given motion. Along what no motion
-// determines, as the axis of a turntable, the world moves with the sensor: nothing changes.
+// (R - I) x + (s - 1) t = R_x t_found - t with R and t of the given motion. Along and about the one
+// axis of a turntable the world moves with the sensor: nothing changes.
 HandEye fit(const std::vector<Motion>& motions, const Unknowns& unknowns) {
   HandEye fitted;
-  if (unknowns.place) fitted.body_from_view.linear() = rotation_of_body(motions);
+  if (unknowns.body) fitted.body_from_view.linear() = rotation_of_body(motions);
   const auto rows = static_cast<Eigen::Index>(3 * motions.size());
-  Eigen::MatrixXd matrix(rows, (unknowns.place ? 3 : 0) + (unknowns.scale ? 1 : 0));
+  Eigen::MatrixXd matrix(rows, (unknowns.body ? 3 : 0) + (unknowns.scale ? 1 : 0));
   Eigen::VectorXd right(rows);
   double farthest = 0.0;
   for (const Motion& motion : motions)
@@ -108,7 +108,7 @@ HandEye fit(const std::vector<Motion>& motions, const Unknowns& unknowns) {
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(3 * k);
     const RigidMotion& given = motions[k].given;
-    if (unknowns.place) matrix.block<3, 3>(row, 0) = given.linear() - Eigen::Matrix3d::Identity();
+    if (unknowns.body) matrix.block<3, 3>(row, 0) = given.linear() - Eigen::Matrix3d::Identity();
     if (unknowns.scale) matrix.block<3, 1>(row, matrix.cols() - 1) = given.translation() / farthest;
     right.segment<3>(row) =
         fitted.body_from_view.linear() * motions[k].found.translation() - given.translation();
@@ -117,7 +117,7 @@ HandEye fit(const std::vector<Motion>& motions, const Unknowns& unknowns) {
   decomposition.setThreshold(kUndetermined);
   decomposition.compute(matrix);
   const Eigen::VectorXd solution = decomposition.solve(right);
-  if (unknowns.place) fitted.body_from_view.translation() = solution.head<3>();
+  if (unknowns.body) fitted.body_from_view.translation() = solution.head<3>();
   if (unknowns.scale) fitted.scale = 1.0 + solution(solution.size() - 1) / farthest;
   return fitted;
 }
@@ -139,7 +139,7 @@ std::optional<HandEye> calibrate_hand_eye(const std::vector<GivenAndFound>& view
   const std::vector<Motion> motions = motions_of(views);
   std::vector<std::pair<HandEye, double>> fits;
   for (const Unknowns unknowns :
-       {Unknowns{.scale = true}, Unknowns{.place = true}, Unknowns{.place = true, .scale = true}}) {
+       {Unknowns{.scale = true}, Unknowns{.body = true}, Unknowns{.body = true, .scale = true}}) {
     const HandEye fitted = robust_fit(motions, unknowns);
     if (fitted.scale > 0.0) fits.emplace_back(fitted, median_error(fitted, motions));
   }

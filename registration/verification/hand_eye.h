@@ -13,12 +13,6 @@ namespace relief::registration {
 struct HandEye {
   double scale = 1.0;  ///< Of the translations of the given poses.
   RigidMotion body_from_view = RigidMotion::Identity();
-
-  /// Up to a motion of the world.
-  RigidMotion world_from_view(RigidMotion given) const {
-    given.translation() *= scale;
-    return given * body_from_view;
-  }
 };
 
 /// Solves given_ij(scale) body_from_view = body_from_view found_ij for the motions between views

@@ -143,6 +143,18 @@ TEST(AlignViews, ClosesARingOf24ViewsStartedFromSequentialIcp) {
   for (const auto& pair : closed->pairs) EXPECT_NE(pair.status, PairStatus::kMisfit);
 }
 
+TEST(AlignViews, AKnownViewThatOverlapsNoOtherConfirmsNothing) {
+  auto views = testing::ring_of_views({.pixels = 64});
+  views[0].pose = PoseKind::kKnown;
+  views[0].world_from_view = Eigen::Translation3d(1000, 0, 0) * views[0].world_from_view;
+  const auto aligned = align_views(views, {});
+  ASSERT_TRUE(aligned) << aligned.error().message;
+  EXPECT_EQ(aligned->views[0].status, PoseStatus::kUnverified);
+  EXPECT_EQ(aligned->views[0].world_from_view.matrix(), views[0].world_from_view.matrix());
+  for (std::size_t i = 1; i < views.size(); ++i)
+    EXPECT_EQ(aligned->views[i].status, PoseStatus::kVerified) << i;
+}
+
 TEST(AlignViews, KeepsKnownPosesToTheBit) {
   auto views = disturbed_ring();
   for (const std::size_t known : {2u, 5u}) {

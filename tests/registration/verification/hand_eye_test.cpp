@@ -46,15 +46,20 @@ std::vector<GivenAndFound> views_with(const std::vector<RigidMotion>& truth, con
   return views;
 }
 
+RigidMotion corrected(RigidMotion given, const HandEye& hand_eye) {
+  given.translation() *= hand_eye.scale;
+  return given * hand_eye.body_from_view;
+}
+
 // Relative poses in the corrected world are those that were found.
 void expect_corrected(const std::vector<GivenAndFound>& views, const HandEye& hand_eye,
                       double tolerance) {
   for (std::size_t i = 0; i < views.size(); ++i) {
     const RigidMotion expected = views[0].found.inverse() * views[i].found;
-    const RigidMotion corrected = hand_eye.world_from_view(views[0].given).inverse() *
-                                  hand_eye.world_from_view(views[i].given);
-    EXPECT_LT((corrected * views[i].centre - expected * views[i].centre).norm(), tolerance) << i;
-    EXPECT_LT(rotation_angle(corrected.inverse() * expected), 1e-3 * tolerance) << i;
+    const RigidMotion motion =
+        corrected(views[0].given, hand_eye).inverse() * corrected(views[i].given, hand_eye);
+    EXPECT_LT((motion * views[i].centre - expected * views[i].centre).norm(), tolerance) << i;
+    EXPECT_LT(rotation_angle(motion.inverse() * expected), 1e-3 * tolerance) << i;
   }
 }
 
