@@ -8,6 +8,7 @@ option(RELIEF_TEST_SUITES "Register suites with CTest in place of single tests, 
 set(RELIEF_UNSANITIZED_TESTS
   Accuracy.*
   AlignMesh.UndoesAnyMotion
+  AlignViews.AKnownViewThatOverlapsNo*
   AlignViews.AssociatesNearest*
   AlignViews.ClosesARingOf24*
   AlignViews.ClosesARingOfNoisy*
@@ -64,6 +65,7 @@ set(RELIEF_UNSANITIZED_TESTS
   HtmlReport.ThinsALargeModel
   Icp.NeverReturnsAReflection
   Icp.ReportsTheCovariance*
+  JointSolver.ManyPairsNeed*
   KeptLevels.AreAllButTheFinest*
   KeptLevels.OutliveAnInterruption
   KeptResults.AreNamedWhen*
@@ -82,6 +84,7 @@ set(RELIEF_UNSANITIZED_TESTS
   KeptUnits.OfRefining*
   LoopClosure.OfNoisyViews*
   LoopClosure.TellsOfAView*
+  MemoryLimitTest.ManyShortLists*
   MergeViews.ASphereConverges*
   MergeViews.AThinPlateKeeps*
   MergeViews.AveragingManyViews*
@@ -99,6 +102,7 @@ set(RELIEF_UNSANITIZED_TESTS
   PlanarShapes.NeighbouringSides*
   PlanarShapes.SidesOfACube*
   PlanarShapes.UnrelatedObjects*
+  Ply.ColumnsOfLargeMeshes*
   PoseGraphRefinement.ConvergesAlike*
   PoseGraphRefinement.ReportsTheCovariance*
   PoseGraphSystem.SeesErrorsThatReach*
