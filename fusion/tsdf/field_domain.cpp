@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "scan/base/parallel.h"
+#include "scan/base/parallel_batches.h"
 
 namespace relief::fusion {
 
@@ -90,12 +91,9 @@ std::vector<NodeKey> blocks_near(const std::vector<ViewSampler>& views, const La
     return blocks.take();
   };
   KeySet all;
-  for (std::size_t first = 0; first < views.size(); first += kViewsAtOnce) {
-    const std::size_t count = std::min(kViewsAtOnce, views.size() - first);
-    const auto by_view = parallel_map<std::vector<NodeKey>>(
-        count, [&](std::size_t i) { return blocks_of(views[first + i]); });
-    for (const auto& blocks : by_view) all.add(blocks);
-  }
+  parallel_map_in_batches<std::vector<NodeKey>>(
+      views.size(), kViewsAtOnce, [&](std::size_t i) { return blocks_of(views[i]); },
+      [&](std::size_t, const std::vector<NodeKey>& blocks) { all.add(blocks); });
   return all.take();
 }
 

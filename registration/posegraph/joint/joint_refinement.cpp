@@ -15,6 +15,7 @@
 #include "registration/posegraph/view_graph.h"
 #include "relief/scan/page_allocator.h"
 #include "scan/base/parallel.h"
+#include "scan/base/parallel_batches.h"
 
 namespace relief::registration {
 
@@ -80,17 +81,13 @@ std::vector<bool> nearly_degenerate_views(const std::vector<ViewSurface>& surfac
                                           const std::vector<RigidMotion>& world_from_view,
                                           const PairMatcher& match) {
   std::vector<PagedVector<OrientedPoint>> points(surfaces.size());
-  for (std::size_t first = 0; first < match.size(); first += kMatchedAtOnce) {
-    const std::size_t count = std::min(kMatchedAtOnce, match.size() - first);
-    const auto matches =
-        parallel_map<DirectedMatches>(count, [&](std::size_t i) { return match(first + i); });
-    for (const auto& directed : matches) {
-      const RigidMotion& pose = world_from_view[directed.target];
-      for (const auto& c : directed.found.items)
-        for (const std::size_t view : {directed.source, directed.target})
-          points[view].push_back({pose * c.target.point, pose.linear() * c.target.normal});
-    }
-  }
+  const auto add_points = [&](std::size_t, const DirectedMatches& directed) {
+    const RigidMotion& pose = world_from_view[directed.target];
+    for (const auto& c : directed.found.items)
+      for (const std::size_t view : {directed.source, directed.target})
+        points[view].push_back({pose * c.target.point, pose.linear() * c.target.normal});
+  };
+  parallel_map_in_batches<DirectedMatches>(match.size(), kMatchedAtOnce, match, add_points);
   std::vector<bool> nearly_degenerate(surfaces.size());
   for (std::size_t i = 0; i < surfaces.size(); ++i)
     nearly_degenerate[i] = surfaces[i].signal_levels() > 0 && !points[i].empty() &&

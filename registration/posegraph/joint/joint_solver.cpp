@@ -13,6 +13,7 @@
 #include "registration/posegraph/sparse_solver.h"
 #include "scan/base/memory/paged_lists.h"
 #include "scan/base/parallel.h"
+#include "scan/base/parallel_batches.h"
 
 namespace relief::registration {
 
@@ -137,19 +138,6 @@ class PairCost : public ceres::SizedCostFunction<7, 7, 7> {
   std::size_t index_;
 };
 
-// Those of `count` directed pairs from `first` on; none of pairs that share nothing or cannot move.
-std::vector<MadeTerms> terms_of(const std::vector<ViewSurface>& surfaces, std::size_t first,
-                                std::size_t count, const MatchDirectedPair& match,
-                                const std::vector<bool>& fixed,
-                                const std::vector<RigidMotion>& world_from_view) {
-  return parallel_map<MadeTerms>(count, [&](std::size_t i) {
-    const DirectedMatches pair = match(first + i);
-    if (fixed[pair.source] && fixed[pair.target]) return MadeTerms();
-    return terms_of(pair, surfaces[pair.source], surfaces[pair.target],
-                    world_from_view[pair.source].inverse() * world_from_view[pair.target]);
-  });
-}
-
 }  // namespace
 
 SolverSummary solve_poses(const std::vector<ViewSurface>& surfaces, std::size_t pair_count,
@@ -158,11 +146,17 @@ SolverSummary solve_poses(const std::vector<ViewSurface>& surfaces, std::size_t 
                           std::vector<RigidMotion>& world_from_view) {
   PoseBlocks blocks = pose_blocks(surfaces, world_from_view);
   CompressedPairs pairs(blocks.values);
-  for (std::size_t first = 0; first < pair_count; first += kMatchedAtOnce) {
-    const std::size_t count = std::min(kMatchedAtOnce, pair_count - first);
-    for (const MadeTerms& terms : terms_of(surfaces, first, count, match, fixed, world_from_view))
-      if (!terms.planes.empty()) pairs.add(terms);
-  }
+  // None of pairs that share nothing or cannot move.
+  const auto terms_of_pair = [&](std::size_t i) {
+    const DirectedMatches pair = match(i);
+    if (fixed[pair.source] && fixed[pair.target]) return MadeTerms();
+    return terms_of(pair, surfaces[pair.source], surfaces[pair.target],
+                    world_from_view[pair.source].inverse() * world_from_view[pair.target]);
+  };
+  parallel_map_in_batches<MadeTerms>(pair_count, kMatchedAtOnce, terms_of_pair,
+                                     [&](std::size_t, const MadeTerms& terms) {
+                                       if (!terms.planes.empty()) pairs.add(terms);
+                                     });
   if (!pairs.start())
     return {.termination = SolverTermination::kFailed,
             .message = "the residuals of a pair are not finite"};

@@ -12,6 +12,7 @@
 #include "registration/posegraph/pose_step.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "scan/base/parallel.h"
+#include "scan/base/parallel_batches.h"
 
 namespace relief::registration {
 
@@ -100,15 +101,12 @@ bool set_covariances(const PoseCovariance& covariance, JointRefinement& result) 
 }
 
 // What the normal maps say of each directed pair.
-NormalMatchesOfPairs match_normals(const PairMatcher& match) {
+NormalMatchesOfPairs normal_matches_of_pairs(const PairMatcher& match) {
   NormalMatchesOfPairs matches;
-  for (std::size_t first = 0; first < match.size(); first += kMatchedAtOnce) {
-    const std::size_t count = std::min(kMatchedAtOnce, match.size() - first);
-    const auto some = parallel_map<NormalMatches>(count, [&](std::size_t i) {
-      return match.by_normal_maps(first + i) ? match(first + i).normals : NormalMatches();
-    });
-    for (const NormalMatches& of_pair : some) matches.add(of_pair);
-  }
+  parallel_map_in_batches<NormalMatches>(
+      match.size(), kMatchedAtOnce,
+      [&](std::size_t i) { return match.by_normal_maps(i) ? match(i).normals : NormalMatches(); },
+      [&](std::size_t, const NormalMatches& of_pair) { matches.add(of_pair); });
   return matches;
 }
 
@@ -129,7 +127,7 @@ PoseGraphLastStep refine(const std::vector<ViewSurface>& surfaces,
       nearly_degenerate.end()) {
     const PairMatcher match(surfaces, result.world_from_view, pairs, last.search,
                             level.signal_level, nearly_degenerate);
-    last.normals = match_normals(match);
+    last.normals = normal_matches_of_pairs(match);
   }
   auto poses = result.world_from_view;
   auto refined = refine_pose_graph(pointers_to(surfaces), pairs, result.held, last, poses);

@@ -11,6 +11,7 @@
 #include "registration/posegraph/refinement/pose_graph_system.h"
 #include "scan/base/memory/paged_lists.h"
 #include "scan/base/parallel.h"
+#include "scan/base/parallel_batches.h"
 
 namespace relief::registration {
 
@@ -25,11 +26,11 @@ constexpr std::size_t kViewsAtOnce = 64;
 // as wide, and a sixteenth of the memory: 16 kB a pair, with 5000 patches a view.
 constexpr std::size_t kPairsWithFinePatches = 500;
 
-// Two halves of so many steps are taken at a time. Others follow where both halves led so many
+// Two halves of so many steps are taken at a time. Others follow where both halves moved so many
 // times as far as the earlier one alone. Steps at one pace give 2, steps that halve what is left 1
 // + 1/8, and steps to and fro 1.
 constexpr int kHalfOfSteps = 3;
-constexpr double kLeadsOn = 1.25;
+constexpr double kLeastProgress = 1.25;
 
 double median_spacing(const std::vector<const ViewSurface*>& surfaces) {
   std::vector<double> spacings;
@@ -119,12 +120,10 @@ class MovingPairs {
 
   PagedLists<std::uint32_t> samples_of_views(std::size_t samples) const {
     PagedLists<std::uint32_t> of_views;
-    for (std::size_t first = 0; first < surfaces_.size(); first += kViewsAtOnce) {
-      const std::size_t count = std::min(kViewsAtOnce, surfaces_.size() - first);
-      const auto some = parallel_map<std::vector<std::uint32_t>>(
-          count, [&](std::size_t i) { return in_grid_order(*surfaces_[first + i], samples); });
-      for (const auto& of_view : some) of_views.add(of_view);
-    }
+    parallel_map_in_batches<std::vector<std::uint32_t>>(
+        surfaces_.size(), kViewsAtOnce,
+        [&](std::size_t i) { return in_grid_order(*surfaces_[i], samples); },
+        [&](std::size_t, const std::vector<std::uint32_t>& of_view) { of_views.add(of_view); });
     return of_views;
   }
 
@@ -134,14 +133,13 @@ class MovingPairs {
                                             const Visit& visit) const {
     const PagedLists<std::uint32_t> of_view = samples_of_views(samples);
     std::vector<PairInformation> all(2 * pairs_.size());
-    for (std::size_t first = 0; first < all.size(); first += kPairsAtOnce) {
-      const std::size_t count = std::min(kPairsAtOnce, all.size() - first);
-      parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = first + begin; i < first + end; ++i)
-          all[i] = compress_pair(i, of_view[source_of(pairs_, i)], patch);
-      });
-      for (std::size_t i = first; i < first + count; ++i) visit(all[i]);
-    }
+    parallel_map_in_batches<PairInformation>(
+        all.size(), kPairsAtOnce,
+        [&](std::size_t i) { return compress_pair(i, of_view[source_of(pairs_, i)], patch); },
+        [&](std::size_t i, PairInformation&& pair) {
+          all[i] = std::move(pair);
+          visit(all[i]);
+        });
     return all;
   }
 
@@ -205,33 +203,33 @@ std::optional<double> take(const PoseGraphStep& step, MovingPairs& views,
 
 // The steps before the last one. The gain of one step scales the next one (Barzilai and Borwein
 // 1988).
-class Approach {
+class NewtonIterations {
  public:
-  Approach(const std::vector<bool>& held, const PoseGraphRefinementOptions& options,
-           MovingPairs& views, PoseGraphRefinement& result)
+  NewtonIterations(const std::vector<bool>& held, const PoseGraphRefinementOptions& options,
+                   MovingPairs& views, PoseGraphRefinement& result)
       : held_(held), options_(options), views_(views), result_(result) {}
 
   // Steps until the poses stand still, or go to and fro. Whether all could be taken.
   bool run() {
-    bool leads_on = true;
-    while (usable_ && leads_on && !arrived()) {
+    bool progresses = true;
+    while (usable_ && progresses && !done()) {
       const auto start = views_.poses();
       take_half();
       const double half = views_.largest_motion_since(start);
       take_half();
-      leads_on = views_.largest_motion_since(start) > kLeadsOn * half;
+      progresses = views_.largest_motion_since(start) > kLeastProgress * half;
     }
     return usable_;
   }
 
  private:
-  bool arrived() const {
+  bool done() const {
     return result_.iterations >= options_.max_iterations ||
            (result_.iterations > 0 && result_.last_motion <= options_.tolerance);
   }
 
   void take_half() {
-    for (int i = 0; i < kHalfOfSteps && usable_ && !arrived(); ++i) take_one();
+    for (int i = 0; i < kHalfOfSteps && usable_ && !done(); ++i) take_one();
   }
 
   void take_one() {
@@ -263,7 +261,7 @@ PoseGraphRefinement refine_pose_graph(const std::vector<const ViewSurface*>& sur
                                       std::vector<RigidMotion>& world_from_view) {
   PoseGraphRefinement result;
   MovingPairs views(surfaces, pairs, options, world_from_view);
-  if (!Approach(held, options, views, result).run()) return result;
+  if (!NewtonIterations(held, options, views, result).run()) return result;
   views.measure_deviations();
   const double step_gain = step_gain_at(views, held, options.step_samples);
   ClusterScores scores(surfaces.size());

@@ -241,7 +241,7 @@ testing::Surface corner_with_balls() {
   };
 }
 
-TEST(PoseGraphRefinement, GoesOnWhileStepsLeadOn) {
+TEST(PoseGraphRefinement, GoesOnWhileStepsMakeProgress) {
   const Camera camera = Camera::pinhole(160, 120, {150, 150, 79.5, 59.5});
   std::vector<RangeView> views;
   std::vector<RigidMotion> truth(2, RigidMotion::Identity());
