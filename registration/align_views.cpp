@@ -184,7 +184,8 @@ class AligningGuesses {
     auto aligned = aligning.run();
     if (!aligned || options_.starting_poses.given != GivenPoses::kCheck) return aligned;
     taken_ = aligning.convention();
-    if (options_.starting_poses.search && refining_led_far(views_, surfaces_, *aligned, taken_)) {
+    if (options_.starting_poses.search &&
+        refinement_moved_far(views_, surfaces_, *aligned, taken_)) {
       auto found = align_by_shape();
       if (!found) return found;
       if (fits_far_better(surfaces_, *found, *aligned)) return instead_of(*aligned, *found);

@@ -59,8 +59,9 @@ bool any_known(const std::vector<RangeView>& views) {
 
 }  // namespace
 
-bool refining_led_far(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
-                      const Alignment& alignment, const PoseConvention& taken) {
+bool refinement_moved_far(const std::vector<RangeView>& views,
+                          const std::vector<ViewSurface>& surfaces, const Alignment& alignment,
+                          const PoseConvention& taken) {
   if (any_known(views)) return false;
   std::vector<double> moves;
   for (const PairFit& pair : alignment.pairs) {

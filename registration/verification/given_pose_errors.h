@@ -13,8 +13,9 @@ namespace relief::registration {
 /// Whether refining moved most pairs of guesses to each other by more than guesses err, to where
 /// views deviate by more than their noise: they may have come to rest anywhere. False where a pose
 /// is known. `taken` is the convention in which the guesses were taken.
-bool refining_led_far(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
-                      const Alignment& alignment, const PoseConvention& taken);
+bool refinement_moved_far(const std::vector<RangeView>& views,
+                          const std::vector<ViewSurface>& surfaces, const Alignment& alignment,
+                          const PoseConvention& taken);
 
 /// Whether three views or more are verified, and pairs deviate by less than half of before.
 bool fits_far_better(const std::vector<ViewSurface>& surfaces, const Alignment& now,

@@ -51,7 +51,7 @@ struct NormalMatches {
 };
 
 /// The matches of a directed pair, without their redundancy.
-struct NormalMatchesView {
+struct NormalMatchesSpan {
   std::span<const NormalMatch> items;
   double sigma = 0.0, effective_sigma = 0.0;  ///< As in NormalMatches.
 };
@@ -64,7 +64,7 @@ class NormalMatchesOfPairs {
     items_.add(of_pair.items);
     sigmas_.push_back({of_pair.sigma, of_pair.effective_sigma});
   }
-  NormalMatchesView operator[](std::size_t pair) const {
+  NormalMatchesSpan operator[](std::size_t pair) const {
     return {items_[pair], sigmas_[pair].of_residuals, sigmas_[pair].effective};
   }
 

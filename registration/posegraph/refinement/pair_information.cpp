@@ -118,7 +118,7 @@ PairInformation pair_information(const ViewSurface& source, const ViewSurface& t
   return sum;
 }
 
-void add_normals(const NormalMatchesView& normals, const RigidMotion& world_from_target,
+void add_normals(const NormalMatchesSpan& normals, const RigidMotion& world_from_target,
                  const Eigen::Vector3d& centre, const RigidTangent& since, PairInformation& sum) {
   if (normals.items.empty()) return;
   RigidMotion centred_from_target = world_from_target;

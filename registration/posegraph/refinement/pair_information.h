@@ -65,7 +65,7 @@ PairInformation pair_information(const ViewSurface& source, const ViewSurface& t
 
 /// Adds what the normal maps of the pair, matched at `world_from_target`, say of a relative motion
 /// `since`, a tangent about `centre`: quadratic, (R9) linearised where they were matched.
-void add_normals(const NormalMatchesView& normals, const RigidMotion& world_from_target,
+void add_normals(const NormalMatchesSpan& normals, const RigidMotion& world_from_target,
                  const Eigen::Vector3d& centre, const RigidTangent& since, PairInformation& sum);
 
 /// Makes the pair indifferent to motions of one view relative to the other. `centre`: that of the

@@ -92,7 +92,7 @@ TEST_F(GivenPoseErrors, NothingIsCorrectedWithoutEvidence) {
   EXPECT_FALSE(agreeing_convention(known, surfaces(), aligned(5), {})) << "a known pose";
 }
 
-TEST_F(GivenPoseErrors, RefiningLeadsFarWherePairsMoveAndDeviate) {
+TEST_F(GivenPoseErrors, RefinementMovesFarWherePairsMoveAndDeviate) {
   int i = 0;
   const auto turned = with_poses([&](const RigidMotion& pose) {
     return pose * Eigen::AngleAxisd(0.4 * (i++ % 2), Eigen::Vector3d::UnitZ());
@@ -100,12 +100,13 @@ TEST_F(GivenPoseErrors, RefiningLeadsFarWherePairsMoveAndDeviate) {
   Alignment bad = aligned(8), good = bad;
   add_pairs(3.0, bad);
   add_pairs(1.2, good);
-  EXPECT_TRUE(refining_led_far(turned, surfaces(), bad, {})) << "turned about the line of sight";
-  EXPECT_FALSE(refining_led_far(turned, surfaces(), good, {}));
-  EXPECT_FALSE(refining_led_far(ring(), surfaces(), bad, {}));
+  EXPECT_TRUE(refinement_moved_far(turned, surfaces(), bad, {}))
+      << "turned about the line of sight";
+  EXPECT_FALSE(refinement_moved_far(turned, surfaces(), good, {}));
+  EXPECT_FALSE(refinement_moved_far(ring(), surfaces(), bad, {}));
   const auto elsewhere =
       with_poses([](const RigidMotion& pose) { return Eigen::Translation3d(500, 0, 0) * pose; });
-  EXPECT_FALSE(refining_led_far(elsewhere, surfaces(), bad, {})) << "the world moved";
+  EXPECT_FALSE(refinement_moved_far(elsewhere, surfaces(), bad, {})) << "the world moved";
   EXPECT_TRUE(fits_far_better(surfaces(), good, bad));
   EXPECT_FALSE(fits_far_better(surfaces(), bad, good));
 }
