@@ -11,7 +11,8 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
 endif()
 target_compile_options(relief_build_flags INTERFACE -Wall -Wextra -Wpedantic -Wnon-virtual-dtor
                                                     -Wno-missing-field-initializers
-                                                    $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>)
+                                                    $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>
+                                                    $<$<CXX_COMPILER_ID:Clang>:-fsized-deallocation>)
 if(RELIEF_WERROR)
   # Eigen inside PCL's headers trips g++ 12's array-bounds analysis.
   target_compile_options(relief_build_flags INTERFACE -Werror -Wno-error=array-bounds

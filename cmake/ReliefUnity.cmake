@@ -83,7 +83,7 @@ function(relief_group_sources target)
     return()
   endif()
   # A file's own types are in a file that another one includes here, and the compiler warns of their linkage.
-  target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   get_target_property(folder ${target} SOURCE_DIR)
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)

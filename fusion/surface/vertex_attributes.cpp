@@ -79,7 +79,7 @@ void set_filled_quality(TriangleMesh& mesh) {
     const auto [so_far, from] = queue.top();
     queue.pop();
     if (so_far > distance[from]) continue;
-    around.visit(from, [&](std::uint32_t f) {
+    around.visit(from, [&, so_far = so_far, from = from](std::uint32_t f) {
       for (const std::uint32_t v : mesh.faces[f])
         if (v != from && mesh.filled[v]) reach(v, from, so_far);
     });

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <optional>
 #include <ostream>
-#include <source_location>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,27 +30,26 @@ inline const char* name_of(ErrorKind kind) {
   return "unknown kind";
 }
 
-/// Fails the test with `message` at `where` and ends it, in functions that return something as
-/// well.
-[[noreturn]] inline void end_test(const std::string& message, const std::source_location& where) {
-  const int line = static_cast<int>(where.line());
-  ADD_FAILURE_AT(where.file_name(), line) << message;
+/// Fails the test with `message` at a place in the source and ends it, in functions that return
+/// something as well.
+[[noreturn]] inline void end_test(const std::string& message, const char* file, int line) {
+  ADD_FAILURE_AT(file, line) << message;
   throw ::testing::AssertionException(::testing::TestPartResult(
-      ::testing::TestPartResult::kFatalFailure, where.file_name(), line, message.c_str()));
+      ::testing::TestPartResult::kFatalFailure, file, line, message.c_str()));
 }
 
 /// The value of `result`. Without one the test fails with the error's message and ends there.
 template <typename T>
-T value_of(Result<T> result, std::source_location where = std::source_location::current()) {
-  if (!result.ok()) end_test(result.error().message, where);
+T value_of(Result<T> result, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  if (!result.ok()) end_test(result.error().message, file, line);
   return std::move(result).value();
 }
 
 /// The value of `optional`. Without one the test fails and ends there.
 template <typename T>
-T value_of(std::optional<T> optional,
-           std::source_location where = std::source_location::current()) {
-  if (!optional) end_test("there is no value", where);
+T value_of(std::optional<T> optional, const char* file = __builtin_FILE(),
+           int line = __builtin_LINE()) {
+  if (!optional) end_test("there is no value", file, line);
   return *std::move(optional);
 }
 

@@ -89,8 +89,8 @@ std::vector<DegenerateGroup> degenerate_groups(const std::vector<PairConstraint>
     return a.views.size() != b.views.size() ? a.views.size() < b.views.size() : a.views < b.views;
   });
   // The last two clusters are each other's complement.
-  const auto repeated = std::ranges::unique(groups, {}, &DegenerateGroup::views);
-  groups.erase(repeated.begin(), repeated.end());
+  const auto same_views = [](const auto& a, const auto& b) { return a.views == b.views; };
+  groups.erase(std::unique(groups.begin(), groups.end(), same_views), groups.end());
   return groups;
 }
 

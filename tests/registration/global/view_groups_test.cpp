@@ -122,15 +122,15 @@ LinkedPair linked_pair(const std::vector<RangeView>& views) {
 // Views of a street fit along it, too, with smaller deviations than where they belong.
 TEST(LinkLimits, APoseThatSlidesTellsNothingOfErrors) {
   const auto views = two_neighbours();
-  const auto [surfaces, link] = linked_pair(views);
-  PoseLink found = link, sliding = link;
+  const LinkedPair pair = linked_pair(views);
+  PoseLink found = pair.link, sliding = pair.link;
   found.evidence.normal_rms = 0.2;
   sliding.evidence.rms *= 0.5;
   sliding.evidence.normal_rms = 0.05;
   sliding.evidence.degenerate = true;
   const ViewGroupOptions options;
   const auto normals = [&](const std::vector<PoseLink>& links) {
-    return fit_link_limits(surfaces, links, std::vector<int>(links.size(), 0), options)
+    return fit_link_limits(pair.surfaces, links, std::vector<int>(links.size(), 0), options)
         .lone.max_normal_rms;
   };
   EXPECT_EQ(normals({found, sliding}), normals({found}));
@@ -209,12 +209,14 @@ TEST(PoseEvidence, MeasuresCoherentMisfitsByTheSizeOfViewsWhoseSamplesAreFine) {
 
 TEST(ViewGroups, OffPlaneSamplesAllowLargerErrorsThatNeighboursShare) {
   const auto views = two_neighbours();
-  auto [surfaces, link] = linked_pair(views);
-  link.evidence.coherent_rms = 0.5 * surfaces[0].spacing();  // More than a link alone may have.
+  LinkedPair pair = linked_pair(views);
+  pair.link.evidence.coherent_rms =
+      0.5 * pair.surfaces[0].spacing();  // More than a link alone may have.
   const auto joined = [&](bool off_plane_confirmed) {
-    link.off_plane_confirmed = off_plane_confirmed;
-    JudgedPairs judged(surfaces);
-    return join_views(surfaces, {link}, ViewGroups::singles(2), {false, false}, {}, judged)
+    pair.link.off_plane_confirmed = off_plane_confirmed;
+    JudgedPairs judged(pair.surfaces);
+    return join_views(pair.surfaces, {pair.link}, ViewGroups::singles(2), {false, false}, {},
+                      judged)
         .all_in_one();
   };
   EXPECT_FALSE(joined(false));
