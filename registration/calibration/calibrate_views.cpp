@@ -63,7 +63,7 @@ class Calibrating {
         corrected_(views, sensors_, with_index(align)) {}
 
   Result<SensorCalibration> run() {
-    if (options_.scope == CalibrationScope::kOff || !can_be_calibrated(aligned_, pairs_))
+    if (options_.scope == CalibrationScope::kOff || !can_be_calibrated(aligned_, pairs_, sensors_))
       return std::move(result_);
     for (bool moving = true; moving && result_.iterations < kMostIterations;) {
       if (const auto corrected = correct(false); !corrected) return corrected.error();

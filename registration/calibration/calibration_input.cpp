@@ -17,8 +17,10 @@ constexpr std::ptrdiff_t kFewestViews = 3;
 // More views have only errors that they share: the terms of all views make a dense system, of a
 // thousand unknowns for 40.
 constexpr std::ptrdiff_t kMostViewsApart = 40;
-// More views are left as they are: all poses together make a dense system, of 13 MB and half a
-// second for 200.
+// Of all sensors together. The terms make a dense system.
+constexpr std::size_t kMostTerms = 1000;
+// More views are left as they are: their pairs are summed several times, and the sums of 200 take
+// 200 MB.
 constexpr std::ptrdiff_t kMostViews = 200;
 
 std::ptrdiff_t count_linked(std::size_t views, const std::vector<ViewPair>& pairs) {
@@ -66,9 +68,18 @@ std::vector<bool> linked_views(std::size_t views, const std::vector<ViewPair>& p
   return linked;
 }
 
-bool can_be_calibrated(const Alignment& aligned, const std::vector<ViewPair>& pairs) {
-  const auto linked = count_linked(aligned.views.size(), pairs);
-  return linked >= kFewestViews && linked <= kMostViews && shape_holds_all(aligned);
+bool show_errors(const Alignment& aligned, const std::vector<ViewPair>& pairs,
+                 const Sensors& sensors) {
+  std::size_t terms = 0;
+  for (const SensorModel& sensor : sensors.models) terms += sensor.terms();
+  return count_linked(aligned.views.size(), pairs) >= kFewestViews && terms <= kMostTerms &&
+         shape_holds_all(aligned);
+}
+
+bool can_be_calibrated(const Alignment& aligned, const std::vector<ViewPair>& pairs,
+                       const Sensors& sensors) {
+  return count_linked(aligned.views.size(), pairs) <= kMostViews &&
+         show_errors(aligned, pairs, sensors);
 }
 
 bool may_err_apart(std::size_t views, const std::vector<ViewPair>& pairs) {
@@ -77,8 +88,12 @@ bool may_err_apart(std::size_t views, const std::vector<ViewPair>& pairs) {
 
 double median_deviation(const std::vector<PairSums>& sums) {
   std::vector<double> deviations;
-  for (const PairSums& pair : sums)
-    if (pair.deviation > 0.0) deviations.push_back(pair.deviation);
+  for (const PairSums& pair : sums) deviations.push_back(pair.deviation);
+  return median_deviation(std::move(deviations));
+}
+
+double median_deviation(std::vector<double> deviations) {
+  std::erase_if(deviations, [](double deviation) { return deviation <= 0.0; });
   return deviations.empty() ? 0.0 : quantile(std::move(deviations), 0.5);
 }
 

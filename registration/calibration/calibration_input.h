@@ -24,14 +24,21 @@ bool shape_holds_all(const Alignment& aligned);
 /// Which views have pairs.
 std::vector<bool> linked_views(std::size_t views, const std::vector<ViewPair>& pairs);
 
-/// Whether at least three views have pairs, at most 200, and shape_holds_all().
-bool can_be_calibrated(const Alignment& aligned, const std::vector<ViewPair>& pairs);
+/// Whether pairs tell of errors of the sensors: at least three views have pairs, the sensors have
+/// at most 1000 terms together, and shape_holds_all().
+bool show_errors(const Alignment& aligned, const std::vector<ViewPair>& pairs,
+                 const Sensors& sensors);
+
+/// Whether that holds, and at most 200 views have pairs.
+bool can_be_calibrated(const Alignment& aligned, const std::vector<ViewPair>& pairs,
+                       const Sensors& sensors);
 
 /// Whether the errors of single views may be estimated: of at most 40 views with pairs.
 bool may_err_apart(std::size_t views, const std::vector<ViewPair>& pairs);
 
 /// The median over the pairs of the robust deviations of their distances, those of 0 left out.
 double median_deviation(const std::vector<PairSums>& sums);
+double median_deviation(std::vector<double> deviations);
 
 std::vector<const RangeView*> pointers_to(const std::vector<RangeView>& views);
 

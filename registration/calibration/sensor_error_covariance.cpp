@@ -14,7 +14,6 @@
 #include "registration/calibration/estimation/fold_system.h"
 #include "registration/calibration/estimation/reduced_sum.h"
 #include "registration/calibration/model/error_model.h"
-#include "registration/calibration/selection/held_out.h"
 #include "registration/pairwise/robust.h"
 #include "registration/posegraph/pose_step.h"
 #include "registration/posegraph/view_graph.h"
@@ -76,16 +75,15 @@ std::vector<ErrorChoice> candidates(const Sensors& sensors, bool per_view) {
 
 class Explaining {
  public:
-  Explaining(const std::vector<PairSums>& sums, const Sensors& sensors,
-             const std::vector<bool>& held, bool per_view)
+  // `deviation`: the median_deviation() of the pairs.
+  Explaining(FoldSystem system, double deviation, const Sensors& sensors)
       : sensors_(sensors),
-        prior_(kPriorFactor * median_deviation(sums) / sensors.models.front().spacing()),
-        system_(sums, sensors, held, per_view) {
+        prior_(kPriorFactor * deviation / sensors.models.front().spacing()),
+        system_(std::move(system)) {
     parallel_for(kFolds, 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
-        const Fold& fold = system_.folds[f];
-        train_[f] = fold.poses_of_others.reduce(fold.others);
-        test_[f] = fold.poses_of_others.reduce(fold.own);
+        train_[f] = system_.folds[f].train(system_.layout);
+        test_[f] = system_.folds[f].test(system_.layout);
       }
     });
   }
@@ -128,7 +126,7 @@ class Explaining {
   std::optional<Explanation> explain(const ErrorChoice& choice) const {
     ErrorModel model;
     model.add(choice, sensors_);
-    const auto places = coefficients_of(model, sensors_, system_.layout);
+    const auto places = system_.layout.coefficients_of(model, sensors_);
     Explanation explanation;
     explanation.choice = choice;
     double squares = 0.0;
@@ -142,7 +140,7 @@ class Explaining {
       explanation.gain += gain;
       squares += gain * gain;
       explanation.motions[f] =
-          system_.folds[f].poses_of_others.slope * at_coefficients(step, places);
+          system_.folds[f].poses_of_others.slope() * at_coefficients(step, places);
     }
     constexpr auto kCount = static_cast<double>(kFolds);
     const double scatter = squares - explanation.gain * explanation.gain / kCount;
@@ -168,6 +166,19 @@ class Explaining {
   std::array<ReducedSum, kFolds> train_, test_;  // Of all coefficients.
 };
 
+Explaining explaining_pairs(const CalibratedViews& measured, const std::vector<ViewPair>& pairs,
+                            const CalibrationSumOptions& options, const std::vector<bool>& held) {
+  const Sensors& sensors = *measured.sensors;
+  const SystemLayout layout(sensors, held, may_err_apart(held.size(), pairs));
+  FoldSums sums = empty_folds(layout);
+  std::vector<double> deviations;
+  for_each_pair_sums(measured, pairs, options, [&](const PairSums& pair) {
+    add_pair(pair, sensors, layout, sums);
+    deviations.push_back(pair.deviation);
+  });
+  return {FoldSystem(layout, std::move(sums)), median_deviation(std::move(deviations)), sensors};
+}
+
 std::string describe(const Explanation& explanation, double motion) {
   char text[320];
   std::snprintf(text, sizeof text,
@@ -186,13 +197,12 @@ void include_sensor_errors(const std::vector<RangeView>& views,
                            const std::vector<ViewSurface>& surfaces,
                            const JointRefinementOptions& refinement, Alignment& alignment) {
   const auto pairs = fitting_pairs(alignment);
-  if (!can_be_calibrated(alignment, pairs)) return;
   const Sensors sensors = find_sensors(pointers_to(views), spacings_of(surfaces));
+  if (!show_errors(alignment, pairs, sensors)) return;
   const CalibratedViews measured =
       calibrated_views(views, views, surfaces, sensors, alignment.world_from_view(), pairs);
-  const auto sums = sum_pairs(measured, pairs, sum_options(surfaces, refinement, kSamples));
-  const Explaining explaining(sums, sensors, held_views(views, pairs),
-                              may_err_apart(views.size(), pairs));
+  const Explaining explaining = explaining_pairs(
+      measured, pairs, sum_options(surfaces, refinement, kSamples), held_views(views, pairs));
   const auto explanations = explaining.best();
   if (explanations.empty()) return;
   std::vector<double> motions;

@@ -10,7 +10,7 @@
 #include "registration/posegraph/refinement/pair_information.h"
 #include "scan/base/cell_key.h"
 #include "scan/base/counter_random.h"
-#include "scan/base/parallel.h"
+#include "scan/base/parallel_batches.h"
 #include "scan/base/robust_scales.h"
 
 namespace relief::registration {
@@ -23,6 +23,9 @@ constexpr Eigen::Index kRows = 256;
 // How far apart the samples are that make the range near a pixel [pixels]: the noise of
 // triangulating scanners and the interpolation of ranges reach over three.
 constexpr int kRing = 5;
+
+// Directed pairs whose sums are in memory at a time, of 0.1 MB each. Bounds the memory.
+constexpr std::size_t kPairsAtOnce = 128;
 
 // Errors of views are smooth: of the samples in a patch of (R12), eight by eight, one tells that
 // their mean is 0.
@@ -182,16 +185,25 @@ Eigen::MatrixXd common_motion(const PairSums& pair, Eigen::Index source_terms) {
 
 std::vector<PairSums> sum_pairs(const CalibratedViews& views, const std::vector<ViewPair>& pairs,
                                 const CalibrationSumOptions& options) {
-  std::vector<std::vector<std::uint32_t>> samples;
-  for (const ViewSurface& surface : *views.surfaces) {
-    const auto all = surface.samples();
-    samples.emplace_back(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(
-                                                        std::min(all.size(), options.samples)));
-  }
-  return parallel_map<PairSums>(2 * pairs.size(), [&](std::size_t i) {
+  std::vector<PairSums> sums;
+  for_each_pair_sums(views, pairs, options,
+                     [&](PairSums pair) { sums.push_back(std::move(pair)); });
+  return sums;
+}
+
+void for_each_pair_sums(const CalibratedViews& views, const std::vector<ViewPair>& pairs,
+                        const CalibrationSumOptions& options,
+                        const std::function<void(PairSums)>& take) {
+  const auto sum = [&](std::size_t i) {
     const std::size_t source = source_of(pairs, i), target = target_of(pairs, i);
-    return PairSummation(views, source, target).sum(samples[source], options);
-  });
+    const auto all = (*views.surfaces)[source].samples();
+    const std::vector<std::uint32_t> samples(
+        all.begin(),
+        all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), options.samples)));
+    return PairSummation(views, source, target).sum(samples, options);
+  };
+  parallel_map_in_batches<PairSums>(2 * pairs.size(), kPairsAtOnce, sum,
+                                    [&](std::size_t, PairSums pair) { take(std::move(pair)); });
 }
 
 }  // namespace relief::registration

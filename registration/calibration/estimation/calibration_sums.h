@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -74,5 +75,9 @@ struct CalibrationSumOptions {
 /// The sums of both directions of all pairs. Equation (C2), linearised where the views are.
 std::vector<PairSums> sum_pairs(const CalibratedViews& views, const std::vector<ViewPair>& pairs,
                                 const CalibrationSumOptions& options);
+/// The same, one after the other in that order: few of them are in memory at a time.
+void for_each_pair_sums(const CalibratedViews& views, const std::vector<ViewPair>& pairs,
+                        const CalibrationSumOptions& options,
+                        const std::function<void(PairSums)>& take);
 
 }  // namespace relief::registration

@@ -1,29 +1,55 @@
 #include "registration/calibration/estimation/fold_system.h"
 
+#include <cstddef>
+#include <utility>
+
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
 
-FoldSystem::FoldSystem(const std::vector<PairSums>& pairs, const Sensors& sensors,
-                       const std::vector<bool>& held, bool per_view)
-    : layout(sensors, held, per_view) {
-  folds = parallel_map<Fold>(kFolds, [&](std::size_t f) {
-    Fold fold;
-    fold.own = sum_of_fold(pairs, f, sensors, layout);
-    return fold;
+namespace {
+
+FoldSums sums_of(const std::vector<PairSums>& pairs, const Sensors& sensors,
+                 const SystemLayout& layout) {
+  FoldSums folds = empty_folds(layout);
+  parallel_for(kFolds, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      for (const PairSums& pair : pairs) folds[f].add(pair, f, sensors, layout);
   });
-  QuadraticSum all(layout.poses + layout.coefficients);
-  for (const Fold& fold : folds) all += fold.own;
+  return folds;
+}
+
+}  // namespace
+
+FoldSums empty_folds(const SystemLayout& layout) {
+  FoldSums folds;
+  folds.fill(SystemSum(layout));
+  return folds;
+}
+
+void add_pair(const PairSums& pair, const Sensors& sensors, const SystemLayout& layout,
+              FoldSums& folds) {
+  for (std::size_t f = 0; f < kFolds; ++f) folds[f].add(pair, f, sensors, layout);
+}
+
+FoldSystem::FoldSystem(SystemLayout unknowns, FoldSums sums) : layout(std::move(unknowns)) {
+  SystemSum all(layout);
+  for (const SystemSum& sum : sums) all += sum;
   squares = all.squares;
   parallel_for(kFolds, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       Fold& fold = folds[f];
+      fold.own = std::move(sums[f]);
       fold.others = all;
-      fold.others.matrix -= fold.own.matrix;
-      fold.others.gradient -= fold.own.gradient;
-      fold.poses_of_others = EliminatedPoses(fold.others, layout.poses);
+      fold.others -= fold.own;
+      fold.poses_of_others = EliminatedPoses(fold.others, layout);
     }
   });
 }
+
+FoldSystem::FoldSystem(const std::vector<PairSums>& pairs, const Sensors& sensors,
+                       const std::vector<bool>& held, bool per_view)
+    : FoldSystem(SystemLayout(sensors, held, per_view),
+                 sums_of(pairs, sensors, SystemLayout(sensors, held, per_view))) {}
 
 }  // namespace relief::registration

@@ -4,8 +4,6 @@
 
 #include <Eigen/Core>
 
-#include "registration/calibration/estimation/calibration_sums.h"
-
 namespace relief::registration {
 
 /// A quadratic function c^T A c + 2 b^T c of coefficients c, but for a constant.
@@ -23,19 +21,6 @@ struct ReducedSum {
   double fall(const Eigen::VectorXd& parameters) const {
     return -parameters.dot(matrix * parameters + 2.0 * gradient);
   }
-};
-
-/// The poses that minimise a sum, as functions of the coefficients c: offset + slope c.
-struct EliminatedPoses {
-  Eigen::VectorXd offset;
-  Eigen::MatrixXd slope;
-
-  EliminatedPoses() = default;
-  /// The first `poses` unknowns of the sum are those of poses.
-  EliminatedPoses(const QuadraticSum& sum, Eigen::Index poses);
-
-  /// A sum with the poses put in.
-  ReducedSum reduce(const QuadraticSum& sum) const;
 };
 
 }  // namespace relief::registration

@@ -5,15 +5,6 @@
 
 namespace relief::registration {
 
-std::vector<std::vector<Eigen::Index>> coefficients_of(const ErrorModel& model,
-                                                       const Sensors& sensors,
-                                                       const SystemLayout& layout) {
-  std::vector<std::vector<Eigen::Index>> coefficients;
-  for (const ErrorParameter& parameter : model.parameters)
-    coefficients.push_back(layout.coefficients_of(model, parameter, sensors));
-  return coefficients;
-}
-
 Eigen::MatrixXd prior_of(const ErrorModel& model,
                          std::vector<std::vector<Eigen::Index>> coefficients,
                          const ReducedSum& common_motion) {
@@ -33,16 +24,14 @@ HeldOutTest::HeldOutTest(const FoldSystem& system, const std::vector<PairSums>& 
     for (const PairSums& pair : pairs) add_common_motion(pair, sensors, layout_, common_motion_);
   }
   parallel_for(kFolds, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      const Fold& fold = system.folds[f];
-      folds_[f] = {fold.poses_of_others.reduce(fold.others), fold.poses_of_others.reduce(fold.own)};
-    }
+    for (std::size_t f = begin; f < end; ++f)
+      folds_[f] = {system.folds[f].train(layout_), system.folds[f].test(layout_)};
   });
 }
 
 HeldOutFit HeldOutTest::fit(const ErrorModel& model) const {
   HeldOutFit fit;
-  const auto coefficients = coefficients_of(model, sensors_, layout_);
+  const auto coefficients = layout_.coefficients_of(model, sensors_);
   if (coefficients.empty()) return fit;
   Eigen::VectorXd values(static_cast<Eigen::Index>(coefficients.size()));
   for (std::size_t p = 0; p < coefficients.size(); ++p)

@@ -24,11 +24,6 @@ struct HeldOutFit {
 /// Standard deviations of the parameters, by leaving out one fold after the other (Efron 1982).
 std::vector<double> jackknife_deviations(const HeldOutFit& fit);
 
-/// The coefficients that each parameter of a model adds to.
-std::vector<std::vector<Eigen::Index>> coefficients_of(const ErrorModel& model,
-                                                       const Sensors& sensors,
-                                                       const SystemLayout& layout);
-
 /// The precision of the parameters before any correspondence is known: their prior, and the common
 /// motion of those that views have apart (C2), a sum by the coefficients.
 Eigen::MatrixXd prior_of(const ErrorModel& model,

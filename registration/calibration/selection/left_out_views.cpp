@@ -45,23 +45,22 @@ LeftOutViewsTest::LeftOutViewsTest(const FoldSystem& system, const std::vector<P
   std::size_t groups = 0;
   const std::vector<std::size_t> group =
       groups_of(pairs, views, most_groups(views, layout_.per_view), groups);
-  const Eigen::Index size = layout_.poses + layout_.coefficients;
   groups_ = parallel_map<Group>(groups, [&](std::size_t g) {
     const auto touches = [&](const PairSums& pair) {
       return group[pair.source] == g || group[pair.target] == g;
     };
     Group result;
-    QuadraticSum train(size);
+    SystemSum train(layout_);
     result.test = ReducedSum(layout_.coefficients);
     for (std::size_t f = 0; f < kFolds; ++f) {
-      QuadraticSum touched(size);
+      SystemSum touched(layout_);
       for (const PairSums& pair : pairs)
-        add_fold(pair, f, sensors, layout_, touches(pair) ? touched : train);
-      const ReducedSum test = system.folds[f].poses_of_others.reduce(touched);
+        (touches(pair) ? touched : train).add(pair, f, sensors, layout_);
+      const ReducedSum test = system.folds[f].poses_of_others.reduce(touched, layout_);
       result.test.matrix += test.matrix;
       result.test.gradient += test.gradient;
     }
-    result.train = EliminatedPoses(train, layout_.poses).reduce(train);
+    result.train = EliminatedPoses(train, layout_).reduce(train, layout_);
     if (!layout_.per_view) return result;
     result.common_motion = ReducedSum(layout_.coefficients);
     for (const PairSums& pair : pairs)
@@ -71,7 +70,7 @@ LeftOutViewsTest::LeftOutViewsTest(const FoldSystem& system, const std::vector<P
 }
 
 std::vector<double> LeftOutViewsTest::gains(const ErrorModel& model) const {
-  const auto coefficients = coefficients_of(model, sensors_, layout_);
+  const auto coefficients = layout_.coefficients_of(model, sensors_);
   return parallel_map<double>(groups_.size(), [&](std::size_t g) {
     if (coefficients.empty()) return 0.0;
     ReducedSum train = groups_[g].train.by_parameters(coefficients);
