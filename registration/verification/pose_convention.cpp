@@ -67,10 +67,12 @@ class Agreement {
  private:
   double best_agreement(std::size_t i, const std::vector<RigidMotion>& poses) const {
     double best = 0.0;
-    for (const std::size_t j : views_)
-      if (j != i)
-        best = std::max(best, rough_agreement(surfaces_[i], surfaces_[j],
-                                              poses[j].inverse() * poses[i], reach_, kRoughProbes));
+    for (const std::size_t j : views_) {
+      const RigidMotion j_from_i = poses[j].inverse() * poses[i];
+      if (j != i && !only_rolls(j_from_i, surfaces_[i].centre()))
+        best = std::max(
+            best, rough_agreement(surfaces_[i], surfaces_[j], j_from_i, reach_, kRoughProbes));
+    }
     return best;
   }
 

@@ -73,6 +73,15 @@ std::string PoseConvention::describe() const {
   return text;
 }
 
+bool only_rolls(const RigidMotion& other_from_view, const Eigen::Vector3d& centre) {
+  // A turn and a shift [distance of the centre], as of two guesses that are 3 degrees off each.
+  constexpr double kReach = 0.1;
+  const double reach = kReach * centre.norm();
+  return other_from_view.translation().norm() <= reach &&
+         (other_from_view * centre - centre).norm() <= reach &&
+         rotation_angle(other_from_view) > kReach;
+}
+
 Eigen::Matrix3d opengl_axes() { return Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal(); }
 
 }  // namespace relief

@@ -63,6 +63,19 @@ TEST_F(PoseConventionTest, NoUnitPutsAllViewsAtOnePlace) {
   EXPECT_TRUE(find_pose_convention(surfaces, poses, {true, true, true}).as_given());
 }
 
+// The front and the back of a round object share nothing. Read as view_from_world with the axes of
+// OpenGL, exact poses of a turntable would lay them on each other.
+TEST_F(PoseConventionTest, ViewsThatShareNothingAreTakenAsGiven) {
+  const auto ring = testing::ring_of_views({.pixels = 112});
+  std::vector<RangeView> opposite = {ring[0], ring[4]};
+  const auto aligned = align_views(opposite);
+  ASSERT_TRUE(aligned);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(aligned->views[i].status, PoseStatus::kUnverified);
+    EXPECT_TRUE(aligned->views[i].world_from_view.isApprox(opposite[i].world_from_view, 1e-12));
+  }
+}
+
 TEST_F(PoseConventionTest, OthersAreFound) {
   const Eigen::Matrix3d opencv = Eigen::Matrix3d::Identity();
   for (const PoseConvention& convention : {PoseConvention{1.0, true, opencv},

@@ -51,20 +51,24 @@ class PoseConventions : public ::testing::Test {
           eye,
           turn * Eigen::Vector3d(0.1 * i, 0, 3) + (1.0 - turn) * (eye + Eigen::Vector3d(0, 0, 3)),
           Eigen::Vector3d(0.3 * turn * std::cos(i), -1, 0));
-      const RangeView view = testing::render(scene, camera, pose);
-      Image depth(view.width(), view.height(), 1, 65535);
-      for (int v = 0; v < view.height(); ++v)
-        for (int u = 0; u < view.width(); ++u)
-          depth(u, v) = still > 0.0f && u > 60 ? still : std::round(1000.0f * view.range(u, v));
-      ViewSpec spec;
-      spec.name = std::to_string(i);
-      spec.depth = DepthSpec{folder_.write(spec.name + ".png", *encode_png(depth)), 0.001, false};
-      spec.camera.emplace();
-      spec.camera->intrinsics = kIntrinsics;
-      spec.world_from_view = pose;
-      spec.pose = PoseKind::kGuess;
-      project_.views.push_back(std::move(spec));
+      add_view(testing::render(scene, camera, pose), still);
     }
+  }
+
+  void add_view(const RangeView& view, float still = 0.0f) {
+    Image depth(view.width(), view.height(), 1, 65535);
+    for (int v = 0; v < view.height(); ++v)
+      for (int u = 0; u < view.width(); ++u)
+        if (view.has_sample(u, v) || still > 0.0f)
+          depth(u, v) = still > 0.0f && u > 60 ? still : std::round(1000.0f * view.range(u, v));
+    ViewSpec spec;
+    spec.name = std::to_string(project_.views.size());
+    spec.depth = DepthSpec{folder_.write(spec.name + ".png", *encode_png(depth)), 0.001, false};
+    spec.camera.emplace();
+    spec.camera->intrinsics = kIntrinsics;
+    spec.world_from_view = view.world_from_view;
+    spec.pose = PoseKind::kGuess;
+    project_.views.push_back(std::move(spec));
   }
 
   // The same views with their poses stored in a convention.
@@ -125,6 +129,26 @@ TEST_F(PoseConventions, AreFoundWhicheverTheyAre) {
       }
     }
   } while (std::next_permutation(order.begin(), order.end()));
+}
+
+// The front and the back of a body share nothing. Stored poses of a turntable that are read the
+// wrong way would lay them on each other.
+TEST_F(PoseConventions, OfViewsThatShareNothingStay) {
+  const auto three_balls = [](const Ray& ray) {
+    std::optional<testing::SurfaceHit> nearest;
+    for (const double height : {-0.6, 0.0, 0.6})
+      if (const auto hit = testing::sphere({0, 0, height}, height == 0.0 ? 0.5 : 0.3)(ray);
+          hit && (!nearest || hit->t < nearest->t))
+        nearest = hit;
+    return nearest;
+  };
+  for (const double x : {-3.0, 3.0})
+    add_view(testing::render(three_balls, Camera::pinhole(160, 120, kIntrinsics),
+                             testing::look_at({x, 0, 0}, {0, 0, 0}, {0, 0, 1})));
+  ProjectSpec project = project_;
+  take_pose_convention(project, ComparedDepths(project));
+  EXPECT_THAT(project.notes, IsEmpty());
+  EXPECT_EQ(difference(project), 0.0);
 }
 
 TEST_F(PoseConventions, OfOtherUnitsAreFound) {

@@ -44,6 +44,13 @@ std::vector<Eigen::Vector3d> points_in_world(const Image& depth, const PinholeIn
   return points;
 }
 
+// The origin where there are none.
+Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : points) sum += point;
+  return sum / static_cast<double>(std::max<std::size_t>(1, points.size()));
+}
+
 // Takes out what stands still in all frames, as the table under an object that turns.
 void take_out_still_pixels(std::map<std::size_t, Image>& depths) {
   if (depths.empty()) return;
@@ -113,10 +120,14 @@ std::vector<std::optional<Disagreement>> ComparedDepths::disagreements(
     for (std::size_t k = 0; k < readings.size(); ++k) {
       const auto& read = depths[readings[k].along_ray ? 1 : 0];
       const PoseConvention& poses = readings[k].poses;
-      const auto found = depth_differences(
-          read.at(b), onto.camera->intrinsics, poses.world_from_view(onto.world_from_view),
-          points_in_world(read.at(a), from.camera->intrinsics,
-                          poses.world_from_view(from.world_from_view)));
+      const RigidMotion world_from_a = poses.world_from_view(from.world_from_view),
+                        world_from_b = poses.world_from_view(onto.world_from_view);
+      const auto points = points_in_world(read.at(a), from.camera->intrinsics, world_from_a);
+      const RigidMotion a_from_world = world_from_a.inverse();
+      if (only_rolls(world_from_b.inverse() * world_from_a, a_from_world * mean_of(points)))
+        continue;
+      const auto found =
+          depth_differences(read.at(b), onto.camera->intrinsics, world_from_b, points);
       differences[k].insert(differences[k].end(), found.begin(), found.end());
     }
   }
