@@ -110,17 +110,27 @@ std::vector<const PoseLink*> those_within(const std::vector<ViewSurface>& surfac
   return within;
 }
 
+// Whether a view was taken again: a motion that the finest level of ICP does not tell from none.
+// Both have the same errors of the sensor, and fit wherever the other one does.
+bool is_repeated(const ViewSurface& view, const RigidMotion& other_from_view) {
+  return same_pose(view, other_from_view, RigidMotion::Identity(), kLoopSpacings * view.spacing());
+}
+
 // The links that tell what errors the views have: those that share enough to be believed alone, or
-// close loops. Small patches fit better, also at wrong poses: where there are others, they tell
-// nothing.
-std::vector<const PoseLink*> telling_links(const std::vector<PoseLink>& links,
+// close loops. Small patches fit better, also at wrong poses, and so do repeated views: where there
+// are others, they tell nothing.
+std::vector<const PoseLink*> telling_links(const std::vector<ViewSurface>& surfaces,
+                                           const std::vector<PoseLink>& links,
                                            const std::vector<int>& loops, double lone_overlap) {
-  std::vector<const PoseLink*> telling, all;
+  std::vector<const PoseLink*> telling, apart, all;
   for (std::size_t k = 0; k < links.size(); ++k) {
     all.push_back(&links[k]);
+    if (is_repeated(surfaces[links[k].a], links[k].b_from_a)) continue;
+    apart.push_back(&links[k]);
     if (loops[k] > 0 || links[k].evidence.overlap >= lone_overlap) telling.push_back(&links[k]);
   }
-  return telling.empty() ? all : telling;
+  if (!telling.empty()) return telling;
+  return apart.empty() ? all : apart;
 }
 
 using ViewIndices = std::pair<std::size_t, std::size_t>;
@@ -213,9 +223,12 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
     std::set<std::size_t> confirming;
     const bool near_identity = is_near_identity(link.a, link.b_from_a);
     for (const auto& [c, c_from_a] : from[link.a]) {
+      if (is_repeated(surfaces[link.a], c_from_a)) continue;
       const bool both = near_identity && is_near_identity(link.a, c_from_a);
       for (const auto& [end, end_from_c] : from[c]) {
-        if (end != link.b || (both && is_near_identity(c, end_from_c))) continue;
+        if (end != link.b || is_repeated(surfaces[c], end_from_c) ||
+            (both && is_near_identity(c, end_from_c)))
+          continue;
         if (agree(link, end_from_c * c_from_a)) confirming.insert(c);
       }
     }
@@ -266,7 +279,7 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
                            const std::vector<PoseLink>& links, const std::vector<int>& loops,
                            const ViewGroupOptions& options) {
   // Beyond the general limits where even the better pairs are, and loops close all the same.
-  const auto telling = telling_links(links, loops, options.lone_overlap);
+  const auto telling = telling_links(surfaces, links, loops, options.lone_overlap);
   VerificationThresholds open = options.limits;
   open.max_rms *= kWidestRms;
   open.max_coherent_rms = std::numeric_limits<double>::infinity();  // See may_be_right().

@@ -14,7 +14,8 @@ inline constexpr int kTellingLoops = 2;
 /// For each link how many views c confirm it by two others: a - c - b leads to the same pose. Views
 /// that links lay on each other, as if they were seen from one place to 0.2 radii, may be held
 /// there by what stands still before the sensor, or by the outline within which it sees a body of
-/// revolution: loops of three such links always close, and confirm nothing.
+/// revolution: loops of three such links always close, and confirm nothing. Nor does a view that
+/// was taken again from the place of another one: both fit at the same wrong poses.
 std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
                              const std::vector<PoseLink>& links);
 

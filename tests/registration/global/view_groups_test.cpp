@@ -155,6 +155,24 @@ TEST(LinkLimits, LoopsOfViewsLaidOnEachOtherConfirmNothing) {
             (std::vector<int>{0, 0, 0}));
 }
 
+// Two exposures from one place have the same errors, and fit at the same wrong poses.
+TEST(LinkLimits, ViewsTakenAgainConfirmNothing) {
+  const auto views = six_neighbours();
+  const std::vector<ViewSurface> surfaces = surfaces_of({views[0], views[0], views[1]});
+  const RigidMotion wrong = turn_about_z(1.0), none = RigidMotion::Identity();
+  EXPECT_EQ(count_loops(surfaces, {{0, 1, none, {}}, {0, 2, wrong, {}}, {1, 2, wrong, {}}}),
+            (std::vector<int>{1, 0, 0}));
+  PoseLink repeated{0, 1, none, {}}, other{0, 2, wrong, {}};
+  repeated.evidence.overlap = other.evidence.overlap = 0.5;
+  repeated.evidence.rms = 0.1 * surfaces[0].spacing();
+  other.evidence.rms = 0.5 * surfaces[0].spacing();
+  const auto limit = [&](const std::vector<PoseLink>& links) {
+    return fit_link_limits(surfaces, links, std::vector<int>(links.size(), 0), {}).lone.max_rms;
+  };
+  EXPECT_EQ(limit({repeated, other}), limit({other}));
+  EXPECT_LT(limit({repeated}), limit({other}));
+}
+
 TEST(LinkLimits, FollowFourPairsThatCloseLoopsAtOnePlace) {
   const auto views = six_neighbours();
   const std::vector<ViewSurface> surfaces = surfaces_of(views);
