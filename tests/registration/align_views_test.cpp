@@ -38,6 +38,12 @@ std::vector<RangeView> disturbed_ring() {
   return perturbed(true_ring(), Eigen::Vector3d::Zero(), kAngle, 2.0 * spacing());
 }
 
+// Of more samples: poses far off show in what they hide.
+std::vector<RangeView> fine_disturbed_ring() {
+  const auto views = testing::ring_of_views({.pixels = 160});
+  return perturbed(views, Eigen::Vector3d::Zero(), kAngle, 2.0 * sample_spacing(views[0]));
+}
+
 double largest_error(const Alignment& alignment) {
   const auto errors =
       mean_displacements(true_ring(), alignment.world_from_view(), poses_of(true_ring()));
@@ -291,7 +297,7 @@ TEST(AlignViews, KeepsGivenPosesThatAViewIsJoinedToByItsShape) {
 }
 
 TEST(AlignViews, TakesOutAViewWhosePoseIsFarOff) {
-  auto views = disturbed_ring();
+  auto views = fine_disturbed_ring();
   const RigidMotion off(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()));
   views[3].world_from_view = off * views[3].world_from_view;
   AlignOptions options;
@@ -310,7 +316,7 @@ TEST(AlignViews, TakesOutAViewWhosePoseIsFarOff) {
 
 // As the arm of a robot that holds the camera: it stands where other views see the object.
 TEST(AlignViews, KeepsAViewInWhichSomethingMoved) {
-  auto views = disturbed_ring();
+  auto views = fine_disturbed_ring();
   RangeView& view = views[3];
   for (int v = 20; v < view.height(); ++v)
     for (int u = 65; u < view.width(); ++u)

@@ -16,7 +16,7 @@ Surface bumpy_object(double radius = 50.0, const Eigen::Vector3d& centre = Eigen
 /// Views of the bumpy object from all round, with sample spacing near one hundredth of its size.
 struct RingOptions {
   int views = 8;
-  int pixels = 160;                                  ///< Width and height of a view.
+  int pixels = 112;                                  ///< Width and height of a view.
   double radius = 50.0;                              ///< Of the object [unit].
   double noise = 0.3;                                ///< Of the range [sample spacings].
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< Of the object, world frame.

@@ -18,7 +18,7 @@ using ::testing::Pair;
 std::vector<RangeView> scans(std::uint64_t seed = 1) {
   simulation::SimulationOptions options;
   options.views = 8;
-  options.width = options.height = 96;
+  options.width = options.height = 80;
   options.mesh_divisions = 0;
   options.seed = seed;
   return simulation::simulate(options).value().scans.views;

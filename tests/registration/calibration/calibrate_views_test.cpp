@@ -73,7 +73,7 @@ TEST(CalibrateViews, FindsNothingWhereThereIsNothing) {
 
 TEST(CalibrateViews, FindsABendThatAllViewsShare) {
   const auto& [views, before, calibration] = bent_ring();
-  EXPECT_TRUE(has_error(calibration, SensorError::kQuadraticWarp, false));
+  ASSERT_TRUE(has_error(calibration, SensorError::kQuadraticWarp, false));
   EXPECT_LT(calibration.deviation_after, 0.9 * calibration.deviation_before);
   EXPECT_LT(worst_pose(calibration.alignment), 0.3 * worst_pose(before));
   EXPECT_NE(before.sensor_error, "");

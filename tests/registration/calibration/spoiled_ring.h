@@ -12,7 +12,7 @@ namespace relief::testing {
 
 /// Ten views round the object, as a sensor without errors measures it.
 inline const std::vector<RangeView>& true_ring() {
-  static const std::vector<RangeView> views = ring_of_views({.views = 10});
+  static const std::vector<RangeView> views = ring_of_views({.views = 10, .pixels = 160});
   return views;
 }
 

@@ -14,7 +14,7 @@ namespace relief::registration {
 namespace {
 
 struct Pair {
-  explicit Pair(double noise) : views(testing::ring_of_views({.views = 8, .noise = noise})) {}
+  explicit Pair(double noise) : views(testing::ring_of_views({.pixels = 160, .noise = noise})) {}
 
   RigidMotion truth() const {
     return views[0].world_from_view.inverse() * views[1].world_from_view;
