@@ -4,6 +4,7 @@
 #include <string>
 
 #include "scan/io/files/file_ending.h"
+#include "scan/io/files/text_lines.h"
 
 namespace relief {
 
@@ -14,7 +15,7 @@ bool is_triangle_mesh_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   constexpr int kLongestHeader = 1000;
   std::string line;
-  for (int i = 0; i < kLongestHeader && std::getline(file, line); ++i) {
+  for (int i = 0; i < kLongestHeader && read_line(file, line); ++i) {
     // Writers of clouds, too, declare faces, none of them.
     if (line.starts_with("element face")) return !line.starts_with("element face 0");
     if (line.starts_with("end_header")) return false;

@@ -100,7 +100,8 @@ class PlyParser {
     std::string_view magic = take_line();
     if (next_word(magic) != "ply") return bad_input(path_, "not a PLY file (no 'ply' in line 1)");
     if (!next_word(magic).empty())
-      return at_line("the header goes on behind 'ply'; its lines must end in line feeds");
+      return at_line(
+          "the header goes on behind 'ply'; each of its entries needs a line of its own");
     bool has_format = false;
     while (!rest_.empty()) {
       std::string_view line = take_line();

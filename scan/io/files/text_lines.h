@@ -2,6 +2,8 @@
 
 #include <charconv>
 #include <cstddef>
+#include <istream>
+#include <string>
 #include <string_view>
 
 namespace relief {
@@ -20,12 +22,32 @@ inline std::string_view next_word(std::string_view& line) {
   return word;
 }
 
-/// Takes the next line, without its end, off a text.
+/// Takes the next line, without its end, off a text. A line ends in a line feed, in a carriage
+/// return as on classic Macs, or in both. Of two returns before a line feed, as transfers of files
+/// in text mode leave them, the second is no further line.
 inline std::string_view next_line(std::string_view& text) {
-  const std::size_t end = text.find('\n');
+  std::size_t end = 0;
+  while (end < text.size() && text[end] != '\n' && text[end] != '\r') ++end;
   const std::string_view line = text.substr(0, end);
-  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  text.remove_prefix(end);
+  for (const std::string_view ending : {"\r\r\n", "\r\n", "\r", "\n"}) {
+    if (!text.starts_with(ending)) continue;
+    text.remove_prefix(ending.size());
+    break;
+  }
   return line;
+}
+
+/// Reads the next line off a file, with the same ends of lines; false at the end of the file.
+inline bool read_line(std::istream& file, std::string& line) {
+  line.clear();
+  char c = 0;
+  while (file.get(c)) {
+    if (c == '\r' && file.peek() == '\n') continue;
+    if (c == '\n' || c == '\r') return true;
+    line += c;
+  }
+  return !line.empty();
 }
 
 /// A text without the mark that some editors put before UTF-8.

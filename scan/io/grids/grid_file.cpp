@@ -5,6 +5,7 @@
 
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/files/text_lines.h"
 
 namespace relief {
 
@@ -16,9 +17,9 @@ bool has_grid_ending(const std::filesystem::path& path) {
 bool is_grid_file(const std::filesystem::path& path) {
   if (lower_ending(path) == ".pcd") return true;
   if (lower_ending(path) != ".ply") return false;
-  std::ifstream file(path);
+  std::ifstream file(path, std::ios::binary);
   std::string line;
-  for (int lines = 0; lines < 1000 && std::getline(file, line); ++lines) {
+  for (int lines = 0; lines < 1000 && read_line(file, line); ++lines) {
     if (line.starts_with("element range_grid") || line.starts_with("obj_info num_cols"))
       return true;
     if (line.starts_with("end_header")) return false;

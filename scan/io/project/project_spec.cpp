@@ -193,7 +193,7 @@ bool begins_with_points(const fs::path& path) {
   if (const auto size = fs::file_size(path, code); code || size < kLeast) return false;
   std::ifstream file(path);
   std::string line;
-  for (int i = 0; i < kLines && std::getline(file, line); ++i) {
+  for (int i = 0; i < kLines && read_line(file, line); ++i) {
     std::istringstream words(with_blanks(line, ",;"));
     double x = 0.0, y = 0.0, z = 0.0;
     if (words >> x >> y >> z) return true;

@@ -57,11 +57,10 @@ Result<ViewSpec> parse_bmesh(std::istringstream& line, const std::filesystem::pa
 Result<ProjectSpec> parse_stanford_conf(const std::string& text,
                                         const std::filesystem::path& path) {
   ProjectSpec project;
-  std::istringstream lines{std::string(without_byte_order_mark(text))};
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
+  std::string_view rest = without_byte_order_mark(text);
+  for (int number = 1; !rest.empty(); ++number) {
     const std::string place = "line " + std::to_string(number) + ": ";
-    std::istringstream words(line);
+    std::istringstream words{std::string(next_line(rest))};
     std::string keyword;
     if (!(words >> keyword) || keyword.front() == '#' || keyword == "camera" || keyword == "mesh")
       continue;

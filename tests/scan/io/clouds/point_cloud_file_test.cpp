@@ -35,6 +35,12 @@ TEST(XyzText, ReadsPointsExactly) {
   EXPECT_THAT(cloud.notes, IsEmpty());
 }
 
+TEST(XyzText, LinesMayEndInReturnsAlone) {
+  const auto cloud = parsed("x y z\r1 2 3\r4 5 6\r");
+  ASSERT_EQ(cloud.points.size(), 2u);
+  EXPECT_EQ(cloud.points[1], Eigen::Vector3d(4, 5, 6));
+}
+
 TEST(XyzText, KnowsSeparatorsAndComments) {
   for (const char* text :
        {"1,2,3\n4,5,6\n", "1;2;3\n4;5;6", "1, 2, 3\n# end\n4, 5, 6\n",

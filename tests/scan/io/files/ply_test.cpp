@@ -47,6 +47,12 @@ TEST(Ply, ReadsEveryScalarTypeInAscii) {
               ElementsAre(-128, 255, -32768, 65535, -2147483648.0, 4294967295.0, 1.5, 1e-300));
 }
 
+TEST(Ply, LinesMayEndInReturnsAlone) {
+  const auto ply = value_of(
+      parse("ply\rformat ascii 1.0\relement vertex 2\rproperty float x\rend_header\r1.5\r2.5\r"));
+  EXPECT_THAT(ply.find("vertex")->properties.at(0).values, ElementsAre(1.5, 2.5));
+}
+
 // A mesh of `rows` x `columns` vertices as a binary PLY file.
 std::string plane_of(std::uint32_t rows, std::uint32_t columns) {
   std::string bytes = "ply\nformat binary_big_endian 1.0\nelement vertex " +

@@ -26,8 +26,8 @@ std::optional<std::string_view> text_behind(std::string_view text, std::string_v
 std::optional<double> number_behind(std::string_view text,
                                     std::initializer_list<std::string_view> names) {
   for (const std::string_view name : names)
-    if (const auto behind = text_behind(text, name)) {
-      const auto numbers = leading_numbers(behind->substr(0, behind->find('\n')), 1);
+    if (auto behind = text_behind(text, name)) {
+      const auto numbers = leading_numbers(next_line(*behind), 1);
       if (!numbers.empty()) return numbers.front();
     }
   return std::nullopt;
