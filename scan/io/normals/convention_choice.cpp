@@ -19,7 +19,6 @@ namespace {
 constexpr double kUnrelated = 0.611;
 // [rad], 5 deg: two conventions that hardly differ in a view. For notes only.
 constexpr double kSame = 0.087;
-constexpr std::size_t kFewestPatches = 8;
 
 // Views whose normals are stored and declared alike.
 bool alike(const NormalEvidence& a, const NormalEvidence& b) {
@@ -82,27 +81,131 @@ Decision decide(const NormalEvidence& view, const ConventionRanking& of_all) {
   return decision;
 }
 
-Error unrelated(const NormalEvidence& view, const NormalConvention& best, double angle) {
-  return bad_input(view.file, "no convention of normals fits the depth of view " + view.view +
-                                  ": the best, " + name_of(view, best) + ", is off by " +
-                                  degrees_text(angle) +
-                                  " (median); check that the file belongs to this view and that "
-                                  "scale and camera are right, or take `normals` out of the view");
+struct Settled {
+  ChosenConvention chosen;
+  double bias = 0.0;      // [rad]
+  bool compared = false;  // With enough of the depth.
+
+  bool is_unrelated(const NormalEvidence& view) const {
+    return bias > kUnrelated && view.kind == NormalFileKind::kImage;
+  }
+};
+
+Settled settle(const NormalEvidence& view, const ConventionRanking& of_all,
+               ConventionNotes& notes) {
+  const Decision decision = decide(view, of_all);
+  Settled settled;
+  settled.chosen.convention = decision.convention;
+  settled.compared = view.patches.patches.size() >= kFewestPatches;
+  if (settled.compared) settled.bias = agreement(view, decision.convention).bias;
+  settled.chosen.usable = !(settled.bias > kLargestBias);
+  if (settled.chosen.usable) {
+    notes.add_choice(view, decision.convention, decision.certain);
+  } else if (!settled.is_unrelated(view)) {
+    notes.add_unusable(view, decision.convention, settled.bias);
+  }
+  return settled;
 }
 
-Result<ChosenConvention> settle(const NormalEvidence& view, const ConventionRanking& of_all,
-                                ConventionNotes& notes) {
-  const Decision decision = decide(view, of_all);
-  ChosenConvention chosen{decision.convention, true};
-  if (view.patches.patches.size() >= kFewestPatches) {
-    const double bias = agreement(view, decision.convention).bias;
-    if (bias > kUnrelated && view.kind == NormalFileKind::kImage)
-      return unrelated(view, decision.convention, bias);
-    chosen.usable = !(bias > kLargestBias);
-    if (!chosen.usable) notes.add_unusable(view, decision.convention, bias);
+// A normal map that fits the depth of its view in no convention.
+struct UnrelatedMap {
+  std::size_t view = 0;  // Index into the evidence of all views.
+  NormalConvention best;
+  double bias = 0.0;  // In the best convention [rad].
+};
+
+// The normals of `map` beside the depth of another view, where both have a patch. Patches of
+// lattices that differ in size lie elsewhere.
+NormalEvidence beside(const NormalEvidence& map, const NormalEvidence& other) {
+  NormalEvidence both = other;
+  both.patches.patches.clear();
+  const Grid<int>&of_map = map.patches.lattice, &of_other = other.patches.lattice;
+  if (of_map.width() != of_other.width() || of_map.height() != of_other.height()) return both;
+  for (std::size_t i = 0; i < of_map.size(); ++i) {
+    if (of_map[i] < 0 || of_other[i] < 0) continue;
+    both.patches.patches.push_back(other.patches.patches[static_cast<std::size_t>(of_other[i])]);
+    both.patches.patches.back().stored =
+        map.patches.patches[static_cast<std::size_t>(of_map[i])].stored;
   }
-  if (chosen.usable) notes.add_choice(view, decision.convention, decision.certain);
-  return chosen;
+  return both;
+}
+
+// The view whose depth a map fits instead: the one that it is closest to, within the bias of a
+// sensor.
+std::optional<std::size_t> view_that_fits(const UnrelatedMap& map,
+                                          const std::vector<NormalEvidence>& views,
+                                          const std::vector<ChosenConvention>& chosen) {
+  std::optional<std::size_t> best;
+  double least = kLargestBias;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (i == map.view || views[i].kind != views[map.view].kind) continue;
+    const NormalEvidence both = beside(views[map.view], views[i]);
+    if (both.patches.patches.size() < kFewestPatches) continue;
+    const double bias = agreement(both, chosen[i].convention).bias;
+    if (!(bias < least)) continue;
+    least = bias;
+    best = i;
+  }
+  return best;
+}
+
+std::string fit_text(const UnrelatedMap& map, const std::vector<NormalEvidence>& views,
+                     const std::vector<ChosenConvention>& chosen) {
+  const auto other = view_that_fits(map, views, chosen);
+  return other ? ", but fits the depth of view " + views[*other].view : std::string();
+}
+
+Error unrelated_error(const std::vector<UnrelatedMap>& unrelated, std::size_t maps,
+                      const std::vector<NormalEvidence>& views,
+                      const std::vector<ChosenConvention>& chosen) {
+  const UnrelatedMap& first = unrelated.front();
+  const NormalEvidence& view = views[first.view];
+  const std::string others = unrelated.size() > 1
+                                 ? "; " + std::to_string(unrelated.size()) + " of " +
+                                       std::to_string(maps) + " maps are as far off"
+                                 : std::string();
+  return bad_input(view.file, "no convention of normals fits the depth of view " + view.view +
+                                  ": the best, " + name_of(view, first.best) + ", is off by " +
+                                  degrees_text(first.bias) + " (median)" +
+                                  fit_text(first, views, chosen) + others +
+                                  "; check that the file belongs to this view and that scale and "
+                                  "camera are right, or take `normals` out of the view");
+}
+
+std::string unrelated_warning(const std::vector<UnrelatedMap>& unrelated, std::size_t maps,
+                              const std::vector<NormalEvidence>& views,
+                              const std::vector<ChosenConvention>& chosen) {
+  constexpr std::size_t kNamed = 20;
+  std::string text = "warning: " + std::to_string(unrelated.size()) + " of " +
+                     std::to_string(maps) + " normal maps " +
+                     (unrelated.size() > 1 ? "are" : "is") +
+                     " not used, as no convention fits the depth of the view: ";
+  for (std::size_t i = 0; i < std::min(kNamed, unrelated.size()); ++i) {
+    const NormalEvidence& view = views[unrelated[i].view];
+    text += (i > 0 ? "; " : "") + view.file.string() + " of view " + view.view + " is off by " +
+            degrees_text(unrelated[i].bias) + " (median)" + fit_text(unrelated[i], views, chosen);
+  }
+  if (unrelated.size() > kNamed) text += "; and more";
+  return text;
+}
+
+// Maps of other views are left out where most maps fit. Where most do not, something else is wrong,
+// as the scale of all depths.
+Result<void> judge_unrelated(const std::vector<NormalEvidence>& views,
+                             const std::vector<Settled>& settled, ConventionChoice& choice) {
+  std::vector<UnrelatedMap> unrelated;
+  std::size_t compared = 0, fitting = 0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!settled[i].compared || views[i].kind != NormalFileKind::kImage) continue;
+    ++compared;
+    fitting += settled[i].chosen.usable ? 1 : 0;
+    if (settled[i].is_unrelated(views[i]))
+      unrelated.push_back({i, settled[i].chosen.convention, settled[i].bias});
+  }
+  if (unrelated.empty()) return {};
+  if (unrelated.size() > fitting) return unrelated_error(unrelated, compared, views, choice.views);
+  choice.notes.push_back(unrelated_warning(unrelated, compared, views, choice.views));
+  return {};
 }
 
 }  // namespace
@@ -110,6 +213,7 @@ Result<ChosenConvention> settle(const NormalEvidence& view, const ConventionRank
 Result<ConventionChoice> choose_conventions(const std::vector<NormalEvidence>& views) {
   ConventionChoice choice;
   choice.views.resize(views.size());
+  std::vector<Settled> settled(views.size());
   std::vector<bool> done(views.size(), false);
   ConventionNotes notes;
   for (std::size_t first = 0; first < views.size(); ++first) {
@@ -124,12 +228,12 @@ Result<ConventionChoice> choose_conventions(const std::vector<NormalEvidence>& v
     const ConventionRanking of_all = scores.ranking();  // The same for all: made once.
     for (const std::size_t i : group) {
       done[i] = true;
-      const auto chosen = settle(views[i], of_all, notes);
-      if (!chosen) return chosen.error();
-      choice.views[i] = *chosen;
+      settled[i] = settle(views[i], of_all, notes);
+      choice.views[i] = settled[i].chosen;
     }
   }
   choice.notes = notes.texts(views.size());
+  if (const auto judged = judge_unrelated(views, settled, choice); !judged) return judged.error();
   return choice;
 }
 

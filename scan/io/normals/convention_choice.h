@@ -23,8 +23,8 @@ struct ConventionChoice {
 /// another one is clearly closer to the depth; where a view alone cannot tell, all views of the
 /// same declaration are asked together, since one project seldom mixes conventions. Of several that
 /// fit equally, the one nearest to the declaration is taken. Normals that are more than 15 deg off
-/// in the median even so, beyond the noise of the depth, are not usable. kBadInput where an image
-/// is more than 35 deg off: it does not belong to this depth.
+/// in the median even so, beyond the noise of the depth, are not usable. An image that is more than
+/// 35 deg off does not belong to this depth: kBadInput where more images are than fit.
 Result<ConventionChoice> choose_conventions(const std::vector<NormalEvidence>& views);
 
 }  // namespace relief

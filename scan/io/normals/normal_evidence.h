@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -51,5 +52,8 @@ NormalAgreement agreement(const NormalEvidence& evidence, const NormalConvention
 /// The error that photometric stereo may have over large areas [rad]: within it a convention fits,
 /// and beyond it normals are not used. A real panel has 10.6 deg (docs/results.md, Real scans).
 inline constexpr double kLargestBias = 0.2618;  // 15 deg
+
+/// With fewer patches no angle to the depth is believed.
+inline constexpr std::size_t kFewestPatches = 8;
 
 }  // namespace relief

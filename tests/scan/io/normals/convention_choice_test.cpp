@@ -226,6 +226,30 @@ TEST(ConventionChoice, AnImageOfSomethingElseIsAnError) {
                        "belongs to this view"));
 }
 
+TEST(ConventionChoice, AMapOfAnotherViewIsLeftOutAndNamed) {
+  RangeView sphere = sphere_view(), slope = wavy_view(0.2, 1.5), mixed_up = sphere;
+  sphere.name = "sphere";
+  slope.name = "slope";
+  mixed_up.name = "mixed up";
+  for (std::size_t i = 0; i < sphere.normals.size(); ++i)
+    if (sphere.normals[i].allFinite()) mixed_up.normals[i] = slope.normals[i];
+  const StoredNormals of_sphere = store(sphere, kIdentity), of_slope = store(slope, kIdentity),
+                      of_other = store(mixed_up, kIdentity);
+  const auto choice =
+      value_of(choose_conventions({of_sphere.evidence, of_other.evidence, of_slope.evidence}));
+  EXPECT_TRUE(choice.views[0].usable);
+  EXPECT_FALSE(choice.views[1].usable);
+  EXPECT_TRUE(choice.views[2].usable);
+  ASSERT_FALSE(choice.notes.empty());
+  EXPECT_THAT(choice.notes.back(), HasSubstr("1 of 3 normal maps is not used"));
+  EXPECT_THAT(choice.notes.back(), HasSubstr("n.tiff of view mixed up"));
+  EXPECT_THAT(choice.notes.back(), HasSubstr("fits the depth of view slope"));
+  EXPECT_THAT(
+      choose_conventions({of_sphere.evidence, of_other.evidence, of_other.evidence}),
+      HasError(ErrorKind::kBadInput, "no convention of normals fits the depth of view mixed up",
+               "2 of 3 maps are as far off"));
+}
+
 TEST(ConventionChoice, NormalsInGridFilesAreCorrectedToo) {
   const RangeView view = sphere_view();
   Eigen::Matrix3d swapped;
