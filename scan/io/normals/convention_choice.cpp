@@ -101,6 +101,7 @@ Settled settle(const NormalEvidence& view, const ConventionRanking& of_all,
   settled.chosen.usable = !(settled.bias > kLargestBias);
   if (settled.chosen.usable) {
     notes.add_choice(view, decision.convention, decision.certain);
+    if (view.curve != TransferCurve::kNone) notes.add_curve(view);
   } else if (!settled.is_unrelated(view)) {
     notes.add_unusable(view, decision.convention, settled.bias);
   }

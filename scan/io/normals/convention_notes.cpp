@@ -55,6 +55,19 @@ void ConventionNotes::add_choice(const NormalEvidence& view, const NormalConvent
     note.declared_angles.push_back(agreement(view, view.usual.front()).median);
 }
 
+void ConventionNotes::add_curve(const NormalEvidence& view) {
+  const bool srgb = view.curve == TransferCurve::kSrgb || view.curve == TransferCurve::kSrgbLinear;
+  const bool encoded = view.curve == TransferCurve::kSrgb || view.curve == TransferCurve::kPower;
+  const std::string curve = srgb ? "sRGB" : "2.2";
+  Note& note = find((encoded ? "normals are stored with the gamma of colours (" + curve + ")"
+                             : "normals are stored as colours without their gamma (" + curve +
+                                   "), which rounds dark values") +
+                        ": it is undone, which gives them unit length; export normal maps as data, "
+                        "not as colours",
+                    "median angle to the depth");
+  note.views.push_back(view.view);
+}
+
 void ConventionNotes::add_unusable(const NormalEvidence& view, const NormalConvention& best,
                                    double bias) {
   Note& note =

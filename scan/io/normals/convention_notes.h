@@ -13,6 +13,8 @@ class ConventionNotes {
  public:
   /// `certain`: no other convention fits as well.
   void add_choice(const NormalEvidence& view, const NormalConvention& chosen, bool certain);
+  /// A curve was undone.
+  void add_curve(const NormalEvidence& view);
   /// The normals are `bias` [rad] off even in the best convention.
   void add_unusable(const NormalEvidence& view, const NormalConvention& best, double bias);
 

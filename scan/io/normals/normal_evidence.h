@@ -13,12 +13,22 @@
 
 namespace relief {
 
+/// What was done to the values of a normal image, from 0 to 1, as if they were colours.
+enum class TransferCurve {
+  kNone,
+  kSrgb,        ///< Encoded with the curve of sRGB (IEC 61966-2-1), as linear light for a screen.
+  kPower,       ///< Encoded with the power 1 / 2.2.
+  kSrgbLinear,  ///< Taken for sRGB and decoded to linear light.
+  kPowerLinear  ///< The same with the power 2.2.
+};
+
 /// What is known of the normals of one view before their convention is settled.
 struct NormalEvidence {
   std::string view;            ///< Name.
   std::filesystem::path file;  ///< That holds the normals.
   NormalFileKind kind = NormalFileKind::kImage;
   NormalEncoding encoding = NormalEncoding::kUnit;
+  TransferCurve curve = TransferCurve::kNone;  ///< Undone already.
   /// The usual conventions that agree with what the project states, the likelier first; one alone
   /// if it states all.
   std::vector<NormalConvention> usual;

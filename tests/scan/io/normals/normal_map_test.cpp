@@ -116,6 +116,42 @@ TEST_F(NormalMaps, FindsWhatIsNotDeclaredAndNamesIt) {
   EXPECT_THAT(world.notes.at(0), HasSubstr("world"));
 }
 
+// An image whose values went through `curve`, from 0 to 1, and were rounded to 8 bits.
+Image through_curve(Image image, double (*curve)(double)) {
+  for (float& value : image.samples)
+    value = static_cast<float>(std::round(255.0 * curve(value / image.max_value)));
+  image.max_value = 255.0;
+  return image;
+}
+
+TEST_F(NormalMaps, UndoesTheGammaOfColoursAndSaysSo) {
+  const NormalSpec spec{"n", NormalEncoding::kRgb, NormalAxes::kOpengl, NormalSpace::kCamera};
+  const struct {
+    double (*curve)(double);
+    const char* note;
+    double largest;
+  } cases[] = {
+      {[](double x) { return std::pow(x, 1.0 / 2.2); }, "with the gamma of colours (2.2)", 0.02},
+      {[](double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055; },
+       "with the gamma of colours (sRGB)", 0.02},
+      // Dark values, as of components near -1, are lost to rounding.
+      {[](double x) { return std::pow(x, 2.2); }, "without their gamma (2.2)", 0.12}};
+  for (const auto& [curve, note, largest] : cases) {
+    const auto map = value_of(decode_normals(through_curve(encode(kGl, true), curve), spec, view_));
+    EXPECT_LT(largest_difference(map.normals), largest) << note;
+    ASSERT_EQ(map.notes.size(), 1u) << note;
+    EXPECT_THAT(map.notes[0], HasSubstr(note));
+  }
+}
+
+TEST_F(NormalMaps, ShortenedNormalsHaveNoGamma) {
+  for (auto& normal : truth_) normal *= 0.85f;
+  const auto map = value_of(decode_normals(
+      encode(kGl, true), {"n", NormalEncoding::kRgb, NormalAxes::kOpengl, NormalSpace::kCamera},
+      view_));
+  EXPECT_TRUE(map.notes.empty()) << map.notes.front();
+}
+
 TEST_F(NormalMaps, IsAnErrorWhenNothingFits) {
   Eigen::Matrix3d swapped;
   swapped << 0, 0, 1, 1, 0, 0, 0, 1, 0;
