@@ -74,6 +74,8 @@ std::string what_is_wrong(const Sensors& sensors, const ErrorModel& model, std::
       return "the lens distorts tangentially";
     case SensorError::kInterlacing:
       return "every other row is shifted by " + number(std::abs(value)) + " columns";
+    case SensorError::kRayLengths:
+      return "distances along the rays are read as depths";
   }
   return "unknown error";
 }
@@ -124,6 +126,8 @@ std::string_view to_string(SensorError error) {
       return "tangential distortion";
     case SensorError::kInterlacing:
       return "interlacing";
+    case SensorError::kRayLengths:
+      return "distances along the rays that are read as depths";
   }
   return "unknown";
 }

@@ -37,10 +37,33 @@ constexpr double kLeastPart = 0.01;
 // objects moved samples by 7 to 10 times what was left between the views.
 constexpr double kPriorFactor = 8.0;
 
+// Distances along the rays that are read as depths have a coefficient of 1. An estimate is nearer
+// to that than to 0 or 2: a statue gave 0.72, as matches at poses that are off hide a part.
+constexpr double kWholeError = 1.0, kNearlyWhole = 0.5;
+
+// A sum over the folds, with its standard error.
+struct FoldSum {
+  double sum = 0.0, std = 0.0;
+  bool is_real() const { return sum > kLeastGain * std; }  // False for NaN.
+};
+
+FoldSum sum_of(const std::array<double, kFolds>& folds) {
+  constexpr auto kCount = static_cast<double>(kFolds);
+  double sum = 0.0, squares = 0.0;
+  for (const double value : folds) {
+    sum += value;
+    squares += value * value;
+  }
+  const double scatter = squares - sum * sum / kCount;
+  return {sum, std::sqrt(std::max(0.0, scatter) * kCount / (kCount - 1.0))};
+}
+
 // An error of the sensors, and what it moves the poses by.
 struct Explanation {
   ErrorChoice choice;
-  double gain = 0.0, gain_std = 0.0;            // Of held-out correspondences (C3).
+  std::array<double, kFolds> gains{};  // Of held-out correspondences (C3).
+  FoldSum gain;
+  double coefficient = 0.0;                     // The first, in natural units, mean of the folds.
   std::array<Eigen::VectorXd, kFolds> motions;  // Of all poses, by the other folds.
 };
 
@@ -65,6 +88,7 @@ std::vector<ErrorChoice> candidates(const Sensors& sensors, bool per_view) {
         const bool overall_scale =
             choice.error == SensorError::kRangeScale && !apart && no_view_shows_scale(sensors);
         if (overall_scale || (apart && !per_view)) continue;
+        if (choice.error == SensorError::kRayLengths) continue;  // See ray_lengths().
         if (std::find(choices.begin(), choices.end(), choice) == choices.end())
           choices.push_back(choice);
       }
@@ -93,13 +117,26 @@ class Explaining {
   std::vector<Explanation> best() const {
     std::vector<Explanation> found;
     for (const ErrorChoice& choice : candidates(sensors_, system_.layout.per_view))
-      if (auto explanation = explain(choice)) found.push_back(*std::move(explanation));
+      if (auto explanation = explain(choice); is_real(explanation))
+        found.push_back(std::move(explanation));
     std::stable_sort(found.begin(), found.end(),
-                     [](const auto& a, const auto& b) { return a.gain > b.gain; });
+                     [](const auto& a, const auto& b) { return a.gain.sum > b.gain.sum; });
     if (found.empty()) return found;
-    const double least = found.front().gain - found.front().gain_std;
-    std::erase_if(found, [&](const Explanation& explanation) { return explanation.gain < least; });
+    const double least = found.front().gain.sum - found.front().gain.std;
+    std::erase_if(found,
+                  [&](const Explanation& explanation) { return explanation.gain.sum < least; });
     return found;
+  }
+
+  // Distances along the rays that are read as depths, where these explain as much as the best
+  // error, to within chance, and have about the size that they must have.
+  std::optional<Explanation> ray_lengths(const Explanation& best) const {
+    Explanation explanation = explain({SensorError::kRayLengths, false});
+    std::array<double, kFolds> less{};
+    for (std::size_t f = 0; f < kFolds; ++f) less[f] = best.gains[f] - explanation.gains[f];
+    const bool whole = std::abs(explanation.coefficient - kWholeError) <= kNearlyWhole;
+    if (!whole || !is_real(explanation) || sum_of(less).is_real()) return std::nullopt;
+    return explanation;
   }
 
   // The second moment of what the errors may have moved a view by, each as likely as the others.
@@ -122,33 +159,39 @@ class Explaining {
   }
 
  private:
-  // Nothing where held-out correspondences gain no more than by chance.
-  std::optional<Explanation> explain(const ErrorChoice& choice) const {
+  // Whether held-out correspondences gain more than by chance, and enough to matter.
+  static bool is_real(const Explanation& explanation) {
+    return explanation.gain.is_real() && explanation.gain.sum > kLeastPart;
+  }
+
+  Explanation explain(const ErrorChoice& choice) const {
     ErrorModel model;
     model.add(choice, sensors_);
-    const auto places = system_.layout.coefficients_of(model, sensors_);
     Explanation explanation;
     explanation.choice = choice;
-    double squares = 0.0;
+    if (model.parameters.empty()) return explanation;
+    const auto places = system_.layout.coefficients_of(model, sensors_);
     for (std::size_t f = 0; f < kFolds; ++f) {
       ReducedSum train = train_[f].by_parameters(places);
       train.matrix.diagonal().array() += 1.0 / (prior_ * prior_);
       if (choice.error == SensorError::kRangeScale && no_view_shows_scale(sensors_))
         train.matrix.array() += train.matrix.trace();  // The mean over the views stays at 0.
       const Eigen::VectorXd step = -solve_symmetric(train.matrix, train.gradient);
-      const double gain = test_[f].by_parameters(places).fall(step) / system_.squares;
-      explanation.gain += gain;
-      squares += gain * gain;
+      explanation.gains[f] = test_[f].by_parameters(places).fall(step) / system_.squares;
+      explanation.coefficient += natural_first(model, step) / static_cast<double>(kFolds);
       explanation.motions[f] =
           system_.folds[f].poses_of_others.slope() * at_coefficients(step, places);
     }
-    constexpr auto kCount = static_cast<double>(kFolds);
-    const double scatter = squares - explanation.gain * explanation.gain / kCount;
-    explanation.gain_std = std::sqrt(std::max(0.0, scatter) * kCount / (kCount - 1.0));
-    const bool real = explanation.gain > kLeastPart &&
-                      explanation.gain > kLeastGain * explanation.gain_std;  // False for NaN.
-    if (!real) return std::nullopt;
+    explanation.gain = sum_of(explanation.gains);
     return explanation;
+  }
+
+  // Of the first parameter.
+  double natural_first(const ErrorModel& model, const Eigen::VectorXd& step) const {
+    const ErrorParameter& first = model.parameters.front();
+    const std::size_t sensor =
+        model.choices.front().per_view ? sensors_.of_view[first.owner] : first.owner;
+    return sensors_.models[sensor].natural(first.term, step[0]);
   }
 
   Eigen::VectorXd at_coefficients(const Eigen::VectorXd& parameters,
@@ -180,14 +223,18 @@ Explaining explaining_pairs(const CalibratedViews& measured, const std::vector<V
 }
 
 std::string describe(const Explanation& explanation, double motion) {
-  char text[320];
-  std::snprintf(text, sizeof text,
-                "views disagree by more than noise explains: an error like %s%s explains %.2g %% "
-                "of their squared distances and moves the median view by %.2g; the deviations of "
-                "poses include that, and calibrating may correct it",
-                std::string(to_string(explanation.choice.error)).c_str(),
-                explanation.choice.per_view ? " (one per view)" : "", 100.0 * explanation.gain,
-                motion);
+  const bool read_wrongly = explanation.choice.error == SensorError::kRayLengths;
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "views disagree by more than noise explains: an error like %s%s explains %.2g %% "
+      "of their squared distances and moves the median view by %.2g; the deviations of "
+      "poses include that, and %s",
+      std::string(to_string(explanation.choice.error)).c_str(),
+      explanation.choice.per_view ? " (one per view)" : "", 100.0 * explanation.gain.sum, motion,
+      read_wrongly ? "if the depth images hold such distances, give their views \"kind\": "
+                     "\"ray\" in `depth`"
+                   : "calibrating may correct it");
   return text;
 }
 
@@ -205,6 +252,7 @@ void include_sensor_errors(const std::vector<RangeView>& views,
       measured, pairs, sum_options(surfaces, refinement, kSamples), held_views(views, pairs));
   const auto explanations = explaining.best();
   if (explanations.empty()) return;
+  const auto ray_lengths = explaining.ray_lengths(explanations.front());
   std::vector<double> motions;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Matrix6d about_view =
@@ -219,7 +267,8 @@ void include_sensor_errors(const std::vector<RangeView>& views,
     motions.push_back(std::sqrt(moment.diagonal().tail<3>().sum()));
   }
   if (!motions.empty())
-    alignment.sensor_error = describe(explanations.front(), quantile(std::move(motions), 0.5));
+    alignment.sensor_error = describe(ray_lengths ? *ray_lengths : explanations.front(),
+                                      quantile(std::move(motions), 0.5));
 }
 
 }  // namespace relief::registration

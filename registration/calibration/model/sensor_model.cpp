@@ -96,6 +96,7 @@ void SensorModel::list_terms(const Camera& camera) {
     for (int k = 0; k < 2; ++k) add(SensorError::kPrincipalPoint, k);
     for (int k = 0; k < 2; ++k) add(SensorError::kRadialDistortion, k);
     for (int k = 0; k < 2; ++k) add(SensorError::kTangentialDistortion, k);
+    add(SensorError::kRayLengths);
   } else if (camera.model() == Camera::Model::kRayTable) {
     add(SensorError::kInterlacing);
   }
@@ -159,6 +160,8 @@ double SensorModel::range_field(const Term& term, const Place& at) const {
     case SensorError::kCubicWarp:
     case SensorError::kQuarticWarp:
       return legendre(term.i, at.pixel.x()) * legendre(term.j, at.pixel.y());
+    case SensorError::kRayLengths:
+      return at.range / at.length - at.range;
     default:
       return 0.0;
   }
@@ -188,7 +191,8 @@ Eigen::Vector3d SensorModel::camera_field(const Term& term, const Place& at) con
 }
 
 Eigen::Vector3d SensorModel::field(const Term& term, const Place& at) const {
-  const bool of_range = term.error <= SensorError::kQuarticWarp;
+  const bool of_range =
+      term.error <= SensorError::kQuarticWarp || term.error == SensorError::kRayLengths;
   return term.scale * (of_range
                            ? Eigen::Vector3d(range_field(term, at) / at.length * at.ray.direction)
                            : camera_field(term, at));

@@ -41,7 +41,8 @@ class SensorModel {
                           std::span<const double> coefficients) const;
 
   /// The coefficient of a term in units of its own: a length for offset and warp, a ratio for scale
-  /// and focal length, pixels for principal point and interlacing, Brown's for distortion.
+  /// and focal length, pixels for principal point and interlacing, Brown's for distortion, 1 for
+  /// ray lengths.
   double natural(std::size_t term, double coefficient) const {
     return coefficient * terms_[term].scale;
   }

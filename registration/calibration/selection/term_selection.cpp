@@ -50,6 +50,7 @@ std::vector<ErrorChoice> candidates(const Sensors& sensors, bool per_view) {
   for (const SensorModel& sensor : sensors.models) {
     for (std::size_t k = 0; k < sensor.terms(); ++k) {
       const ErrorChoice choice{sensor.error_of(k), per_view};
+      if (choice.error == SensorError::kRayLengths) continue;  // Files have them wholly or not.
       if (per_view && !of_range(choice.error)) continue;
       if (choice == kOverallScale && sensors.models.size() == 1 && sensor.scales_all()) continue;
       if (std::find(choices.begin(), choices.end(), choice) == choices.end())

@@ -16,7 +16,9 @@
 namespace relief::registration {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::spoiled;
 using testing::true_ring;
 
@@ -71,6 +73,30 @@ TEST(SensorErrorCovariance, ExplainsPosesThatASharedErrorMoved) {
   EXPECT_GT(ratio.with_sensors, 0.5);
   EXPECT_LT(ratio.with_sensors, 2.0);
   EXPECT_THAT(alignment.sensor_error, HasSubstr("calibrating may correct it"));
+}
+
+// The ring as seen by a program that takes a range for `times` as much longer than the depth as the
+// distance along the ray is.
+std::vector<RangeView> bent_ring(double times) {
+  auto views =
+      testing::perturbed(true_ring(), Eigen::Vector3d::Zero(), 0.01, 0.5 * testing::spacing());
+  for (RangeView& view : views)
+    for (int v = 0; v < view.height(); ++v)
+      for (int u = 0; u < view.width(); ++u)
+        view.range(u, v) *= 1.0 + times * (view.camera.ray(u, v).direction.norm() - 1.0);
+  return views;
+}
+
+TEST(SensorErrorCovariance, NamesDistancesAlongTheRaysThatAreReadAsDepths) {
+  const auto alignment = align_views(bent_ring(1.0)).value();
+  EXPECT_THAT(alignment.sensor_error, HasSubstr("distances along the rays"));
+  EXPECT_THAT(alignment.sensor_error, HasSubstr("\"kind\": \"ray\""));
+}
+
+TEST(SensorErrorCovariance, ABendOfAnotherSizeIsNotTakenForDistancesAlongTheRays) {
+  const auto alignment = align_views(bent_ring(0.3)).value();
+  EXPECT_THAT(alignment.sensor_error,
+              AllOf(HasSubstr("an error like"), Not(HasSubstr("along the rays"))));
 }
 
 TEST(SensorErrorCovariance, ExplainsPosesThatErrorsOfEachViewMoved) {

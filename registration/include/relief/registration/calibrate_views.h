@@ -28,6 +28,8 @@ enum class SensorError {
   kRadialDistortion,      ///< Of pinhole cameras: Brown's k1 and k2.
   kTangentialDistortion,  ///< Of pinhole cameras: Brown's p1 and p2.
   kInterlacing,           ///< Of tables of rays: every other row is shifted along itself.
+  kRayLengths,  ///< Of pinhole cameras: distances along the rays are read as depths. A mistake of
+                ///< the input, told by alignment and never corrected.
 };
 
 /// Which views share the errors of a sensor.
