@@ -60,6 +60,12 @@ bool starts_at_origin(const Camera& camera) {
          camera.ray(camera.width() - 1, camera.height() - 1).origin.isZero();
 }
 
+std::optional<Eigen::Vector2d> focal_lengths(const Camera& camera) {
+  if (camera.model() != Camera::Model::kPinhole && camera.model() != Camera::Model::kPinholeGl)
+    return std::nullopt;
+  return Eigen::Vector2d(camera.intrinsics().fx, camera.intrinsics().fy);
+}
+
 class AlignmentReport {
  public:
   AlignmentReport(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
@@ -148,7 +154,7 @@ class AlignmentReport {
         given.push_back({views_[i].name, convention_.world_from_view(views_[i].world_from_view),
                          result.views[i].world_from_view, surfaces_[i].centre(),
                          checked_.world_from_view[i] && !state_.starts.found_by_shape[i],
-                         starts_at_origin(views_[i].camera)});
+                         starts_at_origin(views_[i].camera), focal_lengths(views_[i].camera)});
     for (std::string& note : notes_on_given_poses(given)) result.notes.push_back(std::move(note));
   }
 

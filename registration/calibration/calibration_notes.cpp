@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 namespace relief::registration {
 
@@ -33,19 +34,29 @@ double size_of(const Sensors& sensors, const ErrorModel& model, std::size_t choi
   return owners > 0.0 ? std::sqrt(sum / owners) : 0.0;
 }
 
-// The first parameter of an error in its natural unit: what there is to say where it is alone.
-double natural_value(const Sensors& sensors, const ErrorModel& model, std::size_t choice) {
+// The parameters of an error in their natural units, those of its first owner before the others'.
+std::vector<double> natural_values(const Sensors& sensors, const ErrorModel& model,
+                                   std::size_t choice) {
+  std::vector<double> values;
   for (const ErrorParameter& parameter : model.parameters) {
     if (parameter.choice != choice) continue;
     const std::size_t sensor =
         model.choices[choice].per_view ? sensors.of_view[parameter.owner] : parameter.owner;
-    return sensors.models[sensor].natural(parameter.term, parameter.value);
+    values.push_back(sensors.models[sensor].natural(parameter.term, parameter.value));
   }
-  return 0.0;
+  return values;
+}
+
+std::string wrong_principal_point(double x, double y) {
+  const std::string text = "the principal point (cx, cy) is off, and right when moved by (" +
+                           number(x) + ", " + number(y) + ") pixels";
+  const bool whole_pixels = std::hypot(x, y) >= 1.0;
+  return whole_pixels ? text + ", as of cropped images with the camera of the whole ones" : text;
 }
 
 std::string what_is_wrong(const Sensors& sensors, const ErrorModel& model, std::size_t choice) {
-  const double value = natural_value(sensors, model, choice);
+  const std::vector<double> values = natural_values(sensors, model, choice);
+  const double value = values.empty() ? 0.0 : values.front();
   const auto percent = [&](double part) { return number(std::abs(100.0 * part)) + " %"; };
   switch (model.choices[choice].error) {
     case SensorError::kRangeOffset:
@@ -67,7 +78,8 @@ std::string what_is_wrong(const Sensors& sensors, const ErrorModel& model, std::
       return "fx / fy is too " + std::string(value < 0.0 ? "large" : "small") + " by " +
              percent(2.0 * value);
     case SensorError::kPrincipalPoint:
-      return "the principal point is off";
+      return values.size() < 2 ? "the principal point is off"
+                               : wrong_principal_point(values[0], values[1]);
     case SensorError::kRadialDistortion:
       return "the lens distorts radially";
     case SensorError::kTangentialDistortion:

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <iomanip>
 #include <iterator>
 #include <sstream>
 #include <utility>
+
+#include <Eigen/QR>
 
 #include "registration/pairwise/robust.h"
 
@@ -21,6 +24,11 @@ constexpr double kFarBetter = 4.0;
 constexpr double kLeastScale = 1e-3;
 // Places so much nearer than the farthest pair say nothing of the scale [fraction].
 constexpr double kNear = 0.05;
+// A common shift has nine unknowns with the motion of the world, and each view three equations.
+constexpr std::size_t kFewestForShift = 6;
+// Directions in which equations say less than this part of what they say of others: noise there
+// grows ten times.
+constexpr double kUndetermined = 0.1;
 
 // Pairs of neighbours in the order of the views, and of views half of them apart.
 std::vector<std::pair<std::size_t, std::size_t>> some_pairs(std::size_t views) {
@@ -71,6 +79,99 @@ std::optional<std::string> note_on_moves(const std::vector<GivenAndFound>& views
        << " views with given poses by " << quantile(moves, 0.5) << " (median), and by " << largest
        << " at most (" << farthest->name << ")";
   return note.str();
+}
+
+// Where the samples of a view are by its given and its found pose.
+struct Places {
+  Eigen::Vector3d given, found;
+  Eigen::Matrix3d world_from_view;
+};
+
+std::vector<Places> places_of(const std::vector<GivenAndFound>& views) {
+  std::vector<Places> places;
+  for (const GivenAndFound& view : views)
+    if (view.refined)
+      places.push_back({view.given * view.centre, view.found * view.centre, view.given.linear()});
+  return places;
+}
+
+// A shift in the frame of each view, and the small motion of the world that goes with it.
+struct ShiftFit {
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  std::vector<double> errors;  // Of each place [unit].
+};
+
+// found - given = R shift + t + w x (given - middle), by least squares.
+ShiftFit fit_shift(const std::vector<Places>& places, bool with_shift) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Places& place : places) middle += place.given / static_cast<double>(places.size());
+  double extent = 0.0;  // So that turns count by what they move.
+  for (const Places& place : places) extent = std::max(extent, (place.given - middle).norm());
+  if (!(extent > 0.0)) extent = 1.0;
+  const auto rows = static_cast<Eigen::Index>(3 * places.size());
+  Eigen::MatrixXd matrix(rows, with_shift ? 9 : 6);
+  Eigen::VectorXd right(rows);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(3 * i);
+    const Eigen::Vector3d arm = (places[i].given - middle) / extent;
+    matrix.block<3, 3>(row, 0) << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
+    matrix.block<3, 3>(row, 3).setIdentity();
+    if (with_shift) matrix.block<3, 3>(row, 6) = places[i].world_from_view;
+    right.segment<3>(row) = places[i].found - places[i].given;
+  }
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+  decomposition.setThreshold(kUndetermined);
+  decomposition.compute(matrix);
+  const Eigen::VectorXd solution = decomposition.solve(right);
+  ShiftFit fit;
+  if (with_shift) fit.shift = solution.tail<3>();
+  const Eigen::VectorXd left = right - matrix * solution;
+  for (Eigen::Index i = 0; i < rows; i += 3) fit.errors.push_back(left.segment<3>(i).norm());
+  return fit;
+}
+
+// The same without places that fit worse than three times the median.
+ShiftFit robust_shift(std::vector<Places> places, bool with_shift) {
+  constexpr double kOutlier = 3.0;  // Medians. Of Gaussian places 0.1 % are farther off.
+  const ShiftFit first = fit_shift(places, with_shift);
+  const double most = kOutlier * quantile(first.errors, 0.5);
+  std::vector<Places> kept;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (first.errors[i] <= most) kept.push_back(places[i]);
+  return kept.size() >= kFewestForShift ? fit_shift(kept, with_shift) : first;
+}
+
+// What moves the principal points of the views by pixels so that their samples shift so.
+std::optional<Eigen::Vector2d> principal_point_shift(const std::vector<GivenAndFound>& views,
+                                                     const Eigen::Vector3d& shift) {
+  std::vector<double> x, y;
+  for (const GivenAndFound& view : views) {
+    if (!view.focal_lengths || view.centre.z() == 0.0) continue;
+    const Eigen::Vector2d pixels =
+        -shift.head<2>().cwiseProduct(*view.focal_lengths) / std::abs(view.centre.z());
+    x.push_back(pixels.x());
+    y.push_back(pixels.y());
+  }
+  if (x.empty()) return std::nullopt;
+  return Eigen::Vector2d(quantile(std::move(x), 0.5), quantile(std::move(y), 0.5));
+}
+
+// A shift of less than a pixel is no mistake of a file, and one along the rays none of the
+// principal point.
+std::optional<std::string> note_on_shift(const std::vector<GivenAndFound>& views) {
+  const auto shift = common_shift(views);
+  if (!shift || !(shift->head<2>().norm() > kFarBetter * std::abs(shift->z()))) return std::nullopt;
+  const auto pixels = principal_point_shift(views, *shift);
+  if (!pixels || pixels->norm() < 1.0) return std::nullopt;
+  char note[400];
+  std::snprintf(
+      note, sizeof note,
+      "all views were found off their given poses by (%.2g, %.2g, %.2g) in their own "
+      "frames: either the principal points (cx, cy) are off, as where images were cropped "
+      "and the camera is that of the whole ones, and right when moved by (%.1f, %.1f) "
+      "pixels; or the poses are those of another camera beside the sensor",
+      shift->x(), shift->y(), shift->z(), pixels->x(), pixels->y());
+  return note;
 }
 
 // No focal length nor scale of depths is so far off.
@@ -133,11 +234,21 @@ std::optional<int> mirrored_axis(const std::vector<GivenAndFound>& views) {
   return std::nullopt;
 }
 
+std::optional<Eigen::Vector3d> common_shift(const std::vector<GivenAndFound>& all) {
+  const std::vector<Places> places = places_of(all);
+  if (places.size() < kFewestForShift) return std::nullopt;
+  const double as_given = quantile(robust_shift(places, false).errors, 0.5);
+  const ShiftFit shifted = robust_shift(places, true);
+  const double scatter = quantile(shifted.errors, 0.5);
+  return as_given > kFarBetter * scatter ? std::optional(shifted.shift) : std::nullopt;
+}
+
 std::vector<std::string> notes_on_given_poses(const std::vector<GivenAndFound>& views) {
   std::vector<std::string> notes;
   if (auto moves = note_on_moves(views)) notes.push_back(std::move(*moves));
   if (const auto scale = common_scale(views)) notes.push_back(note_on_scale(*scale));
   if (const auto axis = mirrored_axis(views)) notes.push_back(note_on_mirror(*axis));
+  if (auto shift = note_on_shift(views)) notes.push_back(std::move(*shift));
   return notes;
 }
 

@@ -19,6 +19,7 @@ struct GivenAndFound {
   bool refined = false;  ///< From the given pose, not found by shape; the world is the same.
   /// All its rays start at the origin of its frame, where the sensor stood.
   bool from_origin = false;
+  std::optional<Eigen::Vector2d> focal_lengths = {};  ///< fx and fy of a pinhole [pixels].
 };
 
 /// How many times as far apart as given the sensors of views `from_origin` were found: 1.02 where
@@ -31,8 +32,14 @@ std::optional<double> common_scale(const std::vector<GivenAndFound>& all);
 /// y in the frame of each view: four times nearer than without. Nothing for fewer than four views.
 std::optional<int> mirrored_axis(const std::vector<GivenAndFound>& views);
 
-/// For the user: how far refining moved the given poses, and what common_scale() and
-/// mirrored_axis() tell.
+/// By how much the samples of all views were found off their given poses, alike in the frame of
+/// each view [unit]: a shift that leaves a quarter of the distances between both. Only of `refined`
+/// views. Nothing for fewer than six, and where they do not differ so. Along what turns with no
+/// view, as the axis of a turntable, it is 0.
+std::optional<Eigen::Vector3d> common_shift(const std::vector<GivenAndFound>& all);
+
+/// For the user: how far refining moved the given poses, and what common_scale(),
+/// mirrored_axis() and common_shift() tell.
 std::vector<std::string> notes_on_given_poses(const std::vector<GivenAndFound>& views);
 
 }  // namespace relief::registration

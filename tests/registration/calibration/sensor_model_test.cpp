@@ -6,10 +6,17 @@
 #include <utility>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "registration/calibration/calibration_notes.h"
 
 namespace relief::registration {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr int kPixels = 60;
 constexpr double kDistance = 300.0;
@@ -127,6 +134,25 @@ TEST(SensorModel, KeepsAPinholeCameraOneWithoutDistortion) {
               distorts ? Camera::Model::kRayTable : Camera::Model::kPinhole);
     EXPECT_TRUE(corrected.camera.can_project());
   }
+}
+
+TEST(CalibrationNotes, TellThePixelsOfAPrincipalPoint) {
+  const RangeView view = view_with(Rays::kPinhole);
+  const Sensors sensors = find_sensors({&view}, {1.7});
+  ErrorModel model;
+  model.add({SensorError::kPrincipalPoint, false}, sensors);
+  const auto note_on = [&](double x, double y) {
+    for (const auto& [k, pixels] : {std::pair{0u, x}, std::pair{1u, y}}) {
+      ErrorParameter& parameter = model.parameters.at(k);
+      parameter.value = pixels / sensors.models[0].natural(parameter.term, 1.0);
+    }
+    SensorCalibration result;
+    result.errors.resize(1);
+    describe_errors(sensors, model, model, result);
+    return result.notes.at(0);
+  };
+  EXPECT_THAT(note_on(0.5, -12.0), AllOf(HasSubstr("(0.5, -12) pixels"), HasSubstr("cropped")));
+  EXPECT_THAT(note_on(0.5, 0.1), AllOf(HasSubstr("(0.5, 0.1) pixels"), Not(HasSubstr("cropped"))));
 }
 
 TEST(FindSensors, TellsSensorsApartByTheirCameras) {

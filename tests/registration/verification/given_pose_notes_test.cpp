@@ -18,6 +18,7 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 // Views round an object at uneven heights, found where they are given, but for errors of `noise` in
 // each coordinate and in a world of its own.
@@ -91,6 +92,41 @@ TEST(GivenPoseNotes, TellMirroredImages) {
   EXPECT_THAT(notes_on_given_poses(ring(0.2, 1.0, 1)), Contains(HasSubstr("top to bottom")));
   for (const double noise : {0.0, 0.2, 10.0}) EXPECT_FALSE(mirrored_axis(ring(noise))) << noise;
   EXPECT_THAT(notes_on_given_poses({}), IsEmpty());
+}
+
+// The ring, found in the world of its poses but shifted in the frame of each view.
+std::vector<GivenAndFound> shifted_ring(const Eigen::Vector3d& shift, double noise) {
+  std::vector<GivenAndFound> views = ring(0.0);
+  std::mt19937 random(4);
+  std::normal_distribution<double> gauss;
+  for (GivenAndFound& view : views) {
+    view.centre = Eigen::Vector3d(5.0 * gauss(random), 5.0 * gauss(random), 100.0);
+    view.focal_lengths = Eigen::Vector2d(500.0, 500.0);
+    view.found = view.given * Eigen::Translation3d(shift);
+    view.found.translation() +=
+        noise * Eigen::Vector3d(gauss(random), gauss(random), gauss(random));
+  }
+  return views;
+}
+
+TEST(GivenPoseNotes, TellPrincipalPointsThatAreOff) {
+  const Eigen::Vector3d shift(0.2, -2.4, 0.05);  // -1 and 12 pixels of principal points.
+  auto views = shifted_ring(shift, 0.05);
+  ASSERT_TRUE(common_shift(views));
+  EXPECT_LT((*common_shift(views) - shift).norm(), 0.15);
+  EXPECT_THAT(notes_on_given_poses(views),
+              Contains(AllOf(HasSubstr("cx, cy"), HasSubstr("cropped"), HasSubstr(", 12."))));
+  views[4].found = Eigen::Translation3d(30, 0, 0) * views[4].found;
+  EXPECT_LT((common_shift(views).value_or(Eigen::Vector3d::Zero()) - shift).norm(), 0.15);
+}
+
+TEST(GivenPoseNotes, TellNoPrincipalPointWhereMovesScatterOrGoForward) {
+  EXPECT_FALSE(common_shift(shifted_ring({0, 0, 0}, 0.05)));
+  EXPECT_FALSE(common_shift(shifted_ring({0.5, 0, 0}, 0.5)));
+  const auto forward = Contains(HasSubstr("cx, cy"));
+  EXPECT_THAT(notes_on_given_poses(shifted_ring({0.1, 0, 2}, 0.05)), Not(forward));
+  EXPECT_THAT(notes_on_given_poses(shifted_ring({0.05, 0.05, 0}, 0.001)), Not(forward));
+  EXPECT_THAT(notes_on_given_poses(ring(0.2, 1.02)), Not(forward));
 }
 
 }  // namespace
