@@ -4,6 +4,7 @@
 
 #include "apps/commands/command.h"
 #include "apps/commands/convert/export_views.h"
+#include "apps/commands/outputs.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
@@ -26,7 +27,16 @@ struct AlignCommand {
   std::vector<std::filesystem::path> exports;
 };
 
+Outputs outputs_of(const AlignCommand& command) {
+  Outputs outputs{.files = command.exports};
+  outputs.files.push_back(command.output);
+  outputs.files.push_back(report_path(command.common, command.output));
+  return outputs;
+}
+
 int align(const AlignCommand& command) {
+  if (const auto free = check_outputs(command.input, outputs_of(command)); !free)
+    return fail(free.error());
   auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
   if (const auto ready = prepare_folder_of(command.output); !ready) return fail(ready.error());

@@ -80,6 +80,44 @@ TEST_F(BadInput, TruncatedDepthFile) {
   expect_failure(2, std::filesystem::path(depth_file()).filename());
 }
 
+// Also through a link, and by files of scans that have the names of results.
+TEST_F(BadInput, OutputOverTheInput) {
+  const std::string folder = project_.path(), scan_file = project_ / "scan.json";
+  const TemporaryFolder grids, out;
+  ASSERT_EQ(run_relief({"convert", scan_file, "--grids", "-o", grids.path()}).exit_status, 0);
+  std::filesystem::remove(grids / "scan.json");
+  std::filesystem::create_directory_symlink(project_.path(), out / "link");
+  const auto texts = [&] {
+    std::vector<std::string> all;
+    for (const auto& input : {project_.path(), grids.path()})
+      for (const std::string& file : files_below(input))
+        all.push_back(file + read_text(input / file));
+    return all;
+  };
+  const std::vector<std::string> before = texts();
+  const std::string view = scan_["views"][0]["name"];
+  const std::string grid = grids / (view + ".ply");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> commands = {
+      {{"run", folder, "-o", folder}, "scan.json"},
+      {{"run", scan_file, "-o", out / "link"}, "link/scan.json"},
+      {{"run", scan_file, "-o", out / "run", "--report", depth_file()}, depth_file()},
+      {{"run", grids.path(), "-o", grids.path()}, grid},
+      {{"step", "align", scan_file, "-o", folder}, "scan.json"},
+      {{"refine", scan_file, "-o", folder}, "scan.json"},
+      {{"calibrate", folder, "-o", folder}, "scan.json"},
+      {{"align", folder, "-o", scan_file}, "scan.json"},
+      {{"merge", grids.path(), "-o", grid}, grid},
+      {{"convert", grid, "-o", grid}, grid},
+      {{"convert", scan_file, "-o", folder}, "scan.json"}};
+  for (const auto& [command, file] : commands) {
+    const ProgramRun run = run_relief(command);
+    EXPECT_EQ(run.exit_status, 2) << command[0] << ": " << run.standard_error;
+    EXPECT_THAT(run.standard_error, HasSubstr(file + ": is one of the input files")) << command[0];
+  }
+  EXPECT_EQ(texts(), before);
+  EXPECT_THAT(files_below(out.path()), IsEmpty());
+}
+
 TEST_F(BadInput, ProjectThatIsNotJson) {
   write_text(project_ / "scan.json", "{ \"format\": \"relief-scan\", oops }");
   expect_failure(2, "scan.json");

@@ -6,6 +6,7 @@
 #include "apps/commands/command.h"
 #include "apps/commands/convert/export_tiles.h"
 #include "apps/commands/convert/export_views.h"
+#include "apps/commands/outputs.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/options/input_kind.h"
@@ -35,6 +36,8 @@ int convert_mesh(const ConvertCommand& command) {
                  command.output.string() + ": " + command.input.path.string() +
                      " is a mesh, which is written as .ply, .obj, .stl, .vtp, .glb or .3mf, or "
                      "in tiles as .json; --as-views takes it as points that a scanner saw"});
+  if (const auto free = check_output(command.input.path, command.output); !free)
+    return fail(free.error());
   const auto mesh = read_mesh(command.input.path);
   if (!mesh) return fail(mesh.error());
   const auto written =
@@ -77,7 +80,16 @@ Result<void> write_as(const ScanProject& project, const ConvertCommand& command)
   return write_project(project, command.output, context_of(command.common, "write"), options);
 }
 
+// Poses alone go into files that no project is read from.
+Outputs outputs_of(const ConvertCommand& command) {
+  if (command.colmap || command.xf) return {};
+  if (is_export_path(command.output)) return {.files = {command.output}};
+  return {.folder = command.output};
+}
+
 int convert_project(const ConvertCommand& command) {
+  if (const auto free = check_outputs(command.input, outputs_of(command)); !free)
+    return fail(free.error());
   const auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
   const auto written = write_as(*project, command);

@@ -4,6 +4,7 @@
 
 #include "apps/commands/command.h"
 #include "apps/commands/merge/merge_within_limit.h"
+#include "apps/commands/outputs.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
 #include "apps/console/output.h"
@@ -61,6 +62,9 @@ Result<MergedProject> within_limit(const MergeCommand& command,
 }
 
 int merge(const MergeCommand& command) {
+  const std::filesystem::path report_file = report_path(command.common, command.output);
+  if (const auto free = check_outputs(command.input, {{}, {command.output, report_file}}); !free)
+    return fail(free.error());
   const reconstruction::ModelOptions options = command.merge.resolved();
   // Stages tell their progress themselves.
   const Context context = context_of(command.common, "").with_progress({});
@@ -74,8 +78,7 @@ int merge(const MergeCommand& command) {
 
   if (const auto written = write_mesh(merged->model.mesh, command.output); !written)
     return fail(written.error());
-  const auto reported =
-      write_report(report_path(command.common, command.output), "merge", report, command.common);
+  const auto reported = write_report(report_file, "merge", report, command.common);
   if (!reported) return fail(reported.error());
   Console::info("wrote " + command.output.string());
   return kDone;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "apps/commands/command.h"
+#include "apps/commands/outputs.h"
 #include "apps/commands/render/render_cells.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
@@ -130,7 +131,9 @@ Result<void> render_projects(const RenderCommand& command, Json& report) {
   if (auto checked = check_for_views(command.flags); !checked) return checked;
   std::vector<RenderProject> projects;
   for (const auto& path : command.inputs) {
-    auto project = read_with_notes(ProjectInput{path, command.reading}, command.common);
+    const ProjectInput input{path, command.reading};
+    if (auto free = check_outputs(input, {{}, {command.output}}); !free) return free.error();
+    auto project = read_with_notes(input, command.common);
     if (!project) return project.error();
     projects.push_back({path, *std::move(project)});
   }

@@ -38,6 +38,8 @@ class Run {
   // What a stage achieved is written before the next one starts.
   int operator()() {
     if (command_.time_limit > 0.0) stop_after(std::chrono::duration<double>(command_.time_limit));
+    if (const auto free = check_outputs(command_.input, command_.outputs()); !free)
+      return fail(free.error());
     auto project = read_with_notes(
         command_.input, command_.common,
         [this](const std::vector<RangeView>& v) { record_["inputs"] = input_record(v); });

@@ -28,6 +28,14 @@ reconstruction::ReconstructionOptions RunOptions::reconstruction() const {
   return options;
 }
 
+Outputs RunOptions::outputs() const {
+  Outputs outputs{output, exports};
+  outputs.files.push_back(output / "model.ply");
+  outputs.files.push_back(report_path(common, output / "scan.json"));
+  if (!no_html_report) outputs.files.push_back(output / "report.html");
+  return outputs;
+}
+
 Context RunOptions::context(UnitStore* store) const {
   Context context = context_of(common, "").with_progress({});
   context.store = store;

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands/command.h"
+#include "apps/commands/outputs.h"
 #include "apps/commands/run/run_cache.h"
 #include "apps/options/memory_option.h"
 #include "apps/options/stage_options.h"
@@ -36,6 +37,8 @@ struct RunOptions {
 
   /// What the library is told.
   reconstruction::ReconstructionOptions reconstruction() const;
+  /// All that `run` writes outside of DIR/.relief.
+  Outputs outputs() const;
   /// The context of a reconstruction. Its stages are told apart by the callbacks.
   Context context(UnitStore* store) const;
 };

@@ -74,6 +74,8 @@ class Step {
 
   int operator()() {
     if (options_.time_limit > 0.0) stop_after(std::chrono::duration<double>(options_.time_limit));
+    if (const auto free = check_outputs(options_.input, options_.outputs()); !free)
+      return fail(free.error());
     auto project = read_with_notes(options_.input, options_.common);
     if (!project) return fail(project.error());
     unit_ = project->unit;

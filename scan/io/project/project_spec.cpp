@@ -138,7 +138,9 @@ Result<ProjectSpec> spec_of_file(const fs::path& path, const ReadProjectOptions&
   if (is_project_file(path)) {
     auto text = read_file(path);
     if (!text) return text.error();
-    return parse_project(*text, path, {options.intrinsics, options.depth_scale});
+    auto project = parse_project(*text, path, {options.intrinsics, options.depth_scale});
+    if (project) project->file = path;
+    return project;
   }
   if (has_scan_ending(path)) return spec_of_scans({path}, options);
   return why_no_project(path);

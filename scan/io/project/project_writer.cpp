@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <optional>
 #include <set>
 
@@ -14,6 +13,7 @@
 #include "scan/io/images/image_io.h"
 #include "scan/io/project/json/camera_json_private.h"
 #include "scan/io/project/json/spec_json_private.h"
+#include "scan/io/project/project_files.h"
 #include "scan/io/project/view_spec.h"
 #include "scan/io/workspaces/rgbd/nerf_transforms.h"
 
@@ -120,18 +120,6 @@ Result<void> write_grid_view(const RangeView& view, const fs::path& folder, cons
                     format == GridFormat::kPcd ? encode_pcd_grid(view) : encode_ply_grid(view));
 }
 
-// A file name made of a view's name: letters, digits, `-`, `_` and `.` only, unlike all in `taken`.
-std::string file_stem(const std::string& name, std::set<std::string>& taken) {
-  std::string stem;
-  for (const unsigned char c : name)
-    stem += std::isalnum(c) || c == '-' || c == '_' || (c == '.' && !stem.empty())
-                ? static_cast<char>(c)
-                : '_';
-  std::string unique = stem;
-  for (int n = 2; !taken.insert(unique).second; ++n) unique = stem + "_" + std::to_string(n);
-  return unique;
-}
-
 fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
@@ -210,7 +198,7 @@ Result<void> write_project(const std::vector<RangeView>& views, const std::strin
     if (!report_progress(context.progress, fraction, "writing views"))
       return Error{ErrorKind::kInterrupted, folder.string() + ": writing was interrupted"};
     json entry = {{"name", view.name}};
-    const std::string stem = file_stem(view.name, stems);
+    const std::string stem = view_file_stem(view.name, stems);
     const bool grid = options.grids || needs_grid_file(view);
     auto written = grid ? write_grid_view(view, folder, stem, options.grid_format, entry)
                         : write_depth_view(view, folder, stem, options.declare_normals, entry);

@@ -90,6 +90,7 @@ struct ViewSpec {
 };
 
 struct ProjectSpec {
+  std::filesystem::path file;  ///< That describes the views, as a scan.json; empty: none does.
   std::string unit;
   std::vector<ViewSpec> views;
   std::vector<std::string> notes;
