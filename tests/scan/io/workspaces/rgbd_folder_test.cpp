@@ -82,7 +82,7 @@ TEST(TumTrajectory, NumbersMayHaveTwoDecimals) {
 TEST(TumTrajectory, ErrorsNameTheLine) {
   const auto parse = [](const std::string& text) { return parse_tum_trajectory(text, "t.txt"); };
   EXPECT_THAT(parse("# x\n1 0 0 0 0 0 0 2\n"), HasError("t.txt: line 2: not a rigid motion"));
-  EXPECT_THAT(parse("1 0 0 nan 0 0 0 1\n"), HasError("line 1: not a rigid motion"));
+  EXPECT_THAT(parse("1 0 0 0 0 0 0 1\n2 0 0 0 1 1 0 0\n"), HasError("line 2: not a rigid"));
   EXPECT_THAT(parse("2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"), HasError("line 2: the time is before"));
   EXPECT_THAT(parse("2 0 0 0 0 0 0 1\n1 0 0\n"), HasError("line 2: expected 'time tx"));
   EXPECT_THAT(parse("0 0 0 0 0 0 1\n1 0 0\n"), HasError("line 2: expected 'tx ty"));
@@ -220,6 +220,23 @@ TEST_F(RgbdFolder, NamedFrames) {
   folder_.write("frame-000001.pose.txt", "1 0 0 5\n0 3 0 6\n0 0 1 7\n0 0 0 1\n");
   EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions),
               HasError("frame-000001.pose.txt: line 4: the pose is not a rigid motion"));
+}
+
+// A row of numbers that are no pose keeps its place.
+TEST(Trajectories, LostPoses) {
+  const auto plain = value_of(parse_tum_trajectory(
+      "1 2 3 0 0 0 1\nnan nan nan nan nan nan nan\n0 0 0 0 0 0 0\n4 5 inf 0 0 0 1\n", "t.txt"));
+  ASSERT_EQ(plain.size(), 4u);
+  EXPECT_FALSE(plain[0].is_lost);
+  for (const std::size_t i : {1u, 2u, 3u}) EXPECT_TRUE(plain[i].is_lost) << i;
+  const auto timed =
+      value_of(parse_tum_trajectory("1 0 0 0 0 0 0 1\n2 0 0 0 nan nan nan nan\n", "t.txt"));
+  EXPECT_TRUE(pose_at(timed, 1.0, 0.02));
+  EXPECT_FALSE(pose_at(timed, 2.0, 0.02));
+  const auto rows = value_of(parse_matrix_trajectory(
+      "1 0 0 5 0 1 0 6 0 0 1 7\n0 0 0 0 0 0 0 0 0 0 0 0\nnan 0 0 5 0 1 0 6 0 0 1 7\n", "t.txt"));
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_TRUE(!rows[0].is_lost && rows[1].is_lost && rows[2].is_lost);
 }
 
 TEST_F(RgbdFolder, ExtrinsicsOfFramesAreViewFromWorld) {

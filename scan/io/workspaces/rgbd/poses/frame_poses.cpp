@@ -28,6 +28,11 @@ FramePoses frame_poses(const PosesOfFrames& world_from_view) {
   return poses;
 }
 
+// By the order of the frames.
+std::optional<TrajectoryPose> unless_lost(const TrajectoryPose& pose) {
+  return pose.is_lost ? std::nullopt : std::optional(pose);
+}
+
 // The parser for a file, if the file is a trajectory.
 using TrajectoryParser = Result<Trajectory> (*)(std::string_view, const fs::path&);
 
@@ -102,7 +107,7 @@ std::optional<FramePoses> poses_by_number(const Trajectory& trajectory,
   const std::size_t first = *least > 0 && *most == trajectory.size() ? 1 : 0;
   if (*most - first >= trajectory.size()) return std::nullopt;
   FramePoses poses;
-  for (const std::size_t number : numbers) poses.emplace_back(trajectory[number - first]);
+  for (const std::size_t number : numbers) poses.push_back(unless_lost(trajectory[number - first]));
   return poses;
 }
 
@@ -112,7 +117,11 @@ Result<FramePoses> assign_poses(const Trajectory& trajectory, const fs::path& pa
   const bool timed = !trajectory.empty() && trajectory.front().time.has_value();
   if (timed)
     if (const auto poses = poses_by_time(trajectory, frames, notes)) return frame_poses(*poses);
-  if (trajectory.size() == frames.size()) return FramePoses(trajectory.begin(), trajectory.end());
+  if (trajectory.size() == frames.size()) {
+    FramePoses poses;
+    for (const TrajectoryPose& pose : trajectory) poses.push_back(unless_lost(pose));
+    return poses;
+  }
   if (!timed)
     if (auto poses = poses_by_number(trajectory, frames)) {
       notes.emplace_back("the trajectory has " + std::to_string(trajectory.size()) +
@@ -162,6 +171,10 @@ Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& fo
   const auto trajectory = (*file)->parse(*text, (*file)->path);
   if (!trajectory) return trajectory.error();
   notes.push_back("poses from " + (*file)->path.string());
+  const auto lost = std::ranges::count_if(*trajectory, &TrajectoryPose::is_lost);
+  if (lost > 0)
+    notes.push_back(std::to_string(lost) + " of its " + std::to_string(trajectory->size()) +
+                    " poses are no motion, as where tracking is lost: they are not taken");
   return assign_poses(*trajectory, (*file)->path, found.frames, notes);
 }
 

@@ -65,19 +65,29 @@ bool parse_time(std::string_view word, double& time) {
   return parse_number(word, time) && std::isfinite(time);
 }
 
+// Trackers write such numbers of a pose where they have lost the camera.
+bool are_lost(std::span<const double> pose, std::span<const double> rotation) {
+  const auto is_zero = [](double number) { return number == 0.0; };
+  const auto is_finite = [](double number) { return std::isfinite(number); };
+  return !std::ranges::all_of(pose, is_finite) || std::ranges::all_of(rotation, is_zero);
+}
+
 Result<void> add_tum_pose(const double* pose, bool timed, const NumberedLines& lines,
                           Trajectory& trajectory) {
-  const auto motion =
-      motion_of_tum_numbers(std::span<const double, 7>(timed ? pose + 1 : pose, 7), lines);
-  if (!motion) return motion.error();
+  const std::span<const double, 7> numbers(timed ? pose + 1 : pose, 7);
   TrajectoryPose added;
+  added.is_lost = are_lost(numbers, numbers.last<4>());
   if (timed) {
     if (!std::isfinite(pose[0])) return lines.error("the time is not a finite number");
     if (!trajectory.empty() && *trajectory.back().time > pose[0])
       return lines.error("the time is before that of the pose above; sort the lines by time");
     added.time = pose[0];
   }
-  added.world_from_view = *motion;
+  if (!added.is_lost) {
+    const auto motion = motion_of_tum_numbers(numbers, lines);
+    if (!motion) return motion.error();
+    added.world_from_view = *motion;
+  }
   trajectory.push_back(added);
   return {};
 }
@@ -172,9 +182,12 @@ Result<Trajectory> parse_matrix_trajectory(std::string_view text, const fs::path
     const std::vector<double> numbers = leading_numbers(line);
     if (!is_matrix(numbers, words_of(line).size()))
       return lines.error("expected the 12 or 16 numbers of a matrix");
+    TrajectoryPose& pose = trajectory.emplace_back();
+    pose.is_lost = are_lost(numbers, std::span(numbers).first(12));
+    if (pose.is_lost) continue;
     auto motion = motion_of_numbers(numbers, "the matrix");
     if (!motion) return lines.error(motion.error().message);
-    trajectory.emplace_back().world_from_view = *motion;
+    pose.world_from_view = *motion;
   }
   return trajectory;
 }
@@ -211,6 +224,7 @@ RgbdText kind_of_rgbd_text(std::string_view text) {
     const std::size_t words = words_of(line).size();
     const auto row = leading_numbers(line);
     const std::size_t numbers = row.size();
+    if (is_matrix(row, words) && are_lost(row, std::span(row).first(12))) continue;
     if (is_matrix(row, words))
       return motion_of_numbers(row, "") ? RgbdText::kMatrixPoses : RgbdText::kUnknown;
     if (numbers == words && (words == 7 || words == 8)) {
@@ -241,6 +255,8 @@ std::optional<RigidMotion> pose_at(const Trajectory& trajectory, double time, do
   const bool has_after = after != trajectory.end() && near(*after);
   const bool has_before = after != trajectory.begin() && near(*std::prev(after));
   if (!has_after && !has_before) return std::nullopt;
+  if ((has_after && after->is_lost) || (has_before && std::prev(after)->is_lost))
+    return std::nullopt;
   if (!has_before) return after->world_from_view;
   const TrajectoryPose& before = *std::prev(after);
   if (!has_after) return before.world_from_view;

@@ -28,6 +28,7 @@ struct FilePair {
 struct TrajectoryPose {
   std::optional<double> time;  ///< [s]; none in formats that count frames.
   RigidMotion world_from_view = RigidMotion::Identity();
+  bool is_lost = false;  ///< The tracker had lost the camera: its numbers are no pose.
   std::optional<PinholeIntrinsics> intrinsics;  ///< Where the trajectory has them.
   std::optional<ImageSize> size;                ///< With the intrinsics.
 };
@@ -47,11 +48,13 @@ Result<std::vector<FilePair>> parse_tum_associations(std::string_view text,
 
 /// Parses lines `time tx ty tz qx qy qz qw`, world from view, or the same without the time: then
 /// the poses are in the order of the frames. Understands a first pose on the line of the header,
-/// behind it (`# ... <qw>0.0 1 2 3 0 0 0 1`), as Open3D writes it. Times must not decrease.
+/// behind it (`# ... <qw>0.0 1 2 3 0 0 0 1`), as Open3D writes it. Times must not decrease. Poses
+/// with numbers that are not finite, or with a quaternion of zeros, are lost.
 Result<Trajectory> parse_tum_trajectory(std::string_view text, const std::filesystem::path& path);
 
 /// Parses a pose a line: the 12 numbers of a 3x4 matrix by rows (KITTI) or the 16 of a 4x4 matrix
-/// (Replica), world from view, in the order of the frames.
+/// (Replica), world from view, in the order of the frames. Those with numbers that are not finite,
+/// or with zeros alone, are lost.
 Result<Trajectory> parse_matrix_trajectory(std::string_view text,
                                            const std::filesystem::path& path);
 
@@ -76,7 +79,8 @@ enum class RgbdText {
 RgbdText kind_of_rgbd_text(std::string_view text);
 
 /// The pose at `time`: between the two neighbours when both lie within `tolerance` [s] of it, else
-/// that of the nearest one within it. Nothing where there is none. Poses are ordered by time.
+/// that of the nearest one within it. Nothing where there is none, or where one of those is lost.
+/// Poses are ordered by time.
 std::optional<RigidMotion> pose_at(const Trajectory& trajectory, double time, double tolerance);
 
 }  // namespace relief
