@@ -110,10 +110,14 @@ std::vector<const PoseLink*> those_within(const std::vector<ViewSurface>& surfac
   return within;
 }
 
-// Whether a view was taken again: a motion that the finest level of ICP does not tell from none.
-// Both have the same errors of the sensor, and fit wherever the other one does.
-bool is_repeated(const ViewSurface& view, const RigidMotion& other_from_view) {
-  return same_pose(view, other_from_view, RigidMotion::Identity(), kLoopSpacings * view.spacing());
+// Whether two views are of one place: samples of the one lie on those of the other. Both have the
+// same errors of the sensor, and fit wherever the other one does.
+bool is_repeated(const ViewSurface& a, const ViewSurface& b, const RigidMotion& b_from_a) {
+  return same_pose(a, b_from_a, RigidMotion::Identity(), coarser_spacing(a, b));
+}
+
+bool is_repeated(const std::vector<ViewSurface>& surfaces, const PoseLink& link) {
+  return is_repeated(surfaces[link.a], surfaces[link.b], link.b_from_a);
 }
 
 // The links that tell what errors the views have: those that share enough to be believed alone, or
@@ -125,7 +129,7 @@ std::vector<const PoseLink*> telling_links(const std::vector<ViewSurface>& surfa
   std::vector<const PoseLink*> telling, apart, all;
   for (std::size_t k = 0; k < links.size(); ++k) {
     all.push_back(&links[k]);
-    if (is_repeated(surfaces[links[k].a], links[k].b_from_a)) continue;
+    if (is_repeated(surfaces, links[k])) continue;
     apart.push_back(&links[k]);
     if (loops[k] > 0 || links[k].evidence.overlap >= lone_overlap) telling.push_back(&links[k]);
   }
@@ -165,7 +169,8 @@ bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<P
   std::set<ViewIndices> telling;
   for (std::size_t k = 0; k < links.size(); ++k) {
     const PoseLink& link = links[k];
-    if (loops[k] == 0 || ambiguous.contains(std::minmax(link.a, link.b)) ||
+    if (loops[k] == 0 || is_repeated(surfaces, link) ||
+        ambiguous.contains(std::minmax(link.a, link.b)) ||
         !plausible(link.evidence, surfaces[link.a], surfaces[link.b], otherwise))
       continue;
     telling.insert(std::minmax(link.a, link.b));
@@ -223,10 +228,10 @@ std::vector<int> count_loops(const std::vector<ViewSurface>& surfaces,
     std::set<std::size_t> confirming;
     const bool near_identity = is_near_identity(link.a, link.b_from_a);
     for (const auto& [c, c_from_a] : from[link.a]) {
-      if (is_repeated(surfaces[link.a], c_from_a)) continue;
+      if (is_repeated(surfaces[link.a], surfaces[c], c_from_a)) continue;
       const bool both = near_identity && is_near_identity(link.a, c_from_a);
       for (const auto& [end, end_from_c] : from[c]) {
-        if (end != link.b || is_repeated(surfaces[c], end_from_c) ||
+        if (end != link.b || is_repeated(surfaces[c], surfaces[end], end_from_c) ||
             (both && is_near_identity(c, end_from_c)))
           continue;
         if (agree(link, end_from_c * c_from_a)) confirming.insert(c);
@@ -265,7 +270,8 @@ double stddev_of_loops(const std::vector<ViewSurface>& surfaces,
   for (std::size_t k = 0; k < links.size(); ++k) {
     const PoseLink& link = links[k];
     const bool known = !pairs.empty() && pairs.back().a == link.a && pairs.back().b == link.b;
-    if (loops[k] > 0 && !known) pairs.push_back({link.a, link.b, link.evidence.rms});
+    if (loops[k] > 0 && !known && !is_repeated(surfaces, link))
+      pairs.push_back({link.a, link.b, link.evidence.rms});
   }
   if (pairs.size() < kTellingLinks) return 0.0;
   std::vector<double> radii;

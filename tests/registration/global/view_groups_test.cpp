@@ -173,6 +173,16 @@ TEST(LinkLimits, ViewsTakenAgainConfirmNothing) {
   EXPECT_LT(limit({repeated}), limit({other}));
 }
 
+TEST(LinkLimits, NeighboursOfATurntableAreNotTakenForOneView) {
+  auto views = testing::ring_of_views({.views = 24, .pixels = 48, .tilts = {0.2, 0.2}});
+  views.resize(4);
+  const std::vector<ViewSurface> surfaces = surfaces_of(views);
+  std::vector<PoseLink> links;
+  for (const auto& [a, b] : {std::pair{0u, 1u}, std::pair{1u, 3u}, std::pair{0u, 3u}})
+    links.push_back({a, b, views[b].world_from_view.inverse() * views[a].world_from_view, {}});
+  EXPECT_EQ(count_loops(surfaces, links), (std::vector<int>{1, 1, 1}));
+}
+
 TEST(LinkLimits, FollowFourPairsThatCloseLoopsAtOnePlace) {
   const auto views = six_neighbours();
   const std::vector<ViewSurface> surfaces = surfaces_of(views);
