@@ -46,13 +46,13 @@ class Agreement {
     for (std::size_t k = 0; k < views_.size(); k += stride) compared_.push_back(views_[k]);
   }
 
-  double operator()(const std::vector<RigidMotion>& world_from_view) const {
-    const auto best = parallel_map<double>(compared_.size(), [&](std::size_t k) {
-      return best_agreement(compared_[k], world_from_view);
-    });
-    double sum = 0.0;
-    for (const double agreement : best) sum += agreement;
-    return compared_.empty() ? 0.0 : sum / static_cast<double>(compared_.size());
+  double of_given(const std::vector<RigidMotion>& world_from_view) const {
+    return mean_agreement(world_from_view, true);
+  }
+
+  // In another convention views that only_rolls() holds for say nothing.
+  double of_other(const std::vector<RigidMotion>& world_from_view) const {
+    return mean_agreement(world_from_view, false);
   }
 
   // Whether poses differ by so little that all views stand at one place, where large planes meet
@@ -65,11 +65,20 @@ class Agreement {
   }
 
  private:
-  double best_agreement(std::size_t i, const std::vector<RigidMotion>& poses) const {
+  double mean_agreement(const std::vector<RigidMotion>& world_from_view, bool as_given) const {
+    const auto best = parallel_map<double>(compared_.size(), [&](std::size_t k) {
+      return best_agreement(compared_[k], world_from_view, as_given);
+    });
+    double sum = 0.0;
+    for (const double agreement : best) sum += agreement;
+    return compared_.empty() ? 0.0 : sum / static_cast<double>(compared_.size());
+  }
+
+  double best_agreement(std::size_t i, const std::vector<RigidMotion>& poses, bool as_given) const {
     double best = 0.0;
     for (const std::size_t j : views_) {
       const RigidMotion j_from_i = poses[j].inverse() * poses[i];
-      if (j != i && !only_rolls(j_from_i, surfaces_[i].centre()))
+      if (j != i && (as_given || !only_rolls(j_from_i, surfaces_[i].centre())))
         best = std::max(
             best, rough_agreement(surfaces_[i], surfaces_[j], j_from_i, reach_, kRoughProbes));
     }
@@ -89,13 +98,13 @@ PoseConvention find_pose_convention(const std::vector<ViewSurface>& surfaces,
   assert(surfaces.size() == poses.size() && surfaces.size() == given.size());
   const Agreement agreement_in(surfaces, given);
   PoseConvention best;
-  double agreement = agreement_in(poses), wanted = agreement + kClearlyBetter;
+  double agreement = agreement_in.of_given(poses), wanted = agreement + kClearlyBetter;
   for (const PoseConvention& other : all_conventions()) {
     if (wanted >= 1.0 || other.as_given()) continue;
     std::vector<RigidMotion> world_from_view;
     for (const RigidMotion& pose : poses) world_from_view.push_back(other.world_from_view(pose));
     if (other.unit != 1.0 && agreement_in.at_one_place(world_from_view)) continue;
-    agreement = agreement_in(world_from_view);
+    agreement = agreement_in.of_other(world_from_view);
     if (agreement <= wanted) continue;
     wanted = agreement;
     best = other;

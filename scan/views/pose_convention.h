@@ -39,7 +39,7 @@ struct PoseConvention {
 };
 
 /// Whether a view that looks at `centre` (its own frame) only rolls about its line of sight there
-/// from another one. No scan is made like that: such a view sees nothing new. In a wrong convention
+/// from another one. It sees nothing new, so few scans are made like that. In a wrong convention
 /// views from all round a turntable lie on each other like that, and any round object agrees.
 bool only_rolls(const RigidMotion& other_from_view, const Eigen::Vector3d& centre);
 

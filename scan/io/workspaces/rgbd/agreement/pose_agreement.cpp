@@ -124,7 +124,8 @@ std::vector<std::optional<Disagreement>> ComparedDepths::disagreements(
                         world_from_b = poses.world_from_view(onto.world_from_view);
       const auto points = points_in_world(read.at(a), from.camera->intrinsics, world_from_a);
       const RigidMotion a_from_world = world_from_a.inverse();
-      if (only_rolls(world_from_b.inverse() * world_from_a, a_from_world * mean_of(points)))
+      if (!poses.as_given() &&
+          only_rolls(world_from_b.inverse() * world_from_a, a_from_world * mean_of(points)))
         continue;
       const auto found =
           depth_differences(read.at(b), onto.camera->intrinsics, world_from_b, points);

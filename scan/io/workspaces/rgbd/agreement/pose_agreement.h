@@ -32,9 +32,9 @@ class ComparedDepths {
   explicit ComparedDepths(const ProjectSpec& project);
 
   /// How much they disagree for each reading, at the scale and the poses that `project` has now.
-  /// Pairs at the same pose agree in any reading and are left out, as are those that only_rolls().
-  /// Nothing where too few pixels meet, where frames have no poses, or where they could not be
-  /// read.
+  /// Pairs at the same pose agree in any reading and are left out, as are those that only_rolls()
+  /// holds for in other conventions. Nothing where too few pixels meet, where frames have no poses,
+  /// or where they could not be read.
   std::vector<std::optional<Disagreement>> disagreements(
       const ProjectSpec& project, const std::vector<DepthReading>& readings) const;
 
