@@ -92,8 +92,7 @@ class Calibrating {
 
  private:
   FoldSystem fold_system(const std::vector<PairSums>& sums) const {
-    const bool apart =
-        options_.scope != CalibrationScope::kShared && may_err_apart(given_.size(), pairs_);
+    const bool apart = options_.scope != CalibrationScope::kShared && may_err_apart(sensors_);
     return FoldSystem(sums, sensors_, held_, apart);
   }
 

@@ -14,11 +14,11 @@ namespace {
 constexpr int kMostPairsOfAView = 8;
 // One alone shows no error of its sensor, and two agree by a wrong pose as well.
 constexpr std::ptrdiff_t kFewestViews = 3;
-// More views have only errors that they share: the terms of all views make a dense system, of a
-// thousand unknowns for 40.
-constexpr std::ptrdiff_t kMostViewsApart = 40;
-// Of all sensors together. The terms make a dense system.
-constexpr std::size_t kMostTerms = 1000;
+// Terms of all views: more views have only errors that they share. The terms make dense systems, of
+// 8 MB each.
+constexpr std::size_t kMostTermsApart = 1000;
+// Terms of all sensors: dense systems of 50 MB each.
+constexpr std::size_t kMostTerms = 2500;
 // More views are left as they are: their pairs are summed several times, and the sums of 200 take
 // 200 MB.
 constexpr std::ptrdiff_t kMostViews = 200;
@@ -68,22 +68,27 @@ std::vector<bool> linked_views(std::size_t views, const std::vector<ViewPair>& p
   return linked;
 }
 
-bool show_errors(const Alignment& aligned, const std::vector<ViewPair>& pairs,
-                 const Sensors& sensors) {
+bool can_see_sensor_errors(const Alignment& aligned, const std::vector<ViewPair>& pairs,
+                           const Sensors& sensors) {
   std::size_t terms = 0;
   for (const SensorModel& sensor : sensors.models) terms += sensor.terms();
-  return count_linked(aligned.views.size(), pairs) >= kFewestViews && terms <= kMostTerms &&
+  // What poses and terms share is dense as well.
+  const bool small =
+      terms <= kMostTerms && 6 * aligned.views.size() * terms <= kMostTerms * kMostTerms;
+  return count_linked(aligned.views.size(), pairs) >= kFewestViews && small &&
          shape_holds_all(aligned);
 }
 
 bool can_be_calibrated(const Alignment& aligned, const std::vector<ViewPair>& pairs,
                        const Sensors& sensors) {
   return count_linked(aligned.views.size(), pairs) <= kMostViews &&
-         show_errors(aligned, pairs, sensors);
+         can_see_sensor_errors(aligned, pairs, sensors);
 }
 
-bool may_err_apart(std::size_t views, const std::vector<ViewPair>& pairs) {
-  return count_linked(views, pairs) <= kMostViewsApart;
+bool may_err_apart(const Sensors& sensors) {
+  std::size_t terms = 0;
+  for (const std::size_t sensor : sensors.of_view) terms += sensors.models[sensor].terms();
+  return terms <= kMostTermsApart;
 }
 
 double median_deviation(const std::vector<PairSums>& sums) {

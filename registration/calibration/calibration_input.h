@@ -24,17 +24,18 @@ bool shape_holds_all(const Alignment& aligned);
 /// Which views have pairs.
 std::vector<bool> linked_views(std::size_t views, const std::vector<ViewPair>& pairs);
 
-/// Whether pairs tell of errors of the sensors: at least three views have pairs, the sensors have
-/// at most 1000 terms together, and shape_holds_all().
-bool show_errors(const Alignment& aligned, const std::vector<ViewPair>& pairs,
-                 const Sensors& sensors);
+/// Whether pairs can tell of errors of the sensors: at least three views have pairs, the system of
+/// the errors that views share is not too large (2500 terms of all sensors), and shape_holds_all().
+bool can_see_sensor_errors(const Alignment& aligned, const std::vector<ViewPair>& pairs,
+                           const Sensors& sensors);
 
-/// Whether that holds, and at most 200 views have pairs.
+/// Whether can_see_sensor_errors() holds, and at most 200 views have pairs.
 bool can_be_calibrated(const Alignment& aligned, const std::vector<ViewPair>& pairs,
                        const Sensors& sensors);
 
-/// Whether the errors of single views may be estimated: of at most 40 views with pairs.
-bool may_err_apart(std::size_t views, const std::vector<ViewPair>& pairs);
+/// Whether the errors of single views may be estimated: of at most 1000 terms of all views, those
+/// of 40 pinhole cameras.
+bool may_err_apart(const Sensors& sensors);
 
 /// The median over the pairs of the robust deviations of their distances, those of 0 left out.
 double median_deviation(const std::vector<PairSums>& sums);

@@ -212,7 +212,7 @@ class Explaining {
 Explaining explaining_pairs(const CalibratedViews& measured, const std::vector<ViewPair>& pairs,
                             const CalibrationSumOptions& options, const std::vector<bool>& held) {
   const Sensors& sensors = *measured.sensors;
-  const SystemLayout layout(sensors, held, may_err_apart(held.size(), pairs));
+  const SystemLayout layout(sensors, held, may_err_apart(sensors));
   FoldSums sums = empty_folds(layout);
   std::vector<double> deviations;
   for_each_pair_sums(measured, pairs, options, [&](const PairSums& pair) {
@@ -245,7 +245,7 @@ void include_sensor_errors(const std::vector<RangeView>& views,
                            const JointRefinementOptions& refinement, Alignment& alignment) {
   const auto pairs = fitting_pairs(alignment);
   const Sensors sensors = find_sensors(pointers_to(views), spacings_of(surfaces));
-  if (!show_errors(alignment, pairs, sensors)) return;
+  if (!can_see_sensor_errors(alignment, pairs, sensors)) return;
   const CalibratedViews measured =
       calibrated_views(views, views, surfaces, sensors, alignment.world_from_view(), pairs);
   const Explaining explaining = explaining_pairs(

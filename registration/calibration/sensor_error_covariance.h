@@ -12,7 +12,7 @@ namespace relief::registration {
 /// Adds to the covariances of the poses what errors of the sensors may have done to these, where
 /// held-out correspondences fit better with such an error than without (R19), and a note that says
 /// so. `surfaces`: of the views. Nothing is added where fewer than three views overlap, where shape
-/// alone does not hold all views, and where the sensors have more than 1000 terms together.
+/// alone does not hold all views, and where the sensors have more than 2500 terms together.
 void include_sensor_errors(const std::vector<RangeView>& views,
                            const std::vector<ViewSurface>& surfaces,
                            const JointRefinementOptions& refinement, Alignment& alignment);

@@ -33,18 +33,16 @@ void add_pair(const PairSums& pair, const Sensors& sensors, const SystemLayout& 
 }
 
 FoldSystem::FoldSystem(SystemLayout unknowns, FoldSums sums) : layout(std::move(unknowns)) {
-  SystemSum all(layout);
-  for (const SystemSum& sum : sums) all += sum;
-  squares = all.squares;
+  for (const SystemSum& sum : sums) squares += sum.squares;
   parallel_for(kFolds, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      Fold& fold = folds[f];
-      fold.own = std::move(sums[f]);
-      fold.others = all;
-      fold.others -= fold.own;
-      fold.poses_of_others = EliminatedPoses(fold.others, layout);
+      folds[f].others = SystemSum(layout);
+      for (std::size_t g = 0; g < kFolds; ++g)
+        if (g != f) folds[f].others += sums[g];
+      folds[f].poses_of_others = EliminatedPoses(folds[f].others, layout);
     }
   });
+  for (std::size_t f = 0; f < kFolds; ++f) folds[f].own = std::move(sums[f]);
 }
 
 FoldSystem::FoldSystem(const std::vector<PairSums>& pairs, const Sensors& sensors,

@@ -1,6 +1,7 @@
 #include "registration/calibration/estimation/system_sum.h"
 
 #include <array>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -114,23 +115,12 @@ SystemSum& SystemSum::operator+=(const SystemSum& other) {
   return *this;
 }
 
-SystemSum& SystemSum::operator-=(const SystemSum& part) {
-  for (const auto& [place, block] : part.poses) poses.at(place) -= block;
-  cross -= part.cross;
-  coefficients -= part.coefficients;
-  pose_gradient -= part.pose_gradient;
-  coefficient_gradient -= part.coefficient_gradient;
-  squares -= part.squares;
-  return *this;
-}
-
 EliminatedPoses::EliminatedPoses(const SystemSum& sum, const SystemLayout& layout) {
-  if (layout.poses == 0) {
-    slope_ = sum.cross;
-    offset_ = sum.pose_gradient;
-    return;
-  }
+  offset_ = Eigen::VectorXd::Zero(layout.poses);
+  slope_ = Eigen::MatrixXd::Zero(layout.poses, layout.coefficients);
+  if (layout.poses == 0) return;
   const Factors factors(matrix_of(sum.poses, layout));
+  if (factors.info() != Eigen::Success) return;
   offset_ = -factors.solve(sum.pose_gradient);
   slope_ = -factors.solve(sum.cross);
 }
@@ -146,9 +136,11 @@ ReducedSum EliminatedPoses::reduce(const SystemSum& sum, const SystemLayout& lay
 }
 
 Eigen::VectorXd variances_of_poses(const SystemSum& sum, const SystemLayout& layout) {
-  Eigen::VectorXd variances(layout.poses);
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  Eigen::VectorXd variances = Eigen::VectorXd::Constant(layout.poses, kNone);
   if (layout.poses == 0) return variances;
   const Factors factors(matrix_of(sum.poses, layout));
+  if (factors.info() != Eigen::Success) return variances;
   for (Eigen::Index pose = 0; pose < layout.poses; pose += 6) {
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(layout.poses, 6);
     unit.middleRows<6>(pose).setIdentity();

@@ -28,11 +28,10 @@ struct SystemSum {
   void add(const PairSums& pair, std::size_t fold, const Sensors& sensors,
            const SystemLayout& layout);
   SystemSum& operator+=(const SystemSum& other);
-  /// `part`: what was added before.
-  SystemSum& operator-=(const SystemSum& part);
 };
 
-/// The poses that minimise a sum, as functions of the coefficients c: offset + slope c.
+/// The poses that minimise a sum, as functions of the coefficients c: offset + slope c. Both are 0
+/// where rounding leaves A without Cholesky factors.
 class EliminatedPoses {
  public:
   EliminatedPoses() = default;
@@ -49,7 +48,7 @@ class EliminatedPoses {
 };
 
 /// The variance of each component of the poses when the coefficients are known: the diagonal of
-/// A^-1 of the poses.
+/// A^-1 of the poses. NaN where rounding leaves A without Cholesky factors.
 Eigen::VectorXd variances_of_poses(const SystemSum& sum, const SystemLayout& layout);
 
 /// Adds the common_motion() of a pair, by the coefficients. It has no gradient.

@@ -65,8 +65,8 @@ TEST(PoseInflation, IsThatOfTheDenseInverse) {
   }
 }
 
-// What is left of a sum when a part is taken out again is the rest.
-TEST(SystemSum, TakesOutWhatWasAdded) {
+// Sums of parts are the sum of all.
+TEST(SystemSum, OfPartsIsThatOfAllPairs) {
   const RandomProblem problem;
   const SystemLayout layout(problem.sensors, first_held(), false);
   SystemSum all(layout), part(layout), rest(layout);
@@ -74,11 +74,24 @@ TEST(SystemSum, TakesOutWhatWasAdded) {
     all.add(problem.pairs[p], 0, problem.sensors, layout);
     (p % 3 == 0 ? part : rest).add(problem.pairs[p], 0, problem.sensors, layout);
   }
-  all -= part;
-  const ReducedSum found = EliminatedPoses(all, layout).reduce(all, layout),
-                   expected = EliminatedPoses(rest, layout).reduce(rest, layout);
+  part += rest;
+  const ReducedSum found = EliminatedPoses(part, layout).reduce(part, layout),
+                   expected = EliminatedPoses(all, layout).reduce(all, layout);
   EXPECT_LT((found.matrix - expected.matrix).norm(), 1e-9 * expected.matrix.norm());
   EXPECT_LT((found.gradient - expected.gradient).norm(), 1e-9 * expected.gradient.norm());
+}
+
+// Views without any pair have no information, and move nothing.
+TEST(SystemSum, OfAViewWithoutPairsIsFinite) {
+  const RandomProblem problem;
+  const SystemLayout layout(problem.sensors, first_held(), false);
+  SystemSum some(layout);
+  for (const PairSums& pair : problem.pairs)
+    if (pair.source != 2 && pair.target != 2) some.add(pair, 0, problem.sensors, layout);
+  const EliminatedPoses poses(some, layout);
+  EXPECT_TRUE(poses.slope().allFinite());
+  EXPECT_TRUE(poses.slope().middleRows<6>(layout.pose[2]).isZero(0.0));
+  EXPECT_TRUE(poses.reduce(some, layout).matrix.allFinite());
 }
 
 // Poses that nothing moves leave the sums of the coefficients as they are.
