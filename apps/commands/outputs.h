@@ -10,7 +10,7 @@ namespace relief {
 
 /// What a command is going to write.
 struct Outputs {
-  std::filesystem::path folder;               ///< Of a project with all views; empty: none.
+  std::filesystem::path folder;              ///< Of a project with all views; empty: none.
   std::vector<std::filesystem::path> files;  ///< Besides.
 };
 

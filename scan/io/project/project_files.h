@@ -9,8 +9,8 @@
 
 namespace relief {
 
-/// A file name made of a view's name: letters, digits, `-`, `_` and `.` only, unlike all in `taken`,
-/// to which it is added.
+/// A file name made of a view's name: letters, digits, `-`, `_` and `.` only, unlike all in
+/// `taken`, to which it is added.
 std::string view_file_stem(const std::string& view, std::set<std::string>& taken);
 
 /// The files that a project is read from: the one that describes it, images and grids of its views.
