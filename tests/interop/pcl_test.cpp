@@ -157,7 +157,7 @@ class PclRegistration : public ::testing::Test {
     return method.getFinalTransformation();
   }
 
-  std::vector<RangeView> views_ = testing::ring_of_views({.views = 8});
+  std::vector<RangeView> views_ = testing::ring_of_views({.pixels = 160});
   Cloud::Ptr target_{new Cloud(to_pcl<pcl::PointNormal>(views_[0]))};
   Cloud::Ptr source_{new Cloud(to_pcl<pcl::PointNormal>(views_[1]))};
   Eigen::Matrix4f guess_;
