@@ -51,7 +51,9 @@ std::string wrong_principal_point(double x, double y) {
   const std::string text = "the principal point (cx, cy) is off, and right when moved by (" +
                            number(x) + ", " + number(y) + ") pixels";
   const bool whole_pixels = std::hypot(x, y) >= 1.0;
-  return whole_pixels ? text + ", as of cropped images with the camera of the whole ones" : text;
+  return whole_pixels
+             ? text + ", as where images were cropped and the camera is that of the whole ones"
+             : text;
 }
 
 std::string what_is_wrong(const Sensors& sensors, const ErrorModel& model, std::size_t choice) {

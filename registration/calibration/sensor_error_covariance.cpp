@@ -39,7 +39,7 @@ constexpr double kPriorFactor = 8.0;
 
 // Distances along the rays that are read as depths have a coefficient of 1. An estimate is nearer
 // to that than to 0 or 2: a statue gave 0.72, as matches at poses that are off hide a part.
-constexpr double kWholeError = 1.0, kNearlyWhole = 0.5;
+constexpr double kWholeError = 1.0, kWholeTolerance = 0.5;
 
 // A sum over the folds, with its standard error.
 struct FoldSum {
@@ -134,7 +134,7 @@ class Explaining {
     Explanation explanation = explain({SensorError::kRayLengths, false});
     std::array<double, kFolds> less{};
     for (std::size_t f = 0; f < kFolds; ++f) less[f] = best.gains[f] - explanation.gains[f];
-    const bool whole = std::abs(explanation.coefficient - kWholeError) <= kNearlyWhole;
+    const bool whole = std::abs(explanation.coefficient - kWholeError) <= kWholeTolerance;
     if (!whole || !is_real(explanation) || sum_of(less).is_real()) return std::nullopt;
     return explanation;
   }

@@ -12,6 +12,7 @@
 #include <Eigen/QR>
 
 #include "registration/pairwise/robust.h"
+#include "scan/base/linear_algebra.h"
 
 namespace relief::registration {
 
@@ -101,7 +102,24 @@ struct ShiftFit {
   std::vector<double> errors;  // Of each place [unit].
 };
 
-// found - given = R shift + t + w x (given - middle), by least squares.
+// x of `columns` x = right by least squares; 0 along directions that the columns, rotations of
+// views but for a part, say less than kUndetermined of.
+Eigen::Vector3d solve_determined(const Eigen::MatrixXd& columns, const Eigen::VectorXd& right) {
+  const Eigen::Matrix3d normal = columns.transpose() * columns;
+  const double whole = static_cast<double>(columns.rows()) / 3.0;
+  const auto parts = eigen_decomposition(normal);
+  Eigen::Vector3d solution = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const double part = parts.eigenvalues()[k];
+    const Eigen::Vector3d direction = parts.eigenvectors().col(k);
+    if (part > kUndetermined * kUndetermined * whole)
+      solution += direction.dot(columns.transpose() * right) / part * direction;
+  }
+  return solution;
+}
+
+// found - given = R shift + t + w x (given - middle), by least squares. What the motion of the
+// world explains is none of the shift.
 ShiftFit fit_shift(const std::vector<Places>& places, bool with_shift) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Places& place : places) middle += place.given / static_cast<double>(places.size());
@@ -109,23 +127,27 @@ ShiftFit fit_shift(const std::vector<Places>& places, bool with_shift) {
   for (const Places& place : places) extent = std::max(extent, (place.given - middle).norm());
   if (!(extent > 0.0)) extent = 1.0;
   const auto rows = static_cast<Eigen::Index>(3 * places.size());
-  Eigen::MatrixXd matrix(rows, with_shift ? 9 : 6);
-  Eigen::VectorXd right(rows);
+  Eigen::MatrixXd of_world(rows, 6), of_shift(rows, 3);
+  Eigen::VectorXd left(rows);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(3 * i);
     const Eigen::Vector3d arm = (places[i].given - middle) / extent;
-    matrix.block<3, 3>(row, 0) << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
-    matrix.block<3, 3>(row, 3).setIdentity();
-    if (with_shift) matrix.block<3, 3>(row, 6) = places[i].world_from_view;
-    right.segment<3>(row) = places[i].found - places[i].given;
+    of_world.block<3, 3>(row, 0) << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(),
+        0;
+    of_world.block<3, 3>(row, 3).setIdentity();
+    of_shift.block<3, 3>(row, 0) = places[i].world_from_view;
+    left.segment<3>(row) = places[i].found - places[i].given;
   }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-  decomposition.setThreshold(kUndetermined);
-  decomposition.compute(matrix);
-  const Eigen::VectorXd solution = decomposition.solve(right);
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> world;
+  world.setThreshold(kUndetermined);
+  world.compute(of_world);
+  left -= of_world * world.solve(left);
   ShiftFit fit;
-  if (with_shift) fit.shift = solution.tail<3>();
-  const Eigen::VectorXd left = right - matrix * solution;
+  if (with_shift) {
+    of_shift -= of_world * world.solve(of_shift);  // What no motion of the world explains.
+    fit.shift = solve_determined(of_shift, left);
+    left -= of_shift * fit.shift;
+  }
   for (Eigen::Index i = 0; i < rows; i += 3) fit.errors.push_back(left.segment<3>(i).norm());
   return fit;
 }

@@ -75,7 +75,7 @@ struct CalibrationSumOptions {
 /// The sums of both directions of all pairs. Equation (C2), linearised where the views are.
 std::vector<PairSums> sum_pairs(const CalibratedViews& views, const std::vector<ViewPair>& pairs,
                                 const CalibrationSumOptions& options);
-/// The same, one after the other in that order: few of them are in memory at a time.
+/// Calls `take` with the sums of sum_pairs(), in their order. Few of them are in memory at a time.
 void for_each_pair_sums(const CalibratedViews& views, const std::vector<ViewPair>& pairs,
                         const CalibrationSumOptions& options,
                         const std::function<void(PairSums)>& take);

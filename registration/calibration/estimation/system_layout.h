@@ -24,7 +24,7 @@ struct SystemLayout {
   std::vector<Eigen::Index> coefficients_of(const ErrorModel& model,
                                             const ErrorParameter& parameter,
                                             const Sensors& sensors) const;
-  /// The same of each parameter.
+  /// The coefficients that each parameter of a model adds to.
   std::vector<std::vector<Eigen::Index>> coefficients_of(const ErrorModel& model,
                                                          const Sensors& sensors) const;
 };

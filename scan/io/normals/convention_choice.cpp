@@ -117,7 +117,7 @@ struct UnrelatedMap {
 
 // The normals of `map` beside the depth of another view, where both have a patch. Patches of
 // lattices that differ in size lie elsewhere.
-NormalEvidence beside(const NormalEvidence& map, const NormalEvidence& other) {
+NormalEvidence with_depth_of_other(const NormalEvidence& map, const NormalEvidence& other) {
   NormalEvidence both = other;
   both.patches.patches.clear();
   const Grid<int>&of_map = map.patches.lattice, &of_other = other.patches.lattice;
@@ -140,7 +140,7 @@ std::optional<std::size_t> view_that_fits(const UnrelatedMap& map,
   double least = kLargestBias;
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (i == map.view || views[i].kind != views[map.view].kind) continue;
-    const NormalEvidence both = beside(views[map.view], views[i]);
+    const NormalEvidence both = with_depth_of_other(views[map.view], views[i]);
     if (both.patches.patches.size() < kFewestPatches) continue;
     const double bias = agreement(both, chosen[i].convention).bias;
     if (!(bias < least)) continue;
@@ -190,7 +190,7 @@ std::string unrelated_warning(const std::vector<UnrelatedMap>& unrelated, std::s
   return text;
 }
 
-// Maps of other views are left out where most maps fit. Where most do not, something else is wrong,
+// Maps of other views are left out where at least as many maps fit. Else something else is wrong,
 // as the scale of all depths.
 Result<void> judge_unrelated(const std::vector<NormalEvidence>& views,
                              const std::vector<Settled>& settled, ConventionChoice& choice) {

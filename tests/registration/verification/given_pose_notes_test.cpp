@@ -120,6 +120,20 @@ TEST(GivenPoseNotes, TellPrincipalPointsThatAreOff) {
   EXPECT_LT((common_shift(views).value_or(Eigen::Vector3d::Zero()) - shift).norm(), 0.15);
 }
 
+// Along the axis of a turntable a shift of all views is a shift of the world.
+TEST(GivenPoseNotes, TellNoShiftThatTheWorldMayHaveMadeAlone) {
+  const Eigen::Vector3d shift(2.0, 0.0, 0.0);
+  auto views = shifted_ring(shift, 0.0);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double angle = 0.6 * static_cast<double>(i);
+    views[i].given =
+        testing::look_at({100 * std::cos(angle), 100 * std::sin(angle), 30}, {0, 0, 0});
+    views[i].found = Eigen::Translation3d(0, 0, 5) * views[i].given * Eigen::Translation3d(shift);
+  }
+  ASSERT_TRUE(common_shift(views));
+  EXPECT_LT((*common_shift(views) - shift).norm(), 0.1);
+}
+
 TEST(GivenPoseNotes, TellNoPrincipalPointWhereMovesScatterOrGoForward) {
   EXPECT_FALSE(common_shift(shifted_ring({0, 0, 0}, 0.05)));
   EXPECT_FALSE(common_shift(shifted_ring({0.5, 0, 0}, 0.5)));
