@@ -39,6 +39,10 @@ int align(const AlignCommand& command) {
     return fail(free.error());
   auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
+  if (const auto can =
+          check_exports(*project, command.input.path, command.input.options, command.exports);
+      !can)
+    return fail(can.error());
   if (const auto ready = prepare_folder_of(command.output); !ready) return fail(ready.error());
   registration::AlignOptions options = command.options;
   const Stopwatch watch;

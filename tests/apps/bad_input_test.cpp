@@ -80,6 +80,23 @@ TEST_F(BadInput, TruncatedDepthFile) {
   expect_failure(2, std::filesystem::path(depth_file()).filename());
 }
 
+// Known before any work, and told then.
+TEST_F(BadInput, ExportsThatCannotHoldTheViews) {
+  const TemporaryFolder out;
+  const std::string scan_file = project_ / "scan.json";
+  for (const char* const file : {"poses.aln", "poses.conf", "views.pcd"})
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"run", scan_file, "-o", out / "r"},
+          {"align", scan_file, "-o", out / "a.json"}}) {
+      auto words = command;
+      words.insert(words.end(), {"--export", out / file});
+      const ProgramRun run = run_relief(words);
+      EXPECT_EQ(run.exit_status, 2) << file;
+      EXPECT_THAT(run.standard_error, HasSubstr(file)) << command[0];
+      EXPECT_THAT(files_below(out.path()), IsEmpty()) << command[0];
+    }
+}
+
 // Also through a link, and by files of scans that have the names of results.
 TEST_F(BadInput, OutputOverTheInput) {
   const std::string folder = project_.path(), scan_file = project_ / "scan.json";

@@ -12,6 +12,7 @@
 #include "scan/io/files/file_ending.h"
 #include "scan/io/grids/pcd_grid_writer.h"
 #include "scan/io/project/poses/pose_files.h"
+#include "scan/io/project/project_files.h"
 
 namespace relief {
 
@@ -41,11 +42,16 @@ TriangleMesh concatenate(const ScanProject& project) {
   return all;
 }
 
-Result<void> write_pcd(const ScanProject& project, const fs::path& path) {
-  if (project.views.size() == 1) return write_file(path, encode_pcd_grid(project.views[0]));
+Result<void> check_pcd(std::size_t views, const fs::path& path) {
+  if (views == 1 || lower_ending(path) != ".pcd") return {};
   return Error{ErrorKind::kBadInput, path.string() + ": a PCD file holds one view, the project " +
-                                         std::to_string(project.views.size()) +
+                                         std::to_string(views) +
                                          "; 'relief convert --pcd -o FOLDER' writes one for each"};
+}
+
+Result<void> write_pcd(const ScanProject& project, const fs::path& path) {
+  if (const auto one = check_pcd(project.views.size(), path); !one) return one.error();
+  return write_file(path, encode_pcd_grid(project.views[0]));
 }
 
 }  // namespace
@@ -82,6 +88,31 @@ void add_export_option(CLI::App& command, std::vector<fs::path>& files) {
       ->check([](const std::string& file) {
         return is_export_path(file) ? std::string() : file + ": no format has this ending";
       });
+}
+
+Result<void> check_exports(const ScanProject& project, const fs::path& source,
+                           const ReadProjectOptions& source_options,
+                           const std::vector<fs::path>& files) {
+  for (const fs::path& file : files) {
+    if (auto one = check_pcd(project.views.size(), file); !one) return one;
+    if (auto grids = check_pose_file(project, source, source_options, file); !grids) return grids;
+  }
+  return {};
+}
+
+Result<void> check_exports_of_results(const std::vector<RangeView>& views,
+                                      const std::vector<fs::path>& files) {
+  const bool images = !std::ranges::all_of(views, needs_grid_file);
+  for (const fs::path& file : files) {
+    if (auto one = check_pcd(views.size(), file); !one) return one;
+    if (images && names_grid_files(file))
+      return Error{ErrorKind::kBadInput,
+                   file.string() +
+                       ": such a file names range grids, and the refined views are images: first "
+                       "'relief convert --grids DIR/scan.json -o FOLDER' of the result, then "
+                       "convert FOLDER/scan.json"};
+  }
+  return {};
 }
 
 Result<void> export_all(const ScanProject& project, const fs::path& source,

@@ -31,6 +31,15 @@ Result<void> export_views(const ScanProject& project, const std::filesystem::pat
 /// Adds `--export FILE`, which may be given several times. Endings are checked at once.
 void add_export_option(CLI::App& command, std::vector<std::filesystem::path>& files);
 
+/// What export_all() refuses, to be told before any work: kBadInput where a format cannot hold the
+/// project.
+Result<void> check_exports(const ScanProject& project, const std::filesystem::path& source,
+                           const ReadProjectOptions& source_options,
+                           const std::vector<std::filesystem::path>& files);
+/// The same for views that write_project() is going to write as they are by default.
+Result<void> check_exports_of_results(const std::vector<RangeView>& views,
+                                      const std::vector<std::filesystem::path>& files);
+
 /// Writes every file of `--export`, and says so.
 Result<void> export_all(const ScanProject& project, const std::filesystem::path& source,
                         const ReadProjectOptions& source_options,

@@ -40,6 +40,12 @@ std::vector<fs::path> files_read_for(const ProjectSpec& project) {
   return files;
 }
 
+bool needs_grid_file(const RangeView& view) {
+  return view.camera.model() == Camera::Model::kRayTable ||
+         view.camera.model() == Camera::Model::kSpherical ||
+         (view.camera.model() == Camera::Model::kOrthographic && view.has_normals());
+}
+
 std::vector<fs::path> files_written_for(const ProjectSpec& project, const fs::path& folder) {
   std::vector<fs::path> files{folder / "scan.json"};
   std::set<std::string> stems;

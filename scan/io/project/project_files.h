@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "relief/scan/range_view.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {
@@ -20,5 +21,10 @@ std::vector<std::filesystem::path> files_read_for(const ProjectSpec& project);
 /// them are written depends on what the views have.
 std::vector<std::filesystem::path> files_written_for(const ProjectSpec& project,
                                                      const std::filesystem::path& folder);
+
+/// Whether write_project() writes a view as a grid file whatever its options: the frame of a sensor
+/// that is not a pinhole need not be x right, y down, z forward, so its points and normals go into
+/// a file in the frame they are in.
+bool needs_grid_file(const RangeView& view);
 
 }  // namespace relief

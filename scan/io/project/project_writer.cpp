@@ -102,14 +102,6 @@ Result<void> write_deviation(const RangeView& view, const fs::path& folder, cons
   return write_tiff(image, folder / (stem + "_deviation.tiff"));
 }
 
-// The frame of a sensor that is not a pinhole need not be x right, y down, z forward: its points
-// and normals go into a grid file, in the frame they are in.
-bool needs_grid_file(const RangeView& view) {
-  return view.camera.model() == Camera::Model::kRayTable ||
-         view.camera.model() == Camera::Model::kSpherical ||
-         (view.camera.model() == Camera::Model::kOrthographic && view.has_normals());
-}
-
 Result<void> write_grid_view(const RangeView& view, const fs::path& folder, const std::string& stem,
                              GridFormat format, json& entry) {
   const std::string file = stem + (format == GridFormat::kPcd ? ".pcd" : ".ply");

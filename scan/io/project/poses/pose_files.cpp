@@ -116,8 +116,19 @@ std::string stanford_conf(const ScanProject& project, const std::vector<std::str
 
 bool is_pose_path(const fs::path& path) {
   const std::string ending = lower_ending(path);
-  return ending == ".aln" || ending == ".conf" || ending == ".mlp" || ending == ".log" ||
-         ending == ".tum";
+  return names_grid_files(path) || ending == ".log" || ending == ".tum";
+}
+
+bool names_grid_files(const fs::path& path) {
+  const std::string ending = lower_ending(path);
+  return ending == ".aln" || ending == ".conf" || ending == ".mlp";
+}
+
+Result<void> check_pose_file(const ScanProject& project, const fs::path& source,
+                             const ReadProjectOptions& source_options, const fs::path& path) {
+  if (!names_grid_files(path)) return {};
+  const auto files = grid_files(project, source, source_options, path);
+  return files ? Result<void>() : files.error();
 }
 
 Result<void> write_pose_file(const ScanProject& project, const fs::path& source,
