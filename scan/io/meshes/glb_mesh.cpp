@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
+#include "scan/base/srgb.h"
 #include "scan/io/files/binary_writer.h"
 #include "scan/io/meshes/mesh_codecs.h"
 
@@ -76,11 +77,9 @@ void add_positions(const TriangleMesh& mesh, const Eigen::Vector3d& offset, Gltf
   arrays.last().maxValues = {box.max().x(), box.max().y(), box.max().z()};
 }
 
-// glTF has linear colours; those of a mesh are sRGB (IEC 61966-2-1).
+// glTF has linear colours; those of a mesh are sRGB.
 std::uint16_t linear_of_srgb(std::uint8_t value) {
-  const double c = value / 255.0;
-  const double linear = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-  return static_cast<std::uint16_t>(std::lround(65535.0 * linear));
+  return static_cast<std::uint16_t>(std::lround(65535.0 * linear_from_srgb(value / 255.0)));
 }
 
 void add_colours(const TriangleMesh& mesh, GltfArrays& arrays, tinygltf::Primitive& primitive) {

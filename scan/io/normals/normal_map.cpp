@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "scan/base/median.h"
+#include "scan/base/srgb.h"
 #include "scan/io/files/io_error.h"
 
 namespace relief {
@@ -18,24 +19,15 @@ const Eigen::Vector3f kNoNormal = Eigen::Vector3f::Constant(static_cast<float>(k
 
 constexpr double kPower = 2.2;  // Of most screens, and of programs without the curve of sRGB.
 
-// IEC 61966-2-1; all constants are those of the standard.
-double srgb_decoded(double value) {
-  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
-}
-
-double srgb_encoded(double value) {
-  return value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055;
-}
-
 // The value from 0 to 1 before a curve was applied.
 double undone(TransferCurve curve, double value) {
   switch (curve) {
     case TransferCurve::kSrgb:
-      return srgb_decoded(value);
+      return linear_from_srgb(value);
     case TransferCurve::kPower:
       return std::pow(value, kPower);
     case TransferCurve::kSrgbLinear:
-      return srgb_encoded(value);
+      return srgb_from_linear(value);
     case TransferCurve::kPowerLinear:
       return std::pow(value, 1.0 / kPower);
     case TransferCurve::kNone:

@@ -5,23 +5,24 @@
 #include <cmath>
 #include <string>
 
+#include "scan/base/srgb.h"
+
 namespace relief::rendering {
 
 namespace {
 
-// The transfer function of IEC 61966-2-1, for every byte.
+// For every byte.
 std::array<double, 256> light_of_bytes() {
   std::array<double, 256> lights{};
   for (std::size_t byte = 0; byte < lights.size(); ++byte) {
-    const double s = static_cast<double>(byte) / 255.0;
-    lights[byte] = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+    lights[byte] = linear_from_srgb(static_cast<double>(byte) / 255.0);
   }
   return lights;
 }
 
 std::uint8_t byte_of(double light) {
-  const double s = light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(s, 0.0, 1.0)));
+  return static_cast<std::uint8_t>(
+      std::lround(255.0 * std::clamp(srgb_from_linear(light), 0.0, 1.0)));
 }
 
 // Azimuth and elevation [deg].
