@@ -4,6 +4,7 @@
 #include <string>
 #include <system_error>
 
+#include "scan/io/files/real_path.h"
 #include "scan/io/project/project_files.h"
 #include "scan/io/project/view_spec.h"
 
@@ -12,12 +13,6 @@ namespace relief {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Without links, `.` and `..`.
-fs::path real_path(const fs::path& path) {
-  std::error_code code;
-  return fs::weakly_canonical(fs::absolute(path, code), code);
-}
 
 Error overwritten(const fs::path& file) {
   return {ErrorKind::kBadInput,

@@ -1,3 +1,4 @@
+#include "scan/io/files/real_path.h"
 #include "scan/io/project/json/camera_json_private.h"
 #include "scan/io/project/json/spec_json_private.h"
 
@@ -57,10 +58,8 @@ void set_samples_json(SpecJson& entry, SampleOrigin kind) {
 }
 
 fs::path path_from(const fs::path& file, const fs::path& folder) {
-  std::error_code code;
-  const fs::path target = fs::weakly_canonical(fs::absolute(file), code);
-  const fs::path base = fs::weakly_canonical(fs::absolute(folder), code);
-  const fs::path relative = target.lexically_relative(base);
+  const fs::path target = real_path(file);
+  const fs::path relative = target.lexically_relative(real_path(folder));
   return relative.empty() ? target : relative;
 }
 

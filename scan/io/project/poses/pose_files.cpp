@@ -9,6 +9,7 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/files/real_path.h"
 #include "scan/io/files/text_lines.h"
 #include "scan/io/project/view_spec.h"
 #include "scan/io/workspaces/workspace_writers.h"
@@ -72,13 +73,12 @@ Result<std::vector<std::string>> grid_files(const ScanProject& project, const fs
                                             const fs::path& path) {
   const auto spec = read_project_spec(source, options);
   if (!spec) return spec.error();
-  std::error_code code;
-  const fs::path folder = fs::weakly_canonical(fs::absolute(path), code).parent_path();
+  const fs::path folder = real_path(path).parent_path();
   std::vector<std::string> files;
   for (const RangeView& view : project.views) {
     for (const ViewSpec& from : spec->views) {
       if (from.name != view.name || !from.grid) continue;
-      const fs::path file = fs::weakly_canonical(fs::absolute(*from.grid), code);
+      const fs::path file = real_path(*from.grid);
       const fs::path relative = file.lexically_relative(folder);
       files.push_back((relative.empty() ? file : relative).string());
     }
