@@ -29,8 +29,9 @@ struct CalibrateCommand {
 };
 
 int calibrate(const CalibrateCommand& command) {
-  const std::filesystem::path report = report_path(command.common, command.output / "scan.json");
-  if (const auto free = check_outputs(command.input, {command.output, {report}}); !free)
+  const std::filesystem::path report_file =
+      report_path(command.common, command.output / "scan.json");
+  if (const auto free = check_outputs(command.input, {command.output, {report_file}}); !free)
     return fail(free.error());
   auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
@@ -46,16 +47,16 @@ int calibrate(const CalibrateCommand& command) {
   registration::apply_alignment(*alignment, project->views);
   registration::apply_calibration(*calibration, project->views);
   const registration::Alignment& last = calibration->found() ? calibration->alignment : *alignment;
-  Json figures = calibration_report(*calibration, project->views);
-  figures["seconds"] = watch.seconds();
-  log_calibration(*calibration, project->unit, figures["seconds"]);
+  Json report = calibration_report(*calibration, project->views);
+  report["seconds"] = watch.seconds();
+  log_calibration(*calibration, project->unit, report["seconds"]);
   warn_of_unverified(last);
 
   if (const auto written =
           write_project(*project, command.output, context_of(command.common, "write"));
       !written)
     return fail(written.error());
-  const auto reported = write_report(report, "calibrate", figures, command.common);
+  const auto reported = write_report(report_file, "calibrate", report, command.common);
   if (!reported) return fail(reported.error());
   Console::info("wrote " + (command.output / "scan.json").string());
   return last.complete() && last.solved() ? kDone : kDataDoesNotAllow;

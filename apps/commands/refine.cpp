@@ -28,8 +28,9 @@ struct RefineCommand {
 };
 
 int refine(const RefineCommand& command) {
-  const std::filesystem::path report = report_path(command.common, command.output / "scan.json");
-  if (const auto free = check_outputs(command.input, {command.output, {report}}); !free)
+  const std::filesystem::path report_file =
+      report_path(command.common, command.output / "scan.json");
+  if (const auto free = check_outputs(command.input, {command.output, {report_file}}); !free)
     return fail(free.error());
   auto project = read_with_notes(command.input, command.common);
   if (!project) return fail(project.error());
@@ -41,15 +42,15 @@ int refine(const RefineCommand& command) {
   std::vector<hybrid::RefineSummary> refinements(refined->begin(), refined->end());
   for (std::size_t i = 0; i < refined->size(); ++i)
     project->views[i] = std::move((*refined)[i].view);
-  Json figures = refinement_report(refinements, project->views);
-  figures["seconds"] = watch.seconds();
-  log_refinement(refinements, project->views, project->unit, figures["seconds"]);
+  Json report = refinement_report(refinements, project->views);
+  report["seconds"] = watch.seconds();
+  log_refinement(refinements, project->views, project->unit, report["seconds"]);
 
   if (const auto written =
           write_project(*project, command.output, context_of(command.common, "write"));
       !written)
     return fail(written.error());
-  const auto reported = write_report(report, "refine", figures, command.common);
+  const auto reported = write_report(report_file, "refine", report, command.common);
   if (!reported) return fail(reported.error());
   Console::info("wrote " + (command.output / "scan.json").string());
   const bool failed = std::any_of(refinements.begin(), refinements.end(),
