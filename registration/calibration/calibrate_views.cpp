@@ -93,7 +93,7 @@ class Calibrating {
  private:
   FoldSystem fold_system(const std::vector<PairSums>& sums) const {
     const bool apart = options_.scope != CalibrationScope::kShared && may_err_apart(sensors_);
-    return FoldSystem(sums, sensors_, held_, apart);
+    return registration::fold_system(sums, sensors_, held_, apart);
   }
 
   // Other places of the same views confirm what other views do not: a view's local errors.

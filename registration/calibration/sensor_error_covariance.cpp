@@ -14,6 +14,7 @@
 #include "registration/calibration/estimation/fold_system.h"
 #include "registration/calibration/estimation/reduced_sum.h"
 #include "registration/calibration/model/error_model.h"
+#include "registration/calibration/selection/held_out.h"
 #include "registration/pairwise/robust.h"
 #include "registration/posegraph/pose_step.h"
 #include "registration/posegraph/view_graph.h"
@@ -26,9 +27,6 @@ namespace {
 
 // Samples of the source, per direction of a pair. Bounds the time.
 constexpr std::size_t kSamples = 1500;
-// Standard errors by which the gain of the five folds must exceed 0: Student's t of four degrees of
-// freedom lies beyond with a probability of 0.005. There are two dozen candidates.
-constexpr double kLeastGain = 4.6;
 // Part of the sum of squares that an error must take away: samples move by a tenth of the deviation
 // of distances. The bias that noise near the spacing gives interpolated ranges takes 0.004.
 constexpr double kLeastPart = 0.01;
@@ -41,28 +39,11 @@ constexpr double kPriorFactor = 8.0;
 // to that than to 0 or 2: a statue gave 0.72, as matches at poses that are off hide a part.
 constexpr double kWholeError = 1.0, kWholeTolerance = 0.5;
 
-// A sum over the folds, with its standard error.
-struct FoldSum {
-  double sum = 0.0, std = 0.0;
-  bool is_real() const { return sum > kLeastGain * std; }  // False for NaN.
-};
-
-FoldSum sum_of(const std::array<double, kFolds>& folds) {
-  constexpr auto kCount = static_cast<double>(kFolds);
-  double sum = 0.0, squares = 0.0;
-  for (const double value : folds) {
-    sum += value;
-    squares += value * value;
-  }
-  const double scatter = squares - sum * sum / kCount;
-  return {sum, std::sqrt(std::max(0.0, scatter) * kCount / (kCount - 1.0))};
-}
-
 // An error of the sensors, and what it moves the poses by.
 struct Explanation {
   ErrorChoice choice;
   std::array<double, kFolds> gains{};  // Of held-out correspondences (C3).
-  FoldSum gain;
+  HeldOutGain gain;
   double coefficient = 0.0;                     // The first, in natural units, mean of the folds.
   std::array<Eigen::VectorXd, kFolds> motions;  // Of all poses, by the other folds.
 };
@@ -120,11 +101,11 @@ class Explaining {
       if (auto explanation = explain(choice); is_real(explanation))
         found.push_back(std::move(explanation));
     std::stable_sort(found.begin(), found.end(),
-                     [](const auto& a, const auto& b) { return a.gain.sum > b.gain.sum; });
+                     [](const auto& a, const auto& b) { return a.gain.gain > b.gain.gain; });
     if (found.empty()) return found;
-    const double least = found.front().gain.sum - found.front().gain.std;
+    const double least = found.front().gain.gain - found.front().gain.deviation;
     std::erase_if(found,
-                  [&](const Explanation& explanation) { return explanation.gain.sum < least; });
+                  [&](const Explanation& explanation) { return explanation.gain.gain < least; });
     return found;
   }
 
@@ -135,7 +116,8 @@ class Explaining {
     std::array<double, kFolds> less{};
     for (std::size_t f = 0; f < kFolds; ++f) less[f] = best.gains[f] - explanation.gains[f];
     const bool whole = std::abs(explanation.coefficient - kWholeError) <= kWholeTolerance;
-    if (!whole || !is_real(explanation) || sum_of(less).is_real()) return std::nullopt;
+    if (!whole || !is_real(explanation) || sum_of_gains(less, 1.0).is_beyond_chance())
+      return std::nullopt;
     return explanation;
   }
 
@@ -161,7 +143,7 @@ class Explaining {
  private:
   // Whether held-out correspondences gain more than by chance, and enough to matter.
   static bool is_real(const Explanation& explanation) {
-    return explanation.gain.is_real() && explanation.gain.sum > kLeastPart;
+    return explanation.gain.is_beyond_chance() && explanation.gain.gain > kLeastPart;
   }
 
   Explanation explain(const ErrorChoice& choice) const {
@@ -182,7 +164,7 @@ class Explaining {
       explanation.motions[f] =
           system_.folds[f].poses_of_others.slope() * at_coefficients(step, places);
     }
-    explanation.gain = sum_of(explanation.gains);
+    explanation.gain = sum_of_gains(explanation.gains, 1.0);
     return explanation;
   }
 
@@ -231,7 +213,7 @@ std::string describe(const Explanation& explanation, double motion) {
       "of their squared distances and moves the median view by %.2g; the deviations of "
       "poses include that, and %s",
       std::string(to_string(explanation.choice.error)).c_str(),
-      explanation.choice.per_view ? " (one per view)" : "", 100.0 * explanation.gain.sum, motion,
+      explanation.choice.per_view ? " (one per view)" : "", 100.0 * explanation.gain.gain, motion,
       read_wrongly ? "if the depth images hold such distances, give their views \"kind\": "
                      "\"ray\" in `depth`"
                    : "calibrating may correct it");

@@ -7,20 +7,6 @@
 
 namespace relief::registration {
 
-namespace {
-
-FoldSums sums_of(const std::vector<PairSums>& pairs, const Sensors& sensors,
-                 const SystemLayout& layout) {
-  FoldSums folds = empty_folds(layout);
-  parallel_for(kFolds, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f)
-      for (const PairSums& pair : pairs) folds[f].add(pair, f, sensors, layout);
-  });
-  return folds;
-}
-
-}  // namespace
-
 FoldSums empty_folds(const SystemLayout& layout) {
   FoldSums folds;
   folds.fill(SystemSum(layout));
@@ -45,9 +31,12 @@ FoldSystem::FoldSystem(SystemLayout unknowns, FoldSums sums) : layout(std::move(
   for (std::size_t f = 0; f < kFolds; ++f) folds[f].own = std::move(sums[f]);
 }
 
-FoldSystem::FoldSystem(const std::vector<PairSums>& pairs, const Sensors& sensors,
-                       const std::vector<bool>& held, bool per_view)
-    : FoldSystem(SystemLayout(sensors, held, per_view),
-                 sums_of(pairs, sensors, SystemLayout(sensors, held, per_view))) {}
+FoldSystem fold_system(const std::vector<PairSums>& pairs, const Sensors& sensors,
+                       const std::vector<bool>& held, bool per_view) {
+  const SystemLayout layout(sensors, held, per_view);
+  FoldSums sums = empty_folds(layout);
+  for (const PairSums& pair : pairs) add_pair(pair, sensors, layout, sums);
+  return {layout, std::move(sums)};
+}
 
 }  // namespace relief::registration

@@ -38,9 +38,10 @@ struct FoldSystem {
   double squares = 0.0;  ///< Of all folds.
 
   FoldSystem(SystemLayout layout, FoldSums sums);
-  /// `per_view`: whether models may have errors per view. `held` views do not move.
-  FoldSystem(const std::vector<PairSums>& pairs, const Sensors& sensors,
-             const std::vector<bool>& held, bool per_view);
 };
+
+/// `per_view`: whether models may have errors per view. `held` views do not move.
+FoldSystem fold_system(const std::vector<PairSums>& pairs, const Sensors& sensors,
+                       const std::vector<bool>& held, bool per_view);
 
 }  // namespace relief::registration

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "registration/calibration/estimation/reduced_sum.h"
 #include "registration/calibration/estimation/system_layout.h"
 #include "registration/calibration/estimation/system_sum.h"
 #include "scan/base/linear_algebra.h"
@@ -23,17 +24,6 @@ Eigen::VectorXd variances_by_parameters(const Eigen::MatrixXd& slope,
   return scaled.cwiseProduct(covariance_times.transpose()).rowwise().sum();
 }
 
-// The columns of a model's parameters.
-Eigen::MatrixXd by_parameters(const Eigen::MatrixXd& columns,
-                              const std::vector<std::vector<Eigen::Index>>& coefficients) {
-  Eigen::MatrixXd sums =
-      Eigen::MatrixXd::Zero(columns.rows(), static_cast<Eigen::Index>(coefficients.size()));
-  for (std::size_t p = 0; p < coefficients.size(); ++p)
-    for (const Eigen::Index c : coefficients[p])
-      sums.col(static_cast<Eigen::Index>(p)) += columns.col(c);
-  return sums;
-}
-
 }  // namespace
 
 std::vector<RigidTangent> pose_inflation(const std::vector<PairSums>& pairs, const Sensors& sensors,
@@ -50,7 +40,7 @@ std::vector<RigidTangent> pose_inflation(const std::vector<PairSums>& pairs, con
   information.diagonal().array() += model.prior();
   const Eigen::VectorXd without = variances_of_poses(all, layout);
   const Eigen::VectorXd added =
-      variances_by_parameters(by_parameters(poses.slope(), coefficients), information);
+      variances_by_parameters(columns_by_parameters(poses.slope(), coefficients), information);
   std::vector<RigidTangent> inflation(held.size(), RigidTangent::Ones());
   for (std::size_t i = 0; i < held.size(); ++i)
     for (Eigen::Index k = 0; k < 6 && !held[i]; ++k) {

@@ -6,6 +6,10 @@
 
 namespace relief::registration {
 
+/// For each parameter the sum of the columns of the coefficients that it adds to.
+Eigen::MatrixXd columns_by_parameters(const Eigen::MatrixXd& columns,
+                                      const std::vector<std::vector<Eigen::Index>>& coefficients);
+
 /// A quadratic function c^T A c + 2 b^T c of coefficients c, but for a constant.
 struct ReducedSum {
   Eigen::MatrixXd matrix;    ///< A

@@ -1,5 +1,8 @@
 #include "registration/calibration/selection/held_out.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "scan/base/linear_algebra.h"
 #include "scan/base/parallel.h"
 
@@ -48,6 +51,20 @@ HeldOutFit HeldOutTest::fit(const ErrorModel& model) const {
     }
   });
   return fit;
+}
+
+HeldOutGain sum_of_gains(std::span<const double> parts, double squares) {
+  HeldOutGain result;
+  double sum_of_squares = 0.0;
+  for (const double part : parts) {
+    result.gain += part / squares;
+    sum_of_squares += part / squares * (part / squares);
+  }
+  const auto count = static_cast<double>(parts.size());
+  const double variance =
+      std::max(0.0, sum_of_squares - result.gain * result.gain / count) / (count - 1.0);
+  result.deviation = std::sqrt(count * variance);
+  return result;
 }
 
 std::vector<double> jackknife_deviations(const HeldOutFit& fit) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,6 +21,21 @@ struct HeldOutFit {
   std::array<double, kFolds> gain{};         ///< By how much the sum of squares falls.
   std::array<Eigen::VectorXd, kFolds> step;  ///< Of the parameters.
 };
+
+/// Standard errors by which the gain of the five folds must exceed 0: Student's t of four degrees
+/// of freedom lies beyond with a probability of 0.005. There are two dozen candidates.
+inline constexpr double kLeastGain = 4.6;
+
+/// What held-out correspondences gain by an error: the part by which their sum of squares falls,
+/// and its standard error over the folds.
+struct HeldOutGain {
+  double gain = 0.0, deviation = 0.0;
+
+  bool is_beyond_chance() const { return gain > kLeastGain * deviation; }  ///< False for NaN.
+};
+
+/// The sum of the gains of all parts, relative to `squares`.
+HeldOutGain sum_of_gains(std::span<const double> parts, double squares);
 
 /// Standard deviations of the parameters, by leaving out one fold after the other (Efron 1982).
 std::vector<double> jackknife_deviations(const HeldOutFit& fit);

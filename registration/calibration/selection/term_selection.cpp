@@ -13,10 +13,6 @@ namespace relief::registration {
 
 namespace {
 
-// Standard errors by which the gain of the five folds must exceed 0: Student's t of four degrees of
-// freedom lies beyond with a probability of 0.005. There are two dozen candidates.
-constexpr double kLeastGain = 4.6;
-
 // The same of the views left out, by the degrees of freedom from 1: Student's t lies beyond with a
 // probability of 0.025. They confirm an error that the folds found.
 constexpr std::array kLeastGainOfViews = {12.7, 4.30, 3.18, 2.78, 2.57, 2.45,
@@ -58,21 +54,6 @@ std::vector<ErrorChoice> candidates(const Sensors& sensors, bool per_view) {
     }
   }
   return choices;
-}
-
-// The sum of the gains of all parts, relative to `squares`.
-HeldOutGain sum_of_gains(const std::vector<double>& parts, double squares) {
-  HeldOutGain result;
-  double sum_of_squares = 0.0;
-  for (const double part : parts) {
-    result.gain += part / squares;
-    sum_of_squares += part / squares * (part / squares);
-  }
-  const auto count = static_cast<double>(parts.size());
-  const double variance =
-      std::max(0.0, sum_of_squares - result.gain * result.gain / count) / (count - 1.0);
-  result.deviation = std::sqrt(count * variance);
-  return result;
 }
 
 bool confirmed(const HeldOutGain& of_views, std::size_t groups) {

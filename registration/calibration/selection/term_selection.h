@@ -9,13 +9,7 @@
 
 namespace relief::registration {
 
-/// What held-out correspondences gain by an error: the part by which their sum of squares falls,
-/// and its standard error over the folds.
-struct HeldOutGain {
-  double gain = 0.0, deviation = 0.0;
-};
-
-/// The same of correspondences of other places, and of views that took no part.
+/// What correspondences of other places gain by an error, and those of views that took no part.
 struct ErrorGain {
   HeldOutGain places, views;
 };

@@ -17,7 +17,7 @@ using testing::Row;
 
 LeftOutViewsTest left_out_views(const RandomProblem& problem, const std::vector<bool>& held,
                                 bool per_view) {
-  return {FoldSystem(problem.pairs, problem.sensors, held, per_view), problem.pairs,
+  return {fold_system(problem.pairs, problem.sensors, held, per_view), problem.pairs,
           problem.sensors};
 }
 
