@@ -38,7 +38,8 @@ inline std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-/// Reads the next line off a file, with the same ends of lines; false at the end of the file.
+/// Reads the next line off a file; false at its end. Lines end as those of next_line(), but each of
+/// two returns before a line feed ends one.
 inline bool read_line(std::istream& file, std::string& line) {
   line.clear();
   char c = 0;
