@@ -247,6 +247,33 @@ function(relief_register_tests name files)
   endif()
 endfunction()
 
+# The project's static libraries that a target is linked with, each once.
+function(relief_libraries_of target found)
+  get_target_property(linked ${target} LINK_LIBRARIES)
+  set(all ${${found}})
+  foreach(library IN LISTS linked)
+    string(REGEX REPLACE "^relief::" "relief_" library ${library})
+    if(library MATCHES "^relief_" AND NOT library IN_LIST all)
+      get_target_property(type ${library} TYPE)
+      if(type STREQUAL "STATIC_LIBRARY")
+        list(APPEND all ${library})
+        relief_libraries_of(${library} all)
+      endif()
+    endif()
+  endforeach()
+  set(${found} ${all} PARENT_SCOPE)
+endfunction()
+
+# Of a function in a header, compiled for the tests and for a library, the linker takes the first: that of the library, which the
+# sanitizer watches.
+function(relief_prefer_libraries target)
+  set(libraries "")
+  relief_libraries_of(${target} libraries)
+  list(FILTER libraries EXCLUDE REGEX "test_support")
+  list(TRANSFORM libraries REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE files)
+  target_link_options(${target} PRIVATE LINKER:--whole-archive ${files} LINKER:--no-whole-archive)
+endfunction()
+
 # relief_test(NAME LIBRARIES ... SOURCES ...): one test program per folder, registered with CTest.
 function(relief_test name)
   cmake_parse_arguments(ARG "" "" "LIBRARIES;SOURCES" ${ARGN})
@@ -257,9 +284,11 @@ function(relief_test name)
     endif()
   endif()
   add_executable(relief_${name}_tests ${ARG_SOURCES})
-  target_link_libraries(relief_${name}_tests PRIVATE ${ARG_LIBRARIES} relief_test_support relief_build_flags
+  target_link_libraries(relief_${name}_tests PRIVATE ${ARG_LIBRARIES} relief_test_support relief_test_flags
                                                      GTest::gmock GTest::gtest_main)
-  if(RELIEF_SANITIZE)
+  if(RELIEF_SANITIZE MATCHES "address")
+    relief_prefer_libraries(relief_${name}_tests)
+  elseif(RELIEF_SANITIZE)
     # Tests spend their time in the libraries; their own code compiles in two thirds of the time like this.
     target_compile_options(relief_${name}_tests PRIVATE -Og)
   endif()

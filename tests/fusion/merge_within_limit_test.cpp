@@ -17,6 +17,7 @@
 #include "tests/fusion/scenes.h"
 #include "tests/support/memory_limits.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief::fusion {
@@ -75,9 +76,7 @@ TEST_F(MergeWithinLimit, BrickByBrickTheModelIsTheSameToTheByte) {
 }
 
 TEST_F(MergeWithinLimit, MergingGivesTheSameWithinAnyLimitThatItCanKeep) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers keep memory that was freed";
-#endif
+  if (testing::sanitized()) GTEST_SKIP() << "sanitizers keep memory that was freed";
   const auto views = scene();
   const auto free = value_of(merge_views(views));
   for (const std::size_t room : {40, 400}) {

@@ -18,6 +18,7 @@
 #include "scan/base/system/system_memory.h"
 #include "tests/support/memory_limits.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief {
@@ -123,9 +124,7 @@ Grid<std::uint32_t> numbered(int width, int height) {
 
 // Grids of 100 MiB, made and read under a limit that has room for half of them.
 TEST_F(MemoryLimitTest, GridsKeepTheirValuesWithinALimitThatHasNoRoomForThem) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers keep memory that was freed";
-#endif
+  if (testing::sanitized()) GTEST_SKIP() << "sanitizers keep memory that was freed";
   const std::size_t limit = resident_memory() + 50 * kMebibyte;
   std::atomic<std::size_t> most{0};
   const auto look = [&] {
