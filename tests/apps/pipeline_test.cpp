@@ -53,7 +53,7 @@ TEST(Program, AnswersHelpAndVersion) {
 // Simulated scans through `run`: closed, aligned, refined, and each stage nearer to the truth.
 TEST(Program, RunsTheWholeWay) {
   const TemporaryFolder scans, out;
-  simulate(scans, "8", "384");
+  simulate(scans, "8", "256");
   const ProgramRun run = run_relief({"run", scans / "scan.json", "-o", out.path().string()});
   ASSERT_EQ(run.exit_status, 0) << run.standard_error;
 
@@ -115,8 +115,8 @@ TEST(Program, ComparesViewsUnlessToldNotTo) {
             0);
   for (const auto& [out, choice] :
        {std::pair(&corrected, "correct"), std::pair(&weighed, "weigh"), std::pair(&kept, "keep")}) {
-    const ProgramRun run = run_relief({"run", scans / "scan.json", "--no-polish", "--contradicted",
-                                       choice, "-o", out->path().string()});
+    const ProgramRun run = run_relief({"run", scans / "scan.json", "--no-polish", "--voxel", "4",
+                                       "--contradicted", choice, "-o", out->path().string()});
     ASSERT_EQ(run.exit_status, 0) << run.standard_error;
   }
   for (const TemporaryFolder* out : {&corrected, &weighed}) {

@@ -25,8 +25,8 @@ std::vector<ViewSampler> half_a_sphere() {
 TEST(ClosedField, IsSolvedToItsToleranceOrSaysThatItIsNot) {
   const auto views = half_a_sphere();
   ClosedFieldOptions options;
-  options.voxel_size = 0.5;
-  options.truncation = 1.5;
+  options.voxel_size = 1.0;
+  options.truncation = 3.0;
   const auto solved = value_of(compute_closed_field(views, options, {}));
   EXPECT_EQ(solved.moving_blocks, 0u);
   options.max_sweeps = 10;

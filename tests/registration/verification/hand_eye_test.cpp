@@ -117,19 +117,17 @@ TEST(HandEye, IsNotFoundWherePosesErrEachInItsOwnWay) {
 TEST(HandEye, OfARobotIsFoundFromViewsThatShapePlaces) {
   const auto ring = testing::ring_of_views({.pixels = 96});
   const std::vector<RigidMotion> truth = testing::poses_of(ring);
-  for (const RigidMotion& body_from_view :
-       {motion(30, {0, 0, 1}, {20, 0, 0}), motion(10, {1, 0, 1}, {10, 20, 0})}) {
-    auto views = ring;
-    for (RangeView& view : views)
-      view.world_from_view = view.world_from_view * body_from_view.inverse();
-    const auto aligned = align_views(views, {});
-    ASSERT_TRUE(aligned) << aligned.error().message;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      const RigidMotion relative =
-          aligned->views[0].world_from_view.inverse() * aligned->views[i].world_from_view;
-      EXPECT_LT(rotation_angle(relative.inverse() * truth[0].inverse() * truth[i]), 0.01) << i;
-      EXPECT_EQ(aligned->views[i].status, PoseStatus::kVerified) << i;
-    }
+  const RigidMotion body_from_view = motion(10, {1, 0, 1}, {10, 20, 0});
+  auto views = ring;
+  for (RangeView& view : views)
+    view.world_from_view = view.world_from_view * body_from_view.inverse();
+  const auto aligned = align_views(views, {});
+  ASSERT_TRUE(aligned) << aligned.error().message;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const RigidMotion relative =
+        aligned->views[0].world_from_view.inverse() * aligned->views[i].world_from_view;
+    EXPECT_LT(rotation_angle(relative.inverse() * truth[0].inverse() * truth[i]), 0.01) << i;
+    EXPECT_EQ(aligned->views[i].status, PoseStatus::kVerified) << i;
   }
 }
 
