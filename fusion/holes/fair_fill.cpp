@@ -39,9 +39,6 @@ constexpr int kChangedRings = 12;
 // megabytes, and seconds in which nobody can stop the work.
 constexpr std::size_t kLargeRegion = 150000;
 
-// Memory for each filled vertex while regions are found [bytes].
-constexpr std::size_t kFilled = 60;
-
 // How far the work on a region has come.
 struct Settling {
   std::map<std::uint32_t, PlateVertex> pinned;  // Vertices that are held.
@@ -264,10 +261,9 @@ class Fairing {
 Result<FairFill> fair_filled_regions(const TriangleMesh& mesh,
                                      const std::vector<ViewSampler>& views,
                                      const FairFillOptions& options, const Progress& progress) {
-  const auto filled = static_cast<std::size_t>(std::count_if(
-      mesh.filled.begin(), mesh.filled.end(), [](std::uint8_t flag) { return flag != 0; }));
-  if (filled == 0) return FairFill();
-  if (const auto room = make_room(options.memory, kFilled * filled); !room) return room.error();
+  if (std::none_of(mesh.filled.begin(), mesh.filled.end(),
+                   [](std::uint8_t flag) { return flag != 0; }))
+    return FairFill();
   return Fairing(mesh, views, options, progress).run();
 }
 

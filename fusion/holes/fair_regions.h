@@ -32,8 +32,8 @@ struct FairFillOptions {
 struct FairRegion {
   /// Filled vertices are where the mesh has them; the margin's places are where the views measured
   /// the surface, to which it is drawn the more the farther it is from what was filled.
-  std::vector<PlateVertex> vertices;
-  std::vector<PlateVertex> border;  ///< Measured vertices beside these. They stay.
+  PlateVertices vertices;
+  PlateVertices border;  ///< Measured vertices beside these. They stay.
   /// Measured vertices beyond the border, that tell how the surface curves as it arrives.
   std::vector<std::uint32_t> approach;
   /// Whether the surface turns on its way across it so far that one step of a plate falls short.

@@ -1,15 +1,16 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
-#include <unordered_map>
-#include <vector>
 
 #include <Eigen/Core>
 
 #include "fusion/holes/plates/thin_plate.h"
+#include "relief/scan/page_allocator.h"
 #include "relief/scan/triangle_mesh.h"
-#include "scan/base/memory/memory_limit.h"
 
 namespace relief::fusion {
 
@@ -21,9 +22,8 @@ class SideNormals {
   /// Edges from a vertex to those that its normal depends on: it is averaged over so many rings.
   static constexpr int kReach = 4;
 
-  /// Of faces with a vertex that has `wanted` set. `memory` may be null; where it cannot be kept,
-  /// which it tells, all normals are unknown.
-  SideNormals(const TriangleMesh& mesh, std::span<const std::uint8_t> wanted, MemoryLimit* memory);
+  /// Of faces with a vertex that has `wanted` set.
+  SideNormals(const TriangleMesh& mesh, std::span<const std::uint8_t> wanted);
 
   /// Of one vertex, of length 1; zero where it is unknown.
   Eigen::Vector3d at(std::uint32_t vertex) const;
@@ -33,12 +33,15 @@ class SideNormals {
   double cosine(std::uint32_t vertex, const FacesAround& around) const;
 
  private:
-  bool is_measured(std::uint32_t face) const;
+  static constexpr std::uint32_t kUnknown = std::numeric_limits<std::uint32_t>::max();
+
+  std::uint32_t place_of(std::uint32_t vertex) const;  // In vertices_, or kUnknown.
   void average();
 
   const TriangleMesh& mesh_;
-  std::vector<std::uint32_t> faces_;
-  std::unordered_map<std::uint32_t, Eigen::Vector3d> normals_;
+  PagedVector<std::uint32_t> vertices_;                // That have a normal, sorted.
+  PagedVector<std::array<std::uint32_t, 3>> corners_;  // Of the wanted faces, by place_of().
+  PagedVector<Eigen::Vector3d> normals_;
 };
 
 }  // namespace relief::fusion

@@ -103,13 +103,13 @@ class CreaseEdges {
   // Of faces that are as they were no others than `known` intersect.
   std::vector<std::uint32_t> intersecting(const PagedVector<TriangleMesh::Face>& before,
                                           const std::vector<std::uint32_t>& known) const {
-    std::vector<std::uint32_t> in_question;
+    PagedVector<std::uint32_t> in_question;
     serial_for(before.size(), [&](std::size_t i) {
       const auto f = static_cast<std::uint32_t>(i);
       if (mesh_.faces[f] != before[f] || std::binary_search(known.begin(), known.end(), f))
         in_question.push_back(f);
     });
-    return intersecting_faces(mesh_, in_question, 2.0 * options_.voxel_size);
+    return intersecting_faces(mesh_, std::move(in_question), 2.0 * options_.voxel_size);
   }
 
   // Only near the vertices of faces that were turned in the pass before is there anything new.
@@ -137,7 +137,7 @@ class CreaseEdges {
   }
 
   std::vector<EdgeFlip> candidates(const FacesAround& around) const {
-    const std::vector<std::uint32_t> faces = faces_at(mesh_, touched_);
+    const auto faces = faces_at(mesh_, touched_);
     std::vector<std::vector<EdgeFlip>> found((faces.size() + kGrain - 1) / kGrain);
     parallel_for(faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)

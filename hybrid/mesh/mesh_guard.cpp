@@ -103,11 +103,11 @@ class Guard {
 
   // Those that vertices damped since the last search may have brought to intersect, and more.
   std::vector<std::uint32_t> newly_intersecting_faces() {
-    const std::vector<std::uint32_t> faces = faces_at(moved_, changed_);
+    PagedVector<std::uint32_t> faces = faces_at(moved_, changed_);
     std::fill(changed_.begin(), changed_.end(), 0);
     const double edge =
         std::sqrt(2.0 * surface_area(before_) / static_cast<double>(before_.faces.size()));
-    return intersecting_faces(moved_, faces, 2.0 * edge);
+    return intersecting_faces(moved_, std::move(faces), 2.0 * edge);
   }
 
   // True if some vertex of the faces did move, and now moves less.

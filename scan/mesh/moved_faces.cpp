@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
-#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -30,7 +28,7 @@ constexpr std::size_t kMany = 20;
 // A box smaller than a cell meets so many at most.
 constexpr double kCellsOfBox = 8.0;
 
-// Cells of a coarse lattice that boxes meet.
+// Cells of a coarse lattice that boxes meet. meet() after add_done().
 class Cells {
  public:
   Cells(const Eigen::Vector3d& origin, double size) : origin_(origin), size_(size) {}
@@ -42,13 +40,18 @@ class Cells {
   void add(const Eigen::AlignedBox3d& box) {
     visit(box, [&](std::uint64_t cell) {
       slots_[slot_of(cell)] = true;
-      cells_.insert(cell);
+      cells_.push_back(cell);
       return false;
     });
   }
+  void add_done() {
+    std::sort(cells_.begin(), cells_.end());
+    cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
+  }
   bool meet(const Eigen::AlignedBox3d& box) const {
-    return visit(
-        box, [&](std::uint64_t cell) { return slots_[slot_of(cell)] && cells_.contains(cell); });
+    return visit(box, [&](std::uint64_t cell) {
+      return slots_[slot_of(cell)] && std::binary_search(cells_.begin(), cells_.end(), cell);
+    });
   }
 
  private:
@@ -75,13 +78,13 @@ class Cells {
   Eigen::Vector3d origin_;
   double size_;
   std::vector<bool> slots_ = std::vector<bool>(kSlots, false);
-  std::unordered_set<std::uint64_t> cells_;
+  PagedVector<std::uint64_t> cells_;  // Sorted by add_done().
 };
 
 class MovedFaces {
  public:
   MovedFaces(const TriangleMesh& mesh, const PagedVector<Eigen::Vector3d>& places,
-             std::vector<std::uint32_t> moved, double reach)
+             PagedVector<std::uint32_t> moved, double reach)
       : mesh_(mesh),
         places_(places),
         faces_(std::move(moved)),
@@ -90,10 +93,11 @@ class MovedFaces {
     constexpr std::size_t kGrain = 4096;  // Faces of one piece of work; changes no result.
     enum Kind : std::uint8_t { kFar, kNear, kMoved };
     PagedArray<std::uint8_t> kinds(mesh.faces.size());
-    for (const std::uint32_t f : faces_) {
-      cells_.add(box_of(f));
-      kinds[f] = kMoved;
-    }
+    serial_for(moved_, [&](std::size_t k) {
+      cells_.add(box_of(faces_[k]));
+      kinds[faces_[k]] = kMoved;
+    });
+    cells_.add_done();
     parallel_for(mesh.faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f)
         if (kinds[f] == kFar && cells_.meet(box_of(static_cast<std::uint32_t>(f))))
@@ -150,32 +154,33 @@ class MovedFaces {
   // These faces alone, in their order.
   TriangleMesh part() const {
     TriangleMesh part;
-    std::unordered_map<std::uint32_t, std::uint32_t> number;
-    for (const std::uint32_t f : faces_) {
+    PagedArray<std::uint32_t> numbers(mesh_.vertices.size());  // From 1; 0: not among them yet.
+    serial_for(faces_.size(), [&](std::size_t i) {
       TriangleMesh::Face& face = part.faces.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t v = mesh_.faces[f][k];
-        const auto [known, fresh] =
-            number.try_emplace(v, static_cast<std::uint32_t>(part.vertices.size()));
-        if (fresh) part.vertices.push_back(places_[v]);
-        face[k] = known->second;
+        const std::uint32_t v = mesh_.faces[faces_[i]][k];
+        if (numbers[v] == 0) {
+          part.vertices.push_back(places_[v]);
+          numbers[v] = static_cast<std::uint32_t>(part.vertices.size());
+        }
+        face[k] = numbers[v] - 1;
       }
-    }
+    });
     return part;
   }
 
   const TriangleMesh& mesh_;
   const PagedVector<Eigen::Vector3d>& places_;
-  std::vector<std::uint32_t> faces_;  // The moved ones, then those near.
+  PagedVector<std::uint32_t> faces_;  // The moved ones, then those near.
   std::size_t moved_;
   Cells cells_;
 };
 
 }  // namespace
 
-std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh,
+PagedVector<std::uint32_t> faces_at(const TriangleMesh& mesh,
                                     std::span<const std::uint8_t> marked) {
-  std::vector<std::uint32_t> faces;
+  PagedVector<std::uint32_t> faces;
   serial_for(mesh.faces.size(), [&](std::size_t f) {
     if (std::any_of(mesh.faces[f].begin(), mesh.faces[f].end(),
                     [&](std::uint32_t v) { return marked[v]; }))
@@ -197,14 +202,13 @@ std::vector<std::uint32_t> invalid_faces(const TriangleMesh& mesh,
 }
 
 std::vector<std::uint32_t> intersecting_faces(const TriangleMesh& mesh,
-                                              const std::vector<std::uint32_t>& faces,
-                                              double reach) {
+                                              PagedVector<std::uint32_t> faces, double reach) {
   if (faces.empty()) return {};
   if (faces.size() > mesh.faces.size() / kMany) {
     SelfIntersectionOptions options;
     return find_self_intersections(mesh, options).faces();
   }
-  auto found = MovedFaces(mesh, mesh.vertices, faces, reach).intersecting();
+  auto found = MovedFaces(mesh, mesh.vertices, std::move(faces), reach).intersecting();
   std::sort(found.begin(), found.end());
   return found;
 }

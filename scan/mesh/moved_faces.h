@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "relief/scan/page_allocator.h"
 #include "relief/scan/triangle_mesh.h"
 
 namespace relief {
@@ -18,12 +19,11 @@ std::vector<std::uint32_t> invalid_faces(const TriangleMesh& mesh,
                                          std::span<const std::uint8_t> moved, double reach);
 
 /// The faces with a vertex that is marked; in ascending order.
-std::vector<std::uint32_t> faces_at(const TriangleMesh& mesh, std::span<const std::uint8_t> marked);
+PagedVector<std::uint32_t> faces_at(const TriangleMesh& mesh, std::span<const std::uint8_t> marked);
 
 /// Those of `faces`, and of what is near them or of all where they are many, that intersect others;
 /// in ascending order.
 std::vector<std::uint32_t> intersecting_faces(const TriangleMesh& mesh,
-                                              const std::vector<std::uint32_t>& faces,
-                                              double reach);
+                                              PagedVector<std::uint32_t> faces, double reach);
 
 }  // namespace relief

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "fusion/holes/plates/cotangent_laplacian.h"
+#include "relief/scan/page_allocator.h"
 #include "relief/scan/triangle_mesh.h"
 #include "scan/base/memory/memory_limit.h"
 
@@ -28,10 +29,12 @@ struct PlateVertex {
   double growth = 0.0;
 };
 
+using PlateVertices = PagedVector<PlateVertex>;
+
 /// A part of a mesh whose vertices take the places where a thin elastic plate would come to rest.
 struct PlatePatch {
-  std::vector<PlateVertex> free;
-  std::vector<PlateVertex> held;  ///< All neighbours of free ones, and any others.
+  PlateVertices free;
+  PlateVertices held;  ///< All neighbours of free ones, and any others.
 };
 
 /// Free vertices of the largest plate that is worth its time and memory. The factors of 440,000

@@ -51,9 +51,9 @@ TEST(MovedFaces, ManyFacesAreSearchedAsFewAre) {
   mesh.vertices[13].z() = 1.5;
   const auto all = find_self_intersections(mesh).faces();
   ASSERT_FALSE(all.empty());
-  const std::vector<std::uint32_t> few{all.front()};
+  const PagedVector<std::uint32_t> few{all.front()};
   EXPECT_EQ(intersecting_faces(mesh, few, 1.0), all);
-  std::vector<std::uint32_t> many(mesh.faces.size());
+  PagedVector<std::uint32_t> many(mesh.faces.size());
   std::iota(many.begin(), many.end(), 0u);
   EXPECT_EQ(intersecting_faces(mesh, many, 1.0), all);
 }
