@@ -4,19 +4,18 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <string>
 #include <utility>
 
-#include "scan/io/files/io_error.h"
 #include "scan/io/normals/convention_notes.h"
+#include "scan/io/normals/convention_parties.h"
 #include "scan/io/normals/convention_scores.h"
+#include "scan/io/normals/foreign_maps.h"
 
 namespace relief {
 
 namespace {
 
-// [rad], 35 deg: no error of a sensor, whose bias is 4 to 10 deg (docs/real-scans.md). Two
-// unrelated normals of a visible half sphere have a mean cosine of (2/3)^2, 64 deg.
-constexpr double kUnrelated = 0.611;
 // [rad], 5 deg: two conventions that hardly differ in a view. For notes only.
 constexpr double kSame = 0.087;
 
@@ -64,177 +63,138 @@ struct Decision {
   bool certain = true;  // No other one fits that would make much of a difference.
 };
 
-Decision decide(const NormalEvidence& view, const ConventionRanking& of_all) {
-  ConventionScores scores(view.kind);
-  scores.add(view);
-  const ConventionRanking alone = scores.ranking();
+// `of_party`: what the view says together with those that agree with it.
+Decision decide(const NormalEvidence& view, const ConventionRanking& alone,
+                const ConventionRanking& of_party) {
   std::vector<std::size_t> left;
-  std::set_intersection(alone.candidates.begin(), alone.candidates.end(), of_all.candidates.begin(),
-                        of_all.candidates.end(), std::back_inserter(left));
+  std::ranges::set_intersection(alone.candidates, of_party.candidates, std::back_inserter(left));
   const bool contradicts_others = left.empty();
   if (contradicts_others) left = alone.candidates;
   const auto& all = all_conventions(view.kind);
-  Decision decision{all[nearest(view, left, contradicts_others ? alone : of_all)],
+  Decision decision{all[nearest(view, left, contradicts_others ? alone : of_party)],
                     !view.patches.patches.empty() || left.size() == 1};
   for (const std::size_t c : left)
     if (angle_between(view, all[c], decision.convention) > kSame) decision.certain = false;
   return decision;
 }
 
-struct Settled {
-  ChosenConvention chosen;
-  double bias = 0.0;      // [rad]
-  bool compared = false;  // With enough of the depth.
-
-  bool is_unrelated(const NormalEvidence& view) const {
-    return bias > kUnrelated && view.kind == NormalFileKind::kImage;
-  }
-};
-
-Settled settle(const NormalEvidence& view, const ConventionRanking& of_all,
-               ConventionNotes& notes) {
-  const Decision decision = decide(view, of_all);
-  Settled settled;
+SettledNormals settle(const NormalEvidence& view, const Decision& decision) {
+  SettledNormals settled;
   settled.chosen.convention = decision.convention;
+  settled.certain = decision.certain;
   settled.compared = view.patches.patches.size() >= kFewestPatches;
   if (settled.compared) settled.bias = agreement(view, decision.convention).bias;
   settled.chosen.usable = !(settled.bias > kLargestBias);
-  if (settled.chosen.usable) {
-    notes.add_choice(view, decision.convention, decision.certain);
-    if (view.curve != TransferCurve::kNone) notes.add_curve(view);
-  } else if (!settled.is_unrelated(view)) {
-    notes.add_unusable(view, decision.convention, settled.bias);
-  }
   return settled;
 }
 
-// A normal map that fits the depth of its view in no convention.
-struct UnrelatedMap {
-  std::size_t view = 0;  // Index into the evidence of all views.
-  NormalConvention best;
-  double bias = 0.0;  // In the best convention [rad].
-};
+// Views that are declared alike, by their indices among all.
+using Group = std::vector<std::size_t>;
 
-// The normals of `map` beside the depth of another view, where both have a patch. Patches of
-// lattices that differ in size lie elsewhere.
-NormalEvidence with_depth_of_other(const NormalEvidence& map, const NormalEvidence& other) {
-  NormalEvidence both = other;
-  both.patches.patches.clear();
-  const Grid<int>&of_map = map.patches.lattice, &of_other = other.patches.lattice;
-  if (of_map.width() != of_other.width() || of_map.height() != of_other.height()) return both;
-  for (std::size_t i = 0; i < of_map.size(); ++i) {
-    if (of_map[i] < 0 || of_other[i] < 0) continue;
-    both.patches.patches.push_back(other.patches.patches[static_cast<std::size_t>(of_other[i])]);
-    both.patches.patches.back().stored =
-        map.patches.patches[static_cast<std::size_t>(of_map[i])].stored;
-  }
-  return both;
-}
-
-// The view whose depth a map fits instead: the one that it is closest to, within the bias of a
-// sensor.
-std::optional<std::size_t> view_that_fits(const UnrelatedMap& map,
-                                          const std::vector<NormalEvidence>& views,
-                                          const std::vector<ChosenConvention>& chosen) {
-  std::optional<std::size_t> best;
-  double least = kLargestBias;
+std::vector<Group> find_groups(const std::vector<NormalEvidence>& views) {
+  std::vector<Group> groups;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    if (i == map.view || views[i].kind != views[map.view].kind) continue;
-    const NormalEvidence both = with_depth_of_other(views[map.view], views[i]);
-    if (both.patches.patches.size() < kFewestPatches) continue;
-    const double bias = agreement(both, chosen[i].convention).bias;
-    if (!(bias < least)) continue;
-    least = bias;
-    best = i;
+    const auto found = std::ranges::find_if(
+        groups, [&](const Group& group) { return alike(views[group.front()], views[i]); });
+    if (found != groups.end())
+      found->push_back(i);
+    else
+      groups.push_back({i});
   }
-  return best;
+  return groups;
 }
 
-std::string fit_text(const UnrelatedMap& map, const std::vector<NormalEvidence>& views,
-                     const std::vector<ChosenConvention>& chosen) {
-  const auto other = view_that_fits(map, views, chosen);
-  return other ? ", but fits the depth of view " + views[*other].view : std::string();
+// Whether a view could follow the convention of another view of its group as well.
+bool is_torn(std::size_t view, const ConventionRanking& alone, const Group& group,
+             const std::vector<NormalEvidence>& views, const std::vector<SettledNormals>& settled) {
+  const auto& all = all_conventions(views[view].kind);
+  return std::ranges::any_of(group, [&](std::size_t other) {
+    const ChosenConvention& of_other = settled[other].chosen;
+    return of_other.usable &&
+           std::ranges::any_of(alone.candidates,
+                               [&](std::size_t c) { return all[c] == of_other.convention; }) &&
+           angle_between(views[view], of_other.convention, settled[view].chosen.convention) > kSame;
+  });
 }
 
-Error unrelated_error(const std::vector<UnrelatedMap>& unrelated, std::size_t maps,
-                      const std::vector<NormalEvidence>& views,
-                      const std::vector<ChosenConvention>& chosen) {
-  const UnrelatedMap& first = unrelated.front();
-  const NormalEvidence& view = views[first.view];
-  const std::string others = unrelated.size() > 1
-                                 ? "; " + std::to_string(unrelated.size()) + " of " +
-                                       std::to_string(maps) + " maps are as far off"
-                                 : std::string();
-  return bad_input(view.file, "no convention of normals fits the depth of view " + view.view +
-                                  ": the best, " + name_of(view, first.best) + ", is off by " +
-                                  degrees_text(first.bias) + " (median)" +
-                                  fit_text(first, views, chosen) + others +
-                                  "; check that the file belongs to this view and that scale and "
-                                  "camera are right, or take `normals` out of the view");
-}
-
-std::string unrelated_warning(const std::vector<UnrelatedMap>& unrelated, std::size_t maps,
-                              const std::vector<NormalEvidence>& views,
-                              const std::vector<ChosenConvention>& chosen) {
-  constexpr std::size_t kNamed = 20;
-  std::string text = "warning: " + std::to_string(unrelated.size()) + " of " +
-                     std::to_string(maps) + " normal maps " +
-                     (unrelated.size() > 1 ? "are" : "is") +
-                     " not used, as no convention fits the depth of the view: ";
-  for (std::size_t i = 0; i < std::min(kNamed, unrelated.size()); ++i) {
-    const NormalEvidence& view = views[unrelated[i].view];
-    text += (i > 0 ? "; " : "") + view.file.string() + " of view " + view.view + " is off by " +
-            degrees_text(unrelated[i].bias) + " (median)" + fit_text(unrelated[i], views, chosen);
+// True if the views agree on one convention.
+bool settle_group(const Group& group, const std::vector<NormalEvidence>& views,
+                  std::vector<SettledNormals>& settled) {
+  std::vector<ConventionRanking> alone;
+  for (const std::size_t view : group) alone.push_back(rank_alone(views[view]));
+  const std::vector<Party> parties = find_parties(alone);
+  for (const Party& party : parties) {
+    ConventionScores scores(views[group.front()].kind);
+    for (const std::size_t member : party) scores.add(views[group[member]]);
+    const ConventionRanking of_party = scores.ranking();  // The same for all: made once.
+    for (const std::size_t member : party)
+      settled[group[member]] =
+          settle(views[group[member]], decide(views[group[member]], alone[member], of_party));
   }
-  if (unrelated.size() > kNamed) text += "; and more";
-  return text;
+  if (parties.size() == 1) return true;
+  for (std::size_t member = 0; member < group.size(); ++member)
+    if (is_torn(group[member], alone[member], group, views, settled))
+      settled[group[member]].certain = false;
+  return false;
 }
 
-// Maps of other views are left out where at least as many maps fit. Else something else is wrong,
-// as the scale of all depths.
-Result<void> judge_unrelated(const std::vector<NormalEvidence>& views,
-                             const std::vector<Settled>& settled, ConventionChoice& choice) {
-  std::vector<UnrelatedMap> unrelated;
-  std::size_t compared = 0, fitting = 0;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (!settled[i].compared || views[i].kind != NormalFileKind::kImage) continue;
-    ++compared;
-    fitting += settled[i].chosen.usable ? 1 : 0;
-    if (settled[i].is_unrelated(views[i]))
-      unrelated.push_back({i, settled[i].chosen.convention, settled[i].bias});
+// Names the views whose convention is not that of the most.
+std::optional<std::string> note_on_mixture(const Group& group,
+                                           const std::vector<NormalEvidence>& views,
+                                           const std::vector<SettledNormals>& settled) {
+  std::vector<NormalConvention> used;
+  for (const std::size_t view : group)
+    if (settled[view].chosen.usable) used.push_back(settled[view].chosen.convention);
+  const auto uses = [&](const NormalConvention& c) { return std::ranges::count(used, c); };
+  if (used.empty() || uses(used.front()) == std::ssize(used)) return std::nullopt;
+  const NormalConvention most = *std::ranges::max_element(used, {}, uses);
+  std::string others;
+  for (const std::size_t view : group) {
+    const ChosenConvention& chosen = settled[view].chosen;
+    if (chosen.usable && chosen.convention != most)
+      others += (others.empty() ? "" : ", ") + views[view].view;
   }
-  if (unrelated.empty()) return {};
-  if (unrelated.size() > fitting) return unrelated_error(unrelated, compared, views, choice.views);
-  choice.notes.push_back(unrelated_warning(unrelated, compared, views, choice.views));
-  return {};
+  return "warning: not all normals are of one convention: those of " +
+         std::to_string(std::ssize(used) - uses(most)) + " of " + std::to_string(used.size()) +
+         " views differ from the others, as the depth of these views shows (" + others +
+         "); each is used in its own; check how the files were written";
+}
+
+void add_notes(const NormalEvidence& view, const SettledNormals& settled, ConventionNotes& notes) {
+  if (!settled.chosen.usable)
+    return notes.add_unusable(view, settled.chosen.convention, settled.bias);
+  notes.add_choice(view, settled.chosen.convention, settled.certain);
+  if (view.curve != TransferCurve::kNone) notes.add_curve(view);
 }
 
 }  // namespace
 
 Result<ConventionChoice> choose_conventions(const std::vector<NormalEvidence>& views) {
-  ConventionChoice choice;
-  choice.views.resize(views.size());
-  std::vector<Settled> settled(views.size());
-  std::vector<bool> done(views.size(), false);
-  ConventionNotes notes;
-  for (std::size_t first = 0; first < views.size(); ++first) {
-    if (done[first]) continue;
-    std::vector<std::size_t> group;
-    ConventionScores scores(views[first].kind);
-    for (std::size_t i = first; i < views.size(); ++i) {
-      if (!alike(views[first], views[i])) continue;
-      group.push_back(i);
-      scores.add(views[i]);
-    }
-    const ConventionRanking of_all = scores.ranking();  // The same for all: made once.
-    for (const std::size_t i : group) {
-      done[i] = true;
-      settled[i] = settle(views[i], of_all, notes);
-      choice.views[i] = settled[i].chosen;
-    }
+  const std::vector<Group> groups = find_groups(views);
+  std::vector<SettledNormals> settled(views.size());
+  std::vector<std::string> mixtures;
+  for (const Group& group : groups) {
+    const bool agree = settle_group(group, views, settled);
+    // Of declared ones the notes say already which differ.
+    if (agree || views[group.front()].declared) continue;
+    if (auto note = note_on_mixture(group, views, settled)) mixtures.push_back(std::move(*note));
   }
+  const std::vector<ForeignMap> foreign = find_foreign_maps(views, settled);
+  ConventionNotes notes;
+  for (const Group& group : groups)
+    for (const std::size_t view : group)
+      if (!std::ranges::binary_search(foreign, view, {}, &ForeignMap::view))
+        add_notes(views[view], settled[view], notes);
+
+  ConventionChoice choice;
+  for (const SettledNormals& one : settled) choice.views.push_back(one.chosen);
   choice.notes = notes.texts(views.size());
-  if (const auto judged = judge_unrelated(views, settled, choice); !judged) return judged.error();
+  choice.notes.insert(choice.notes.end(), mixtures.begin(), mixtures.end());
+  if (foreign.empty()) return choice;
+  if (const auto judged = judge_foreign_maps(foreign, views, settled); !judged)
+    return judged.error();
+  else
+    choice.notes.push_back(*judged);
   return choice;
 }
 

@@ -20,9 +20,9 @@ struct ConventionChoice {
 };
 
 /// Settles the conventions of all views with normals. The declared convention is kept unless
-/// another one is clearly closer to the depth; where a view alone cannot tell, all views of the
-/// same declaration are asked together, since one project seldom mixes conventions. Of several that
-/// fit equally, the one nearest to the declaration is taken. Normals that are more than 15 deg off
+/// another one is clearly closer to the depth; where a view alone cannot tell, it follows the most
+/// views of the same declaration that it does not contradict. Of several conventions that fit
+/// equally, the one nearest to the declaration is taken. Normals that are more than 15 deg off
 /// in the median even so, beyond the noise of the depth, are not usable. An image that is more than
 /// 35 deg off does not belong to this depth: kBadInput where more images are than fit.
 Result<ConventionChoice> choose_conventions(const std::vector<NormalEvidence>& views);

@@ -63,6 +63,10 @@ NormalAgreement agreement(const NormalEvidence& evidence, const NormalConvention
 /// and beyond it normals are not used. A real panel has 10.6 deg (docs/results.md, Real scans).
 inline constexpr double kLargestBias = 0.2618;  // 15 deg
 
+/// Farther off, a map does not belong to its depth [rad]: two unrelated normals of a visible half
+/// sphere have a mean cosine of (2/3)^2, 64 deg, and no sensor has such a bias.
+inline constexpr double kUnrelatedBias = 0.611;  // 35 deg
+
 /// With fewer patches no angle to the depth is believed.
 inline constexpr std::size_t kFewestPatches = 8;
 

@@ -199,6 +199,46 @@ TEST(ConventionChoice, AViewThatDiffersFromTheOthersIsCorrectedAlone) {
   EXPECT_EQ(choice.views[2].convention, NormalConvention{});
 }
 
+// A sphere so small that its patches alone are too few to tell conventions apart.
+RangeView small_sphere_view() {
+  RangeView view = testing::render(testing::sphere({0, 0, 100}, 7), kCamera);
+  view.name = "small";
+  return view;
+}
+
+TEST(ConventionChoice, ASmallViewOfAMixedSetFollowsItsOwnDepth) {
+  const NormalSpec undeclared{"n.tiff", NormalEncoding::kUnit, {}, {}};
+  const Eigen::Matrix3d opengl = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  RangeView view = sphere_view(), other = view;
+  view.name = "opencv";
+  other.name = "opengl";
+  for (const Eigen::Matrix3d& of_small : {kIdentity, opengl}) {
+    const auto choice = value_of(choose_conventions(
+        {store(small_sphere_view(), of_small, undeclared).evidence,
+         store(other, opengl, undeclared).evidence, store(view, kIdentity, undeclared).evidence,
+         store(other, opengl, undeclared).evidence, store(view, kIdentity, undeclared).evidence}));
+    EXPECT_EQ(choice.views[0].convention.space_from_stored, of_small);
+    EXPECT_EQ(choice.views[1].convention.space_from_stored, opengl);
+    EXPECT_EQ(choice.views[2].convention.space_from_stored, kIdentity);
+    ASSERT_EQ(choice.notes.size(), 3u);
+    EXPECT_THAT(choice.notes.back(), HasSubstr("not all normals are of one convention"));
+    EXPECT_THAT(choice.notes.back(), HasSubstr("those of 2 of 5 views"));
+  }
+}
+
+TEST(ConventionChoice, AViewThatCannotTellFollowsTheMostOfAMixedSet) {
+  RangeView flat = wavy_view(0.0, 0.0, 5.0 * kDegree);
+  testing::add_range_noise(flat, 0.1, 3);
+  const RangeView sphere = sphere_view();
+  const auto choice = value_of(
+      choose_conventions({store(sphere, kIdentity).evidence, store(flat, kYReversed).evidence,
+                          store(sphere, kYReversed).evidence, store(sphere, kYReversed).evidence}));
+  EXPECT_EQ(choice.views[0].convention, NormalConvention{});
+  for (const std::size_t i : {1, 2, 3})
+    EXPECT_EQ(choice.views[i].convention.space_from_stored, kYReversed) << i;
+  EXPECT_THAT(choice.notes, ::testing::Contains(HasSubstr("but other conventions fit as well")));
+}
+
 TEST(ConventionChoice, NormalsWithALargeBiasAreNotUsed) {
   RangeView view = sphere_view();
   testing::add_range_noise(view, 0.1, 7);
