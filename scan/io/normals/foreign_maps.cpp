@@ -10,36 +10,61 @@ namespace relief {
 
 namespace {
 
-// The normals of `map` beside the depth of another view, where both have a patch. Patches of
-// lattices that differ in size lie elsewhere.
+// The normals of `map` beside the depth of another view, where both have a patch. Lattices may
+// differ in their step.
 NormalEvidence with_depth_of_other(const NormalEvidence& map, const NormalEvidence& other) {
   NormalEvidence both = other;
   both.patches.patches.clear();
   const Grid<int>&of_map = map.patches.lattice, &of_other = other.patches.lattice;
-  if (of_map.width() != of_other.width() || of_map.height() != of_other.height()) return both;
-  for (std::size_t i = 0; i < of_map.size(); ++i) {
-    if (of_map[i] < 0 || of_other[i] < 0) continue;
-    both.patches.patches.push_back(other.patches.patches[static_cast<std::size_t>(of_other[i])]);
-    both.patches.patches.back().stored =
-        map.patches.patches[static_cast<std::size_t>(of_map[i])].stored;
+  const auto place = [&](int of_other_lattice) {
+    const int step = other.patches.step, middle = of_other_lattice * step + step / 2;
+    return middle / map.patches.step;
+  };
+  for (int row = 0; row < of_other.height(); ++row) {
+    for (int column = 0; column < of_other.width(); ++column) {
+      const int u = place(column), v = place(row);
+      if (of_other(column, row) < 0 || !of_map.contains(u, v) || of_map(u, v) < 0) continue;
+      both.patches.patches.push_back(
+          other.patches.patches[static_cast<std::size_t>(of_other(column, row))]);
+      both.patches.patches.back().stored =
+          map.patches.patches[static_cast<std::size_t>(of_map(u, v))].stored;
+    }
   }
   return both;
 }
 
+// The conventions of the maps that fit their own depth; without any, the usual ones.
+std::vector<NormalConvention> conventions_of_set(const std::vector<NormalEvidence>& views,
+                                                 const std::vector<SettledNormals>& settled,
+                                                 const NormalEvidence& map) {
+  std::vector<NormalConvention> all;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const ChosenConvention& chosen = settled[i].chosen;
+    if (settled[i].compared && chosen.usable && views[i].kind == map.kind &&
+        std::ranges::find(all, chosen.convention) == all.end())
+      all.push_back(chosen.convention);
+  }
+  return all.empty() ? map.usual : all;
+}
+
 // The view whose depth a map fits instead: the one that it is closest to, within the bias of a
-// sensor.
+// sensor and half its distance from its own depth.
 std::optional<std::size_t> view_that_fits(std::size_t map, const std::vector<NormalEvidence>& views,
                                           const std::vector<SettledNormals>& settled) {
+  const auto conventions = conventions_of_set(views, settled, views[map]);
   std::optional<std::size_t> best;
-  double least = kLargestBias;
+  double least = std::min(kLargestBias, 0.5 * settled[map].bias);
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (i == map || views[i].kind != views[map].kind) continue;
     const NormalEvidence both = with_depth_of_other(views[map], views[i]);
     if (both.patches.patches.size() < kFewestPatches) continue;
-    const double bias = agreement(both, settled[i].chosen.convention).bias;
-    if (!(bias < least)) continue;
-    least = bias;
-    best = i;
+    for (const NormalConvention& convention : conventions) {
+      if (!both.possible(convention)) continue;
+      const double bias = agreement(both, convention).bias;
+      if (!(bias < least)) continue;
+      least = bias;
+      best = i;
+    }
   }
   return best;
 }
@@ -89,8 +114,9 @@ std::vector<ForeignMap> find_foreign_maps(const std::vector<NormalEvidence>& vie
                                           const std::vector<SettledNormals>& settled) {
   std::vector<ForeignMap> foreign;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    if (views[i].kind == NormalFileKind::kImage && settled[i].bias > kUnrelatedBias)
-      foreign.push_back({i, view_that_fits(i, views, settled)});
+    if (views[i].kind != NormalFileKind::kImage || settled[i].chosen.usable) continue;
+    const auto other = view_that_fits(i, views, settled);
+    if (other || settled[i].bias > kUnrelatedBias) foreign.push_back({i, other});
   }
   return foreign;
 }

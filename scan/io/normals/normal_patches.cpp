@@ -108,6 +108,7 @@ NormalPatches patches_of_radius(const RangeView& view, const Grid<Eigen::Vector3
   const int step = std::max(2 * radius + 1, static_cast<int>(std::sqrt(per_patch)));
   NormalPatches found;
   found.radius = radius;
+  found.step = step;
   found.lattice =
       Grid<int>((view.width() + step - 1) / step, (view.height() + step - 1) / step, -1);
   WindowFit window(view, stored, edges, radius);

@@ -21,6 +21,7 @@ struct NormalPatches {
   std::vector<NormalPatch> patches;
   Grid<int> lattice;  ///< Index of the patch at a place of the lattice, -1 where there is none.
   int radius = 0;     ///< Half width of the windows [pixels].
+  int step = 1;       ///< Width of a place of the lattice [pixels].
 };
 
 /// Compares the depth of `view` with directions `stored` on its grid (any length; NaN: none). The

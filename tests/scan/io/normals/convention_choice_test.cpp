@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
@@ -288,6 +289,22 @@ TEST(ConventionChoice, AMapOfAnotherViewIsLeftOutAndNamed) {
       choose_conventions({of_sphere.evidence, of_other.evidence, of_other.evidence}),
       HasError(ErrorKind::kBadInput, "no convention of normals fits the depth of view mixed up",
                "2 of 3 maps are as far off"));
+}
+
+TEST(ConventionChoice, ExchangedMapsNameEachOther) {
+  RangeView first = sphere_view(), second = wavy_view(0.2, 1.5);
+  first.name = "first";
+  second.name = "second";
+  std::swap(first.normals, second.normals);
+  const auto evidence = [](const RangeView& view) { return store(view, kYReversed).evidence; };
+  const auto choice = value_of(
+      choose_conventions({evidence(first), evidence(second), evidence(wavy_view(0.4, 0.7, -0.2)),
+                          evidence(wavy_view(0.4, -0.6, 0.9))}));
+  EXPECT_FALSE(choice.views[0].usable);
+  EXPECT_FALSE(choice.views[1].usable);
+  EXPECT_THAT(choice.notes.back(), HasSubstr("2 of 4 normal maps are not used"));
+  EXPECT_THAT(choice.notes.back(), HasSubstr("fits the depth of view second"));
+  EXPECT_THAT(choice.notes.back(), HasSubstr("fits the depth of view first"));
 }
 
 TEST(ConventionChoice, NormalsInGridFilesAreCorrectedToo) {
