@@ -135,11 +135,10 @@ std::optional<ImageSize> hdr_size(std::string_view bytes) {
 
 std::optional<ImageSize> npy_size(std::string_view bytes) {
   const auto header = read_npy_header(bytes, "");
-  if (!header || header->shape.size() < 2 || header->shape[0] > kMaxImageSide ||
-      header->shape[1] > kMaxImageSide)
-    return std::nullopt;
-  return checked_size(static_cast<unsigned>(header->shape[1]),
-                      static_cast<unsigned>(header->shape[0]));
+  if (!header) return std::nullopt;
+  const std::vector<std::size_t> shape = image_shape(*header);
+  if (shape.size() < 2 || shape[0] > kMaxImageSide || shape[1] > kMaxImageSide) return std::nullopt;
+  return checked_size(static_cast<unsigned>(shape[1]), static_cast<unsigned>(shape[0]));
 }
 
 // Corners of the pixels that are there, both inclusive.

@@ -11,6 +11,7 @@
 #include "scan/io/files/binary_writer.h"
 #include "scan/io/images/codecs/floats/raw_floats.h"
 #include "scan/io/images/image_io.h"
+#include "scan/io/images/image_size.h"
 #include "scan/io/project/view_spec.h"
 #include "tests/scan/io/small_files.h"
 #include "tests/support/limited_memory.h"
@@ -77,6 +78,28 @@ TEST(NpyImage, ReadsBothOrdersOfAxesAndChannelsBehind) {
   EXPECT_EQ(samples("(3, 2, 1)", false), (std::vector<float>{1, 2, 3, 4, 5, 6}));
   EXPECT_EQ(samples("(1, 2, 3)", false), (std::vector<float>{1, 2, 3, 4, 5, 6}));
   EXPECT_EQ(samples("(1, 2, 3)", true), (std::vector<float>{1, 3, 5, 2, 4, 6}));
+}
+
+TEST(NpyImage, ReadsLeadingAxesOfLength1) {
+  for (const char* shape : {"(1, 2, 4)", "(1, 1, 2, 4)", "( 1L ,2L,4L , )"})
+    for (const bool columns_first : {false, true}) {
+      const std::string file =
+          npy_array("f4", shape, numbers_of<float>({1, 2, 3, 4, 5, 6, 7, 8}), columns_first);
+      const auto read = value_of(decode_npy(file, "a.npy"));
+      EXPECT_EQ(read.width, 4) << shape;
+      EXPECT_EQ(read.height, 2) << shape;
+      EXPECT_EQ(read.samples[1], columns_first ? 3.0f : 2.0f) << shape;
+      const TemporaryFolder folder;
+      const auto size = image_size(folder.write("a.npy", file));
+      ASSERT_TRUE(size) << shape;
+      EXPECT_EQ(size->width, 4) << shape;
+    }
+  const auto colours = value_of(
+      decode_npy(npy_array("<f4", "(1, 2, 1, 3)", numbers_of<float>({1, 2, 3, 4, 5, 6})), "a"));
+  EXPECT_EQ(colours.channels, 3);
+  EXPECT_EQ(colours.height, 2);
+  EXPECT_THAT(decode_npy(npy_array("<f4", "(2, 2, 4)", std::string(64, 'a')), "a.npy"),
+              HasError("its shape is (2,2,4,)"));
 }
 
 TEST(NpyImage, KeepsWhatIsNoNumber) {

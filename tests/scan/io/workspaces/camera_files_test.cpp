@@ -100,7 +100,7 @@ TEST_F(Calibrations, OfTheSameKindMustAgree) {
 }
 
 TEST_F(Calibrations, MayBeANumPyArray) {
-  folder_.write("K.npy", testing::npy_array("(3, 3)", {5, 0, 7, 0, 6, 8, 0, 0, 1}));
+  folder_.write("K.npy", testing::npy_array("(1, 3, 3)", {5, 0, 7, 0, 6, 8, 0, 0, 1}));
   EXPECT_EQ(found()->intrinsics->cy, 8.0);
 }
 

@@ -79,12 +79,15 @@ class NpyDictionary {
 
   bool read_type(NpyHeader& header) {
     const auto type = take_text();
-    if (!type || type->size() < 3 || std::string_view("<>|=").find(type->front()) > 3) return false;
-    header.order = type->front() == '=' ? '<' : type->front();
-    header.kind = (*type)[1];
-    const auto [end, error] =
-        std::from_chars(type->data() + 2, type->data() + type->size(), header.bytes);
-    return error == std::errc() && end == type->data() + type->size();
+    if (!type || type->empty()) return false;
+    const bool has_order = std::string_view("<>|=").find(type->front()) != std::string_view::npos;
+    const std::string_view kind_and_bytes = type->substr(has_order ? 1 : 0);
+    if (kind_and_bytes.size() < 2) return false;
+    header.order = !has_order || type->front() == '=' ? '<' : type->front();
+    header.kind = kind_and_bytes.front();
+    const char* const last = kind_and_bytes.data() + kind_and_bytes.size();
+    const auto [end, error] = std::from_chars(kind_and_bytes.data() + 1, last, header.bytes);
+    return error == std::errc() && end == last;
   }
 
   bool read_shape(NpyHeader& header) {
@@ -95,6 +98,7 @@ class NpyDictionary {
       const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), size);
       if (error != std::errc()) return false;
       rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
+      if (rest_.starts_with('L')) rest_.remove_prefix(1);  // A long integer of Python 2.
       header.shape.push_back(size);
       if (!take(',') && !next_is(')')) return false;
     }
@@ -115,6 +119,15 @@ std::vector<double> floats_of(std::string_view bytes, std::size_t limit) {
 }
 
 }  // namespace
+
+std::vector<std::size_t> image_shape(const NpyHeader& header) {
+  const auto is_image = [](const std::vector<std::size_t>& shape) {
+    return shape.size() < 3 || (shape.size() == 3 && (shape[2] == 1 || shape[2] == 3));
+  };
+  std::vector<std::size_t> shape = header.shape;
+  while (!is_image(shape) && shape.front() == 1) shape.erase(shape.begin());
+  return shape;
+}
 
 Result<NpyHeader> read_npy_header(std::string_view content, const std::filesystem::path& path) {
   if (!content.starts_with(kNpyMagic)) return bad_input(path, "not a NumPy file (no \\x93NUMPY)");

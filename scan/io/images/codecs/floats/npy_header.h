@@ -19,6 +19,10 @@ struct NpyHeader {
   std::size_t numbers_at = 0;      ///< [bytes]
 };
 
+/// The shape of an array as an image, (rows, columns) or (rows, columns, channels): without leading
+/// axes of length 1, as of a batch of one image. Other shapes as they are.
+std::vector<std::size_t> image_shape(const NpyHeader& header);
+
 /// Parses the header of a .npy file of version 1.0 to 3.0. kBadInput with the byte that is wrong.
 Result<NpyHeader> read_npy_header(std::string_view content, const std::filesystem::path& path);
 

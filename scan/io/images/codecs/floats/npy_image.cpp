@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -45,7 +46,7 @@ Result<void> check_npy(const NpyHeader& header, std::size_t file_bytes,
                                std::to_string(header.bytes) +
                                "'; u1 u2 u4 u8 i1 i2 i4 i8 f2 f4 f8 and b1 are read: save "
                                "array.astype('f4')");
-  const auto& shape = header.shape;
+  const std::vector<std::size_t> shape = image_shape(header);
   if (shape.size() < 2 || shape.size() > 3 || (shape.size() == 3 && shape[2] != 1 && shape[2] != 3))
     return bad_input(path, "its shape is " + shape_text(header) +
                                "; an image has (rows, columns), with 1 or 3 channels behind; "
@@ -98,8 +99,9 @@ Result<Image> decode_npy(std::string_view content, const std::filesystem::path& 
   const auto header = read_npy_header(content, path);
   if (!header) return header.error();
   if (auto checked = check_npy(*header, content.size(), path); !checked) return checked.error();
-  const std::size_t height = header->shape[0], width = header->shape[1];
-  const std::size_t channels = header->shape.size() == 3 ? header->shape[2] : 1;
+  const std::vector<std::size_t> shape = image_shape(*header);
+  const std::size_t height = shape[0], width = shape[1];
+  const std::size_t channels = shape.size() == 3 ? shape[2] : 1;
   Image image(static_cast<int>(width), static_cast<int>(height), static_cast<int>(channels),
               npy_max_value(*header));
   const NumberReader number = npy_reader(*header);
