@@ -1,3 +1,4 @@
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -32,8 +33,12 @@ int init(const InitCommand& command) {
   if (!written) return fail(written.error());
   for (const std::string& line : guess->findings) Console::info(line);
   for (const std::string& line : guess->missing) Console::info("to fill in: " + line);
+  for (const std::string& line : guess->unreadable) Console::info("cannot be read: " + line);
+  const std::size_t unreadable = guess->unreadable.size();
   Console::info("wrote " + output.string() + ": " + std::to_string(guess->project.views.size()) +
-                " views");
+                " views" +
+                (unreadable > 0 ? ", of which " + std::to_string(unreadable) + " cannot be read"
+                                : std::string()));
   return kDone;
 }
 

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstddef>
+#include <iterator>
 #include <map>
 #include <optional>
 
+#include "scan/base/parallel.h"
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
@@ -13,6 +16,7 @@
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/guess/image_names.h"
 #include "scan/io/project/json/spec_json_private.h"
+#include "scan/io/project/loading/view_loader.h"
 #include "scan/io/workspaces/middlebury_par.h"
 #include "scan/io/workspaces/pose_beside.h"
 #include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
@@ -168,6 +172,26 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
   return guess;
 }
 
+// Depth maps of drafts have no focal length yet. Whether they can be read does not depend on it.
+ViewSpec with_focal_length(ViewSpec view) {
+  if (!view.camera) return view;
+  for (double* length : {&view.camera->intrinsics.fx, &view.camera->intrinsics.fy})
+    if (*length == 0.0) *length = 1.0;
+  return view;
+}
+
+void read_views(FolderGuess& guess) {
+  const std::vector<ViewSpec>& views = guess.project.views;
+  std::vector<std::string> why(views.size());
+  parallel_for(views.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (const auto loaded = load_view(with_focal_length(views[i])); !loaded)
+        why[i] = "view " + views[i].name + ": " + loaded.error().message;
+  });
+  std::ranges::copy_if(why, std::back_inserter(guess.unreadable),
+                       [](const std::string& text) { return !text.empty(); });
+}
+
 void put_comment(const std::string& text, std::string& out) {
   out += "// ";
   for (const char c : text) out += c == '\n' ? ' ' : c;
@@ -183,15 +207,18 @@ Result<FolderGuess> guess_project(const fs::path& folder, const ReadProjectOptio
   if (!project) {
     const std::string& why_not_read = project.error().message;
     auto from_images = guess_from_images(folder, options, why_not_read);
-    if (from_images)
-      from_images->findings.insert(from_images->findings.begin(),
-                                   "not read as it is: " + why_not_read);
+    if (!from_images) return from_images;
+    from_images->findings.insert(from_images->findings.begin(),
+                                 "not read as it is: " + why_not_read);
+    read_views(*from_images);
     return from_images;
   }
   FolderGuess guess;
   guess.project = std::move(*project);
   for (const std::string& note : guess.project.notes) guess.findings.push_back(note);
-  guess.findings.push_back("all of it is read as it is; this file is for changes");
+  read_views(guess);
+  if (guess.unreadable.empty())
+    guess.findings.push_back("all of it is read as it is; this file is for changes");
   return guess;
 }
 
@@ -221,6 +248,7 @@ std::string commented_scan_json(const FolderGuess& guess, const fs::path& folder
   put_comment("Found " + std::to_string(guess.project.views.size()) + " views.", text);
   for (const std::string& line : guess.findings) put_comment(line, text);
   for (const std::string& line : guess.missing) put_comment("TO FILL IN: " + line, text);
+  for (const std::string& line : guess.unreadable) put_comment("CANNOT BE READ: " + line, text);
   auto document = empty_project_json(guess.project.unit);
   for (const ViewSpec& view : guess.project.views)
     document["views"].push_back(view_json(view, folder));

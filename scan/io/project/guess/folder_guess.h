@@ -12,14 +12,16 @@ namespace relief {
 /// What the files of a folder seem to be, for the user to correct.
 struct FolderGuess {
   ProjectSpec project;
-  std::vector<std::string> findings;  ///< What was taken for what, and why. For the user.
-  std::vector<std::string> missing;   ///< What the project still needs before it can be read.
+  std::vector<std::string> findings;    ///< What was taken for what, and why. For the user.
+  std::vector<std::string> missing;     ///< What the project still needs before it can be read.
+  std::vector<std::string> unreadable;  ///< Why views cannot be read, whatever is filled in.
 };
 
-/// Looks at a folder. What read_project_spec() understands is taken as it is. Else depth maps,
-/// normal maps, masks, confidences and colours are told by words in their names (`depth`, `normal`,
-/// `mask`, ...) and belong to one view when the rest of their names is equal, or when they lie in a
-/// folder of the view, where `pose.txt` is its pose. A Middlebury list
+/// Looks at a folder, and reads all views once to see that they can be read. What
+/// read_project_spec() understands is taken as it is. Else depth maps, normal maps, masks,
+/// confidences and colours are told by words in their names (`depth`, `normal`, `mask`, ...) and
+/// belong to one view when the rest of their names is equal, or when they lie in a folder of the
+/// view, where `pose.txt` is its pose. A Middlebury list
 /// (`NAME_par.txt`) gives cameras and poses of the images it names. Without a calibration every
 /// camera has the focal length 0, which no reader accepts: it must be filled in.
 /// kBadInput when nothing in the folder can be a scan.

@@ -13,7 +13,9 @@
 namespace relief {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::TemporaryFolder;
 
 std::string depth_png(float nearest = 1000.0f) {
@@ -160,6 +162,25 @@ TEST(FolderGuess, TakesWhatCanBeReadAsItIs) {
   const auto guess = value_of(guess_project(folder / "."));
   EXPECT_EQ(guess.project.views.size(), 1u);
   EXPECT_TRUE(guess.missing.empty());
+}
+
+TEST(FolderGuess, NamesWhatCannotBeRead) {
+  const TemporaryFolder folder;
+  folder.write("1_depth.png", depth_png());
+  folder.write("2_depth.png", depth_png().substr(0, 60));
+  folder.write("3_depth.png", depth_png());
+  folder.write("3_mask.png", *encode_png(Image(5, 4, 1, 255)));
+  for (const bool with_intrinsics : {false, true}) {
+    ReadProjectOptions options;
+    if (with_intrinsics) options.intrinsics = PinholeIntrinsics{20, 20, 5.5, 4};
+    const auto guess = value_of(guess_project(folder.path(), options));
+    ASSERT_EQ(guess.unreadable.size(), 2u);
+    EXPECT_THAT(guess.unreadable[0], HasSubstr("view 2: "));
+    EXPECT_THAT(guess.unreadable[0], HasSubstr("2_depth.png"));
+    EXPECT_THAT(guess.unreadable[1], HasSubstr("3_mask.png: is 5x4 pixels"));
+    EXPECT_THAT(guess.findings, Not(Contains(HasSubstr("all of it is read"))));
+    EXPECT_THAT(commented_scan_json(guess, folder.path()), HasSubstr("// CANNOT BE READ: view 2"));
+  }
 }
 
 TEST(FolderGuess, DepthMapsAreReadByTheIntrinsicsGiven) {
