@@ -13,12 +13,21 @@
 
 #include "relief/scan/result.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/project/json/python_numbers.h"
 
 namespace relief {
 
 /// What is wrong with a JSON document, and where. Private to the readers that catch it.
 struct JsonError : std::runtime_error {
   using std::runtime_error::runtime_error;
+};
+
+/// A number that Python writes where it has none (python_numbers.h).
+struct NonFiniteNumber : JsonError {
+  NonFiniteNumber(const std::string& place, const std::string& number)
+      : JsonError(place + ": is " + number +
+                  ", as Python writes a number that is missing or too large; correct it, or leave "
+                  "its key out where it may be left out") {}
 };
 
 /// Strict access to one JSON object: types are checked, and finish() refuses keys nobody asked for.
@@ -117,6 +126,8 @@ class JsonObject {
 
  private:
   static double number_of(const nlohmann::json& value, const std::string& place) {
+    if (value.is_string() && is_python_number(value.get_ref<const std::string&>()))
+      throw NonFiniteNumber(place, value.get<std::string>());
     if (!value.is_number()) throw JsonError(place + ": expected a number, found " + value.dump());
     const double number = value.get<double>();
     if (!std::isfinite(number)) throw JsonError(place + ": is not a finite number");

@@ -239,6 +239,16 @@ ViewSpec read_view(JsonObject view, const std::filesystem::path& project,
   return spec;
 }
 
+// Numbers that are none come from the program that wrote the file, where views go by their names.
+ViewSpec read_named_view(JsonObject view, const std::filesystem::path& project,
+                         const std::optional<PinholeIntrinsics>& of_drafts) {
+  try {
+    return read_view(view, project, of_drafts);
+  } catch (const NonFiniteNumber& error) {
+    throw JsonError("view " + view.text("name") + ": " + error.what());
+  }
+}
+
 ProjectSpec read_document(const json& document, const std::filesystem::path& path,
                           const std::optional<PinholeIntrinsics>& of_drafts) {
   JsonObject root(document, "");
@@ -256,12 +266,24 @@ ProjectSpec read_document(const json& document, const std::filesystem::path& pat
   std::set<std::string> names;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const std::string place = "views[" + std::to_string(i) + "]";
-    project.views.push_back(read_view(JsonObject(views[i], place), path, of_drafts));
+    project.views.push_back(read_named_view(JsonObject(views[i], place), path, of_drafts));
     if (!names.insert(project.views.back().name).second)
       throw JsonError(place + ".name: a second view is named '" + project.views.back().name + "'");
   }
   root.finish();
   return project;
+}
+
+// What is wrong with a text that is no JSON because of numbers of Python.
+std::optional<Error> error_of_python_numbers(const std::string& text,
+                                             const std::filesystem::path& path) {
+  const json document = json::parse(quote_python_numbers(text), nullptr, false, true);
+  try {
+    if (!document.is_discarded()) read_document(document, path, std::nullopt);
+  } catch (const JsonError& error) {
+    return bad_input(path, error.what());
+  }
+  return std::nullopt;
 }
 
 std::string line_and_column(const std::string& text, std::size_t byte) {
@@ -280,6 +302,7 @@ Result<ProjectSpec> parse_scan_json(const std::string& text, const std::filesyst
     return read_document(json::parse(text, nullptr, true, /*ignore_comments=*/true), path,
                          of_drafts);
   } catch (const json::parse_error& error) {
+    if (auto python = error_of_python_numbers(text, path)) return *python;
     return Error{ErrorKind::kBadInput,
                  path.string() + ":" + line_and_column(text, error.byte) + ": not valid JSON here"};
   } catch (const JsonError& error) {

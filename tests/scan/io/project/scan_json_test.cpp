@@ -133,5 +133,22 @@ TEST(ScanJson, RefusesWrongTypes) {
   EXPECT_THAT(parse_view(R"("grid":{"file":""})"), IsRefused("empty"));
 }
 
+TEST(ScanJson, NamesTheKeyAndViewOfNumbersOfPython) {
+  const auto parse = [](const std::string& pose, const std::string& fx) {
+    return parse_scan_json(
+        R"({"format": "relief-scan", "version": 1, // of NaN "quotes
+            "unit": "NaN \" Infinity", "views": [{"name": "front", "depth": {"file": "a.png"},
+            "camera": {"model": "pinhole", "fx": )" +
+            fx + R"(, "fy": 1, "cx": 0, "cy": 0}, "world_from_view": [[)" + pose +
+            ", 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}]}",
+        "scan.json");
+  };
+  EXPECT_THAT(parse("1", "1"), IsOk());
+  EXPECT_THAT(parse("NaN", "1"), HasError("scan.json: view front: "
+                                          "views[0].world_from_view[0][0]: is NaN, as Python"));
+  EXPECT_THAT(parse("1", "-Infinity"), HasError("views[0].camera.fx: is -Infinity"));
+  EXPECT_THAT(parse("NaN", "nul"), HasError("not valid JSON here"));
+}
+
 }  // namespace
 }  // namespace relief
