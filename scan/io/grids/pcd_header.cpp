@@ -67,6 +67,7 @@ class PcdHeaderReader {
     if (keyword == "HEIGHT") return parse_number_of(line, header_.height);
     if (keyword == "POINTS") return parse_number_of(line, header_.points);
     if (keyword == "DATA") return parse_data(line);
+    if (keyword == "VIEWPOINT") take_viewpoint(line);
     if (keyword == "FIELDS" || keyword == "COLUMNS") count_fields(line);
     constexpr std::array<std::string_view, 5> kOthers{"FIELDS", "COLUMNS", "VERSION", "TYPE",
                                                       "VIEWPOINT"};
@@ -80,6 +81,14 @@ class PcdHeaderReader {
       ++header_.fields;
       header_.has_position |= name == "x";
     }
+  }
+
+  // What is wrong with the numbers is left to the reader of the points.
+  void take_viewpoint(std::string_view line) {
+    const std::vector<double> identity = {0, 0, 0, 1, 0, 0, 0};
+    std::vector<double> numbers;
+    for (double number; parse_number(next_word(line), number);) numbers.push_back(number);
+    if (numbers.size() == identity.size() && numbers != identity) header_.viewpoint = numbers;
   }
 
   Result<void> parse_counts(std::string_view line, std::vector<std::size_t>& values) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <vector>
 
 #include "relief/scan/result.h"
 
@@ -19,14 +20,15 @@ struct PcdHeader {
   std::size_t values_per_point = 0;  ///< Numbers of a point in an ASCII file.
   std::size_t point_bytes = 0;       ///< Of a point in memory and in a binary file.
   Data data = Data::kAscii;
-  std::size_t data_start = 0;  ///< Where the data begin [bytes].
+  std::size_t data_start = 0;     ///< Where the data begin [bytes].
+  std::vector<double> viewpoint;  ///< Its seven numbers; empty: none, or the identity.
 };
 
 /// Reads the header and holds what it promises against the size of the file, before anything is
 /// allocated for it. A file may hold no more points than its bytes allow: two bytes a number in
 /// ASCII, and a hundredth of the promised bytes where they are compressed (LZF copies at most 264
-/// bytes for three). Unless `organized`, a file of one row is read as well, of any width. Errors
-/// (kBadInput) name the file and the line.
+/// bytes for three). Unless `organized`, a file of one row is
+/// read as well, of any width. Errors (kBadInput) name the file and the line.
 Result<PcdHeader> read_pcd_header(const std::filesystem::path& path, bool organized = true);
 
 }  // namespace relief

@@ -12,6 +12,7 @@
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/guess/folder_guess.h"
 #include "scan/io/project/no_project.h"
+#include "scan/io/project/poses/poses_of_scans.h"
 #include "scan/io/project/ptx_views.h"
 #include "scan/io/project/scan_file.h"
 #include "scan/io/project/view_spec.h"
@@ -274,8 +275,10 @@ Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOpti
     return no_project_in(folder);
   }
   auto project = spec_of_scans(content->grids.empty() ? content->points : content->grids, options);
-  if (project)
+  if (project) {
     project->notes.insert(project->notes.end(), content->notes.begin(), content->notes.end());
+    if (content->projects.empty()) take_poses_of_folder(folder, *project);
+  }
   if (project && !content->projects.empty()) {
     std::string names;
     for (const fs::path& path : content->projects) names += " " + path.filename().string();
