@@ -95,7 +95,13 @@ Result<RigidMotion> motion_of_numbers(std::span<const double> numbers, const std
   return rigid_motion_from_matrix(matrix, what);
 }
 
-Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& what) {
+bool are_lost(std::span<const double> numbers) {
+  const auto rotation = numbers.size() == 7 ? numbers.last(4) : numbers.first(12);
+  return !std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); }) ||
+         std::ranges::all_of(rotation, [](double number) { return number == 0.0; });
+}
+
+Result<std::vector<double>> parse_matrix_rows(NumberedLines& lines, const std::string& what) {
   std::vector<double> numbers(16);
   for (std::size_t r = 0; r < 4; ++r) {
     std::string_view line;
@@ -107,7 +113,13 @@ Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& w
     if (!parse_row(with_blanks(line, "[](),;"), 4, numbers.data() + 4 * r))
       return lines.error("expected a row of four numbers of " + what);
   }
-  auto motion = motion_of_numbers(numbers, what);
+  return numbers;
+}
+
+Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& what) {
+  const auto numbers = parse_matrix_rows(lines, what);
+  if (!numbers) return numbers.error();
+  auto motion = motion_of_numbers(*numbers, what);
   if (!motion) return lines.error(motion.error().message);
   return motion;
 }

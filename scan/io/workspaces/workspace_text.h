@@ -70,8 +70,16 @@ Result<RigidMotion> motion_of_tum_numbers(std::span<const double, 7> numbers,
 /// `numbers`: 12 or 16. Errors as those of rigid_motion_from_matrix.
 Result<RigidMotion> motion_of_numbers(std::span<const double> numbers, const std::string& what);
 
+/// Whether a tracker that lost the camera wrote the 7, 12 or 16 numbers of a pose: some are not
+/// finite, or the quaternion, or all of the matrix but its last row, is 0.
+bool are_lost(std::span<const double> numbers);
+
+/// Reads rows of four numbers, the next four lines or the last three of the text: 16 or 12
+/// numbers. Commas and brackets may stand between them. Errors name the line and `what`.
+Result<std::vector<double>> parse_matrix_rows(NumberedLines& lines, const std::string& what);
+
 /// Reads rows of four numbers, the next four lines or the last three of the text, as a rigid
-/// motion. Commas and brackets may stand between the numbers. Errors name the line and `what`.
+/// motion, as parse_matrix_rows() does.
 Result<RigidMotion> parse_motion_rows(NumberedLines& lines, const std::string& what);
 
 /// `wanted`, made fit for a file name, and with a number behind it when `taken` says that it is in

@@ -1,7 +1,6 @@
 #include "scan/io/workspaces/rgbd/rgbd_layouts.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -10,7 +9,6 @@
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/files/io_error.h"
-#include "scan/io/images/codecs/floats/npy_header.h"
 #include "scan/io/workspaces/rgbd/poses/named_poses.h"
 #include "scan/io/workspaces/rgbd/replica_layout.h"
 #include "scan/io/workspaces/rgbd/tum_layout.h"
@@ -71,16 +69,11 @@ std::size_t leave_out_pictures(std::vector<fs::path>& files) {
 }
 
 Result<std::optional<RigidMotion>> pose_in_npy(std::string_view content, const fs::path& path) {
-  const auto header = read_npy_header(content, path);
-  if (!header) return header.error();
-  if (!std::ranges::all_of(read_npy_floats(content, *header),
-                           [](double number) { return std::isfinite(number); }))
-    return std::optional<RigidMotion>();
   const auto poses = parse_npy_poses(content, path);
   if (!poses) return poses.error();
   if (poses->world_from_view.size() != 1)
     return bad_input(path, "expected one matrix of 4x4 or 3x4 floats");
-  return std::optional(poses->world_from_view.front());
+  return poses->world_from_view.front();
 }
 
 // A pose in a file of its own. Trackers that lost the camera write numbers that are none.

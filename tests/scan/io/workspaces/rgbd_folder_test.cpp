@@ -237,6 +237,22 @@ TEST(Trajectories, LostPoses) {
       "1 0 0 5 0 1 0 6 0 0 1 7\n0 0 0 0 0 0 0 0 0 0 0 0\nnan 0 0 5 0 1 0 6 0 0 1 7\n", "t.txt"));
   ASSERT_EQ(rows.size(), 3u);
   EXPECT_TRUE(!rows[0].is_lost && rows[1].is_lost && rows[2].is_lost);
+  const auto log = value_of(
+      parse_log_trajectory("0 0 1\n1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n"
+                           "1 1 2\nnan nan nan nan\nnan nan nan nan\nnan nan nan nan\n0 0 0 1\n"
+                           "2 2 3\n0 0 0 0\n0 0 0 0\n0 0 0 0\n0 0 0 0\n",
+                           "t.log"));
+  ASSERT_EQ(log.size(), 3u);
+  EXPECT_TRUE(!log[0].is_lost && log[1].is_lost && log[2].is_lost);
+}
+
+TEST_F(RgbdFolder, LostPosesOfATableAreNotTaken) {
+  for (const char* name : {"depth/0.png", "depth/1.png"}) folder_.write(name, png_head(5));
+  folder_.write("poses.csv", "frame,tx,ty,tz,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n1,,,,,,,\n");
+  const ProjectSpec spec = value_of(read_rgbd_folder(folder_.path(), kOptions));
+  EXPECT_EQ(spec.views.at(0).pose, PoseKind::kGuess);
+  EXPECT_EQ(spec.views.at(1).pose, PoseKind::kAbsent);
+  EXPECT_THAT(spec.notes, Contains(HasSubstr("1 of its 2 poses are no motion")));
 }
 
 TEST_F(RgbdFolder, ExtrinsicsOfFramesAreViewFromWorld) {
@@ -277,7 +293,7 @@ TEST_F(RgbdFolder, NumberedFolders) {
   EXPECT_TRUE(spec.views[0].colour);
   folder_.write("depth/11.png", png_head(5));
   EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions),
-              HasError("trajectory.log: 2 poses for 3 depth maps"));
+              HasError("trajectory.log: 2 poses for 3 views"));
 }
 
 TEST_F(RgbdFolder, OfTwoTrajectoriesThatOfTheWholeIsTaken) {
@@ -445,7 +461,7 @@ TEST_F(RgbdFolder, TakesPosesByTheNumbersOfFrames) {
   EXPECT_EQ(z_of_views(pose(1) + pose(2) + pose(3)), (std::vector<double>{1, 3}));
   EXPECT_EQ(z_of_views(pose(7) + pose(8)), (std::vector<double>{7, 8}));
   folder_.write("depth/last.png", png_head(5));
-  EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions), HasError("2 poses for 3 depth maps"));
+  EXPECT_THAT(read_rgbd_folder(folder_.path(), kOptions), HasError("2 poses for 3 views"));
 }
 
 TEST_F(RgbdFolder, LooksBesideAFolderWithoutCalibration) {

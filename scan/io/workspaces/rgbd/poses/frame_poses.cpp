@@ -9,6 +9,7 @@
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/files/file_ending.h"
 #include "scan/io/files/folder_files.h"
+#include "scan/io/files/io_error.h"
 #include "scan/io/workspaces/rgbd/calibration/calibration.h"
 #include "scan/io/workspaces/rgbd/open3d_json.h"
 #include "scan/io/workspaces/rgbd/poses/named_pose_file.h"
@@ -128,8 +129,8 @@ Result<FramePoses> assign_poses(const Trajectory& trajectory, const fs::path& pa
                          " poses: each frame takes that of its number");
       return std::move(*poses);
     }
-  const std::string counts = std::to_string(trajectory.size()) + " poses for " +
-                             std::to_string(frames.size()) + " depth maps";
+  const std::string counts =
+      std::to_string(trajectory.size()) + " poses for " + std::to_string(frames.size()) + " views";
   return bad_input(path, timed ? counts +
                                      ", and none within 0.02 s of a depth map; give the "
                                      "trajectory of this sequence"
@@ -146,11 +147,11 @@ Result<FramePoses> poses_by_name(const fs::path& folder, const std::vector<RgbdF
       notes.push_back(file.string() +
                       ": is not read, as it has no form of poses that is known; write 'tx ty tz qx "
                       "qy qz qw' or the 16 numbers of world_from_view a line, in the order of the "
-                      "depth maps");
+                      "views");
     return FramePoses(frames.size());
   }
   notes.push_back("poses from " + (*named)->path.string());
-  if (!(*named)->note.empty()) notes.push_back((*named)->note);
+  notes.insert(notes.end(), (*named)->notes.begin(), (*named)->notes.end());
   return frame_poses((*named)->world_from_view);
 }
 
@@ -172,9 +173,8 @@ Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& fo
   if (!trajectory) return trajectory.error();
   notes.push_back("poses from " + (*file)->path.string());
   const auto lost = std::ranges::count_if(*trajectory, &TrajectoryPose::is_lost);
-  if (lost > 0)
-    notes.push_back(std::to_string(lost) + " of its " + std::to_string(trajectory->size()) +
-                    " poses are no motion, as where tracking is lost: they are not taken");
+  for (std::string& note : notes_on_lost_poses(lost, trajectory->size()))
+    notes.push_back(std::move(note));
   return assign_poses(*trajectory, (*file)->path, found.frames, notes);
 }
 

@@ -147,17 +147,18 @@ struct Candidate {
 std::optional<Candidate> candidate_of(const fs::path& file, const PoseList& poses,
                                       const std::vector<RgbdFrame>& frames) {
   const bool is_named = is_named_as_poses(file);
+  const auto lost =
+      std::ranges::count_if(poses.world_from_view, [](const auto& pose) { return !pose; });
+  auto notes = notes_on_lost_poses(lost, poses.world_from_view.size());
   if (auto matched = match_frames(poses, frames)) {
-    std::string note;
     if (matched->offset != 0)
-      note = "the numbers of the poses are those of the depth maps plus " +
-             std::to_string(matched->offset);
-    return Candidate{{file, std::move(matched->of_frames), std::move(note)}, is_named ? 2 : 1};
+      notes.push_back("the numbers of the poses are those of the depth maps plus " +
+                      std::to_string(matched->offset));
+    return Candidate{{file, std::move(matched->of_frames), std::move(notes)}, is_named ? 2 : 1};
   }
   if (!is_named || !poses.is_ordered || poses.world_from_view.size() != frames.size())
     return std::nullopt;
-  return Candidate{
-      {file, PosesOfFrames(poses.world_from_view.begin(), poses.world_from_view.end()), ""}, 0};
+  return Candidate{{file, poses.world_from_view, std::move(notes)}, 0};
 }
 
 bool are_same(const PosesOfFrames& a, const PosesOfFrames& b) {
@@ -190,6 +191,12 @@ Result<std::optional<NamedPoseFile>> find_named_poses(const fs::path& folder,
                                  best->file.path.filename().string() +
                                  " beside it; keep one of them");
   return best ? std::optional(std::move(best->file)) : std::nullopt;
+}
+
+std::vector<std::string> notes_on_lost_poses(std::ptrdiff_t lost, std::size_t poses) {
+  if (lost == 0) return {};
+  return {std::to_string(lost) + " of its " + std::to_string(poses) +
+          " poses are no motion, as where tracking is lost: they are not taken"};
 }
 
 std::vector<fs::path> files_named_as_poses(const fs::path& folder) {

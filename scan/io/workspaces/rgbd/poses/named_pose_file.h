@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -14,7 +15,7 @@ namespace relief {
 struct NamedPoseFile {
   std::filesystem::path path;
   PosesOfFrames world_from_view;
-  std::string note;  ///< What else was assumed, or empty.
+  std::vector<std::string> notes;  ///< What else was assumed.
 };
 
 /// The poses of frames in a .json, .csv, .txt or .npy of a folder (named_poses.h): by the names or
@@ -24,6 +25,9 @@ struct NamedPoseFile {
 /// for a file named as poses that has an error. Other files with errors hold something else.
 Result<std::optional<NamedPoseFile>> find_named_poses(const std::filesystem::path& folder,
                                                       const std::vector<RgbdFrame>& frames);
+
+/// Says that so many of the poses of a file are lost; empty for none.
+std::vector<std::string> notes_on_lost_poses(std::ptrdiff_t lost, std::size_t poses);
 
 /// The texts and arrays of a folder whose names speak of poses: what to name where none could be
 /// read.

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,7 +14,7 @@ namespace relief {
 
 /// Poses in a file, and what it says whose they are.
 struct PoseList {
-  std::vector<RigidMotion> world_from_view;
+  std::vector<std::optional<RigidMotion>> world_from_view;  ///< Nothing where it is lost.
   /// By the field of the file that has them: a text for each pose, which may be the name or the
   /// number of a frame or of its image. Empty where nothing tells.
   std::map<std::string, std::vector<std::string>> names;
@@ -32,13 +33,14 @@ Result<PoseList> parse_json_poses(std::string_view text, const std::filesystem::
 /// The poses of a table, one a line. Either each line holds a name and the seven numbers
 /// `tx ty tz qx qy qz qw` or the 12 or 16 of a matrix by rows, or a heading names the columns:
 /// those seven, in any order (also `x`, `pos_x`, `t_x`; `q_x`, `rot_x`), and others, which may name
-/// the frame. Blanks, commas or semicolons stand between. Empty for other text; kBadInput names the
-/// line of a pose that is none.
+/// the frame. Blanks, commas or semicolons stand between. A pose of numbers that are not finite or
+/// missing, or with zeros for the rotation, is lost. Empty for other text; kBadInput names the line
+/// of a pose that is none.
 Result<PoseList> parse_pose_table(std::string_view text, const std::filesystem::path& path);
 
 /// The poses of a NumPy array of floats: one matrix of 4x4 or 3x4 numbers, or many, or rows of 16
-/// or 12 numbers. Empty for other arrays; kBadInput names the matrix that is no rigid motion, a
-/// header that is damaged, and a file that ends too soon.
+/// or 12 numbers, lost as those of a table. Empty for other arrays; kBadInput names the matrix that
+/// is no rigid motion, a header that is damaged, and a file that ends too soon.
 Result<PoseList> parse_npy_poses(std::string_view content, const std::filesystem::path& path);
 
 }  // namespace relief

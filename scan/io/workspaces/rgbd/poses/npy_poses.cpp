@@ -34,8 +34,12 @@ Result<PoseList> parse_npy_poses(std::string_view content, const std::filesystem
   if (numbers.size() / size < count)
     return bad_input(path, "the file ends before its matrices do; it is damaged: save it again");
   for (std::size_t i = 0; i < count; ++i) {
-    const auto motion = motion_of_numbers(std::span(numbers).subspan(i * size, size),
-                                          "matrix " + std::to_string(i));
+    const auto matrix = std::span(numbers).subspan(i * size, size);
+    if (are_lost(matrix)) {
+      poses.world_from_view.emplace_back();
+      continue;
+    }
+    const auto motion = motion_of_numbers(matrix, "matrix " + std::to_string(i));
     if (!motion) return bad_input(path, motion.error().message);
     poses.world_from_view.push_back(*motion);
   }

@@ -73,8 +73,29 @@ bool is_named_pose(std::string_view line) {
   return count + 1 == words.size() && (count == kNumbersOfPose || count == 12 || count == 16);
 }
 
-Result<RigidMotion> pose_of(std::string_view line, const Columns& columns,
-                            const NumberedLines& lines) {
+// A line whose cells stand between commas or semicolons, with `nan` in the empty ones.
+std::string with_cells_filled(std::string_view line) {
+  std::string filled;
+  bool empty = true;
+  const auto fill = [&] {
+    if (empty) filled += "nan";
+    empty = true;
+  };
+  for (const char c : line) {
+    const bool separates = c == ',' || c == ';';
+    if (separates)
+      fill();
+    else
+      empty = empty && is_blank(c);
+    filled += c;
+  }
+  fill();
+  return filled;
+}
+
+// Nothing for a pose that is lost.
+Result<std::optional<RigidMotion>> pose_of(std::string_view line, const Columns& columns,
+                                           const NumberedLines& lines) {
   const auto words = words_of(line);
   if (words.size() == columns.count) {
     std::array<double, kNumbersOfPose> numbers;
@@ -83,16 +104,21 @@ Result<RigidMotion> pose_of(std::string_view line, const Columns& columns,
       if (!parse_number(word, numbers[k]))
         return lines.error("expected a number, found '" + std::string(word) + "'");
     }
-    return motion_of_tum_numbers(numbers, lines);
+    if (are_lost(numbers)) return std::optional<RigidMotion>();
+    const auto motion = motion_of_tum_numbers(numbers, lines);
+    return motion ? Result(std::optional(*motion)) : motion.error();
   }
   const auto matrix = numbers_behind_name(line);
   const bool is_matrix = matrix.size() == 12 || matrix.size() == 16;
   if (!is_matrix || words.size() != matrix.size() + 1 || words.size() < columns.count)
     return lines.error("expected a pose as on the lines above");
+  if (are_lost(matrix)) return std::optional<RigidMotion>();
   const auto motion = motion_of_numbers(matrix, "the matrix");
   if (!motion) return lines.error(motion.error().message);
-  return *motion;
+  return std::optional(*motion);
 }
+
+constexpr std::string_view kSeparators = ",;\"";
 
 }  // namespace
 
@@ -101,8 +127,12 @@ Result<PoseList> parse_pose_table(std::string_view text, const fs::path& path) {
   PoseList poses;
   std::optional<Columns> columns;
   for (std::string_view line; lines.next(line);) {
-    const std::string cells = with_blanks(line, ",;\"");
-    const auto words = words_of(cells);
+    std::string cells = with_blanks(line, kSeparators);
+    auto words = words_of(cells);
+    if (columns && words.size() < columns->count) {
+      cells = with_blanks(with_cells_filled(line), kSeparators);
+      words = words_of(cells);
+    }
     if (!columns) {
       columns = columns_named(words);
       if (columns) continue;

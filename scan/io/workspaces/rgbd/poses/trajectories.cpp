@@ -65,18 +65,11 @@ bool parse_time(std::string_view word, double& time) {
   return parse_number(word, time) && std::isfinite(time);
 }
 
-// Trackers write such numbers of a pose where they have lost the camera.
-bool are_lost(std::span<const double> pose, std::span<const double> rotation) {
-  const auto is_zero = [](double number) { return number == 0.0; };
-  const auto is_finite = [](double number) { return std::isfinite(number); };
-  return !std::ranges::all_of(pose, is_finite) || std::ranges::all_of(rotation, is_zero);
-}
-
 Result<void> add_tum_pose(const double* pose, bool timed, const NumberedLines& lines,
                           Trajectory& trajectory) {
   const std::span<const double, 7> numbers(timed ? pose + 1 : pose, 7);
   TrajectoryPose added;
-  added.is_lost = are_lost(numbers, numbers.last<4>());
+  added.is_lost = are_lost(numbers);
   if (timed) {
     if (!std::isfinite(pose[0])) return lines.error("the time is not a finite number");
     if (!trajectory.empty() && *trajectory.back().time > pose[0])
@@ -183,7 +176,7 @@ Result<Trajectory> parse_matrix_trajectory(std::string_view text, const fs::path
     if (!is_matrix(numbers, words_of(line).size()))
       return lines.error("expected the 12 or 16 numbers of a matrix");
     TrajectoryPose& pose = trajectory.emplace_back();
-    pose.is_lost = are_lost(numbers, std::span(numbers).first(12));
+    pose.is_lost = are_lost(numbers);
     if (pose.is_lost) continue;
     auto motion = motion_of_numbers(numbers, "the matrix");
     if (!motion) return lines.error(motion.error().message);
@@ -203,12 +196,15 @@ Result<Trajectory> parse_log_trajectory(std::string_view text, const fs::path& p
       return lines.error(
           "this is a pose of one frame relative to another; a trajectory has the same number "
           "twice, and poses in the world");
-    auto motion =
-        parse_motion_rows(lines, "the matrix of pose " + std::to_string(trajectory.size()));
-    if (!motion) return motion.error();
-    TrajectoryPose pose;
+    const std::string what = "the matrix of pose " + std::to_string(trajectory.size());
+    const auto numbers = parse_matrix_rows(lines, what);
+    if (!numbers) return numbers.error();
+    TrajectoryPose& pose = trajectory.emplace_back();
+    pose.is_lost = are_lost(*numbers);
+    if (pose.is_lost) continue;
+    auto motion = motion_of_numbers(*numbers, what);
+    if (!motion) return lines.error(motion.error().message);
     pose.world_from_view = *motion;
-    trajectory.push_back(pose);
   }
   return trajectory;
 }
@@ -224,7 +220,7 @@ RgbdText kind_of_rgbd_text(std::string_view text) {
     const std::size_t words = words_of(line).size();
     const auto row = leading_numbers(line);
     const std::size_t numbers = row.size();
-    if (is_matrix(row, words) && are_lost(row, std::span(row).first(12))) continue;
+    if (is_matrix(row, words) && are_lost(row)) continue;
     if (is_matrix(row, words))
       return motion_of_numbers(row, "") ? RgbdText::kMatrixPoses : RgbdText::kUnknown;
     if (numbers == words && (words == 7 || words == 8)) {

@@ -59,7 +59,8 @@ Result<Trajectory> parse_matrix_trajectory(std::string_view text,
                                            const std::filesystem::path& path);
 
 /// Parses the `.log` of Open3D and Redwood: a line of three whole numbers, then world from view in
-/// four rows. kBadInput for a list of relative poses of pairs.
+/// four rows, lost as those of parse_matrix_trajectory(). kBadInput for a list of relative poses of
+/// pairs.
 Result<Trajectory> parse_log_trajectory(std::string_view text, const std::filesystem::path& path);
 
 /// Parses a PinholeCameraTrajectory of Open3D: `extrinsic` is view from world, column by column.
