@@ -5,9 +5,11 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <iterator>
 #include <mutex>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <pcl/PCLPointCloud2.h>
@@ -88,11 +90,18 @@ void state_size(const PcdHeader& header, std::string& text) {
   state("HEIGHT", header.height);
 }
 
+// PCL knows lines that end in a line feed alone, or behind a return.
+std::string with_line_feeds(std::string text) {
+  std::ranges::replace(text, '\r', '\n');
+  return text;
+}
+
 // Whether PCL, which trusts what it reads, reads the header alike. It gets the header alone: it
 // would read on in data that begin with a keyword. Makes room for the values.
 bool reads_alike(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
   std::string text(header.data_start, ' ');
   if (!file.read(text.data(), static_cast<std::streamsize>(text.size()))) return false;
+  if (header.ends_in_return) text = with_line_feeds(std::move(text));
   if (header.sized_by_points) state_size(header, text);
   std::istringstream stream(text);
   pcl::PCLPointCloud2& cloud = to.cloud;
@@ -127,11 +136,18 @@ bool unpack(std::ifstream& file, PcdCloud& to) {
 }
 
 // PCL's own way copies binary values twice more, which takes as long as reading them.
+bool read_ascii(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
+  pcl::PCDReader reader;
+  if (!header.ends_in_return) return reader.readBodyASCII(file, to.cloud, to.version) >= 0;
+  std::istringstream text(with_line_feeds(std::string(std::istreambuf_iterator<char>(file), {})));
+  return reader.readBodyASCII(text, to.cloud, to.version) >= 0;
+}
+
 bool read_values(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
   to.cloud.data.resize(header.points * header.point_bytes);
   switch (header.data) {
     case PcdHeader::Data::kAscii:
-      return pcl::PCDReader().readBodyASCII(file, to.cloud, to.version) >= 0;
+      return read_ascii(file, header, to);
     case PcdHeader::Data::kBinary:
       return read_bytes(file, to.cloud.data);
     case PcdHeader::Data::kCompressed:

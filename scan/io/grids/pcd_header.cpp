@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <cstdio>
 #include <fstream>
 #include <set>
 #include <string>
@@ -37,13 +38,15 @@ class PcdHeaderReader {
 
   Result<PcdHeader> read() {
     if (!file_) return bad_input(path_, "cannot be read");
-    for (std::string text; std::getline(file_, text);) {
-      ++line_number_;
+    for (std::string text; read_line(file_, text);) {
+      if (++line_number_ == 1) header_.ends_in_return = last_byte() == '\r';
       std::string_view line = text;
       const std::string_view keyword = next_word(line);
       if (keyword.empty() || keyword.front() == '#') continue;
       if (auto parsed = parse(keyword, line); !parsed) return parsed.error();
       if (keyword != "DATA") continue;
+      // Behind a return alone, a line feed is the first byte of the data.
+      if (header_.ends_in_return && last_byte() == '\n') file_.unget();
       const auto position = file_.tellg();
       if (position < 0) return bad_input(path_, "truncated PCD: the file ends with its header");
       header_.data_start = static_cast<std::size_t>(position);
@@ -54,6 +57,12 @@ class PcdHeaderReader {
   }
 
  private:
+  // Before the present position.
+  int last_byte() {
+    if (!file_.unget()) return EOF;
+    return file_.get();
+  }
+
   Error at_line(const std::string& what) const {
     return bad_input(path_, "line " + std::to_string(line_number_) + " of the PCD header: " + what);
   }

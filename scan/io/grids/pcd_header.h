@@ -22,12 +22,13 @@ struct PcdHeader {
   Data data = Data::kAscii;
   std::size_t data_start = 0;     ///< Where the data begin [bytes].
   std::vector<double> viewpoint;  ///< Its seven numbers; empty: none, or the identity.
+  bool ends_in_return = false;    ///< Lines end in a carriage return alone, as on classic Macs.
 };
 
 /// Reads the header and holds what it promises against the size of the file, before anything is
 /// allocated for it. A file may hold no more points than its bytes allow: two bytes a number in
 /// ASCII, and a hundredth of the promised bytes where they are compressed (LZF copies at most 264
-/// bytes for three). Unless `organized`, a file of one row is
+/// bytes for three). Lines end as those of read_line(). Unless `organized`, a file of one row is
 /// read as well, of any width. Errors (kBadInput) name the file and the line.
 Result<PcdHeader> read_pcd_header(const std::filesystem::path& path, bool organized = true);
 

@@ -50,6 +50,33 @@ TEST(PcdGrid, ReadsAsciiAndBinary) {
   EXPECT_EQ(binary.points(0, 1), Eigen::Vector3d(18, 19, 20));
 }
 
+TEST(PcdGrid, LinesMayEndInReturns) {
+  const TemporaryFolder folder;
+  for (const std::string end : {"\r\n", "\r"}) {
+    const auto ended = [&](const std::string& text) {
+      std::string changed;
+      for (const char c : text) changed += c == '\n' ? end : std::string(1, c);
+      return changed;
+    };
+    const auto ascii =
+        value_of(read_grid_file(folder.write("a.pcd", ended(header(kSize, "ascii") + kPoints))));
+    EXPECT_EQ(ascii.points(1, 1), Eigen::Vector3d(1, 1, 2));
+    EXPECT_FALSE(ascii.points(2, 0).allFinite());
+    EXPECT_EQ(ascii.points(2, 1), Eigen::Vector3d(2, 1, 3));
+    // The first byte of the data is a line feed: it is no part of the line before.
+    const float first = 5.2f;
+    std::string points = binary_points();
+    std::memcpy(points.data(), &first, 4);
+    points[0] = '\n';
+    float expected = 0.0f;
+    std::memcpy(&expected, points.data(), 4);
+    const auto binary =
+        value_of(read_grid_file(folder.write("b.pcd", ended(header(kSize, "binary")) + points)));
+    EXPECT_EQ(binary.points(0, 0).x(), static_cast<double>(expected));
+    EXPECT_EQ(binary.points(0, 1), Eigen::Vector3d(18, 19, 20));
+  }
+}
+
 TEST(PcdGrid, SeveralPointsAtTheOriginAreMissingSamples) {
   const TemporaryFolder folder;
   const std::string none = "0 0 0 0 0 0\n", point = "0 1 2 0 0 -1\n";
