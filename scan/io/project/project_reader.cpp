@@ -16,6 +16,7 @@
 #include "scan/base/parallel.h"
 #include "scan/base/system/system_memory.h"
 #include "scan/io/files/io_error.h"
+#include "scan/io/project/loading/clipped_ranges.h"
 #include "scan/io/project/loading/copied_views.h"
 #include "scan/io/project/loading/settled_views.h"
 #include "scan/io/project/loading/view_loader.h"
@@ -222,6 +223,8 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
     }
     project.notes.insert(project.notes.end(), notes->begin(), notes->end());
     if (auto note = note_on_principal_points(spec->views, project.views))
+      project.notes.push_back(std::move(*note));
+    if (auto note = note_on_clipped_ranges(project.views))
       project.notes.push_back(std::move(*note));
     for (std::string& note :
          options.for_alignment ? leave_out_copies(project.views) : notes_on_copies(project.views))
