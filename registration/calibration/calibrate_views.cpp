@@ -175,7 +175,9 @@ class Calibrating {
     for (std::size_t i = 0; i < given_.size(); ++i)
       result_.views.push_back({sensors_.of_view[i], model_.coefficients(i, sensors_),
                                deviation.coefficients(i, sensors_)});
-    describe_errors(sensors_, model_, deviation, result_);
+    std::vector<std::string> names;
+    for (const RangeView& view : given_) names.push_back(view.name);
+    describe_errors(sensors_, names, model_, deviation, result_);
   }
 
   Result<void> align() {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <string>
-#include <vector>
 
 namespace relief::registration {
 
@@ -34,16 +32,13 @@ double size_of(const Sensors& sensors, const ErrorModel& model, std::size_t choi
   return owners > 0.0 ? std::sqrt(sum / owners) : 0.0;
 }
 
-// The parameters of an error in their natural units, those of its first owner before the others'.
+// The parameters of an error of a sensor in their natural units.
 std::vector<double> natural_values(const Sensors& sensors, const ErrorModel& model,
-                                   std::size_t choice) {
+                                   std::size_t choice, std::size_t sensor) {
   std::vector<double> values;
-  for (const ErrorParameter& parameter : model.parameters) {
-    if (parameter.choice != choice) continue;
-    const std::size_t sensor =
-        model.choices[choice].per_view ? sensors.of_view[parameter.owner] : parameter.owner;
-    values.push_back(sensors.models[sensor].natural(parameter.term, parameter.value));
-  }
+  for (const ErrorParameter& parameter : model.parameters)
+    if (parameter.choice == choice && parameter.owner == sensor)
+      values.push_back(sensors.models[sensor].natural(parameter.term, parameter.value));
   return values;
 }
 
@@ -56,11 +51,10 @@ std::string wrong_principal_point(double x, double y) {
              : text;
 }
 
-std::string what_is_wrong(const Sensors& sensors, const ErrorModel& model, std::size_t choice) {
-  const std::vector<double> values = natural_values(sensors, model, choice);
+std::string what_is_wrong(SensorError error, const std::vector<double>& values) {
   const double value = values.empty() ? 0.0 : values.front();
   const auto percent = [&](double part) { return number(std::abs(100.0 * part)) + " %"; };
-  switch (model.choices[choice].error) {
+  switch (error) {
     case SensorError::kRangeOffset:
       return "ranges are too " + std::string(value < 0.0 ? "long" : "short") + " by a length";
     case SensorError::kRangeScale:
@@ -94,23 +88,65 @@ std::string what_is_wrong(const Sensors& sensors, const ErrorModel& model, std::
   return "unknown error";
 }
 
+// Numbers of one view say nothing of the others.
+std::string what_differs(SensorError error) {
+  switch (error) {
+    case SensorError::kRangeOffset:
+    case SensorError::kRangeScale:
+    case SensorError::kFocalLength:
+    case SensorError::kAspectRatio:
+    case SensorError::kPrincipalPoint:
+    case SensorError::kInterlacing:
+      return std::string(to_string(error)) + ", in every view another";
+    default:
+      return what_is_wrong(error, {}) + ", in every view differently";
+  }
+}
+
+// Whether a sensor has an error beyond the deviation of its parameters.
+bool has_error(const ErrorModel& model, const ErrorModel& deviation, std::size_t choice,
+               std::size_t sensor) {
+  constexpr double kDeviations = 2.0;  // 5 % of Gaussian values lie beyond.
+  for (std::size_t p = 0; p < model.parameters.size(); ++p) {
+    const ErrorParameter& parameter = model.parameters[p];
+    if (parameter.choice == choice && parameter.owner == sensor &&
+        std::abs(parameter.value) > kDeviations * deviation.parameters[p].value)
+      return true;
+  }
+  return false;
+}
+
+// Of several sensors those that have the error, each named by its first view.
+std::string what_each_has_wrong(const Sensors& sensors, const std::vector<std::string>& view_names,
+                                const ErrorModel& model, const ErrorModel& deviation,
+                                std::size_t choice) {
+  const SensorError error = model.choices[choice].error;
+  if (sensors.models.size() == 1)
+    return what_is_wrong(error, natural_values(sensors, model, choice, 0));
+  std::string text;
+  for (std::size_t sensor = 0; sensor < sensors.models.size(); ++sensor) {
+    if (!has_error(model, deviation, choice, sensor)) continue;
+    const auto first = std::ranges::find(sensors.of_view, sensor) - sensors.of_view.begin();
+    text += (text.empty() ? "sensor of " : "; sensor of ") +
+            view_names[static_cast<std::size_t>(first)] + ": " +
+            what_is_wrong(error, natural_values(sensors, model, choice, sensor));
+  }
+  return text.empty() ? std::string(to_string(error)) : text;
+}
+
 }  // namespace
 
-void describe_errors(const Sensors& sensors, const ErrorModel& model, const ErrorModel& deviation,
+void describe_errors(const Sensors& sensors, const std::vector<std::string>& view_names,
+                     const ErrorModel& model, const ErrorModel& deviation,
                      SensorCalibration& result) {
   for (std::size_t c = 0; c < model.choices.size(); ++c) {
     CalibratedError& error = result.errors[c];
     error.size = size_of(sensors, model, c);
     error.size_std = size_of(sensors, deviation, c);
-    const bool one_each =
-        error.error == SensorError::kRangeScale || error.error == SensorError::kFocalLength ||
-        error.error == SensorError::kAspectRatio || error.error == SensorError::kInterlacing;
-    result.notes.push_back((error.per_view && one_each
-                                ? std::string(to_string(error.error)) + ", in every view another"
-                                : what_is_wrong(sensors, model, c) +
-                                      (error.per_view ? ", in every view differently" : "")) +
-                           ": moves samples by " + number(error.size) + " (deviation " +
-                           number(error.size_std) + ")");
+    result.notes.push_back(
+        (error.per_view ? what_differs(error.error)
+                        : what_each_has_wrong(sensors, view_names, model, deviation, c)) +
+        ": moves samples by " + number(error.size) + " (deviation " + number(error.size_std) + ")");
   }
 }
 

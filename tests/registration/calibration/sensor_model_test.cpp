@@ -148,11 +148,37 @@ TEST(CalibrationNotes, TellThePixelsOfAPrincipalPoint) {
     }
     SensorCalibration result;
     result.errors.resize(1);
-    describe_errors(sensors, model, model, result);
+    describe_errors(sensors, {"front"}, model, model, result);
     return result.notes.at(0);
   };
   EXPECT_THAT(note_on(0.5, -12.0), AllOf(HasSubstr("(0.5, -12) pixels"), HasSubstr("cropped")));
   EXPECT_THAT(note_on(0.5, 0.1), AllOf(HasSubstr("(0.5, 0.1) pixels"), Not(HasSubstr("cropped"))));
+}
+
+TEST(CalibrationNotes, NameTheSensorsThatHaveTheError) {
+  const RangeView a = view_with(Rays::kPinhole);
+  RangeView b = a, c = a;
+  b.camera = Camera::pinhole(kPixels, kPixels, {171.0, 165.0, 29.0, 30.5});
+  c.camera = Camera::pinhole(kPixels, kPixels, {181.0, 165.0, 29.0, 30.5});
+  const Sensors sensors = find_sensors({&a, &a, &b, &c}, {1.7, 1.7, 1.7, 1.7});
+  ErrorModel model;
+  model.add({SensorError::kPrincipalPoint, false}, sensors);
+  ErrorModel deviation = model;
+  for (std::size_t p = 0; p < model.parameters.size(); ++p) {
+    const ErrorParameter& parameter = model.parameters[p];
+    const double pixel = 1.0 / sensors.models[parameter.owner].natural(parameter.term, 1.0);
+    deviation.parameters[p].value = 0.1 * std::abs(pixel);
+    model.parameters[p].value =
+        pixel * (parameter.owner == 0 ? 0.0 : 3.0 * static_cast<double>(parameter.owner));
+  }
+  SensorCalibration result;
+  result.errors.resize(1);
+  describe_errors(sensors, {"a0", "a1", "b", "c"}, model, deviation, result);
+  EXPECT_THAT(result.notes.at(0), HasSubstr("sensor of b: the principal point"));
+  EXPECT_THAT(result.notes[0], HasSubstr("(3, 3) pixels"));
+  EXPECT_THAT(result.notes[0], HasSubstr("; sensor of c: the principal point"));
+  EXPECT_THAT(result.notes[0], HasSubstr("(6, 6) pixels"));
+  EXPECT_THAT(result.notes[0], Not(HasSubstr("sensor of a")));
 }
 
 TEST(FindSensors, TellsSensorsApartByTheirCameras) {
