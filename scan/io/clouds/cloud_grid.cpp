@@ -191,7 +191,7 @@ Result<GridFile> lattice_from_cloud(PointCloudFile& cloud, const CloudGridOption
   if (chosen.around_origin)
     notes.push_back(
         "the points lie all around the origin of the frame: if the sensor stood there, give the "
-        "viewpoint 0 0 0");
+        "viewpoint 0 0 0 (--viewpoint 0 0 0)");
   if (chosen.by_normals && outlines_speak_against(*grid, chosen.rays))
     notes.push_back(
         "the outlines turn towards that side: it is the inside of a surface, or the normals are "

@@ -159,10 +159,8 @@ class PcdHeaderReader {
       header_.height = 1;
       header_.sized_by_points = true;
     }
-    if (organized_ && header_.height == 1)
-      return bad_input(path_,
-                       "this PCD is not organized (HEIGHT 1); a scan needs the sensor's grid");
-    const std::size_t most = organized_ ? std::size_t{kMaxImageSide} : kMaxPoints;
+    const bool is_grid = organized_ && header_.height != 1;
+    const std::size_t most = is_grid ? std::size_t{kMaxImageSide} : kMaxPoints;
     if (header_.width == 0 || header_.height == 0 || header_.width > most ||
         header_.height > most || header_.points > std::size_t{kMaxImageSide} * kMaxImageSide ||
         header_.points != header_.width * header_.height)
@@ -175,6 +173,9 @@ class PcdHeaderReader {
       return bad_input(path_, "truncated PCD: " + std::to_string(header_.points) +
                                   " points promised, " + std::to_string(left) +
                                   " bytes left for them");
+    if (organized_ && !is_grid)
+      return bad_input(path_,
+                       "this PCD is not organized (HEIGHT 1); a scan needs the sensor's grid");
     return header_.data == PcdHeader::Data::kCompressed ? check_compressed(left) : Result<void>();
   }
 

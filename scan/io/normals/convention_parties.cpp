@@ -61,9 +61,8 @@ std::vector<Party> find_parties(const std::vector<ConventionRanking>& alone) {
   std::iota(left.begin(), left.end(), std::size_t{0});
   while (!left.empty()) {
     parties.push_back(largest_party(left, alone));
-    std::erase_if(left, [&](std::size_t view) {
-      return std::ranges::binary_search(parties.back(), view);
-    });
+    std::erase_if(
+        left, [&](std::size_t view) { return std::ranges::binary_search(parties.back(), view); });
   }
   return parties;
 }

@@ -79,10 +79,9 @@ Error foreign_error(const std::vector<ForeignMap>& far_off, std::size_t maps,
   const ForeignMap& first = far_off.front();
   const NormalEvidence& view = views[first.view];
   const SettledNormals& best = settled[first.view];
-  const std::string others = far_off.size() > 1
-                                 ? "; " + std::to_string(far_off.size()) + " of " +
-                                       std::to_string(maps) + " maps are as far off"
-                                 : std::string();
+  const std::string others = far_off.size() > 1 ? "; " + std::to_string(far_off.size()) + " of " +
+                                                      std::to_string(maps) + " maps are as far off"
+                                                : std::string();
   return bad_input(view.file, "no convention of normals fits the depth of view " + view.view +
                                   ": the best, " + name_of(view, best.chosen.convention) +
                                   ", is off by " + degrees_text(best.bias) + " (median)" +
@@ -101,8 +100,7 @@ std::string foreign_warning(const std::vector<ForeignMap>& foreign, std::size_t 
   for (std::size_t i = 0; i < std::min(kNamed, foreign.size()); ++i) {
     const NormalEvidence& view = views[foreign[i].view];
     text += (i > 0 ? "; " : "") + view.file.string() + " of view " + view.view + " is off by " +
-            degrees_text(settled[foreign[i].view].bias) + " (median)" +
-            fit_text(foreign[i], views);
+            degrees_text(settled[foreign[i].view].bias) + " (median)" + fit_text(foreign[i], views);
   }
   if (foreign.size() > kNamed) text += "; and more";
   return text;

@@ -305,7 +305,8 @@ Result<LoadedView> load_view(const ViewSpec& spec, MemoryBudget& memory) {
     return Error{ErrorKind::kUnsolvable,
                  main_file(spec).string() + ": view " + spec.name +
                      " has no samples: every pixel is without a measurement or masked; leave the "
-                     "view out or mend its mask"};
+                     "view out" +
+                     (spec.mask ? " or mend its mask, which may be inverted" : "")};
   if (spec.normals) {
     step = load_normals(spec, loaded);
     if (!step) return step.error();

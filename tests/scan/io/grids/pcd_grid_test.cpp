@@ -207,6 +207,8 @@ TEST(PcdGrid, RefusesWhatIsNoGrid) {
   };
   EXPECT_THAT(read(header("WIDTH 6\nHEIGHT 1\n", "ascii") + kPoints), HasError("not organized"));
   EXPECT_THAT(read(header(kSize, "binary") + binary_points().substr(1)), HasError("truncated"));
+  EXPECT_THAT(read(header("WIDTH 6\nHEIGHT 1\n", "binary") + binary_points().substr(1)),
+              HasError("truncated"));
   EXPECT_THAT(read(""), HasError("a.pcd"));
   EXPECT_THAT(read_grid_file(folder / "missing.pcd"), HasError());
 }
