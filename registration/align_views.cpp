@@ -116,7 +116,8 @@ class Aligning {
       }
       if (!report_progress(progress_, 0.0, "verifying poses"))
         return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-      state_.verified = verify_poses(surfaces_, state_.refined.world_from_view, state_.roles,
+      state_.verified = verify_poses(surfaces_, state_.refined.world_from_view,
+                                     without_views(state_.starts.laid_on_plane, state_.roles),
                                      verification_options(starting_));
       const auto worst = most_contradicted();
       if (!worst) {

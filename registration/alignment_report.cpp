@@ -163,7 +163,8 @@ class AlignmentReport {
     std::size_t given = 0;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       given += views_[i].pose == PoseKind::kGuess && result.views[i].aligned ? 1 : 0;
-      if (state_.starts.kept[i] && result.views[i].aligned) names.push_back(views_[i].name);
+      if (state_.starts.kept[i] && !state_.starts.laid_on_plane[i] && result.views[i].aligned)
+        names.push_back(views_[i].name);
     }
     if (!names.empty())
       result.notes.push_back(
@@ -229,6 +230,11 @@ class AlignmentReport {
   std::string reason_unverified(std::size_t i) const {
     if (surfaces_[i].samples().empty())
       return "it has no usable samples: none lies off all boundaries with a surface normal";
+    if (state_.starts.laid_on_plane[i])
+      return "it shares only a plane with other views, to which refining would move it far, and "
+             "planes fit wherever views belong; it is kept there, and nothing confirms it; leave "
+             "out what stands still, as a wall or a table (a mask per view), and check that masks "
+             "are not inverted";
     const ViewVerification& view = state_.verified.views[i];
     if (!view.overlaps)
       return "it overlaps no other view at its pose; it is kept there, and nothing confirms it";

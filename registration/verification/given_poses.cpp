@@ -72,6 +72,7 @@ class RefiningGiven {
         association_(options.association),
         kept_(roles.size(), false),
         coincident_(roles.size(), false),
+        laid_on_plane_(roles.size(), false),
         displacement_covariance_(roles.size(), Matrix6d::Zero()) {}
 
   Result<JointRefinement> run(const JointRefinementOptions& refinement, const Progress& progress,
@@ -82,7 +83,7 @@ class RefiningGiven {
       if (!refined) return refined;
       const GivenAndRefined compared(surfaces_, given_, refined->world_from_view, roles,
                                      association_);
-      if (keep_those_astray(compared, refined->world_from_view)) {
+      if (keep_those_astray(compared, *refined)) {
         if (round == kMostRounds) merge_flags(free(), kept_);
         continue;
       }
@@ -107,13 +108,14 @@ class RefiningGiven {
   }
 
   const std::vector<bool>& kept() const { return kept_; }
+  const std::vector<bool>& laid_on_plane() const { return laid_on_plane_; }
 
   // Of coincident views nothing tells whether others contradict them.
   std::vector<ViewRole> roles_to_verify() const {
     auto roles = roles_;
     for (std::size_t i = 0; i < roles.size(); ++i)
       if (coincident_[i]) roles[i] = ViewRole::kFixed;
-    return roles;
+    return without_views(laid_on_plane_, std::move(roles));
   }
 
  private:
@@ -132,15 +134,19 @@ class RefiningGiven {
   }
 
   // Whether there are any.
-  bool keep_those_astray(const GivenAndRefined& compared, const std::vector<RigidMotion>& refined) {
-    auto astray = compared.coincident_views();
-    merge_flags(astray, coincident_);
-    merge_flags(compared.views_without_overlap(), astray);
+  bool keep_those_astray(const GivenAndRefined& compared, const JointRefinement& refined) {
+    const auto coincident = compared.coincident_views(),
+               on_plane = compared.views_laid_on_planes(refined.pairs);
+    merge_flags(coincident, coincident_);
+    merge_flags(on_plane, laid_on_plane_);
+    auto astray = compared.views_without_overlap();
+    merge_flags(coincident, astray);
+    merge_flags(on_plane, astray);
     merge_flags(astray, kept_);
     for (std::size_t i = 0; i < astray.size(); ++i) {
       if (!astray[i]) continue;
-      const RigidTangent moved =
-          tangent_at(refined[i] * given_[i].inverse(), given_[i] * surfaces_[i].centre());
+      const RigidTangent moved = tangent_at(refined.world_from_view[i] * given_[i].inverse(),
+                                            given_[i] * surfaces_[i].centre());
       displacement_covariance_[i] = moved * moved.transpose();
     }
     return any(astray);
@@ -161,7 +167,8 @@ class RefiningGiven {
   const bool keep_given_;
   const Association association_;
   std::vector<bool> kept_;                         // Given poses that stay.
-  std::vector<bool> coincident_;                   // Of these, those of coincident_views().
+  std::vector<bool> coincident_;                   // Of these, those of coincident_views(),
+  std::vector<bool> laid_on_plane_;                // and of views_laid_on_planes().
   std::vector<Matrix6d> displacement_covariance_;  // By what views went, squared; zero for others.
 };
 
@@ -199,6 +206,7 @@ Result<RefinedGivenPoses> refine_and_verify(const std::vector<ViewSurface>& surf
         checked.fits_in_part[i].reset();
     checked = settle(std::move(checked), roles, *refined, verified, trust);
     checked.kept = refining.kept();
+    checked.laid_on_plane = refining.laid_on_plane();
     return RefinedGivenPoses{std::move(checked), std::move(*refined), std::move(verified), {}};
   }
 }
@@ -220,6 +228,12 @@ std::vector<ViewRole> roles_of(const std::vector<RangeView>& views, GivenPoses g
                     : used                        ? ViewRole::kFree
                                                   : ViewRole::kExcluded);
   }
+  return roles;
+}
+
+std::vector<ViewRole> without_views(const std::vector<bool>& views, std::vector<ViewRole> roles) {
+  for (std::size_t i = 0; i < roles.size(); ++i)
+    if (views[i]) roles[i] = ViewRole::kExcluded;
   return roles;
 }
 

@@ -27,6 +27,9 @@ struct RefinedGivenPoses {
 /// Known poses are fixed, guesses free unless they are ignored, and views without a pose excluded.
 std::vector<ViewRole> roles_of(const std::vector<RangeView>& views, GivenPoses given);
 
+/// `roles` with the `views` excluded.
+std::vector<ViewRole> without_views(const std::vector<bool>& views, std::vector<ViewRole> roles);
+
 /// Refines the given poses jointly and verifies them; views that the others refute are taken out,
 /// unless the user trusts them, and the rest is refined again without them. Guesses are taken in
 /// `convention`; without one in that of find_pose_convention() where more views confirm each other

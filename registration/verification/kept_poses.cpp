@@ -24,6 +24,9 @@ constexpr int kComparedPairsOfAView = 6;
 constexpr double kOverlapGain = 1.02, kSquaresGain = 1.02, kCoherentGain = 1.1,
                  kCoherentZero = 0.01;
 
+// Within reach of each other, and as far beyond as makes no doubt [reaches()].
+constexpr double kWithinReach = 1.0, kBeyondReach = 2.0;
+
 RigidMotion relative(const ViewPair& pair, const std::vector<RigidMotion>& poses) {
   return poses[pair.b].inverse() * poses[pair.a];
 }
@@ -97,15 +100,50 @@ std::vector<bool> GivenAndRefined::views_without_overlap() const {
   return lost;
 }
 
+// By a motion of this view alone [reaches within which refining looks for partners].
+double GivenAndRefined::reaches(const ViewPair& pair, const RigidMotion& of_a) const {
+  const double radius = std::min(surfaces_[pair.a].radius(), surfaces_[pair.b].radius());
+  return largest_motion(of_a, surfaces_[pair.a]) / (kFirstSearchRadii * radius);
+}
+
 std::vector<bool> GivenAndRefined::coincident_views() const {
-  const auto apart = [&](const ViewPair& pair, const std::vector<RigidMotion>& poses) {
-    const double radius = std::min(surfaces_[pair.a].radius(), surfaces_[pair.b].radius());
-    return largest_motion(relative(pair, poses), surfaces_[pair.a]) / (kFirstSearchRadii * radius);
-  };
   std::vector<bool> laid(surfaces_.size());
   for (const ViewPair& pair : pairs_refined_)
-    if (apart(pair, refined_) <= 1.0 && apart(pair, given_) >= 2.0)
+    if (reaches(pair, relative(pair, refined_)) <= kWithinReach &&
+        reaches(pair, relative(pair, given_)) >= kBeyondReach)
       for (const std::size_t i : {pair.a, pair.b}) laid[i] = roles_[i] == ViewRole::kFree;
+  return laid;
+}
+
+std::vector<bool> GivenAndRefined::views_laid_on_planes(const std::vector<PairFit>& pairs) const {
+  const auto moved_far = [&](const ViewPair& pair) {
+    return reaches(pair, relative(pair, given_).inverse() * relative(pair, refined_)) >=
+           kBeyondReach;
+  };
+  const auto determined = [&](const ViewPair& pair) {
+    return std::ranges::any_of(pairs, [&](const PairFit& fit) {
+      return fit.a == pair.a && fit.b == pair.b && fit.degenerate_directions.empty();
+    });
+  };
+  // Takes out those that share more than a plane with another one at these poses.
+  const auto keep_planar = [&](const std::vector<ViewPair>& overlapping,
+                               const std::vector<RigidMotion>& poses, std::vector<bool>& views) {
+    for (const ViewPair& pair : overlapping)
+      if ((views[pair.a] || views[pair.b]) &&
+          (determined(pair) || !shares_one_plane(surfaces_[pair.a], surfaces_[pair.b],
+                                                 relative(pair, poses), judging_)))
+        views[pair.a] = views[pair.b] = false;
+  };
+  std::vector<bool> laid(surfaces_.size(), false);
+  for (const ViewPair& pair : pairs_refined_)
+    if (moved_far(pair))
+      for (const std::size_t i : {pair.a, pair.b}) laid[i] = roles_[i] == ViewRole::kFree;
+  keep_planar(pairs_refined_, refined_, laid);
+  if (std::ranges::find(laid, true) == laid.end()) return laid;
+  // What stands still may lead views off all others, too.
+  auto lost = views_without_overlap();
+  keep_planar(pairs_given_, given_, lost);
+  for (std::size_t i = 0; i < laid.size(); ++i) laid[i] = laid[i] || lost[i];
   return laid;
 }
 

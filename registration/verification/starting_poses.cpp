@@ -237,8 +237,10 @@ Result<StartingPoses> find_starting_poses(const std::vector<ViewSurface>& surfac
   result.found_by_shape.assign(views.size(), false);
   result.reasons.resize(views.size());
   Assembly(surfaces, checked, placed, result).run();
-  for (std::size_t i = 0; i < views.size(); ++i)
+  for (std::size_t i = 0; i < views.size(); ++i) {
     result.kept.push_back(checked.kept[i] && !result.found_by_shape[i]);
+    result.laid_on_plane.push_back(checked.laid_on_plane[i] && !result.found_by_shape[i]);
+  }
   note_found_links(placed, views, result);
   for (std::size_t i = 0; i < views.size(); ++i)
     if (!result.world_from_view[i])

@@ -30,6 +30,9 @@ struct CheckedPoses {
   std::vector<std::optional<RigidMotion>> fits_in_part;
   /// Given poses that stay to the bit, as refining found none that fit better (kept_poses.h).
   std::vector<bool> kept;
+  /// Of these, those that refining led to where one plane is all they share with others
+  /// (GivenAndRefined::views_laid_on_planes()). Nothing tells their poses, and they tell none.
+  std::vector<bool> laid_on_plane;
 };
 
 struct StartingPoses {
@@ -42,6 +45,7 @@ struct StartingPoses {
   std::vector<bool> found_by_shape;
   /// Whether it is a given pose that stays to the bit (CheckedPoses::kept).
   std::vector<bool> kept;
+  std::vector<bool> laid_on_plane;   ///< Whether it is one of CheckedPoses::laid_on_plane.
   std::vector<std::string> reasons;  ///< Per view why it has no pose; empty when it has one.
   std::vector<std::string> notes;    ///< One line per pose that was found, for the user to check.
 };

@@ -1,6 +1,8 @@
 #include "registration/verification/kept_poses.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +16,7 @@ namespace relief::registration {
 namespace {
 
 using ::testing::Contains;
+using ::testing::Each;
 using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
 
@@ -88,6 +91,63 @@ TEST_F(KeptPoses, ViewsLaidOnEachOtherAreFound) {
   std::vector<bool> expected(views().size(), false);
   expected[3] = expected[4] = true;
   EXPECT_THAT(laid_at(refined), ElementsAreArray(expected));
+}
+
+// Views from all round that each show a flat wall before their sensor, which stands still with it.
+std::vector<RangeView> views_of_a_still_wall() {
+  constexpr int kViews = 8, kPixels = 64;
+  const Camera camera = Camera::pinhole(kPixels, kPixels, {180, 180, 31.5, 31.5});
+  const auto wall = testing::plane({0, 0, 330}, {0, 0, -1});
+  std::vector<RangeView> views;
+  for (int i = 0; i < kViews; ++i) {
+    const double angle = 0.6 * i;
+    views.push_back(testing::render(wall, camera));
+    views.back().name = "view" + std::to_string(i);
+    views.back().world_from_view =
+        testing::look_at({300 * std::cos(angle), 300 * std::sin(angle), 40}, {0, 0, 0});
+    testing::add_range_noise(views.back(), 0.3, static_cast<std::uint32_t>(i + 1));
+  }
+  return views;
+}
+
+TEST(StillWalls, ViewsLaidOnThemAreFound) {
+  const auto views = views_of_a_still_wall();
+  std::vector<ViewSurface> surfaces;
+  for (const RangeView& view : views) surfaces.emplace_back(view);
+  const auto given = testing::poses_of(views);
+  const std::vector<RigidMotion> on_the_wall(views.size(), RigidMotion::Identity());
+  std::vector<ViewRole> roles(views.size(), ViewRole::kFree);
+  roles[2] = ViewRole::kFixed;
+  const auto laid_at = [&](const std::vector<RigidMotion>& refined) {
+    return GivenAndRefined(surfaces, given, refined, roles, Association::kAuto)
+        .views_laid_on_planes({});
+  };
+  EXPECT_THAT(laid_at(given), Each(false));
+  std::vector<bool> expected(views.size(), true);
+  expected[2] = false;
+  EXPECT_THAT(laid_at(on_the_wall), ElementsAreArray(expected));
+}
+
+TEST(StillWalls, GivenPosesAreKeptUnverified) {
+  const auto views = views_of_a_still_wall();
+  AlignOptions options;
+  options.starting_poses.search = false;
+  const auto aligned = value_of(align_views(views, options));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    EXPECT_EQ(aligned.views[i].world_from_view.matrix(), views[i].world_from_view.matrix());
+    EXPECT_EQ(aligned.views[i].status, PoseStatus::kUnverified);
+    EXPECT_THAT(aligned.views[i].reason, HasSubstr("only a plane"));
+  }
+}
+
+// What moves views far is no plane.
+TEST_F(KeptPoses, ViewsMovedFarByMoreThanAPlaneAreNotLaidOnOne) {
+  const auto given = testing::poses_of(testing::perturbed(views(), {0, 0, 0}, 0.8, 0.0));
+  const auto refined = truth();
+  const auto roles = free_roles();
+  EXPECT_THAT(GivenAndRefined(surfaces(), given, refined, roles, Association::kAuto)
+                  .views_laid_on_planes({}),
+              Each(false));
 }
 
 // The poses of a robot or of a turntable: noise would move them by what it is.
