@@ -118,7 +118,8 @@ class AlignmentReport {
     const bool contradicted = verified.violation > verified.support;
     if (!state_.refined.kept_motions.empty()) view.kept_motions = state_.refined.kept_motions[i];
     const bool confirmed =
-        (state_.verified.group[i] == main_group && !contradicted && !is_guess_along_a_motion(i)) ||
+        (state_.verified.group[i] == main_group && !contradicted && !is_guess_along_a_motion(i) &&
+         !verified.deviates_alone) ||
         views_.size() == 1 ||
         (views_[i].pose == PoseKind::kKnown && verified.overlaps && !contradicted);
     view.status = !view.aligned ? PoseStatus::kLeftOut
@@ -244,6 +245,10 @@ class AlignmentReport {
       return "its pose was found by its shape, which fits as well when moved by " +
              state_.refined.kept_motions[i].front().description +
              "; check it, or give a guess in world_from_view";
+    if (view.deviates_alone)
+      return "it deviates from all views that it overlaps by more than any two others do, and by "
+             "more than twice as much as usual: its pose is wrong, or its image is mirrored or "
+             "bent, or something moved";
     const std::string partners = names_of_group(state_.verified.group, i);
     if (!partners.empty())
       return "it is confirmed only by " + partners + ", which nothing confirms in turn";

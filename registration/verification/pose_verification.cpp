@@ -31,6 +31,9 @@ constexpr double kPlanarStrays = 0.05;
 // Of the samples that can be compared: where more of them move, or are at a wrong pose, what fits
 // says little.
 constexpr double kMostMoved = 0.5;
+// Pairs of a view that deviates alone, and of all others, at least: by chance the two largest of
+// eight are of one view in 1 of 28 cases.
+constexpr std::size_t kFewestOwnPairs = 2, kFewestOtherPairs = 6;
 constexpr double kFewestStrays = 0.01;  // Of all samples of a view: 5 of the 500 looked at.
 
 // Over the typical radius: wrong poses misfit by as little (link_limits.cpp).
@@ -258,6 +261,22 @@ std::size_t most_contradicted(const std::vector<ViewVerification>& tallied,
   return worst;
 }
 
+// ViewVerification::deviates_alone. Small patches fit better, also at wrong poses: they do not
+// count.
+bool deviates_alone(std::size_t view, const std::vector<ViewSurface>& surfaces,
+                    const std::vector<Judged>& pairs, const std::vector<bool>& refuted,
+                    double min_overlap) {
+  std::vector<double> own, others;
+  for (const Judged& pair : pairs)
+    if (pair.fit_known && !refuted[pair.a] && !refuted[pair.b] &&
+        pair.evidence.overlap >= min_overlap)
+      (pair.a == view || pair.b == view ? own : others)
+          .push_back(relative_rms(pair.evidence, surfaces[pair.a], surfaces[pair.b]));
+  return own.size() >= kFewestOwnPairs && others.size() >= kFewestOtherPairs &&
+         std::ranges::min(own) > std::ranges::max(others) &&
+         quantile(std::move(own), 0.5) > kUncommon * quantile(std::move(others), 0.5);
+}
+
 }  // namespace
 
 PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
@@ -287,7 +306,11 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
     if (pair.confirms && !refuted[pair.a] && !refuted[pair.b])
       confirmed.push_back({pair.a, pair.b, pair.evidence.overlap});
   result.group = connected_groups(views, confirmed);
-  for (std::size_t i = 0; i < views; ++i) result.views[i].refuted = refuted[i];
+  for (std::size_t i = 0; i < views; ++i) {
+    result.views[i].refuted = refuted[i];
+    result.views[i].deviates_alone =
+        deviates_alone(i, surfaces, pairs, refuted, options.limits.min_overlap);
+  }
   return result;
 }
 

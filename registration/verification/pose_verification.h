@@ -30,7 +30,11 @@ struct ViewVerification {
   /// Sum over views that contradict the pose of the fraction of samples in space seen empty.
   double violation = 0.0;
   bool overlaps = false;  ///< Whether any view overlaps it at all.
-  bool refuted = false;   ///< Whether more speaks against the pose than for it.
+  /// Whether all of its pairs deviate by more than any pair of the others does, and by more than
+  /// twice as much as these typically do, each against its own noise and spacing. A sensor's errors
+  /// are in all of its views: these are in one alone, or its pose is wrong.
+  bool deviates_alone = false;
+  bool refuted = false;  ///< Whether more speaks against the pose than for it.
 };
 
 struct PoseVerification {

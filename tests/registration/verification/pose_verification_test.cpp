@@ -2,10 +2,13 @@
 
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "relief/registration/align_views.h"
 #include "relief/scan/context.h"
 #include "tests/registration/bumpy_object.h"
+#include "tests/support/result_matchers.h"
 
 namespace relief::registration {
 namespace {
@@ -66,6 +69,39 @@ TEST_F(PoseVerificationTest, TheWrongViewIsRefutedWhereAPartOfAllViewsIsFarAway)
   const auto verified = verify(before_wall, poses);
   for (std::size_t i = 0; i < views().size(); ++i)
     EXPECT_EQ(verified.views[i].refuted, i == 3) << i;
+}
+
+TEST_F(PoseVerificationTest, AViewThatIsOffDeviatesAloneAndNoisyOnesDoNot) {
+  const auto deviating = [](const std::vector<RangeView>& of,
+                            const std::vector<RigidMotion>& poses) {
+    std::vector<bool> result;
+    for (const ViewVerification& view : verify(of, poses).views)
+      result.push_back(view.deviates_alone);
+    return result;
+  };
+  const std::vector<bool> none(views().size(), false);
+  auto poses = testing::poses_of(views());
+  EXPECT_EQ(deviating(views(), poses), none);
+  auto noisy = views();
+  testing::add_range_noise(noisy[3], 1.5 * sample_spacing(noisy[3]), 99);
+  EXPECT_EQ(deviating(noisy, poses), none);
+  poses[3] = poses[3] * Eigen::Translation3d(0, 0, 2.0 * sample_spacing(views()[3]));
+  auto expected = none;
+  expected[3] = true;
+  EXPECT_EQ(deviating(views(), poses), expected);
+}
+
+// Its ranges are bent as those of no other view.
+TEST_F(PoseVerificationTest, AViewThatDeviatesAloneIsUnverified) {
+  auto of = testing::ring_of_views({.pixels = 112, .noise = 0.05});
+  const double size = 0.3 * sample_spacing(of[3]);
+  for (int v = 0; v < of[3].height(); ++v)
+    for (int u = 0; u < of[3].width(); ++u)
+      of[3].range(u, v) += size * std::sin(u / 1.5) * std::cos(v / 1.5);
+  const auto aligned = value_of(align_views(of));
+  for (std::size_t i = 0; i < of.size(); ++i)
+    EXPECT_EQ(to_string(aligned.views[i].status), i == 3 ? "unverified" : "verified") << i;
+  EXPECT_THAT(aligned.views[3].reason, ::testing::HasSubstr("more than any two others"));
 }
 
 TEST_F(PoseVerificationTest, FixedViewsAreNeverRefuted) {
