@@ -75,7 +75,11 @@ std::string unplaced_reason(std::size_t view, const ViewGroups& placed, const Ch
       continue;
     const std::size_t other = placed.group[pair.a] == placed.group[view] ? pair.b : pair.a;
     return "it is ambiguous: it " + describe_ambiguity(pair, views[other].name) +
-           "; give a guess in world_from_view";
+           (checked.refuted[view]
+                ? "; other views saw through where it stands at its given pose: give a better "
+                  "guess in world_from_view, or leave out what stands still, as a wall (a mask per "
+                  "view)"
+                : "; give a guess in world_from_view");
   }
   std::string why;
   if (checked.refuted[view])
