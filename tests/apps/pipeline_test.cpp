@@ -53,7 +53,7 @@ TEST(Program, AnswersHelpAndVersion) {
 // Simulated scans through `run`: closed, aligned, refined, and each stage nearer to the truth.
 TEST(Program, RunsTheWholeWay) {
   const TemporaryFolder scans, out;
-  simulate(scans, "8", "256");
+  simulate(scans, "8", "384");
   const ProgramRun run = run_relief({"run", scans / "scan.json", "-o", out.path().string()});
   ASSERT_EQ(run.exit_status, 0) << run.standard_error;
 
