@@ -103,7 +103,7 @@ FairRegions::FairRegions(const TriangleMesh& mesh, const std::vector<ViewSampler
           scattered_samples_at(mesh, up_to(MeshRings::kMargin, rings_), views, options.truncation)),
       region_of_(paged_filled(mesh.vertices.size(), kNone)),
       regions_(find(options)),
-      normals_(mesh, near_regions().span()) {
+      normals_(mesh, near_regions()) {
   parallel_for(regions_.size(), 1, [&](std::size_t begin, std::size_t end) {
     evict_pages(options.memory);
     for (std::size_t r = begin; r < end; ++r) prepare(regions_[r], views, options);

@@ -261,17 +261,29 @@ std::size_t most_contradicted(const std::vector<ViewVerification>& tallied,
   return worst;
 }
 
-// ViewVerification::deviates_alone. Small patches fit better, also at wrong poses: they do not
-// count.
-bool deviates_alone(std::size_t view, const std::vector<ViewSurface>& surfaces,
-                    const std::vector<Judged>& pairs, const std::vector<bool>& refuted,
-                    double min_overlap) {
-  std::vector<double> own, others;
+struct PairDeviation {
+  std::size_t a = 0, b = 0;
+  double rms = 0.0;  // See relative_rms().
+};
+
+// Of pairs of views that are not refuted. Small patches fit better, also at wrong poses: they do
+// not count.
+std::vector<PairDeviation> deviations_of(const std::vector<ViewSurface>& surfaces,
+                                         const std::vector<Judged>& pairs,
+                                         const std::vector<bool>& refuted, double min_overlap) {
+  std::vector<PairDeviation> deviations;
   for (const Judged& pair : pairs)
     if (pair.fit_known && !refuted[pair.a] && !refuted[pair.b] &&
         pair.evidence.overlap >= min_overlap)
-      (pair.a == view || pair.b == view ? own : others)
-          .push_back(relative_rms(pair.evidence, surfaces[pair.a], surfaces[pair.b]));
+      deviations.push_back(
+          {pair.a, pair.b, relative_rms(pair.evidence, surfaces[pair.a], surfaces[pair.b])});
+  return deviations;
+}
+
+// ViewVerification::deviates_alone.
+bool deviates_alone(std::size_t view, const std::vector<PairDeviation>& deviations) {
+  std::vector<double> own, others;
+  for (const auto& [a, b, rms] : deviations) (a == view || b == view ? own : others).push_back(rms);
   return own.size() >= kFewestOwnPairs && others.size() >= kFewestOtherPairs &&
          std::ranges::min(own) > std::ranges::max(others) &&
          quantile(std::move(own), 0.5) > kUncommon * quantile(std::move(others), 0.5);
@@ -306,10 +318,10 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
     if (pair.confirms && !refuted[pair.a] && !refuted[pair.b])
       confirmed.push_back({pair.a, pair.b, pair.evidence.overlap});
   result.group = connected_groups(views, confirmed);
+  const auto deviations = deviations_of(surfaces, pairs, refuted, options.limits.min_overlap);
   for (std::size_t i = 0; i < views; ++i) {
     result.views[i].refuted = refuted[i];
-    result.views[i].deviates_alone =
-        deviates_alone(i, surfaces, pairs, refuted, options.limits.min_overlap);
+    result.views[i].deviates_alone = deviates_alone(i, deviations);
   }
   return result;
 }

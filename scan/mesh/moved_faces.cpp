@@ -28,7 +28,7 @@ constexpr std::size_t kMany = 20;
 // A box smaller than a cell meets so many at most.
 constexpr double kCellsOfBox = 8.0;
 
-// Cells of a coarse lattice that boxes meet. meet() after add_done().
+// Cells of a coarse lattice that boxes meet. sort() comes between add() and meet().
 class Cells {
  public:
   Cells(const Eigen::Vector3d& origin, double size) : origin_(origin), size_(size) {}
@@ -44,7 +44,7 @@ class Cells {
       return false;
     });
   }
-  void add_done() {
+  void sort() {
     std::sort(cells_.begin(), cells_.end());
     cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
   }
@@ -78,7 +78,7 @@ class Cells {
   Eigen::Vector3d origin_;
   double size_;
   std::vector<bool> slots_ = std::vector<bool>(kSlots, false);
-  PagedVector<std::uint64_t> cells_;  // Sorted by add_done().
+  PagedVector<std::uint64_t> cells_;  // By sort() sorted, each once.
 };
 
 class MovedFaces {
@@ -97,7 +97,7 @@ class MovedFaces {
       cells_.add(box_of(faces_[k]));
       kinds[faces_[k]] = kMoved;
     });
-    cells_.add_done();
+    cells_.sort();
     parallel_for(mesh.faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f)
         if (kinds[f] == kFar && cells_.meet(box_of(static_cast<std::uint32_t>(f))))

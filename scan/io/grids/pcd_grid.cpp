@@ -135,7 +135,6 @@ bool unpack(std::ifstream& file, PcdCloud& to) {
   return true;
 }
 
-// PCL's own way copies binary values twice more, which takes as long as reading them.
 bool read_ascii(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
   pcl::PCDReader reader;
   if (!header.ends_in_return) return reader.readBodyASCII(file, to.cloud, to.version) >= 0;
@@ -143,6 +142,7 @@ bool read_ascii(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
   return reader.readBodyASCII(text, to.cloud, to.version) >= 0;
 }
 
+// PCL's own way copies binary values twice more, which takes as long as reading them.
 bool read_values(std::ifstream& file, const PcdHeader& header, PcdCloud& to) {
   to.cloud.data.resize(header.points * header.point_bytes);
   switch (header.data) {

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "scan/io/normals/consensus_sets.h"
 #include "scan/io/normals/convention_notes.h"
-#include "scan/io/normals/convention_parties.h"
 #include "scan/io/normals/convention_scores.h"
 #include "scan/io/normals/foreign_maps.h"
 
@@ -63,15 +63,15 @@ struct Decision {
   bool certain = true;  // No other one fits that would make much of a difference.
 };
 
-// `of_party`: what the view says together with those that agree with it.
+// `of_set`: what the view says together with those that agree with it.
 Decision decide(const NormalEvidence& view, const ConventionRanking& alone,
-                const ConventionRanking& of_party) {
+                const ConventionRanking& of_set) {
   std::vector<std::size_t> left;
-  std::ranges::set_intersection(alone.candidates, of_party.candidates, std::back_inserter(left));
+  std::ranges::set_intersection(alone.candidates, of_set.candidates, std::back_inserter(left));
   const bool contradicts_others = left.empty();
   if (contradicts_others) left = alone.candidates;
   const auto& all = all_conventions(view.kind);
-  Decision decision{all[nearest(view, left, contradicts_others ? alone : of_party)],
+  Decision decision{all[nearest(view, left, contradicts_others ? alone : of_set)],
                     !view.patches.patches.empty() || left.size() == 1};
   for (const std::size_t c : left)
     if (angle_between(view, all[c], decision.convention) > kSame) decision.certain = false;
@@ -122,16 +122,16 @@ bool settle_group(const Group& group, const std::vector<NormalEvidence>& views,
                   std::vector<SettledNormals>& settled) {
   std::vector<ConventionRanking> alone;
   for (const std::size_t view : group) alone.push_back(rank_alone(views[view]));
-  const std::vector<Party> parties = find_parties(alone);
-  for (const Party& party : parties) {
+  const std::vector<ConsensusSet> sets = find_consensus_sets(alone);
+  for (const ConsensusSet& set : sets) {
     ConventionScores scores(views[group.front()].kind);
-    for (const std::size_t member : party) scores.add(views[group[member]]);
-    const ConventionRanking of_party = scores.ranking();  // The same for all: made once.
-    for (const std::size_t member : party)
+    for (const std::size_t member : set) scores.add(views[group[member]]);
+    const ConventionRanking of_set = scores.ranking();  // The same for all: made once.
+    for (const std::size_t member : set)
       settled[group[member]] =
-          settle(views[group[member]], decide(views[group[member]], alone[member], of_party));
+          settle(views[group[member]], decide(views[group[member]], alone[member], of_set));
   }
-  if (parties.size() == 1) return true;
+  if (sets.size() == 1) return true;
   for (std::size_t member = 0; member < group.size(); ++member)
     if (is_torn(group[member], alone[member], group, views, settled))
       settled[group[member]].certain = false;

@@ -217,14 +217,16 @@ Result<ScanProject> read_project(const std::filesystem::path& path,
     if (options.for_alignment) settle_poses(spec->views, *views, project);
     const auto notes = settle_normals(*views);
     if (!notes) return notes.error();
+    std::vector<ClippedRanges> clipped;
     for (LoadedView& view : *views) {
+      if (view.clipped) clipped.push_back(std::move(*view.clipped));
       project.views.push_back(std::move(view.view));
       for (auto& note : view.notes) project.notes.push_back(std::move(note));
     }
     project.notes.insert(project.notes.end(), notes->begin(), notes->end());
     if (auto note = note_on_principal_points(spec->views, project.views))
       project.notes.push_back(std::move(*note));
-    if (auto note = note_on_clipped_ranges(project.views))
+    if (auto note = note_on_clipped_ranges(clipped, project.views.size()))
       project.notes.push_back(std::move(*note));
     for (std::string& note :
          options.for_alignment ? leave_out_copies(project.views) : notes_on_copies(project.views))

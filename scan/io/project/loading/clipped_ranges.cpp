@@ -42,13 +42,9 @@ struct LeastValues {
   }
 };
 
-struct ClippedSamples {
-  std::size_t count = 0, samples = 0;
-  double limit = 0.0;  // [unit]
-  bool is_nearest = false;
-};
+}  // namespace
 
-std::optional<ClippedSamples> find_clipped(const RangeView& view) {
+std::optional<ClippedRanges> find_clipped_ranges(const RangeView& view) {
   LeastValues nearest, farthest;
   std::size_t samples = 0;
   for (const double range : view.range) {
@@ -58,29 +54,24 @@ std::optional<ClippedSamples> find_clipped(const RangeView& view) {
     farthest.add(-range);
   }
   if (nearest.are_piled_up(samples))
-    return ClippedSamples{nearest.of_least, samples, nearest.least, true};
+    return ClippedRanges{view.name, nearest.of_least, samples, nearest.least, true};
   if (farthest.are_piled_up(samples))
-    return ClippedSamples{farthest.of_least, samples, -farthest.least, false};
+    return ClippedRanges{view.name, farthest.of_least, samples, -farthest.least, false};
   return std::nullopt;
 }
 
-}  // namespace
-
-std::optional<std::string> note_on_clipped_ranges(const std::vector<RangeView>& views) {
+std::optional<std::string> note_on_clipped_ranges(const std::vector<ClippedRanges>& clipped,
+                                                  std::size_t views) {
+  if (clipped.empty()) return std::nullopt;
+  const ClippedRanges& first = clipped.front();
   std::ostringstream note;
-  std::size_t clipped_views = 0;
-  for (const RangeView& view : views) {
-    const auto clipped = find_clipped(view);
-    if (!clipped || ++clipped_views > 1) continue;
-    note << " many samples have exactly the " << (clipped->is_nearest ? "smallest" : "largest")
-         << " depth, as " << clipped->count << " of " << clipped->samples << " in view "
-         << view.name << " at " << clipped->limit
-         << ": unless a flat surface faces the sensor there, it writes the limit of its range for "
-            "all that is beyond; mask these samples, they are no surface";
-  }
-  if (clipped_views == 0) return std::nullopt;
-  return "warning: in " + std::to_string(clipped_views) + " of " + std::to_string(views.size()) +
-         " views" + note.str();
+  note << "warning: in " << clipped.size() << " of " << views
+       << " views many samples have exactly the " << (first.is_nearest ? "smallest" : "largest")
+       << " depth, as " << first.count << " of " << first.samples << " in view " << first.view
+       << " at " << first.limit
+       << ": unless a flat surface faces the sensor there, it writes the limit of its range for "
+          "all that is beyond; mask these samples, they are no surface";
+  return note.str();
 }
 
 }  // namespace relief

@@ -318,6 +318,7 @@ Result<LoadedView> load_view(const ViewSpec& spec, MemoryBudget& memory) {
     append(loaded.notes, loaded.normals->notes);
   }
   clean_confidence(loaded.view.confidence);
+  loaded.clipped = find_clipped_ranges(loaded.view);
   return loaded;
 }
 

@@ -12,6 +12,7 @@
 #include "scan/io/grids/grid_file.h"
 #include "scan/io/normals/convention_choice.h"
 #include "scan/io/normals/normal_evidence.h"
+#include "scan/io/project/loading/clipped_ranges.h"
 #include "scan/io/project/view_spec.h"
 
 namespace relief {
@@ -22,6 +23,7 @@ struct LoadedView {
   std::optional<StoredNormals> normals;
   std::vector<std::string> notes;
   AssumedViewpoint assumed_viewpoint = AssumedViewpoint::kNone;
+  std::optional<ClippedRanges> clipped;
 };
 
 /// Memory [bytes] that views may take together; may be used from several threads.

@@ -173,8 +173,7 @@ Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& fo
   if (!trajectory) return trajectory.error();
   notes.push_back("poses from " + (*file)->path.string());
   const auto lost = std::ranges::count_if(*trajectory, &TrajectoryPose::is_lost);
-  for (std::string& note : notes_on_lost_poses(lost, trajectory->size()))
-    notes.push_back(std::move(note));
+  if (auto note = note_on_lost_poses(lost, trajectory->size())) notes.push_back(std::move(*note));
   return assign_poses(*trajectory, (*file)->path, found.frames, notes);
 }
 

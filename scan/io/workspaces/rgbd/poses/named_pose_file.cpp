@@ -149,7 +149,9 @@ std::optional<Candidate> candidate_of(const fs::path& file, const PoseList& pose
   const bool is_named = is_named_as_poses(file);
   const auto lost =
       std::ranges::count_if(poses.world_from_view, [](const auto& pose) { return !pose; });
-  auto notes = notes_on_lost_poses(lost, poses.world_from_view.size());
+  std::vector<std::string> notes;
+  if (auto note = note_on_lost_poses(lost, poses.world_from_view.size()))
+    notes.push_back(std::move(*note));
   if (auto matched = match_frames(poses, frames)) {
     if (matched->offset != 0)
       notes.push_back("the numbers of the poses are those of the depth maps plus " +
@@ -193,10 +195,10 @@ Result<std::optional<NamedPoseFile>> find_named_poses(const fs::path& folder,
   return best ? std::optional(std::move(best->file)) : std::nullopt;
 }
 
-std::vector<std::string> notes_on_lost_poses(std::ptrdiff_t lost, std::size_t poses) {
-  if (lost == 0) return {};
-  return {std::to_string(lost) + " of its " + std::to_string(poses) +
-          " poses are no motion, as where tracking is lost: they are not taken"};
+std::optional<std::string> note_on_lost_poses(std::ptrdiff_t lost, std::size_t poses) {
+  if (lost == 0) return std::nullopt;
+  return std::to_string(lost) + " of its " + std::to_string(poses) +
+         " poses are no motion, as where tracking is lost: they are not taken";
 }
 
 std::vector<fs::path> files_named_as_poses(const fs::path& folder) {

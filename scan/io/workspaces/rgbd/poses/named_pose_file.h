@@ -26,8 +26,8 @@ struct NamedPoseFile {
 Result<std::optional<NamedPoseFile>> find_named_poses(const std::filesystem::path& folder,
                                                       const std::vector<RgbdFrame>& frames);
 
-/// Says that so many of the poses of a file are lost; empty for none.
-std::vector<std::string> notes_on_lost_poses(std::ptrdiff_t lost, std::size_t poses);
+/// Says that so many of the poses of a file are lost; nothing for none.
+std::optional<std::string> note_on_lost_poses(std::ptrdiff_t lost, std::size_t poses);
 
 /// The texts and arrays of a folder whose names speak of poses: what to name where none could be
 /// read.

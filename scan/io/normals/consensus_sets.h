@@ -13,10 +13,11 @@ namespace relief {
 ConventionRanking rank_alone(const NormalEvidence& view);
 
 /// Views, by their indices in ascending order, that have a candidate in common.
-using Party = std::vector<std::size_t>;
+using ConsensusSet = std::vector<std::size_t>;
 
-/// Divides the views of these rankings into parties, each as large as it can be of those that are
-/// left: a view that alone cannot tell is with the most others. Nearly always all are one party.
-std::vector<Party> find_parties(const std::vector<ConventionRanking>& alone);
+/// Divides the views of these rankings into consensus sets, each as large as it can be of those
+/// that are left: a view that alone cannot tell is with the most others. Nearly always all are one
+/// set.
+std::vector<ConsensusSet> find_consensus_sets(const std::vector<ConventionRanking>& alone);
 
 }  // namespace relief

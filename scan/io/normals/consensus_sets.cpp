@@ -1,4 +1,4 @@
-#include "scan/io/normals/convention_parties.h"
+#include "scan/io/normals/consensus_sets.h"
 
 #include <algorithm>
 #include <iterator>
@@ -10,16 +10,16 @@ namespace relief {
 namespace {
 
 // Of `views`, those that `convention` is a candidate of.
-Party party_of(std::size_t convention, const Party& views,
-               const std::vector<ConventionRanking>& alone) {
-  Party party;
-  std::ranges::copy_if(views, std::back_inserter(party), [&](std::size_t view) {
+ConsensusSet set_of(std::size_t convention, const ConsensusSet& views,
+                    const std::vector<ConventionRanking>& alone) {
+  ConsensusSet set;
+  std::ranges::copy_if(views, std::back_inserter(set), [&](std::size_t view) {
     return std::ranges::binary_search(alone[view].candidates, convention);
   });
-  return party;
+  return set;
 }
 
-double disagreement(std::size_t convention, const Party& views,
+double disagreement(std::size_t convention, const ConsensusSet& views,
                     const std::vector<ConventionRanking>& alone) {
   double sum = 0.0;
   for (const std::size_t view : views) sum += alone[view].disagreement[convention];
@@ -27,15 +27,14 @@ double disagreement(std::size_t convention, const Party& views,
 }
 
 // Of equally large ones that which its convention fits best.
-Party largest_party(const Party& views, const std::vector<ConventionRanking>& alone) {
-  Party largest;
+ConsensusSet largest_set(const ConsensusSet& views, const std::vector<ConventionRanking>& alone) {
+  ConsensusSet largest;
   double least = 0.0;
   for (std::size_t c = 0; c < alone[views.front()].disagreement.size(); ++c) {
-    Party party = party_of(c, views, alone);
-    const double sum = disagreement(c, party, alone);
-    if (party.size() < largest.size() || (party.size() == largest.size() && !(sum < least)))
-      continue;
-    largest = std::move(party);
+    ConsensusSet set = set_of(c, views, alone);
+    const double sum = disagreement(c, set, alone);
+    if (set.size() < largest.size() || (set.size() == largest.size() && !(sum < least))) continue;
+    largest = std::move(set);
     least = sum;
   }
   return largest;
@@ -55,16 +54,16 @@ ConventionRanking rank_alone(const NormalEvidence& view) {
   return alone;
 }
 
-std::vector<Party> find_parties(const std::vector<ConventionRanking>& alone) {
-  std::vector<Party> parties;
-  Party left(alone.size());
+std::vector<ConsensusSet> find_consensus_sets(const std::vector<ConventionRanking>& alone) {
+  std::vector<ConsensusSet> sets;
+  ConsensusSet left(alone.size());
   std::iota(left.begin(), left.end(), std::size_t{0});
   while (!left.empty()) {
-    parties.push_back(largest_party(left, alone));
-    std::erase_if(
-        left, [&](std::size_t view) { return std::ranges::binary_search(parties.back(), view); });
+    sets.push_back(largest_set(left, alone));
+    std::erase_if(left,
+                  [&](std::size_t view) { return std::ranges::binary_search(sets.back(), view); });
   }
-  return parties;
+  return sets;
 }
 
 }  // namespace relief
