@@ -54,6 +54,17 @@ int open_nameless(const std::filesystem::path& folder) {
   return named;
 }
 
+// The whole of a file, made that large; null and errno when there is no room.
+void* mapped(int file, std::size_t bytes) {
+  // All of the space at once: a disk that fills up later would be a fatal signal.
+  if (const int code = ::posix_fallocate(file, 0, static_cast<off_t>(bytes)); code != 0) {
+    errno = code;
+    return nullptr;
+  }
+  void* const address = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+  return address == MAP_FAILED ? nullptr : address;
+}
+
 std::string mebibytes(std::size_t bytes) {
   return std::to_string((bytes + kMebibyte - 1) / kMebibyte) + " MiB";
 }
@@ -65,6 +76,10 @@ MemoryLimit::MemoryLimit(std::size_t limit, std::filesystem::path folder,
     : limit_(limit),
       folder_(folder.empty() ? default_folder() : std::move(folder)),
       resident_(resident ? std::move(resident) : [] { return resident_memory(); }) {}
+
+MemoryLimit::~MemoryLimit() {
+  for (const auto& [address, bytes] : files_) ::munmap(address, bytes);
+}
 
 bool MemoryLimit::keep_in_memory(std::size_t bytes) {
   const std::lock_guard lock(mutex_);
@@ -88,6 +103,7 @@ void MemoryLimit::evict_pages(std::size_t needed) {
 void MemoryLimit::evict_in_time(std::size_t needed) {
   const std::int64_t now =
       std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+  if (evicting_) const std::lock_guard wait(mutex_);  // Else pages come back as fast as they go.
   if (now < (needed < kLarge ? next_look_ : next_eviction_)) return;
   next_look_ = now + kPause.count();
   const std::size_t touched = std::clamp(limit_ / kLoopPart, kLoopBytes, kMostLoopBytes);
@@ -100,7 +116,9 @@ void MemoryLimit::evict_in_time(std::size_t needed) {
 
 // What is resident then. The content of shared mappings stays in their files.
 std::size_t MemoryLimit::evict_all() {
-  for (const auto& [address, bytes] : blocks_) ::madvise(address, bytes, MADV_DONTNEED);
+  evicting_ = true;
+  for (const auto& [address, bytes] : files_) ::madvise(address, bytes, MADV_DONTNEED);
+  evicting_ = false;
   release_freed_memory();
   ++releases_;
   return resident_();
@@ -138,40 +156,44 @@ std::size_t MemoryLimit::releases() const {
   return releases_;
 }
 
-void* MemoryLimit::map_file(int file, std::size_t bytes) {
-  // All of the space at once: a disk that fills up later would be a fatal signal.
-  if (const int code = ::posix_fallocate(file, 0, static_cast<off_t>(bytes)); code != 0) {
-    errno = code;
-    return nullptr;
-  }
-  void* const address = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
-  return address == MAP_FAILED ? nullptr : address;
+MemoryLimit::MappedFile MemoryLimit::new_file(std::size_t bytes) const {
+  const int file = open_nameless(folder_);
+  void* const address = file < 0 ? nullptr : mapped(file, bytes);
+  const int code = errno;
+  if (file >= 0) ::close(file);  // the mapping keeps it
+  return {address, bytes, code};
+}
+
+void* MemoryLimit::keep(const MappedFile& file) {
+  if (file.address)
+    files_.emplace(file.address, file.bytes);
+  else
+    fail(ErrorKind::kCannotWrite, folder_.string() + ": cannot make a temporary file of " +
+                                      mebibytes(file.bytes) + ": " + std::strerror(file.code) +
+                                      "; make room, or work without a memory limit");
+  return file.address;
 }
 
 void* MemoryLimit::map(std::size_t bytes) {
-  const int file = open_nameless(folder_);
-  void* const address = file < 0 ? nullptr : map_file(file, bytes);
-  const int code = errno;
-  if (file >= 0) ::close(file);  // the mapping keeps it
+  if (bytes <= FilePieces::kLargest) {
+    const std::lock_guard lock(mutex_);
+    return pieces_.take(bytes);
+  }
+  const MappedFile file = new_file(bytes);  // Others need not wait for it.
   const std::lock_guard lock(mutex_);
-  if (address)
-    blocks_.emplace(address, bytes);
-  else
-    fail(ErrorKind::kCannotWrite, folder_.string() + ": cannot make a temporary file of " +
-                                      mebibytes(bytes) + ": " + std::strerror(code) +
-                                      "; make room, or work without a memory limit");
-  return address;
+  return keep(file);
 }
 
 bool MemoryLimit::release(void* address, std::size_t bytes) {
   const std::lock_guard lock(mutex_);
-  const auto block = blocks_.find(address);
-  if (block == blocks_.end()) {
+  if (bytes <= FilePieces::kLargest && pieces_.give_back(address, bytes)) return true;
+  const auto file = files_.find(address);
+  if (file == files_.end()) {
     in_memory_ -= std::min(in_memory_, bytes);
     return false;
   }
-  ::munmap(address, block->second);
-  blocks_.erase(block);
+  ::munmap(address, file->second);
+  files_.erase(file);
   return true;
 }
 
@@ -179,7 +201,7 @@ bool MemoryLimit::keep_grid_in_memory(std::size_t bytes) {
   const std::lock_guard lock(mutex_);
   const bool ample =
       in_memory_ + bytes <= most_in_memory() && resident_() + bytes <= limit_ / kQuarter;
-  if (!ample && blocks_.size() < kMostFiles) return false;
+  if (!ample && files_.size() < kMostFiles) return false;
   in_memory_ += bytes;
   return true;
 }

@@ -11,11 +11,12 @@
 #include <optional>
 
 #include "relief/scan/result.h"
+#include "scan/base/memory/file_pieces.h"
 
 namespace relief {
 
 /// Smaller arrays lie in memory also under a limit [bytes].
-inline constexpr std::size_t kSmallArray = std::size_t{1} << 14;
+inline constexpr std::size_t kSmallArray = std::size_t{1} << 12;
 
 /// Keeps a computation below a limit of memory. Large arrays made under a limit (PagedArray, Grid)
 /// lie in temporary files that are mapped to memory. Near the limit evict_pages() hands all pages
@@ -33,6 +34,7 @@ class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
   /// default for tests only.
   explicit MemoryLimit(std::size_t limit, std::filesystem::path folder = {},
                        std::function<std::size_t()> resident = {});
+  ~MemoryLimit();
   MemoryLimit(const MemoryLimit&) = delete;
   MemoryLimit& operator=(const MemoryLimit&) = delete;
 
@@ -69,7 +71,8 @@ class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
   const std::filesystem::path& folder() const { return folder_; }
   std::size_t releases() const;  ///< How often pages were handed back.
 
-  /// A zeroed block in a file of its own; null when that cannot be made, which check() tells.
+  /// A zeroed block in a file, a short one with others; null when the file cannot be made, which
+  /// check() tells.
   void* map(std::size_t bytes);
   /// The end of an array of `bytes`. True: it lay in a file, which is gone. False: it lies in
   /// memory, where others have room for it now.
@@ -94,18 +97,27 @@ class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
 
   bool keep_grid_in_memory(std::size_t bytes);
   std::size_t evict_all();
-  void* map_file(int file, std::size_t bytes);
+  // A file without a name, mapped to memory.
+  struct MappedFile {
+    void* address;  // Null: there is none, `code` tells why (errno).
+    std::size_t bytes;
+    int code;
+  };
+  MappedFile new_file(std::size_t bytes) const;
+  void* keep(const MappedFile& file);
   void fail(ErrorKind kind, const std::string& message);
 
   std::size_t limit_;
   std::filesystem::path folder_;
   std::function<std::size_t()> resident_;
   mutable std::mutex mutex_;
-  std::map<void*, std::size_t> blocks_;
+  std::map<void*, std::size_t> files_;  // Where they are mapped, and their sizes.
+  FilePieces pieces_{[this](std::size_t bytes) { return keep(new_file(bytes)); }};
   std::size_t releases_ = 0;
   std::size_t in_memory_ = 0;  // Of the arrays and grids that may lie there.
   // Of evict_in_time(), on the steady clock [ns]: later where evicting did not help.
   std::atomic<std::int64_t> next_look_{0}, next_eviction_{0};
+  std::atomic<bool> evicting_{false};
   std::optional<Error> failure_;
 };
 

@@ -67,6 +67,35 @@ TEST_F(MemoryLimitTest, ManyShortListsLieInFewFiles) {
   }
 }
 
+// As the masks of a thousand small views, which came to as much as all else.
+TEST_F(MemoryLimitTest, ManySmallGridsLieInFewFiles) {
+  const Context context{.memory = 64 * kMebibyte, .temporary_folder = folder_.path()};
+  ASSERT_TRUE(run_until_stopped(context, [&] {
+    const std::size_t before = resident_beyond_files();
+    std::vector<Grid<std::uint8_t>> grids;
+    for (int round = 0; round < 2; ++round) {
+      grids.clear();
+      for (int i = 0; i < 4000; ++i) grids.emplace_back(100 + i % 500, 100, std::uint8_t(i));
+      EXPECT_LT(resident_beyond_files(), before + 24 * kMebibyte) << "of 140 MB";
+    }
+    for (int i = 0; i < 4000; ++i)
+      for (const std::uint8_t value : grids[static_cast<std::size_t>(i)])
+        ASSERT_EQ(value, std::uint8_t(i));
+  }));
+}
+
+TEST_F(MemoryLimitTest, ShortArraysAreZeroAlsoWhereOthersWere) {
+  MemoryLimit limit(1, folder_.path());
+  for (int round = 0; round < 3; ++round) {
+    std::vector<PagedArray<std::uint32_t>> arrays;
+    for (std::size_t i = 0; i < 300; ++i) arrays.emplace_back(1024 + 57 * i, &limit);
+    for (auto& array : arrays) {
+      for (const std::uint32_t value : array) ASSERT_EQ(value, 0u);
+      std::fill(array.begin(), array.end(), 0xffffffffU);
+    }
+  }
+}
+
 TEST_F(MemoryLimitTest, AnEighthOfTheLimitMayLieInMemory) {
   MemoryLimit limit(800 * kMebibyte, folder_.path(), [] { return 40 * kMebibyte; });
   EXPECT_FALSE(limit.keep_in_memory(61 * kMebibyte)) << "the process has 40 of 100 MiB";
