@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "scan/base/linear_algebra.h"
+#include "scan/base/parallel.h"
 
 namespace relief::registration {
 
@@ -74,15 +75,17 @@ Matrix6d inverse_among(const Matrix6d& information,
 
 std::vector<PairMotion> motions_of_pairs(const PoseGraphLastStep& last,
                                          const std::vector<PairFit>& fits) {
-  std::map<std::pair<std::size_t, std::size_t>, BothWays> sums;
-  for (const PairInformation& pair : last.pairs) {
-    const auto [a, b] = std::minmax(pair.source, pair.target);
-    if (pair.count > 0) sums[{a, b}].add(pair, pair.source == a ? 1.0 : -1.0, last.step_gain);
-  }
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<const PairInformation*>> directions;
+  for (const PairInformation& pair : last.pairs)
+    if (pair.count > 0) directions[std::minmax(pair.source, pair.target)].push_back(&pair);
   std::map<std::pair<std::size_t, std::size_t>, const PairFit*> fit_of;
   for (const PairFit& fit : fits) fit_of[{fit.a, fit.b}] = &fit;
   std::vector<PairMotion> motions;
-  for (const auto& [views, sum] : sums) {
+  for (const auto& [views, of_views] : directions) {
+    check_stop_and_memory();
+    BothWays sum;
+    for (const PairInformation* pair : of_views)
+      sum.add(*pair, pair->source == views.first ? 1.0 : -1.0, last.step_gain);
     const auto fit = fit_of.find(views);
     const Matrix6d inverse = inverse_among(sum.information,
                                            fit == fit_of.end() ? std::vector<DegenerateDirection>()

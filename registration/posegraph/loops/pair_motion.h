@@ -8,6 +8,7 @@
 #include "registration/posegraph/refinement/pair_information.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "relief/registration/pair_fit.h"
+#include "relief/scan/page_allocator.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {
@@ -18,7 +19,7 @@ struct PairMotion {
   std::size_t a = 0, b = 0;  ///< a < b.
   RigidTangent motion = RigidTangent::Zero();
   /// What the residuals on each patch of the surface move it by, in ascending order of `patch`.
-  std::vector<PatchScore> influence;
+  PagedVector<PatchScore> influence;
   Matrix6d independent = Matrix6d::Zero();  ///< Covariance that no patch has part in.
 };
 

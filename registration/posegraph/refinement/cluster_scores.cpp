@@ -1,8 +1,11 @@
 #include "registration/posegraph/refinement/cluster_scores.h"
 
 #include <algorithm>
-#include <map>
-#include <tuple>
+#include <functional>
+#include <queue>
+#include <utility>
+
+#include "scan/base/parallel.h"
 
 namespace relief::registration {
 
@@ -16,46 +19,82 @@ std::uint64_t around(std::uint64_t patch) {
   return key;
 }
 
+// Adds scores, times `sign`, to sums; both are in ascending order of their patches.
+void add_to(PagedVector<PatchScore>& sums, std::span<const PatchScore> scores, double sign) {
+  const std::size_t before = sums.size();
+  std::size_t from = 0;
+  for (const PatchScore& score : scores) {
+    const auto end = sums.begin() + static_cast<std::ptrdiff_t>(before);
+    const auto place = std::ranges::lower_bound(sums.begin() + static_cast<std::ptrdiff_t>(from),
+                                                end, score.patch, {}, &PatchScore::patch);
+    from = static_cast<std::size_t>(place - sums.begin());
+    if (place != end && place->patch == score.patch)
+      place->score += sign * score.score;
+    else
+      sums.push_back({score.patch, sign * score.score});
+  }
+  std::ranges::inplace_merge(sums, sums.begin() + static_cast<std::ptrdiff_t>(before), {},
+                             &PatchScore::patch);
+}
+
+// Clusters between two looks at the memory. Changes no result.
+constexpr std::size_t kClustersAtOnce = 1024;
+
 }  // namespace
 
-std::vector<PatchScore> ClusterScores::larger(const std::vector<PatchScore>& patches) {
-  std::map<std::uint64_t, RigidTangent> sums;
-  for (const PatchScore& patch : patches)
-    sums.try_emplace(around(patch.patch), RigidTangent::Zero()).first->second += patch.score;
-  std::vector<PatchScore> joined;
-  for (const auto& [patch, score] : sums) joined.push_back({patch, score});
+PagedVector<PatchScore> ClusterScores::larger(std::span<const PatchScore> patches) {
+  PagedVector<PatchScore> joined;
+  for (const PatchScore& patch : patches) joined.push_back({around(patch.patch), patch.score});
+  std::ranges::stable_sort(joined, {}, &PatchScore::patch);
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < joined.size(); ++i) {
+    if (joined[i].patch == joined[last].patch)
+      joined[last].score += joined[i].score;
+    else
+      joined[++last] = joined[i];
+  }
+  if (!joined.empty()) joined.resize(last + 1);
+  joined.shrink_to_fit();
   return joined;
 }
 
 void ClusterScores::add(const PairInformation& pair) {
-  for (const PatchScore& patch : pair.patches) {
-    of_view_[pair.source].try_emplace(patch.patch, RigidTangent::Zero()).first->second +=
-        patch.score;
-    of_view_[pair.target].try_emplace(patch.patch, RigidTangent::Zero()).first->second -=
-        patch.score;
-  }
+  add_to(of_view_[pair.source], pair.patches, 1.0);
+  add_to(of_view_[pair.target], pair.patches, -1.0);
 }
 
 ClusterScores ClusterScores::on_larger_clusters() const {
-  ClusterScores larger(of_view_.size());
-  for (const Entry& entry : sorted())
-    larger.of_view_[entry.view]
-        .try_emplace(around(entry.patch), RigidTangent::Zero())
-        .first->second += entry.score;
-  return larger;
+  ClusterScores joined(of_view_.size());
+  for (std::size_t view = 0; view < of_view_.size(); ++view) {
+    check_stop_and_memory();
+    joined.of_view_[view] = larger(of_view_[view]);
+  }
+  return joined;
 }
 
-std::vector<ClusterScores::Entry> ClusterScores::sorted() const {
-  std::size_t count = 0;
-  for (const auto& scores : of_view_) count += scores.size();
+void ClusterScores::for_each_cluster(
+    const std::function<void(std::uint64_t, std::span<const Entry>)>& visit) const {
+  using Next = std::pair<std::uint64_t, std::size_t>;  // The next patch of a view.
+  std::priority_queue<Next, std::vector<Next>, std::greater<>> next;
+  std::vector<std::size_t> visited(of_view_.size(), 0);
+  const auto go_on_with = [&](std::size_t view) {
+    if (visited[view] < of_view_[view].size())
+      next.emplace(of_view_[view][visited[view]].patch, view);
+  };
+  for (std::size_t view = 0; view < of_view_.size(); ++view) go_on_with(view);
   std::vector<Entry> entries;
-  entries.reserve(count);
-  for (std::size_t view = 0; view < of_view_.size(); ++view)
-    for (const auto& [patch, score] : of_view_[view]) entries.push_back({patch, view, score});
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return std::tie(a.patch, a.view) < std::tie(b.patch, b.view);
-  });
-  return entries;
+  for (std::size_t clusters = 0; !next.empty(); ++clusters) {
+    if (clusters % kClustersAtOnce == 0) check_stop_and_memory();
+    const std::uint64_t patch = next.top().first;
+    entries.clear();
+    while (!next.empty() && next.top().first == patch) {
+      const std::size_t view = next.top().second;
+      next.pop();
+      entries.push_back({view, of_view_[view][visited[view]++].score});
+      go_on_with(view);
+    }
+    visit(patch, entries);
+  }
 }
 
 }  // namespace relief::registration

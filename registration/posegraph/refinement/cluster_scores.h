@@ -2,10 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <unordered_map>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "registration/posegraph/refinement/pair_information.h"
+#include "relief/scan/page_allocator.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {
@@ -23,7 +25,7 @@ class ClusterScores {
   explicit ClusterScores(std::size_t views) : of_view_(views) {}
 
   /// Patches as on_larger_clusters() joins them, in ascending order of `patch`.
-  static std::vector<PatchScore> larger(const std::vector<PatchScore>& patches);
+  static PagedVector<PatchScore> larger(std::span<const PatchScore> patches);
 
   /// Adds the scores of a pair: to its source as they are, to its target with the opposite sign.
   void add(const PairInformation& pair);
@@ -31,17 +33,18 @@ class ClusterScores {
   /// The scores of clusters whose edge is kLarger times as long.
   ClusterScores on_larger_clusters() const;
 
-  /// The score of one view on one cluster.
+  /// The score of one view on a cluster.
   struct Entry {
-    std::uint64_t patch;
     std::size_t view;
     RigidTangent score;
   };
-  /// All entries, by patch and then by view.
-  std::vector<Entry> sorted() const;
+  /// Calls `visit` with each cluster in ascending order, and its entries by view. Looks at the
+  /// memory, and for a stop, as loops do (parallel.h).
+  void for_each_cluster(
+      const std::function<void(std::uint64_t patch, std::span<const Entry>)>& visit) const;
 
  private:
-  std::vector<std::unordered_map<std::uint64_t, RigidTangent>> of_view_;
+  std::vector<PagedVector<PatchScore>> of_view_;  // Each in ascending order of `patch`.
 };
 
 }  // namespace relief::registration

@@ -11,6 +11,7 @@
 #include "registration/pairwise/degenerate_directions.h"
 #include "registration/pairwise/normal_maps/normal_matches.h"
 #include "registration/surface/view_surface.h"
+#include "relief/scan/page_allocator.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {
@@ -35,7 +36,7 @@ struct PairInformation {
   /// The part of the information whose residuals count as independent: that of normal maps, whose
   /// deviation tells what neighbours share.
   Matrix6d independent = Matrix6d::Zero();
-  std::vector<PatchScore> patches;  ///< In ascending order of `patch`.
+  PagedVector<PatchScore> patches;  ///< In ascending order of `patch`.
 };
 
 struct PairInformationOptions {

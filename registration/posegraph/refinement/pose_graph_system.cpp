@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 #include <Eigen/Dense>
@@ -80,16 +81,13 @@ std::vector<Matrix6d> PoseGraphSystem::information_of_views() const {
 // B of (R12). Few views see a patch, so few blocks are not zero.
 SymmetricBlocks PoseGraphSystem::scatter(const ClusterScores& scores, double inflation) const {
   SymmetricBlocks sum;
-  const auto entries = scores.sorted();
   std::size_t patches = 0;
-  for (auto begin = entries.begin(); begin != entries.end(); ++patches) {
-    const auto end = std::find_if(begin, entries.end(),
-                                  [&](const auto& entry) { return entry.patch != begin->patch; });
-    for (auto a = begin; a != end; ++a)  // Those of a patch are in the order of their views.
-      for (auto b = a; b != end; ++b)
+  scores.for_each_cluster([&](std::uint64_t, std::span<const ClusterScores::Entry> entries) {
+    ++patches;
+    for (auto a = entries.begin(); a != entries.end(); ++a)
+      for (auto b = a; b != entries.end(); ++b)
         add_block(a->view, b->view, a->score * b->score.transpose(), sum);
-    begin = end;
-  }
+  });
   // The poses were fitted to these scores, which took as many degrees of freedom from them.
   const auto count = static_cast<double>(patches);
   const auto fitted = 6.0 * static_cast<double>(std::count(held_.begin(), held_.end(), false));
@@ -111,8 +109,9 @@ double PoseGraphSystem::spread(const ClusterScores& scores) const {
   for (const Matrix6d& information : information_of_views())
     variance.push_back(inverse_of(information));
   double sum = 0.0;
-  for (const auto& entry : scores.sorted())
-    sum += entry.score.dot(variance[entry.view] * entry.score);
+  scores.for_each_cluster([&](std::uint64_t, std::span<const ClusterScores::Entry> entries) {
+    for (const auto& entry : entries) sum += entry.score.dot(variance[entry.view] * entry.score);
+  });
   return sum;
 }
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <random>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -146,6 +148,20 @@ TEST(PairInformation, IsIndifferentToMotionsThatAreIgnored) {
   EXPECT_GT(eigen.eigenvalues()[2], 1e-6 * eigen.eigenvalues()[5]);  // The other four are held.
 }
 
+struct ClusterEntry {
+  std::uint64_t patch;
+  std::size_t view;
+  RigidTangent score;
+};
+
+std::vector<ClusterEntry> entries_of(const ClusterScores& scores) {
+  std::vector<ClusterEntry> all;
+  scores.for_each_cluster([&](std::uint64_t patch, std::span<const ClusterScores::Entry> entries) {
+    for (const auto& [view, score] : entries) all.push_back({patch, view, score});
+  });
+  return all;
+}
+
 TEST(ClusterScores, AddUpOverThePairsOfAView) {
   PairInformation first, second;
   first.source = 0;
@@ -157,7 +173,7 @@ TEST(ClusterScores, AddUpOverThePairsOfAView) {
   ClusterScores scores(3);
   scores.add(first);
   scores.add(second);
-  const auto entries = scores.sorted();
+  const auto entries = entries_of(scores);
   ASSERT_EQ(entries.size(), 5u);
   const std::uint64_t patches[] = {7, 7, 7, 9, 9};
   const std::size_t views[] = {0, 1, 2, 0, 1};
@@ -167,6 +183,31 @@ TEST(ClusterScores, AddUpOverThePairsOfAView) {
     EXPECT_EQ(entries[i].view, views[i]);
     EXPECT_TRUE(entries[i].score == RigidTangent::Constant(expected[i]));
   }
+}
+
+TEST(ClusterScores, AreInOrderWhateverTheOrderOfThePairs) {
+  std::mt19937 generator(3);
+  std::map<std::pair<std::uint64_t, std::size_t>, double> expected;
+  ClusterScores scores(4);
+  for (std::size_t i = 0; i < 30; ++i) {
+    PairInformation pair;
+    pair.source = i % 4;
+    pair.target = (i + 1 + i / 4 % 3) % 4;
+    for (std::uint64_t patch = 0; patch < 300; ++patch) {
+      if (generator() % 3 != 0) continue;
+      const double score = 1.0 + generator() % 5;
+      pair.patches.push_back({patch, RigidTangent::Constant(score)});
+      expected[{patch, pair.source}] += score;
+      expected[{patch, pair.target}] -= score;
+    }
+    scores.add(pair);
+  }
+  std::vector<std::pair<std::pair<std::uint64_t, std::size_t>, double>> found;
+  for (const auto& entry : entries_of(scores))
+    found.push_back({{entry.patch, entry.view}, entry.score[3]});
+  EXPECT_TRUE(std::ranges::equal(found, expected, [](const auto& a, const auto& b) {
+    return a.first == b.first && a.second == b.second;
+  }));
 }
 
 // The patch in column `x` of the row through the origin: see patch_of() in pair_information.cpp.
@@ -180,7 +221,7 @@ TEST(ClusterScores, AddUpOnLargerPatches) {
   ClusterScores scores(2);
   scores.add(pair);
   std::vector<double> of_source;
-  for (const auto& entry : scores.on_larger_clusters().sorted())
+  for (const auto& entry : entries_of(scores.on_larger_clusters()))
     if (entry.view == 0) of_source.push_back(entry.score[0]);
   EXPECT_EQ(of_source, (std::vector<double>{5.0, 5.0, -4.0, -3.0}));  // 0 to 3, 4, -8 to -5, rest.
 }

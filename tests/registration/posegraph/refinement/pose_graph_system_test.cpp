@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <random>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -112,9 +113,12 @@ class DenseReference {
 
   Eigen::MatrixXd scatter() const {
     std::map<std::uint64_t, Eigen::VectorXd> patches;
-    for (const auto& entry : graph_.scores.sorted())
-      patches.try_emplace(entry.patch, Eigen::VectorXd::Zero(graph_.rows()))
-          .first->second.segment<6>(row_of(entry.view)) += entry.score;
+    graph_.scores.for_each_cluster(
+        [&](std::uint64_t patch, std::span<const ClusterScores::Entry> entries) {
+          for (const auto& entry : entries)
+            patches.try_emplace(patch, Eigen::VectorXd::Zero(graph_.rows()))
+                .first->second.segment<6>(row_of(entry.view)) += entry.score;
+        });
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(graph_.rows(), graph_.rows());
     for (const auto& [patch, score] : patches) sum += score * score.transpose();
     const double m = static_cast<double>(patches.size()), d = static_cast<double>(free_.size());
