@@ -1,8 +1,10 @@
 #include "scan/grid/range_quantisation.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <set>
@@ -219,6 +221,18 @@ struct Step {
   double multiples = 0.0;  // The part of the differences that are.
 };
 
+// Those that can improve a first guess of a step, in their order. Up to 4 steps count, and by the
+// last of four rounds the step has grown thrice, by half at most: no difference is farther from a
+// multiple.
+constexpr double kMostImproved = 4.0 * 1.5 * 1.5 * 1.5;
+Differences up_to(double most, const Differences& differences) {
+  Differences some;
+  for (const std::size_t axis : {0, 1})
+    std::copy_if(differences[axis].begin(), differences[axis].end(), std::back_inserter(some[axis]),
+                 [&](const Difference& difference) { return difference.value <= most; });
+  return some;
+}
+
 // The largest step that the differences are multiples of; of size 0 for none.
 Step find_step(const Differences& differences) {
   // Of the differences, each of which may be one step: those of many steps are above.
@@ -232,8 +246,9 @@ Step find_step(const Differences& differences) {
   Step largest;
   for (const double quantile : kQuantiles) {
     double step = nonzero[static_cast<std::size_t>(quantile * static_cast<double>(nonzero.size()))];
+    const Differences some = up_to(kMostImproved * step, differences);
     for (const auto& [most, off] : {std::pair{1.5, 0.5}, {4.0, 0.25}, {4.0, 0.1}, {4.0, 0.05}})
-      step = improve(differences, step, most, off);
+      step = improve(some, step, most, off);
     if (!(step > largest.size)) continue;
     const auto rows = multiples(differences[0], step), columns = multiples(differences[1], step);
     if (!rows && !columns) continue;

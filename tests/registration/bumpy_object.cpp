@@ -21,13 +21,16 @@ double implicit_value(const Eigen::Vector3d& p) {
 }
 
 Eigen::Vector3d gradient(const Eigen::Vector3d& p) {
-  constexpr double kStep = 1e-5;
-  Eigen::Vector3d result;
-  for (int k = 0; k < 3; ++k) {
-    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(k);
-    result[k] = (implicit_value(p + step) - implicit_value(p - step)) / (2.0 * kStep);
-  }
-  return result;
+  const Eigen::Vector3d axes(1.0, 0.85, 1.15);
+  const Eigen::Vector3d scaled = p.cwiseQuotient(axes);
+  const Eigen::Vector3d body = scaled.cwiseQuotient(axes) / scaled.norm();
+  const double u = 7.0 * p.x() + 1.0, v = 6.0 * p.y();
+  const double along_xz = std::cos(8.0 * p.z() - 3.0 * p.x());
+  const double along_yz = -std::sin(9.0 * p.y() + 4.0 * p.z());
+  const Eigen::Vector3d bumps(7.0 * std::cos(u) * std::cos(v) - 3.0 * along_xz,
+                              -6.0 * std::sin(u) * std::sin(v) + 9.0 * along_yz,
+                              8.0 * along_xz + 4.0 * along_yz);
+  return body + 0.03 * bumps;
 }
 
 Eigen::Vector3d random_direction(std::mt19937& generator) {
@@ -46,14 +49,17 @@ Surface bumpy_object(double radius, const Eigen::Vector3d& centre) {
     constexpr double kBound = 1.4;
     if (offset > kBound * kBound) return std::nullopt;
     const double half = std::sqrt(kBound * kBound - offset);
-    double t = middle - half;
-    while (t < middle + half && implicit_value(local.at(t)) > 1e-3)
-      t += std::max(2e-3, 0.3 * implicit_value(local.at(t)));
+    double t = middle - half, value = implicit_value(local.at(t));
+    while (t < middle + half && value > 1e-3) {
+      t += std::max(2e-3, 0.3 * value);
+      value = implicit_value(local.at(t));
+    }
     if (t >= middle + half) return std::nullopt;
-    for (int i = 0; i < 6; ++i) {  // Newton along the ray.
+    for (int i = 0; i < 6 && std::abs(value) > 1e-15; ++i) {  // Newton along the ray.
       const double slope = gradient(local.at(t)).dot(local.direction);
       if (std::abs(slope) < 1e-3) return std::nullopt;
-      t -= implicit_value(local.at(t)) / slope;
+      t -= value / slope;
+      value = implicit_value(local.at(t));
     }
     return SurfaceHit{t * radius / ray.direction.norm(), gradient(local.at(t)).normalized()};
   };

@@ -1,5 +1,6 @@
 #include "registration/global/links/consistency_graph.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -9,20 +10,37 @@ namespace relief::registration {
 
 namespace {
 
-struct Signature {
-  double first = 0.0, second = 0.0, between = 0.0, volume = 0.0;
+struct MatchedPoint {
+  Eigen::Vector3d point, normal;
 };
 
-// The angles that two oriented points make: invariant, and of opposite volume when mirrored.
-Signature signature(const Eigen::Vector3d& n, const Eigen::Vector3d& m,
-                    const Eigen::Vector3d& line) {
-  return {n.dot(line), m.dot(line), n.dot(m), n.cross(m).dot(line)};
-}
+// Two points of a view with their normals, by what no motion of the view changes.
+class PointPair {
+ public:
+  PointPair(const MatchedPoint& first, const MatchedPoint& second)
+      : first_(first), second_(second), line_(second.point - first.point), length_(line_.norm()) {}
 
-bool similar(const Signature& s, const Signature& t, double tolerance) {
-  return std::abs(s.first - t.first) < tolerance && std::abs(s.second - t.second) < tolerance &&
-         std::abs(s.between - t.between) < tolerance && std::abs(s.volume - t.volume) < tolerance;
-}
+  double length() const { return length_; }
+
+  // Whether the angles between the normals and the line are those of another pair, and their triple
+  // product, which a mirror turns. Most pairs differ in the first of these.
+  bool is_similar(const PointPair& other, double tolerance) const {
+    const auto alike = [&](double mine, double others) {
+      return std::abs(mine - others) < tolerance;
+    };
+    const Eigen::Vector3d line = line_ / length_, other_line = other.line_ / other.length_;
+    const Eigen::Vector3d &n = first_.normal, &m = second_.normal;
+    const Eigen::Vector3d &other_n = other.first_.normal, &other_m = other.second_.normal;
+    return alike(n.dot(line), other_n.dot(other_line)) &&
+           alike(m.dot(line), other_m.dot(other_line)) && alike(n.dot(m), other_n.dot(other_m)) &&
+           alike(n.cross(m).dot(line), other_n.cross(other_m).dot(other_line));
+  }
+
+ private:
+  const MatchedPoint &first_, &second_;
+  Eigen::Vector3d line_;
+  double length_;
+};
 
 }  // namespace
 
@@ -32,18 +50,17 @@ ConsistencyGraph::ConsistencyGraph(const ResampledView& a, const ResampledView& 
     : words_((matches.size() + 63) / 64),
       bits_(matches.size() * words_, 0),
       degrees_(matches.size(), 0) {
+  std::vector<MatchedPoint> in_a, in_b;  // Of the matches, in their order.
+  for (const FeatureMatch& match : matches) {
+    in_a.push_back({a.points.col(match.a), a.normals.col(match.a)});
+    in_b.push_back({b.points.col(match.b), b.normals.col(match.b)});
+  }
   for (std::size_t i = 0; i < matches.size(); ++i) {
     for (std::size_t j = i + 1; j < matches.size(); ++j) {
-      const FeatureMatch &x = matches[i], &y = matches[j];
-      const Eigen::Vector3d in_a = a.points.col(y.a) - a.points.col(x.a);
-      const Eigen::Vector3d in_b = b.points.col(y.b) - b.points.col(x.b);
-      const double length_a = in_a.norm(), length_b = in_b.norm();
-      if (std::abs(length_a - length_b) > options.distance_tolerance) continue;
-      if (length_a < options.least_distance || length_b < options.least_distance) continue;
-      if (similar(signature(a.normals.col(x.a), a.normals.col(y.a), in_a / length_a),
-                  signature(b.normals.col(x.b), b.normals.col(y.b), in_b / length_b),
-                  options.angle_tolerance))
-        connect(i, j);
+      const PointPair of_a(in_a[i], in_a[j]), of_b(in_b[i], in_b[j]);
+      if (std::abs(of_a.length() - of_b.length()) > options.distance_tolerance) continue;
+      if (std::min(of_a.length(), of_b.length()) < options.least_distance) continue;
+      if (of_a.is_similar(of_b, options.angle_tolerance)) connect(i, j);
     }
   }
 }

@@ -265,6 +265,28 @@ TEST(CoherentRms, KeepsWhatIsAlikeBeyondTheNoise) {
   EXPECT_EQ(coherent_rms({}, {}, {1.0, 2.0}), 0.0);
 }
 
+TEST(CoherentRms, CountsEachPairOfPointsOnce) {
+  const Eigen::Matrix3Xd points = random_points(700, 5);
+  const double extent = points.cwiseAbs().maxCoeff();
+  std::mt19937 generator(6);
+  std::normal_distribution<double> normal(0.5);
+  std::vector<double> residuals;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) residuals.push_back(normal(generator));
+  for (const DistanceBand& band : {DistanceBand{0.0, 0.1}, {0.05, 0.4}, {0.0, 3.0}}) {
+    double products = 0.0, pairs = 0.0;
+    for (Eigen::Index i = 0; i < points.cols(); ++i) {
+      for (Eigen::Index j = 0; j < i; ++j) {
+        const double distance = (points.col(i) - points.col(j)).norm() / extent;
+        if (distance < band.nearest || distance > band.farthest) continue;
+        products += residuals[static_cast<std::size_t>(i)] * residuals[static_cast<std::size_t>(j)];
+        ++pairs;
+      }
+    }
+    ASSERT_GT(products, 0.0);
+    EXPECT_NEAR(coherent_rms(points / extent, residuals, band), std::sqrt(products / pairs), 1e-12);
+  }
+}
+
 TEST(PairSearch, FindsTheTruePoseOfNeighbours) {
   const auto scale = coarse_scale(surfaces());
   const auto a = prepare_coarse_view(surfaces()[2], scale);
