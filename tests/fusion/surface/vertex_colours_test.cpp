@@ -12,6 +12,7 @@
 #include "scan/base/system/system_memory.h"
 #include "tests/fusion/scenes.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relief::fusion {
@@ -104,8 +105,9 @@ TEST(VertexColours, ThreadsOrderAndMemoryDoNotChangeAByte) {
     });
   views.push_back(views[2]);  // in all but its colours
   paint(views.back(), plain({1, 2, 3}));
-  const auto reference = merged(views, {.threads = 1}).colours;
-  EXPECT_EQ(merged(views, {.threads = 4}).colours, reference);
+  const auto reference = merged(views, {.threads = 4}).colours;
+  if (testing::looks_for_races()) return;
+  EXPECT_EQ(merged(views, {.threads = 1}).colours, reference);
   std::reverse(views.begin(), views.end());
   Context context{.threads = 2};
   EXPECT_EQ(merged(views, context).colours, reference);
