@@ -54,18 +54,6 @@ std::vector<double> relative_spacings(const std::vector<ViewSurface>& surfaces) 
   return relative;
 }
 
-// Whether all rays do.
-bool starts_at_origin(const Camera& camera) {
-  return camera.ray(0, 0).origin.isZero() &&
-         camera.ray(camera.width() - 1, camera.height() - 1).origin.isZero();
-}
-
-std::optional<Eigen::Vector2d> focal_lengths(const Camera& camera) {
-  if (camera.model() != Camera::Model::kPinhole && camera.model() != Camera::Model::kPinholeGl)
-    return std::nullopt;
-  return Eigen::Vector2d(camera.intrinsics().fx, camera.intrinsics().fy);
-}
-
 class AlignmentReport {
  public:
   AlignmentReport(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
@@ -117,11 +105,10 @@ class AlignmentReport {
     // More may speak against the pose than confirms it: then what only allows the pose keeps it.
     const bool contradicted = verified.violation > verified.support;
     if (!state_.refined.kept_motions.empty()) view.kept_motions = state_.refined.kept_motions[i];
+    const bool shared = (state_.verified.group[i] == main_group && !is_guess_along_a_motion(i)) ||
+                        (views_[i].pose == PoseKind::kKnown && verified.overlaps);
     const bool confirmed =
-        (state_.verified.group[i] == main_group && !contradicted && !is_guess_along_a_motion(i) &&
-         !verified.deviates_alone) ||
-        views_.size() == 1 ||
-        (views_[i].pose == PoseKind::kKnown && verified.overlaps && !contradicted);
+        views_.size() == 1 || (shared && !contradicted && !verified.deviates_alone);
     view.status = !view.aligned ? PoseStatus::kLeftOut
                   : confirmed   ? PoseStatus::kVerified
                                 : PoseStatus::kUnverified;
@@ -152,10 +139,10 @@ class AlignmentReport {
     for (std::size_t i = 0; i < views_.size(); ++i)
       if (views_[i].pose == PoseKind::kGuess && given_poses_ != GivenPoses::kIgnore &&
           result.views[i].aligned && !surfaces_[i].samples().empty())
-        given.push_back({views_[i].name, convention_.world_from_view(views_[i].world_from_view),
-                         result.views[i].world_from_view, surfaces_[i].centre(),
-                         checked_.world_from_view[i] && !state_.starts.found_by_shape[i],
-                         starts_at_origin(views_[i].camera), focal_lengths(views_[i].camera)});
+        given.push_back(given_and_found(
+            views_[i], surfaces_[i].centre(),
+            convention_.world_from_view(views_[i].world_from_view), result.views[i].world_from_view,
+            checked_.world_from_view[i] && !state_.starts.found_by_shape[i]));
     for (std::string& note : notes_on_given_poses(given)) result.notes.push_back(std::move(note));
   }
 

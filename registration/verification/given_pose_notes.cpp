@@ -31,11 +31,12 @@ constexpr std::size_t kFewestForShift = 6;
 // grows ten times.
 constexpr double kUndetermined = 0.1;
 
-// Pairs of neighbours in the order of the views, and of views half of them apart.
+// Pairs of neighbours in the order of the views, and of views a third of them apart. Half would be
+// half a turn where they go round, which is the same in a mirror.
 std::vector<std::pair<std::size_t, std::size_t>> some_pairs(std::size_t views) {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0; i < views; ++i)
-    for (const std::size_t step : {std::size_t{1}, views / 2})
+    for (const std::size_t step : {std::size_t{1}, std::max<std::size_t>(1, views / 3)})
       pairs.emplace_back(i, (i + step) % views);
   return pairs;
 }
@@ -220,7 +221,30 @@ std::string note_on_mirror(int axis) {
          ", and so is the model, or the given poses turn the wrong way round";
 }
 
+// Whether all rays do.
+bool starts_at_origin(const Camera& camera) {
+  return camera.ray(0, 0).origin.isZero() &&
+         camera.ray(camera.width() - 1, camera.height() - 1).origin.isZero();
+}
+
+std::optional<Eigen::Vector2d> focal_lengths(const Camera& camera) {
+  if (camera.model() != Camera::Model::kPinhole && camera.model() != Camera::Model::kPinholeGl)
+    return std::nullopt;
+  return Eigen::Vector2d(camera.intrinsics().fx, camera.intrinsics().fy);
+}
+
 }  // namespace
+
+GivenAndFound given_and_found(const RangeView& view, const Eigen::Vector3d& centre,
+                              const RigidMotion& given, const RigidMotion& found, bool refined) {
+  return {view.name,
+          given,
+          found,
+          centre,
+          refined,
+          starts_at_origin(view.camera),
+          focal_lengths(view.camera)};
+}
 
 std::optional<double> common_scale(const std::vector<GivenAndFound>& all) {
   std::vector<GivenAndFound> views;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "relief/scan/range_view.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {
@@ -21,6 +22,10 @@ struct GivenAndFound {
   bool from_origin = false;
   std::optional<Eigen::Vector2d> focal_lengths = {};  ///< fx and fy of a pinhole [pixels].
 };
+
+/// The same of a view, with the `centre` of its samples.
+GivenAndFound given_and_found(const RangeView& view, const Eigen::Vector3d& centre,
+                              const RigidMotion& given, const RigidMotion& found, bool refined);
 
 /// How many times as far apart as given the sensors of views `from_origin` were found: 1.02 where
 /// ranges are 2 % too long for the poses, or the poses in a smaller unit. Nothing for fewer than

@@ -11,6 +11,7 @@
 #include "registration/posegraph/joint/joint_refinement.h"
 #include "tests/registration/bumpy_object.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 
 namespace relief::registration {
 namespace {
@@ -100,12 +101,13 @@ TEST(AlignViews, DoesNotDependOnTheThreadCount) {
   const auto views = disturbed_ring();
   AlignOptions options;
   options.refinement.correspondences = 300;
-  const auto one = align_views(views, options, {.threads = 1});
-  for (const int threads : {2, 4}) {
-    const auto more = align_views(views, options, {.threads = threads});
+  std::optional<Alignment> first;
+  for (const int threads : testing::compared_threads({1, 2, 4})) {
+    const Alignment aligned = value_of(align_views(views, options, {.threads = threads}));
+    if (!first) first = aligned;
     for (std::size_t i = 0; i < views.size(); ++i) {
-      EXPECT_TRUE(same_bytes(one->views[i].world_from_view, more->views[i].world_from_view));
-      EXPECT_EQ(one->views[i].pose_std, more->views[i].pose_std);
+      EXPECT_TRUE(same_bytes(first->views[i].world_from_view, aligned.views[i].world_from_view));
+      EXPECT_EQ(first->views[i].pose_std, aligned.views[i].pose_std);
     }
   }
 }
@@ -159,6 +161,32 @@ TEST(AlignViews, AKnownViewThatOverlapsNoOtherConfirmsNothing) {
   EXPECT_EQ(aligned->views[0].world_from_view.matrix(), views[0].world_from_view.matrix());
   for (std::size_t i = 1; i < views.size(); ++i)
     EXPECT_EQ(aligned->views[i].status, PoseStatus::kVerified) << i;
+}
+
+TEST(AlignViews, AKnownPoseThatDeviatesAsNoOtherDoesIsUnverified) {
+  auto views = true_ring();
+  for (RangeView& view : views) view.pose = PoseKind::kKnown;
+  views[3].world_from_view =
+      Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()) * views[3].world_from_view;
+  const auto aligned = value_of(align_views(views));
+  for (std::size_t i = 0; i < views.size(); ++i)
+    EXPECT_EQ(aligned.views[i].status, i == 3 ? PoseStatus::kUnverified : PoseStatus::kVerified)
+        << i;
+  EXPECT_TRUE(same_bytes(aligned.views[3].world_from_view, views[3].world_from_view));
+}
+
+// As of a turntable whose angles have the wrong sign.
+TEST(AlignViews, TellsOfGivenPosesThatTurnTheWrongWayRound) {
+  auto views = true_ring();
+  const Eigen::DiagonalMatrix<double, 3> mirror(-1.0, 1.0, 1.0);
+  for (RangeView& view : views) {
+    RigidMotion& pose = view.world_from_view;
+    pose.linear() = mirror * pose.linear() * mirror;
+    pose.translation() = mirror * pose.translation();
+  }
+  const auto aligned = value_of(align_views(views));
+  EXPECT_THAT(aligned.notes, Contains(HasSubstr("are the given ones in a mirror")));
+  EXPECT_LT(largest_error(aligned), 0.2);
 }
 
 TEST(AlignViews, KeepsKnownPosesToTheBit) {
@@ -334,6 +362,7 @@ TEST(AlignViews, KeepsAViewInWhichSomethingMoved) {
 TEST(AlignViews, AViewOfOneSampleIsNoError) {
   for (const bool with_poses : {true, false}) {
     auto views = disturbed_ring();
+    views.resize(4);
     const auto [u, v] = std::pair(80, 80);
     for (int y = 0; y < views[2].height(); ++y)
       for (int x = 0; x < views[2].width(); ++x)

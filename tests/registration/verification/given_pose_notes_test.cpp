@@ -1,6 +1,7 @@
 #include "registration/verification/given_pose_notes.h"
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -92,6 +93,20 @@ TEST(GivenPoseNotes, TellMirroredImages) {
   EXPECT_THAT(notes_on_given_poses(ring(0.2, 1.0, 1)), Contains(HasSubstr("top to bottom")));
   for (const double noise : {0.0, 0.2, 10.0}) EXPECT_FALSE(mirrored_axis(ring(noise))) << noise;
   EXPECT_THAT(notes_on_given_poses({}), IsEmpty());
+}
+
+// Half a turn is the same in a mirror, and so are the poses of opposite views.
+TEST(GivenPoseNotes, TellMirroredImagesOfAFullTurn) {
+  std::vector<GivenAndFound> views(8);
+  const Eigen::DiagonalMatrix<double, 3> mirror(-1.0, 1.0, 1.0);
+  for (int i = 0; i < 8; ++i) {
+    const double angle = 0.25 * std::numbers::pi * i;
+    GivenAndFound& view = views[static_cast<std::size_t>(i)];
+    view.given = testing::look_at({100 * std::cos(angle), 100 * std::sin(angle), 30}, {0, 0, 0});
+    view.found.linear() = mirror * view.given.linear() * mirror;
+    view.found.translation() = mirror * view.given.translation();
+  }
+  EXPECT_EQ(mirrored_axis(views), 0);
 }
 
 // The ring, found in the world of its poses but shifted in the frame of each view.

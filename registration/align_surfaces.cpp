@@ -1,0 +1,146 @@
+#include "registration/align_surfaces.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "registration/align_once.h"
+#include "registration/verification/given_pose_errors.h"
+#include "registration/verification/given_pose_notes.h"
+
+namespace relief::registration {
+
+namespace {
+
+// Aligns, and once more where the poses that come out show that the guesses err alike, or that
+// refining led from them to where views do not belong.
+class AligningGuesses {
+ public:
+  AligningGuesses(const std::vector<RangeView>& views, const std::vector<ViewSurface>& surfaces,
+                  const AlignOptions& options, const AlignUnits& units, const Progress& progress)
+      : views_(views), surfaces_(surfaces), options_(options), units_(units), progress_(progress) {}
+
+  Result<Alignment> run() {
+    auto once = align_once(views_, surfaces_, options_, units_, progress_);
+    if (!once) return once.error();
+    Alignment& aligned = once->alignment;
+    if (options_.starting_poses.given != GivenPoses::kCheck) return std::move(aligned);
+    taken_ = once->convention;
+    if (options_.starting_poses.search &&
+        refinement_moved_far(views_, surfaces_, aligned, taken_)) {
+      auto found = align_by_shape();
+      if (!found) return found;
+      if (fits_far_better(surfaces_, *found, aligned)) return instead_of(aligned, *found);
+      doubt_what_shape_does_not_confirm(*found, aligned);
+    }
+    auto again = align_agreeing_with(aligned);
+    if (!again) return again.error();
+    const bool more = *again && verified_views(**again) > verified_views(aligned);
+    return more ? std::move(**again) : std::move(aligned);
+  }
+
+ private:
+  Result<Alignment> align_by_shape() const {
+    AlignOptions options = options_;
+    options.starting_poses.given = GivenPoses::kIgnore;
+    auto found = align_once(views_, surfaces_, options, units_, progress_);
+    if (!found) return found.error();
+    return std::move(found->alignment);
+  }
+
+  // Refining moved views far, to where they deviate by more than their noise: they may have come to
+  // rest anywhere. Those that `found` does not have at the same poses, to a sample spacing, are
+  // verified by nothing.
+  void doubt_what_shape_does_not_confirm(const Alignment& found, Alignment& aligned) const {
+    const auto is_confirmed = [&](std::size_t i, std::size_t j) {
+      if (i == j || found.views[i].status != PoseStatus::kVerified ||
+          found.views[j].status != PoseStatus::kVerified)
+        return false;
+      const RigidMotion by_shape =
+          found.views[j].world_from_view.inverse() * found.views[i].world_from_view;
+      const RigidMotion refined =
+          aligned.views[j].world_from_view.inverse() * aligned.views[i].world_from_view;
+      return largest_motion(by_shape.inverse() * refined, surfaces_[i]) <=
+             coarser_spacing(surfaces_[i], surfaces_[j]);
+    };
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      ViewReport& view = aligned.views[i];
+      bool confirmed = view.status != PoseStatus::kVerified;
+      for (std::size_t j = 0; j < views_.size() && !confirmed; ++j) confirmed = is_confirmed(i, j);
+      if (confirmed) continue;
+      view.status = PoseStatus::kUnverified;
+      view.reason =
+          "refining moved the views far from their given poses, to where they deviate by more than "
+          "their noise, and their shape does not confirm it; check the given poses";
+    }
+  }
+
+  // From guesses corrected such that they agree with `shown`; nothing where no correction does.
+  Result<std::optional<Alignment>> align_agreeing_with(const Alignment& shown) const {
+    const auto convention = agreeing_convention(views_, surfaces_, shown, taken_);
+    if (!convention) return std::optional<Alignment>();
+    auto again = align_once(views_, surfaces_, options_, units_, progress_, convention);
+    if (!again) return again.error();
+    return std::optional(std::move(again->alignment));
+  }
+
+  // `found` fits far better. No view is given up for that: `aligned` stays with a note where it has
+  // more.
+  Result<Alignment> instead_of(Alignment& aligned, Alignment& found) const {
+    const std::size_t verified = verified_views(found), most = verified_views(aligned);
+    auto again = align_agreeing_with(found);
+    if (!again) return again.error();
+    if (*again && verified_views(**again) >= std::max(verified, most) &&
+        fits_far_better(surfaces_, **again, aligned))
+      return std::move(**again);
+    if (verified >= most) {
+      found.notes.emplace_back(
+          "the given poses are not used: refining them led far away, and the views fit each other "
+          "far better at poses found by their shape; --poses trust takes the given ones");
+      note_given_poses(found);
+      return std::move(found);
+    }
+    aligned.notes.push_back(
+        "refining led far away from the given poses, and " + std::to_string(verified) +
+        " views fit each other far better at poses found by their shape: check the given poses, or "
+        "look at the others with --poses ignore");
+    return std::move(aligned);
+  }
+
+  // What poses that were found by shape tell of the given ones, as they are: the convention they
+  // were taken in brought the views nowhere.
+  void note_given_poses(Alignment& found) const {
+    std::vector<GivenAndFound> given;
+    for (std::size_t i = 0; i < views_.size(); ++i)
+      if (views_[i].pose == PoseKind::kGuess && found.views[i].aligned)
+        given.push_back(given_and_found(views_[i], surfaces_[i].centre(),
+                                        taken_.world_from_view(views_[i].world_from_view),
+                                        found.views[i].world_from_view, false));
+    for (std::string& note : notes_on_given_poses(given)) found.notes.push_back(std::move(note));
+  }
+
+  const std::vector<RangeView>& views_;
+  const std::vector<ViewSurface>& surfaces_;
+  const AlignOptions& options_;
+  const AlignUnits& units_;
+  const Progress& progress_;
+  PoseConvention taken_;  // The convention in which the guesses were taken.
+};
+
+}  // namespace
+
+Result<Alignment> align_surfaces(const std::vector<RangeView>& views,
+                                 const std::vector<ViewSurface>& surfaces,
+                                 const AlignOptions& options, const Progress& progress,
+                                 const AlignUnits& units) {
+  return AligningGuesses(views, surfaces, options, units, progress).run();
+}
+
+std::size_t verified_views(const Alignment& alignment) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      alignment.views,
+      [](const ViewReport& view) { return view.status == PoseStatus::kVerified; }));
+}
+
+}  // namespace relief::registration
