@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "registration/global/features/planar_view.h"
 #include "registration/global/features/view_similarity.h"
 #include "registration/global/judged_pairs.h"
 #include "registration/global/links/best_rejected_poses.h"
@@ -27,7 +28,9 @@ using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
 class GlobalRegistration {
  public:
-  GlobalRegistration(const std::vector<ViewSurface>& surfaces, const ViewGroups& start,
+  // `surfaces`: parts of `whole` ones, or the same.
+  GlobalRegistration(const std::vector<ViewSurface>& surfaces,
+                     const std::vector<ViewSurface>& whole, const ViewGroups& start,
                      const std::vector<bool>& known, const GlobalRegistrationOptions& options,
                      const Progress& progress, const AlignUnits& units)
       : surfaces_(surfaces),
@@ -37,8 +40,9 @@ class GlobalRegistration {
         progress_(progress),
         units_(units),
         judged_(surfaces),
-        pair_links_(surfaces, grouping_),
-        best_rejected_(surfaces, options.limits) {
+        pair_links_(surfaces, whole, grouping_),
+        best_rejected_(surfaces, options.limits),
+        denied_by_plane_(surfaces.size(), false) {
     grouping_.limits = options.limits;
     grouping_.ambiguity = options.ambiguity;
     grouping_.judge.association = options.association;
@@ -48,11 +52,16 @@ class GlobalRegistration {
     regroup();
     if (!complete() && !search_by_shape()) return interrupted();
     if (!complete()) {
-      for (const auto& link : turntable_links(surfaces_, groups_, options_.limits, grouping_.judge))
-        add_links(pair_links_.of_pair(link.a, link.b, {{link.b_from_a, link.evidence}}, scale_));
+      for (const auto& link :
+           turntable_links(surfaces_, groups_, options_.limits, grouping_.judge)) {
+        std::vector<PoseHypothesis> found{{link.b_from_a, link.evidence}};
+        keep_candidates(link.a, link.b, found);
+        add_links(pair_links_.of_pair(link.a, link.b, found, scale_));
+      }
       regroup();
     }
     groups_.best_rejected = best_rejected_.between_groups(groups_.group, links_);
+    groups_.denied_by_plane = std::move(denied_by_plane_);
     return std::move(groups_);
   }
 
@@ -219,11 +228,16 @@ class GlobalRegistration {
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const auto& [a, b] = pairs[k];
       best_rejected_.add(a, b, (*found)[k]);
-      pair_links_.keep_candidates(a, b, (*found)[k]);
+      keep_candidates(a, b, (*found)[k]);
       if (!(*found)[k].empty()) linked_views.insert({a, b});
     }
     if (!find_symmetries({linked_views.begin(), linked_views.end()})) return false;
     return link_pairs(pairs, *found);
+  }
+
+  void keep_candidates(std::size_t a, std::size_t b, std::vector<PoseHypothesis>& found) {
+    if (!pair_links_.keep_candidates(a, b, found, scale_)) return;
+    denied_by_plane_[a] = denied_by_plane_[b] = true;
   }
 
   // False when asked to stop.
@@ -282,6 +296,7 @@ class GlobalRegistration {
   std::vector<PoseLink> links_;
   std::vector<PoseLink> known_links_;  // Of these, those of link_known_pairs().
   BestRejectedPoses best_rejected_;
+  std::vector<bool> denied_by_plane_;  // See ViewGroups.
   ViewGroups groups_;
 };
 
@@ -292,7 +307,10 @@ Result<ViewGroups> register_globally(const std::vector<ViewSurface>& surfaces,
                                      const GlobalRegistrationOptions& options,
                                      const Progress& progress, const AlignUnits& units) {
   assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
-  return GlobalRegistration(surfaces, start, known, options, progress, units).run();
+  const std::vector<ViewSurface> parts = without_dominant_planes(surfaces);
+  return GlobalRegistration(parts.empty() ? surfaces : parts, surfaces, start, known, options,
+                            progress, units)
+      .run();
 }
 
 Result<std::size_t> search_first_pairs(const std::vector<ViewSurface>& surfaces,
@@ -301,7 +319,10 @@ Result<std::size_t> search_first_pairs(const std::vector<ViewSurface>& surfaces,
                                        const PairBlock& block, const Progress& progress,
                                        const AlignUnits& units) {
   assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
-  return GlobalRegistration(surfaces, start, known, options, progress, units).search_first(block);
+  const std::vector<ViewSurface> parts = without_dominant_planes(surfaces);
+  return GlobalRegistration(parts.empty() ? surfaces : parts, surfaces, start, known, options,
+                            progress, units)
+      .search_first(block);
 }
 
 }  // namespace relief::registration

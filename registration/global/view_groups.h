@@ -67,6 +67,9 @@ struct ViewGroups {
   /// For each view the link that shares most with a view of another group, for messages; nothing
   /// where the view has none. Empty but from register_globally().
   std::vector<std::optional<PoseLink>> best_rejected;
+  /// For each view whether what stands clear of the plane that is most of it fits another view
+  /// firmly, where the planes then deny the pose. Empty but from register_globally().
+  std::vector<bool> denied_by_plane;
 
   bool all_in_one() const;
   /// Each view alone, in its own frame.

@@ -75,16 +75,16 @@ ViewSurface::ViewSurface(const RangeView& given, const RangeNoise& noise,
   ConnectedGrid grid = connect_grid(given, noise);
   Grid<std::uint8_t> bridged;
   if (auto filled = bridge_gaps(given, noise, grid, inner_margin_)) {
-    filled_ = std::make_unique<const RangeView>(std::move(filled->view));
+    filled_ = std::make_shared<const RangeView>(std::move(filled->view));
     grid = std::move(filled->grid);
     bridged = std::move(filled->bridged);
   }
   const RangeView& view = filled_ ? *filled_ : given;
   const auto normals = smooth_normals(view, grid, noise, bridged, options);
   const bool geometric = options.normals == NormalSource::kGeometric;
-  surface_ =
-      RangeSurface(view, grid, normals, geometric ? sample_weights(view, noise) : Grid<float>());
-  select_samples(grid.points, bridged);
+  surface_ = std::make_shared<const RangeSurface>(
+      view, grid, normals, geometric ? sample_weights(view, noise) : Grid<float>());
+  select_samples(bridged);
   if (options.normal_signal && view.has_normals()) {
     signal_levels_ = NormalSignal::levels_of(view.width(), view.height());
     signal_->edges = std::move(grid.edges);
@@ -93,7 +93,7 @@ ViewSurface::ViewSurface(const RangeView& given, const RangeNoise& noise,
   Eigen::Matrix3Xd points(3, samples_.size());
   for (std::size_t i = 0; i < samples_.size(); ++i)
     points.col(static_cast<Eigen::Index>(i)) = sample(samples_[i]).point;
-  index_ = std::make_unique<NeighbourIndex>(points);
+  index_ = std::make_shared<const NeighbourIndex>(points);
 }
 
 // Finds the noise of the view as well, which the window of the normals depends on.
@@ -147,39 +147,57 @@ const NormalSignal& ViewSurface::prepared_signal() const {
   return signal_->signal;
 }
 
-void ViewSurface::select_samples(const Grid<Eigen::Vector3d>& points,
-                                 const Grid<std::uint8_t>& bridged) {
+void ViewSurface::select_samples(const Grid<std::uint8_t>& bridged) {
   std::vector<std::uint32_t> inner_samples, edge_samples;
-  surface_.for_each_sample([&](int u, int v) {
-    const std::size_t index = points.index(u, v);
+  surface_->for_each_sample([&](int u, int v) {
+    const auto index = static_cast<std::uint32_t>(v * width() + u);
     if ((!bridged.empty() && bridged[index]) || is_too_noisy(u, v)) return;
-    const bool inner = surface_.boundary_distance(u, v) >= inner_margin_;
-    (inner ? inner_samples : edge_samples).push_back(static_cast<std::uint32_t>(index));
-    if (inner) mean_normal_ += surface_.normal(u, v);
+    const bool inner = surface_->boundary_distance(u, v) >= inner_margin_;
+    (inner ? inner_samples : edge_samples).push_back(index);
   });
   scatter(edge_samples);
   edge_samples_.assign(edge_samples.begin(), edge_samples.end());
-  if (inner_samples.empty()) return;
-  // Relative to one sample, so that a view far from its own origin loses nothing.
-  const Eigen::Vector3d& first = points[inner_samples.front()];
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const std::uint32_t i : inner_samples) sum += points[i] - first;
-  mean_normal_.normalize();
-  centre_ = first + sum / static_cast<double>(inner_samples.size());
-  for (const std::uint32_t i : inner_samples)
-    radius_ = std::max(radius_, (points[i] - centre_).norm());
+  take_samples(std::move(inner_samples));
+}
+
+void ViewSurface::take_samples(std::vector<std::uint32_t> inner_samples) {
+  centre_.setZero();
+  mean_normal_.setZero();
+  radius_ = 0.0;
+  if (!inner_samples.empty()) {
+    // Relative to one sample, so that a view far from its own origin loses nothing.
+    const Eigen::Vector3d first = sample(inner_samples.front()).point;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const std::uint32_t i : inner_samples) {
+      const SurfacePoint point = sample(i);
+      sum += point.point - first;
+      mean_normal_ += point.normal;
+    }
+    mean_normal_.normalize();
+    centre_ = first + sum / static_cast<double>(inner_samples.size());
+    for (const std::uint32_t i : inner_samples)
+      radius_ = std::max(radius_, (sample(i).point - centre_).norm());
+  }
   scatter(inner_samples);
   samples_.assign(inner_samples.begin(), inner_samples.end());
 }
 
+ViewSurface ViewSurface::part(std::vector<std::uint32_t> samples) const {
+  ViewSurface part = *this;
+  std::sort(samples.begin(), samples.end());
+  part.edge_samples_.clear();
+  part.take_samples(std::move(samples));
+  return part;
+}
+
 // Whether its noise leaves a sample less than a hundredth of the weight of a typical one.
 bool ViewSurface::is_too_noisy(int u, int v) const {
-  return surface_.weight(u, v) * kLargestNoiseRatio * kLargestNoiseRatio <
+  return surface_->weight(u, v) * kLargestNoiseRatio * kLargestNoiseRatio <
          std::min(1.0f, view().confidence_at(u, v));
 }
 
 SurfacePoint ViewSurface::sample(int u, int v) const {
-  return {surface_.point(u, v), surface_.normal(u, v), surface_.weight(u, v),
+  return {surface_->point(u, v), surface_->normal(u, v), surface_->weight(u, v),
           Eigen::Vector2d(u, v)};
 }
 
@@ -193,8 +211,8 @@ SurfacePoint ViewSurface::sample(std::uint32_t index) const {
 }
 
 std::optional<SurfacePoint> ViewSurface::at(const Eigen::Vector2d& pixel, SurfacePart part) const {
-  const auto quad = surface_.quad_at(pixel, margin(part));
-  const auto patch = quad ? surface_.patch(*quad) : std::nullopt;
+  const auto quad = surface_->quad_at(pixel, margin(part));
+  const auto patch = quad ? surface_->patch(*quad) : std::nullopt;
   if (!patch) return std::nullopt;
   return SurfacePoint{patch->point(), patch->normal, patch->weight, pixel};
 }
@@ -203,7 +221,7 @@ std::optional<SurfacePoint> ViewSurface::nearest(const Eigen::Vector2d& pixel,
                                                  SurfacePart part) const {
   const double u = std::round(pixel.x()), v = std::round(pixel.y());
   if (!(u >= 0.0 && v >= 0.0 && u < view().width() && v < view().height())) return std::nullopt;
-  if (!surface_.has_sample(static_cast<int>(u), static_cast<int>(v), margin(part)))
+  if (!surface_->has_sample(static_cast<int>(u), static_cast<int>(v), margin(part)))
     return std::nullopt;
   return sample(static_cast<int>(u), static_cast<int>(v));
 }

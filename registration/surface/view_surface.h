@@ -45,7 +45,7 @@ struct SignalPoint {
 
 /// What alignment needs of a range view, computed once: its surface with smooth normals, samples to
 /// match, the noise, the two ways of finding the place that is closest to a point, and the normal
-/// map as a signal. Movable, not copyable.
+/// map as a signal. Movable; see part() for copies.
 class ViewSurface {
  public:
   /// The view outlives the surface with its grids unchanged: ranges are copied only where small
@@ -59,6 +59,12 @@ class ViewSurface {
   explicit ViewSurface(const RangeView&& view, const ViewSurfaceOptions& options = {}) = delete;
   ViewSurface(const RangeView&& view, const RangeNoise& noise,
               const ViewSurfaceOptions& options = {}) = delete;
+  ViewSurface(ViewSurface&&) = default;
+  ViewSurface& operator=(ViewSurface&&) = default;
+
+  /// The same surface with some of its samples() alone to be matched and judged: what others are
+  /// compared with stays whole. It shares the memory of this.
+  ViewSurface part(std::vector<std::uint32_t> samples) const;
 
   /// Grid indices of the usable samples (measured, normal, positive confidence, off the boundary,
   /// at most kLargestNoiseRatio times the typical noise) in a scattered order: every prefix is
@@ -101,8 +107,8 @@ class ViewSurface {
   /// sample, moved within its tangent plane to the foot of the query. Needs the index and a sample.
   std::vector<Eigen::Vector2d> closest(const Eigen::Matrix3Xd& points) const;
 
-  int width() const { return surface_.width(); }         ///< Of the grid [pixels].
-  double spacing() const { return surface_.spacing(); }  ///< Median sample spacing [unit].
+  int width() const { return surface_->width(); }         ///< Of the grid [pixels].
+  double spacing() const { return surface_->spacing(); }  ///< Median sample spacing [unit].
   /// Standard deviation of the noise of positions along the normal [unit]: of the white part
   /// robustly from third differences, of rounded ranges at least what their steps make; where it
   /// changes over the view, its root mean square.
@@ -125,12 +131,14 @@ class ViewSurface {
   }  ///< Of the sphere about centre() that holds all samples.
 
  private:
-  const RangeView& view() const { return surface_.view(); }
+  ViewSurface(const ViewSurface&) = default;
+  const RangeView& view() const { return surface_->view(); }
   int margin(SurfacePart part) const { return part == SurfacePart::kInner ? inner_margin_ : 0; }
   Grid<Eigen::Vector3f> smooth_normals(const RangeView& view, const ConnectedGrid& grid,
                                        const RangeNoise& noise, const Grid<std::uint8_t>& bridged,
                                        const ViewSurfaceOptions& options);
-  void select_samples(const Grid<Eigen::Vector3d>& points, const Grid<std::uint8_t>& bridged);
+  void select_samples(const Grid<std::uint8_t>& bridged);
+  void take_samples(std::vector<std::uint32_t> inner_samples);
   bool is_too_noisy(int u, int v) const;
   SurfacePoint sample(int u, int v) const;
   const NormalSignal& prepared_signal() const;
@@ -141,13 +149,14 @@ class ViewSurface {
     NormalSignal signal;
   };
 
-  std::unique_ptr<const RangeView> filled_;  // The view given with its small gaps bridged.
-  RangeSurface surface_;                     // Of the view given, or of filled_.
-  int inner_margin_;                         // [pixels]
+  // Shared with parts of it.
+  std::shared_ptr<const RangeView> filled_;      // The view given with its small gaps bridged.
+  std::shared_ptr<const RangeSurface> surface_;  // Of the view given, or of filled_.
+  int inner_margin_;                             // [pixels]
   int signal_levels_ = 0;
-  std::unique_ptr<LazySignal> signal_ = std::make_unique<LazySignal>();
+  std::shared_ptr<LazySignal> signal_ = std::make_shared<LazySignal>();
   PagedVector<std::uint32_t> samples_, edge_samples_;
-  std::unique_ptr<NeighbourIndex> index_;
+  std::shared_ptr<const NeighbourIndex> index_;
   double noise_ = 0.0, typical_noise_ = 0.0, rounding_ = 0.0, normal_noise_ = 0.0,
          normal_error_ = 0.0, radius_ = 0.0;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), mean_normal_ = Eigen::Vector3d::Zero();

@@ -78,12 +78,20 @@ Result<JointRefinement> AlignUnits::refine_jointly(const std::vector<ViewSurface
       });
 }
 
+// A part of a surface differs from it in the number of its samples.
+std::string AlignUnits::key_of(const CoarseView& view, std::size_t i) const {
+  return ContentHash().add(surfaces_[i], view.surface->samples().size()).hex();
+}
+
 std::vector<PoseHypothesis> AlignUnits::search_pair(const std::vector<CoarseView>& views,
                                                     std::size_t a, std::size_t b,
                                                     const CoarseScale& scale,
                                                     const PairSearchOptions& options) const {
   return find_or_compute<std::vector<PoseHypothesis>>(
-             store_, [&] { return unit_key("pair", surfaces_[a], surfaces_[b], scale, options); },
+             store_,
+             [&] {
+               return unit_key("pair", key_of(views[a], a), key_of(views[b], b), scale, options);
+             },
              [&] { return Result(registration::search_pair(views[a], views[b], scale, options)); })
       .value();
 }
@@ -94,7 +102,9 @@ std::vector<RigidMotion> AlignUnits::partial_symmetries(const CoarseView& view, 
                                                         const PairSearchOptions& options) const {
   return find_or_compute<std::vector<RigidMotion>>(
              store_,
-             [&] { return unit_key("partial symmetries", surfaces_[i], scale, limits, options); },
+             [&] {
+               return unit_key("partial symmetries", key_of(view, i), scale, limits, options);
+             },
              [&] { return Result(registration::partial_symmetries(view, scale, limits, options)); })
       .value();
 }

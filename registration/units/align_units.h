@@ -48,6 +48,8 @@ class AlignUnits {
                                               const PairSearchOptions& options) const;
 
  private:
+  std::string key_of(const CoarseView& view, std::size_t i) const;
+
   UnitStore* store_ = nullptr;
   std::vector<std::string> surfaces_;  // Hashes of all that the surface of a view depends on.
 };

@@ -70,6 +70,10 @@ std::string unplaced_reason(std::size_t view, const ViewGroups& placed, const Ch
                             const std::vector<RangeView>& views,
                             const std::vector<ViewSurface>& surfaces,
                             const StartingPoseOptions& options) {
+  if (!placed.denied_by_plane.empty() && placed.denied_by_plane[view])
+    return "what stands clear of the plane that is most of it fits other views, but there the "
+           "planes do not lie on each other: if that is a wall or a table that did not move with "
+           "the object, leave it out (a mask per view, or a crop of the images)";
   for (const AmbiguousPair& pair : placed.ambiguous) {
     if (placed.group[pair.a] != placed.group[view] && placed.group[pair.b] != placed.group[view])
       continue;

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "registration/surface/largest_plane.h"
+#include "scan/base/parallel.h"
 
 namespace relief::registration {
 
@@ -16,6 +19,9 @@ namespace {
 constexpr double kPlanarFraction = 0.85;
 constexpr double kDominantFraction =
     0.6;  // Stacks of boxes have 0.64 and more, furnished rooms less.
+
+// Clear of a plane: as many as judge_free_space() looks at.
+constexpr std::size_t kFewestClear = 500;
 
 // Bounds the time. 800 samples tell a fraction of 0.85 to 1.3 %.
 constexpr std::size_t kProbes = 800;
@@ -28,6 +34,19 @@ std::vector<PlaneProbe> probes_of(const ViewSurface& view) {
         {sample.point, sample.normal, plane_tolerance(view.noise_at(sample), view.spacing())});
   }
   return probes;
+}
+
+// The samples that stand clear of the plane that is most of a view; none where there is no such
+// plane, or where they are too few.
+std::vector<std::uint32_t> samples_clear_of_plane(const ViewSurface& view) {
+  std::vector<std::uint32_t> clear;
+  const FlatFaces plane = find_flat_faces(view, 1);
+  if (!planes_dominate(plane)) return clear;
+  for (const std::uint32_t i : view.samples())
+    if (plane.is_off_plane(view.sample(i).point, kClearOfFaces * view.spacing()))
+      clear.push_back(i);
+  if (clear.size() < kFewestClear) clear.clear();
+  return clear;
 }
 
 }  // namespace
@@ -56,5 +75,18 @@ FlatFaces find_flat_faces(const ViewSurface& view, int count) {
 bool is_mostly_planar(const FlatFaces& view) { return view.fraction >= kPlanarFraction; }
 
 bool planes_dominate(const FlatFaces& view) { return view.fraction >= kDominantFraction; }
+
+std::vector<ViewSurface> without_dominant_planes(const std::vector<ViewSurface>& views) {
+  auto clear = parallel_map<std::vector<std::uint32_t>>(
+      views.size(), [&](std::size_t i) { return samples_clear_of_plane(views[i]); });
+  std::vector<ViewSurface> parts;
+  if (std::ranges::all_of(clear, [](const auto& samples) { return samples.empty(); })) return parts;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto all = views[i].samples();
+    if (clear[i].empty()) clear[i].assign(all.begin(), all.end());
+    parts.push_back(views[i].part(std::move(clear[i])));
+  }
+  return parts;
+}
 
 }  // namespace relief::registration

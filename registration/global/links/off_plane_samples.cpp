@@ -11,8 +11,6 @@ namespace relief::registration {
 namespace {
 
 constexpr std::size_t kProbes = 3000;  // Of each view; bounds the time.
-// From all faces [sample spacings]: edges are rounded by a few, and calibrations bend faces.
-constexpr double kOffPlane = 10.0;
 // Behind a surface [distances at which samples correspond] a sample is hidden, and 73 degrees off
 // the line of sight a sensor hardly measures it.
 constexpr double kHidden = 10.0, kFacing = 0.3;
@@ -50,7 +48,7 @@ MetSamples find_met_samples(const ViewSurface& source, const FlatFaces& source_f
   const std::size_t probes = std::min(kProbes, source.samples().size());
   for (std::size_t i = 0; i < probes; ++i) {
     const SurfacePoint sample = source.sample(source.samples()[i]);
-    if (!source_faces.is_off_plane(sample.point, kOffPlane * source.spacing())) continue;
+    if (!source_faces.is_off_plane(sample.point, kClearOfFaces * source.spacing())) continue;
     const Eigen::Vector3d point = target_from_source * sample.point;
     const auto pixel = target.project(point);
     const auto seen = pixel ? target.at(*pixel) : std::nullopt;
@@ -62,7 +60,7 @@ MetSamples find_met_samples(const ViewSurface& source, const FlatFaces& source_f
     ++found.seen;
     if (std::abs(distance) > reach || normal.dot(seen->normal) < kLeastCosine) continue;
     ++found.met;
-    if (target_faces.is_off_plane(seen->point, kOffPlane * target.spacing())) ++found.off_plane;
+    if (target_faces.is_off_plane(seen->point, kClearOfFaces * target.spacing())) ++found.off_plane;
   }
   return found;
 }

@@ -11,8 +11,9 @@
 
 namespace relief::registration {
 
-PairLinks::PairLinks(const std::vector<ViewSurface>& surfaces, const ViewGroupOptions& options)
-    : surfaces_(surfaces), options_(options), symmetries_(surfaces.size()) {}
+PairLinks::PairLinks(const std::vector<ViewSurface>& surfaces,
+                     const std::vector<ViewSurface>& whole, const ViewGroupOptions& options)
+    : surfaces_(surfaces), whole_(whole), options_(options), symmetries_(surfaces.size()) {}
 
 void PairLinks::find_faces() {
   faces_ = parallel_map<FlatFaces>(surfaces_.size(),
@@ -23,13 +24,43 @@ void PairLinks::set_symmetries(std::size_t view, std::vector<RigidMotion> motion
   symmetries_[view] = std::move(motions);
 }
 
-void PairLinks::keep_candidates(std::size_t a, std::size_t b,
-                                std::vector<PoseHypothesis>& hypotheses) const {
-  const VerificationThresholds limits = widest_limits();
+bool PairLinks::may_be_candidate(const PoseEvidence& evidence, const ViewSurface& a,
+                                 const ViewSurface& b) const {
+  return plausible(evidence, a, b, widest_limits()) ||
+         may_be_right(evidence, a, b, options_.limits);
+}
+
+bool PairLinks::holds_whole_views(std::size_t a, std::size_t b, PoseHypothesis& hypothesis,
+                                  const CoarseScale& scale) const {
+  const auto whole = confirm_pose(whole_[a], whole_[b], hypothesis.b_from_a, scale, options_.judge);
+  if (!whole || !may_be_candidate(whole->evidence, whole_[a], whole_[b])) return false;
+  const PoseEvidence of_parts =
+      judge_pose(surfaces_[a], surfaces_[b], whole->b_from_a, options_.judge);
+  if (!may_be_candidate(of_parts, surfaces_[a], surfaces_[b])) return false;
+  hypothesis = {whole->b_from_a, of_parts};
+  return true;
+}
+
+bool PairLinks::keep_candidates(std::size_t a, std::size_t b,
+                                std::vector<PoseHypothesis>& hypotheses,
+                                const CoarseScale& scale) const {
   std::erase_if(hypotheses, [&](const PoseHypothesis& hypothesis) {
-    return !plausible(hypothesis.evidence, surfaces_[a], surfaces_[b], limits) &&
-           !may_be_right(hypothesis.evidence, surfaces_[a], surfaces_[b], options_.limits);
+    return !may_be_candidate(hypothesis.evidence, surfaces_[a], surfaces_[b]);
   });
+  const auto is_part = [&](std::size_t i) {
+    return surfaces_[i].samples().size() < whole_[i].samples().size();
+  };
+  if (!is_part(a) && !is_part(b)) return false;
+  VerificationThresholds firm = options_.limits;
+  firm.min_overlap = options_.lone_overlap;
+  bool denied = false;
+  std::erase_if(hypotheses, [&](PoseHypothesis& hypothesis) {
+    const PoseEvidence of_parts = hypothesis.evidence;
+    if (holds_whole_views(a, b, hypothesis, scale)) return false;
+    denied |= plausible(of_parts, surfaces_[a], surfaces_[b], firm) && !misses_coverage(of_parts);
+    return true;
+  });
+  return denied;
 }
 
 VerificationThresholds PairLinks::widest_limits() const {
@@ -79,7 +110,7 @@ std::vector<PoseHypothesis> PairLinks::alternatives(std::size_t a, std::size_t b
   };
   auto poses = alternative_poses(surfaces_[a], surfaces_[b], b_from_a, symmetries(a), symmetries(b),
                                  scale, options_.judge);
-  keep_candidates(a, b, poses);
+  keep_candidates(a, b, poses, scale);
   return poses;
 }
 
