@@ -108,7 +108,8 @@ class AlignmentReport {
     const bool shared = (state_.verified.group[i] == main_group && !is_guess_along_a_motion(i)) ||
                         (views_[i].pose == PoseKind::kKnown && verified.overlaps);
     const bool confirmed =
-        views_.size() == 1 || (shared && !contradicted && !verified.deviates_alone);
+        views_.size() == 1 ||
+        (shared && !contradicted && !verified.deviates_alone && !verified.deviates_with_group);
     view.status = !view.aligned ? PoseStatus::kLeftOut
                   : confirmed   ? PoseStatus::kVerified
                                 : PoseStatus::kUnverified;
@@ -236,6 +237,11 @@ class AlignmentReport {
       return "it deviates from all views that it overlaps by more than any two others do, and by "
              "more than twice as much as usual: its pose is wrong, or its image is mirrored or "
              "bent, or something moved";
+    if (view.deviates_with_group)
+      return "together with the views that it fits, if any, it deviates from a larger group that "
+             "it overlaps, by more than any two views of one group do, and by more than twice as "
+             "much as usual: the images of one group are mirrored or bent, or something moved "
+             "between them";
     const std::string partners = names_of_group(state_.verified.group, i);
     if (!partners.empty())
       return "it is confirmed only by " + partners + ", which nothing confirms in turn";

@@ -9,6 +9,7 @@
 #include "registration/pairwise/search_schedule.h"
 #include "registration/posegraph/view_graph.h"
 #include "registration/verification/common_errors.h"
+#include "registration/verification/deviating_views.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {
@@ -31,9 +32,6 @@ constexpr double kPlanarStrays = 0.05;
 // Of the samples that can be compared: where more of them move, or are at a wrong pose, what fits
 // says little.
 constexpr double kMostMoved = 0.5;
-// Pairs of a view that deviates alone, and of all others, at least: by chance the two largest of
-// eight are of one view in 1 of 28 cases.
-constexpr std::size_t kFewestOwnPairs = 2, kFewestOtherPairs = 6;
 constexpr double kFewestStrays = 0.01;  // Of all samples of a view: 5 of the 500 looked at.
 
 // Over the typical radius: wrong poses misfit by as little (link_limits.cpp).
@@ -261,32 +259,18 @@ std::size_t most_contradicted(const std::vector<ViewVerification>& tallied,
   return worst;
 }
 
-struct PairDeviation {
-  std::size_t a = 0, b = 0;
-  double rms = 0.0;  // See relative_rms().
-};
-
 // Of pairs of views that are not refuted. Small patches fit better, also at wrong poses: they do
 // not count.
-std::vector<PairDeviation> deviations_of(const std::vector<ViewSurface>& surfaces,
-                                         const std::vector<Judged>& pairs,
-                                         const std::vector<bool>& refuted, double min_overlap) {
-  std::vector<PairDeviation> deviations;
+std::vector<RelativeDeviation> deviations_of(const std::vector<ViewSurface>& surfaces,
+                                             const std::vector<Judged>& pairs,
+                                             const std::vector<bool>& refuted, double min_overlap) {
+  std::vector<RelativeDeviation> deviations;
   for (const Judged& pair : pairs)
     if (pair.fit_known && !refuted[pair.a] && !refuted[pair.b] &&
         pair.evidence.overlap >= min_overlap)
       deviations.push_back(
           {pair.a, pair.b, relative_rms(pair.evidence, surfaces[pair.a], surfaces[pair.b])});
   return deviations;
-}
-
-// ViewVerification::deviates_alone.
-bool deviates_alone(std::size_t view, const std::vector<PairDeviation>& deviations) {
-  std::vector<double> own, others;
-  for (const auto& [a, b, rms] : deviations) (a == view || b == view ? own : others).push_back(rms);
-  return own.size() >= kFewestOwnPairs && others.size() >= kFewestOtherPairs &&
-         std::ranges::min(own) > std::ranges::max(others) &&
-         quantile(std::move(own), 0.5) > kUncommon * quantile(std::move(others), 0.5);
 }
 
 }  // namespace
@@ -318,10 +302,12 @@ PoseVerification verify_poses(const std::vector<ViewSurface>& surfaces,
     if (pair.confirms && !refuted[pair.a] && !refuted[pair.b])
       confirmed.push_back({pair.a, pair.b, pair.evidence.overlap});
   result.group = connected_groups(views, confirmed);
-  const auto deviations = deviations_of(surfaces, pairs, refuted, options.limits.min_overlap);
+  const DeviatingViews deviating = find_deviating_views(
+      views, deviations_of(surfaces, pairs, refuted, options.limits.min_overlap));
   for (std::size_t i = 0; i < views; ++i) {
     result.views[i].refuted = refuted[i];
-    result.views[i].deviates_alone = deviates_alone(i, deviations);
+    result.views[i].deviates_alone = deviating.alone[i];
+    result.views[i].deviates_with_group = deviating.with_group[i];
   }
   return result;
 }

@@ -34,6 +34,10 @@ struct ViewVerification {
   /// twice as much as these typically do, each against its own noise and spacing. A sensor's errors
   /// are in all of its views: these are in one alone, or its pose is wrong.
   bool deviates_alone = false;
+  /// Whether views fall into groups, of which it is in a smaller one, such that all pairs between
+  /// groups deviate by more than any pair within one does, and by more than twice as much as these
+  /// typically do: a rigid object gives no such groups. Images of one may be mirrored.
+  bool deviates_with_group = false;
   bool refuted = false;  ///< Whether more speaks against the pose than for it.
 };
 

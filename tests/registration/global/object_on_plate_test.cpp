@@ -71,8 +71,8 @@ TEST(ObjectOnPlate, TellsHowViewsLieThatAPlateFills) {
   const auto aligned = value_of(align_views(without_poses(views)));
   for (const ViewReport& view : aligned.views)
     EXPECT_EQ(view.status, PoseStatus::kVerified) << view.name << ": " << view.reason;
-  for (const double error : testing::mean_displacements(views, aligned.world_from_view(),
-                                                        testing::poses_of(views)))
+  for (const double error :
+       testing::mean_displacements(views, aligned.world_from_view(), testing::poses_of(views)))
     EXPECT_LT(error, 0.2 * sample_spacing(views[0]));
 }
 
