@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/console/console.h"
 
@@ -54,6 +55,27 @@ Json in_words(const std::vector<registration::DegenerateDirection>& directions) 
   for (const registration::DegenerateDirection& direction : directions)
     words.push_back(direction.description);
   return words;
+}
+
+// Views that are not verified for the same reason.
+struct UnverifiedViews {
+  bool aligned = false;
+  std::string reason;
+  std::vector<std::string> names;
+};
+
+// In the order of their first views.
+std::vector<UnverifiedViews> unverified_views(const registration::Alignment& alignment) {
+  std::vector<UnverifiedViews> all;
+  for (const registration::ViewReport& view : alignment.views) {
+    if (view.status == registration::PoseStatus::kVerified) continue;
+    auto alike = std::ranges::find_if(all, [&](const UnverifiedViews& views) {
+      return views.aligned == view.aligned && views.reason == view.reason;
+    });
+    if (alike == all.end()) alike = all.insert(all.end(), {view.aligned, view.reason, {}});
+    alike->names.push_back(view.name);
+  }
+  return all;
 }
 
 std::vector<double> roots_of(const Vector6d& variances) {
@@ -184,12 +206,13 @@ void log_alignment(const registration::Alignment& alignment, const std::string& 
 }
 
 void warn_of_unverified(const registration::Alignment& alignment) {
-  for (const registration::ViewReport& view : alignment.views) {
-    if (view.status == registration::PoseStatus::kVerified) continue;
-    Console::warning(
-        "view " + view.name +
-        (view.aligned ? " is kept at a pose that is not verified: " : " is not aligned: ") +
-        view.reason);
+  for (const UnverifiedViews& views : unverified_views(alignment)) {
+    const bool one = views.names.size() == 1;
+    const char* kept = one ? " is kept at a pose that is not verified: "
+                           : " are kept at poses that are not verified: of each, ";
+    const char* left = one ? " is not aligned: " : " are not aligned: of each, ";
+    Console::warning((one ? "view " : "views ") + fmt::format("{}", fmt::join(views.names, ", ")) +
+                     (views.aligned ? kept : left) + views.reason);
   }
 }
 

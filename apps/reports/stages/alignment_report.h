@@ -19,7 +19,7 @@ Json to_json(const reconstruction::AlignmentGain& gain);
 void log_alignment(const registration::Alignment& alignment, const std::string& unit,
                    double seconds);
 
-/// Warns of the views that are not verified.
+/// Warns of the views that are not verified, once of those with the same reason.
 void warn_of_unverified(const registration::Alignment& alignment);
 
 /// Logs what aligning again on refined views changed.
