@@ -149,6 +149,34 @@ TEST(GivenPoseNotes, TellNoShiftThatTheWorldMayHaveMadeAlone) {
   EXPECT_LT((*common_shift(views) - shift).norm(), 0.1);
 }
 
+// Seen from above, the axis of a turntable leans towards the views. The part of the shift along it
+// is the world's, and what is left of the shift has a z and looks like a scale.
+TEST(GivenPoseNotes, TellPrincipalPointsOfATurntableSeenFromAbove) {
+  const auto turntable = [](const Eigen::Vector3d& shift, double scale) {
+    auto views = shifted_ring(shift, 0.0);
+    std::mt19937 random(5);
+    std::normal_distribution<double> gauss(0.0, 0.01);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const double angle = 0.6 * static_cast<double>(i);
+      views[i].given =
+          testing::look_at({100 * std::cos(angle), 100 * std::sin(angle), 40}, {0, 0, 0});
+      views[i].found = Eigen::Translation3d(0, 0, 2.0 * shift.norm()) * views[i].given *
+                       Eigen::Translation3d(shift);
+      views[i].found.translation() *= scale;
+      views[i].found.translation() += Eigen::Vector3d(gauss(random), gauss(random), gauss(random));
+    }
+    return views;
+  };
+  const Eigen::Vector3d shift(1.6, -2.4, 0.0);
+  const auto views = turntable(shift, 1.0);
+  EXPECT_LT((common_shift(views).value_or(Eigen::Vector3d::Zero()) - shift).norm(), 0.15);
+  EXPECT_THAT(notes_on_given_poses(views), Contains(HasSubstr("(-8.0, 12.")));
+  EXPECT_THAT(notes_on_given_poses(views), Not(Contains(HasSubstr("times as far apart"))));
+  const auto longer = notes_on_given_poses(turntable({0, 0, 0}, 1.02));
+  EXPECT_THAT(longer, Contains(HasSubstr("times as far apart")));
+  EXPECT_THAT(longer, Not(Contains(HasSubstr("cx, cy"))));
+}
+
 TEST(GivenPoseNotes, TellNoPrincipalPointWhereMovesScatterOrGoForward) {
   EXPECT_FALSE(common_shift(shifted_ring({0, 0, 0}, 0.05)));
   EXPECT_FALSE(common_shift(shifted_ring({0.5, 0, 0}, 0.5)));
