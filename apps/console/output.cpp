@@ -31,7 +31,8 @@ CLI::Validator known_mesh_ending() {
   return CLI::Validator(
       [](const std::string& name) {
         if (is_mesh_path(name)) return std::string();
-        return "no mesh format has the ending of " + name + ": use .ply .obj .stl .vtp or .glb";
+        return "no mesh format has the ending of " + name +
+               ": use .ply .obj .stl .vtp .glb or .3mf";
       },
       "MESH");
 }

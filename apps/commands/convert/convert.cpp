@@ -58,11 +58,10 @@ Result<void> check_folder_name(const std::filesystem::path& path) {
                   [](unsigned char letter) { return std::isalpha(letter) != 0; });
   std::error_code code;
   if (!looks_like_file || std::filesystem::is_directory(path, code)) return {};
-  return Error{
-      ErrorKind::kBadInput,
-      path.string() + ": unknown ending '" + ending +
-          "'; name a folder, a mesh (.ply .obj .stl .vtp .glb), views (.e57 .ptx .pcd), or a file "
-          "of poses (.aln .conf .mlp .log .tum)"};
+  return Error{ErrorKind::kBadInput, path.string() + ": unknown ending '" + ending +
+                                         "'; name a folder, a mesh (.ply .obj .stl .vtp .glb "
+                                         ".3mf), views (.e57 .ptx .pcd), or a file "
+                                         "of poses (.aln .conf .mlp .log .tum)"};
 }
 
 Result<void> write_as(const ScanProject& project, const ConvertCommand& command) {
@@ -113,11 +112,12 @@ void add_convert(CLI::App& app, Action& action) {
       ->required();
   sub->add_flag("--as-views", command->as_views, "Read a mesh as points that a scanner saw");
   add_reading_options(*sub, command->input.options);
-  sub->add_option("-o,--output", command->output,
-                  "A mesh file (.ply .obj .stl .vtp .glb; the views of a project become one mesh), "
-                  "views as .e57 or .ptx, one view as .pcd, poses as .aln, .conf, .mlp, .log or "
-                  ".tum, a folder for a project, or a mesh in tiles of several levels of "
-                  "detail (3D Tiles) as .json")
+  sub->add_option(
+         "-o,--output", command->output,
+         "A mesh file (.ply .obj .stl .vtp .glb .3mf; the views of a project become one mesh), "
+         "views as .e57 or .ptx, one view as .pcd, poses as .aln, .conf, .mlp, .log or "
+         ".tum, a folder for a project, or a mesh in tiles of several levels of "
+         "detail (3D Tiles) as .json")
       ->required();
   sub->add_option("--unit", command->unit, "Unit of a mesh that is written in tiles")
       ->capture_default_str();

@@ -92,7 +92,7 @@ void add_merge(CLI::App& app, Action& action) {
   add_project_input(*sub, command->input);
   add_background_option(*sub, command->input);
   sub->add_option("-o,--output", command->output,
-                  "Mesh file; its ending (.ply .obj .stl .vtp .glb) is its format")
+                  "Mesh file; its ending (.ply .obj .stl .vtp .glb .3mf) is its format")
       ->required()
       ->check(known_mesh_ending());
   add_merge_options(*sub, command->merge);
