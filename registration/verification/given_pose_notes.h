@@ -37,13 +37,6 @@ std::optional<double> common_scale(const std::vector<GivenAndFound>& all);
 /// y in the frame of each view: four times nearer than without. Nothing for fewer than four views.
 std::optional<int> mirrored_axis(const std::vector<GivenAndFound>& views);
 
-/// By how much the samples of all views were found off their given poses, alike in the frame of
-/// each view [unit]: a shift that leaves a quarter of the distances between both. Only of `refined`
-/// views. Nothing for fewer than six, and where they do not differ so. Along what turns with no
-/// view, as the axis of a turntable, any shift fits: the one with z = 0 is told where it explains
-/// the poses and a shift along z does not.
-std::optional<Eigen::Vector3d> common_shift(const std::vector<GivenAndFound>& all);
-
 /// For the user: how far refining moved the given poses, and what common_scale(),
 /// mirrored_axis() and common_shift() tell. Of scale and shift the one that fits better.
 std::vector<std::string> notes_on_given_poses(const std::vector<GivenAndFound>& views);

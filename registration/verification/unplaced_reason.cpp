@@ -66,14 +66,12 @@ std::string in_percent(double fraction) {
   return text;
 }
 
-std::string unplaced_reason(std::size_t view, const ViewGroups& placed, const CheckedPoses& checked,
-                            const std::vector<RangeView>& views,
-                            const std::vector<ViewSurface>& surfaces,
-                            const StartingPoseOptions& options) {
-  if (!placed.denied_by_plane.empty() && placed.denied_by_plane[view])
-    return "what stands clear of the plane that is most of it fits other views, but there the "
-           "planes do not lie on each other: if that is a wall or a table that did not move with "
-           "the object, leave it out (a mask per view, or a crop of the images)";
+namespace {
+
+std::string why_unplaced(std::size_t view, const ViewGroups& placed, const CheckedPoses& checked,
+                         const std::vector<RangeView>& views,
+                         const std::vector<ViewSurface>& surfaces,
+                         const StartingPoseOptions& options) {
   for (const AmbiguousPair& pair : placed.ambiguous) {
     if (placed.group[pair.a] != placed.group[view] && placed.group[pair.b] != placed.group[view])
       continue;
@@ -99,6 +97,20 @@ std::string unplaced_reason(std::size_t view, const ViewGroups& placed, const Ch
                 describe_rejected(*placed.best_rejected[view], view, views, surfaces);
   return why + found + "; add a view between or give a guess in world_from_view" +
          (why.empty() ? "" : ", or keep its pose with --poses trust");
+}
+
+}  // namespace
+
+std::string unplaced_reason(std::size_t view, const ViewGroups& placed, const CheckedPoses& checked,
+                            const std::vector<RangeView>& views,
+                            const std::vector<ViewSurface>& surfaces,
+                            const StartingPoseOptions& options) {
+  const std::string reason = why_unplaced(view, placed, checked, views, surfaces, options);
+  if (placed.denied_by_plane.empty() || !placed.denied_by_plane[view]) return reason;
+  return reason +
+         "; what stands clear of the plane that is most of it fits other views, but there the "
+         "planes do not lie on each other: if that is a wall or a table that did not move with the "
+         "object, leave it out (a mask per view, or a crop of the images)";
 }
 
 }  // namespace relief::registration

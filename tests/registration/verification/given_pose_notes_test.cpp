@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "registration/verification/common_pose_shift.h"
 #include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::registration {
@@ -152,7 +153,8 @@ TEST(GivenPoseNotes, TellNoShiftThatTheWorldMayHaveMadeAlone) {
 // Seen from above, the axis of a turntable leans towards the views. The part of the shift along it
 // is the world's, and what is left of the shift has a z and looks like a scale.
 TEST(GivenPoseNotes, TellPrincipalPointsOfATurntableSeenFromAbove) {
-  const auto turntable = [](const Eigen::Vector3d& shift, double scale) {
+  double unit = 1.0;
+  const auto turntable = [&](const Eigen::Vector3d& shift, double scale) {
     auto views = shifted_ring(shift, 0.0);
     std::mt19937 random(5);
     std::normal_distribution<double> gauss(0.0, 0.01);
@@ -164,6 +166,8 @@ TEST(GivenPoseNotes, TellPrincipalPointsOfATurntableSeenFromAbove) {
                        Eigen::Translation3d(shift);
       views[i].found.translation() *= scale;
       views[i].found.translation() += Eigen::Vector3d(gauss(random), gauss(random), gauss(random));
+      for (RigidMotion* pose : {&views[i].given, &views[i].found}) pose->translation() *= unit;
+      views[i].centre *= unit;
     }
     return views;
   };
@@ -172,9 +176,13 @@ TEST(GivenPoseNotes, TellPrincipalPointsOfATurntableSeenFromAbove) {
   EXPECT_LT((common_shift(views).value_or(Eigen::Vector3d::Zero()) - shift).norm(), 0.15);
   EXPECT_THAT(notes_on_given_poses(views), Contains(HasSubstr("(-8.0, 12.")));
   EXPECT_THAT(notes_on_given_poses(views), Not(Contains(HasSubstr("times as far apart"))));
-  const auto longer = notes_on_given_poses(turntable({0, 0, 0}, 1.02));
-  EXPECT_THAT(longer, Contains(HasSubstr("times as far apart")));
-  EXPECT_THAT(longer, Not(Contains(HasSubstr("cx, cy"))));
+  for (const double other : {1.0, 1e-4}) {
+    unit = other;
+    EXPECT_TRUE(shift_explains_more_than_scale(turntable(shift, 1.0)));
+    const auto longer = notes_on_given_poses(turntable({0, 0, 0}, 1.02));
+    EXPECT_THAT(longer, Contains(HasSubstr("times as far apart")));
+    EXPECT_THAT(longer, Not(Contains(HasSubstr("cx, cy"))));
+  }
 }
 
 TEST(GivenPoseNotes, TellNoPrincipalPointWhereMovesScatterOrGoForward) {
