@@ -83,8 +83,7 @@ Eigen::MatrixXd columns_of(CommonError error, const Places& place) {
 
 // Of the columns, by place: 1 for shifts; 1 also where there is nothing.
 double root_mean_square(const Eigen::MatrixXd& columns) {
-  const double size =
-      std::sqrt(3.0 * columns.squaredNorm() / static_cast<double>(columns.size()));
+  const double size = std::sqrt(3.0 * columns.squaredNorm() / static_cast<double>(columns.size()));
   return size > 0.0 ? size : 1.0;
 }
 
