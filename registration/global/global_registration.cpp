@@ -28,21 +28,20 @@ using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
 class GlobalRegistration {
  public:
-  // `surfaces`: parts of `whole` ones, or the same.
-  GlobalRegistration(const std::vector<ViewSurface>& surfaces,
-                     const std::vector<ViewSurface>& whole, const ViewGroups& start,
+  GlobalRegistration(const std::vector<ViewSurface>& whole, const ViewGroups& start,
                      const std::vector<bool>& known, const GlobalRegistrationOptions& options,
                      const Progress& progress, const AlignUnits& units)
-      : surfaces_(surfaces),
+      : parts_(without_dominant_planes(whole)),
+        surfaces_(parts_.empty() ? whole : parts_),
         start_(start),
         known_(known),
         options_(options),
         progress_(progress),
         units_(units),
-        judged_(surfaces),
-        pair_links_(surfaces, whole, grouping_),
-        best_rejected_(surfaces, options.limits),
-        denied_by_plane_(surfaces.size(), false) {
+        judged_(surfaces_),
+        pair_links_(surfaces_, whole, grouping_),
+        best_rejected_(surfaces_, options.limits),
+        denied_by_plane_(whole.size(), false) {
     grouping_.limits = options.limits;
     grouping_.ambiguity = options.ambiguity;
     grouping_.judge.association = options.association;
@@ -280,7 +279,8 @@ class GlobalRegistration {
     return report_progress(progress_, fraction, step);
   }
 
-  const std::vector<ViewSurface>& surfaces_;
+  const std::vector<ViewSurface> parts_;      // Empty where the views are searched whole.
+  const std::vector<ViewSurface>& surfaces_;  // What is searched of the views.
   const ViewGroups& start_;
   const std::vector<bool>& known_;
   const GlobalRegistrationOptions& options_;
@@ -307,10 +307,7 @@ Result<ViewGroups> register_globally(const std::vector<ViewSurface>& surfaces,
                                      const GlobalRegistrationOptions& options,
                                      const Progress& progress, const AlignUnits& units) {
   assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
-  const std::vector<ViewSurface> parts = without_dominant_planes(surfaces);
-  return GlobalRegistration(parts.empty() ? surfaces : parts, surfaces, start, known, options,
-                            progress, units)
-      .run();
+  return GlobalRegistration(surfaces, start, known, options, progress, units).run();
 }
 
 Result<std::size_t> search_first_pairs(const std::vector<ViewSurface>& surfaces,
@@ -319,10 +316,7 @@ Result<std::size_t> search_first_pairs(const std::vector<ViewSurface>& surfaces,
                                        const PairBlock& block, const Progress& progress,
                                        const AlignUnits& units) {
   assert(start.group.size() == surfaces.size() && known.size() == surfaces.size());
-  const std::vector<ViewSurface> parts = without_dominant_planes(surfaces);
-  return GlobalRegistration(parts.empty() ? surfaces : parts, surfaces, start, known, options,
-                            progress, units)
-      .search_first(block);
+  return GlobalRegistration(surfaces, start, known, options, progress, units).search_first(block);
 }
 
 }  // namespace relief::registration
