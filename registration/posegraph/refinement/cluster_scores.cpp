@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <queue>
 #include <utility>
 
@@ -43,18 +44,12 @@ constexpr std::size_t kClustersAtOnce = 1024;
 }  // namespace
 
 PagedVector<PatchScore> ClusterScores::larger(std::span<const PatchScore> patches) {
+  std::map<std::uint64_t, RigidTangent> sums;
+  for (const PatchScore& patch : patches)
+    sums.try_emplace(around(patch.patch), RigidTangent::Zero()).first->second += patch.score;
   PagedVector<PatchScore> joined;
-  for (const PatchScore& patch : patches) joined.push_back({around(patch.patch), patch.score});
-  std::ranges::stable_sort(joined, {}, &PatchScore::patch);
-  std::size_t last = 0;
-  for (std::size_t i = 1; i < joined.size(); ++i) {
-    if (joined[i].patch == joined[last].patch)
-      joined[last].score += joined[i].score;
-    else
-      joined[++last] = joined[i];
-  }
-  if (!joined.empty()) joined.resize(last + 1);
-  joined.shrink_to_fit();
+  joined.reserve(sums.size());
+  for (const auto& [patch, score] : sums) joined.push_back({patch, score});
   return joined;
 }
 
