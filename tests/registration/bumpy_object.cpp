@@ -97,6 +97,14 @@ std::vector<RangeView> perturbed(std::vector<RangeView> views, const Eigen::Vect
   return views;
 }
 
+std::vector<RangeView> without_poses(std::vector<RangeView> views) {
+  for (RangeView& view : views) {
+    view.pose = PoseKind::kAbsent;
+    view.world_from_view = RigidMotion::Identity();
+  }
+  return views;
+}
+
 std::vector<double> mean_displacements(const std::vector<RangeView>& views,
                                        const std::vector<RigidMotion>& estimate,
                                        const std::vector<RigidMotion>& truth) {

@@ -33,6 +33,9 @@ std::vector<RangeView> ring_of_views(const RingOptions& options = {});
 std::vector<RangeView> perturbed(std::vector<RangeView> views, const Eigen::Vector3d& centre,
                                  double angle, double shift, std::uint32_t seed = 7);
 
+/// The views as of a user who has no poses.
+std::vector<RangeView> without_poses(std::vector<RangeView> views);
+
 /// For each view the mean distance [unit] of its samples at `estimate` from where they are at
 /// `truth`, after the rigid motion common to all views that fits the two best.
 std::vector<double> mean_displacements(const std::vector<RangeView>& views,

@@ -18,6 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 using testing::mean_displacements;
 using testing::poses_of;
+using testing::without_poses;
 
 constexpr int kPixels = 112;
 
@@ -32,14 +33,6 @@ std::vector<RangeView> shuffled(const std::vector<RangeView>& views) {
   for (std::size_t i = 0; i < views.size(); ++i)
     result.push_back(views[(5 * i + 3) % views.size()]);
   return result;
-}
-
-std::vector<RangeView> without_poses(std::vector<RangeView> views) {
-  for (auto& view : views) {
-    view.pose = PoseKind::kAbsent;
-    view.world_from_view = RigidMotion::Identity();
-  }
-  return views;
 }
 
 std::vector<RangeView> with_wild_guesses(std::vector<RangeView> views) {

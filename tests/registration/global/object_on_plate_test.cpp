@@ -21,6 +21,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using testing::Surface;
+using testing::without_poses;
 
 constexpr int kViews = 10;
 constexpr double kRadius = 24.0;      // Of the object.
@@ -54,14 +55,6 @@ RangeView view_of(const Surface& surface, int i) {
   view.name = "v" + std::to_string(i);
   testing::add_range_noise(view, 0.2, static_cast<std::uint32_t>(i + 1));
   return view;
-}
-
-std::vector<RangeView> without_poses(std::vector<RangeView> views) {
-  for (RangeView& view : views) {
-    view.pose = PoseKind::kAbsent;
-    view.world_from_view = RigidMotion::Identity();
-  }
-  return views;
 }
 
 TEST(ObjectOnPlate, TellsHowViewsLieThatAPlateFills) {

@@ -247,17 +247,12 @@ TEST(OffPlaneSamples, ConfirmARightPoseAlone) {
 
 TEST(OffPlaneSamples, LetARoomBeAlignedByItsFurniture) {
   const auto truth = views_of_room(furnished_room);
-  auto views = truth;
-  for (RangeView& view : views) {
-    view.pose = PoseKind::kAbsent;
-    view.world_from_view = RigidMotion::Identity();
-  }
-  const auto aligned = value_of(align_views(views));
+  const auto aligned = value_of(align_views(testing::without_poses(truth)));
   ASSERT_TRUE(aligned.complete()) << aligned.views[1].reason;
   const RigidMotion found =
       aligned.views[1].world_from_view.inverse() * aligned.views[0].world_from_view;
   const RigidMotion expected = truth[1].world_from_view.inverse() * truth[0].world_from_view;
-  EXPECT_TRUE(same_pose(ViewSurface(views[0]), found, expected, 0.5));
+  EXPECT_TRUE(same_pose(ViewSurface(truth[0]), found, expected, 0.5));
 }
 
 TEST(PlanarView, HasNoFacesWithoutSamples) {
