@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "registration/align_once.h"
 #include "registration/verification/given_pose_errors.h"
@@ -98,7 +99,10 @@ class AligningGuesses {
       found.notes.emplace_back(
           "the given poses are not used: refining them led far away, and the views fit each other "
           "far better at poses found by their shape; --poses trust takes the given ones");
-      note_given_poses(found);
+      // Not refined from the given ones, but what these err by alike shows.
+      for (std::string& note : notes_on_given_poses(given_and_found(
+               views_, surfaces_, taken_, found, std::vector<bool>(views_.size(), false))))
+        found.notes.push_back(std::move(note));
       return std::move(found);
     }
     aligned.notes.push_back(
@@ -106,18 +110,6 @@ class AligningGuesses {
         " views fit each other far better at poses found by their shape: check the given poses, or "
         "look at the others with --poses ignore");
     return std::move(aligned);
-  }
-
-  // What poses that were found by shape tell of the given ones, as they are: the convention they
-  // were taken in brought the views nowhere.
-  void note_given_poses(Alignment& found) const {
-    std::vector<GivenAndFound> given;
-    for (std::size_t i = 0; i < views_.size(); ++i)
-      if (views_[i].pose == PoseKind::kGuess && found.views[i].aligned)
-        given.push_back(given_and_found(views_[i], surfaces_[i].centre(),
-                                        taken_.world_from_view(views_[i].world_from_view),
-                                        found.views[i].world_from_view, false));
-    for (std::string& note : notes_on_given_poses(given)) found.notes.push_back(std::move(note));
   }
 
   const std::vector<RangeView>& views_;

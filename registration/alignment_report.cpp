@@ -136,15 +136,13 @@ class AlignmentReport {
   }
 
   void note_given_poses(Alignment& result) const {
-    std::vector<GivenAndFound> given;
+    if (given_poses_ == GivenPoses::kIgnore) return;
+    std::vector<bool> refined;
     for (std::size_t i = 0; i < views_.size(); ++i)
-      if (views_[i].pose == PoseKind::kGuess && given_poses_ != GivenPoses::kIgnore &&
-          result.views[i].aligned && !surfaces_[i].samples().empty())
-        given.push_back(given_and_found(
-            views_[i], surfaces_[i].centre(),
-            convention_.world_from_view(views_[i].world_from_view), result.views[i].world_from_view,
-            checked_.world_from_view[i] && !state_.starts.found_by_shape[i]));
-    for (std::string& note : notes_on_given_poses(given)) result.notes.push_back(std::move(note));
+      refined.push_back(checked_.world_from_view[i] && !state_.starts.found_by_shape[i]);
+    for (std::string& note :
+         notes_on_given_poses(given_and_found(views_, surfaces_, convention_, result, refined)))
+      result.notes.push_back(std::move(note));
   }
 
   void note_kept_poses(Alignment& result) const {

@@ -19,9 +19,6 @@ constexpr std::size_t kFewestForShift = 6;
 // Directions in which equations say less than this part of what they say of others: noise there
 // grows ten times.
 constexpr double kUndetermined = 0.1;
-// Found poses must be so many times nearer to shifted ones for a shift to be told, as for other
-// notes on given poses.
-constexpr double kFarNearer = 4.0;
 
 // Where the samples of a view are by its given and its found pose.
 struct Places {
@@ -161,10 +158,10 @@ std::optional<FittedShift> fitted_shift(const std::vector<Places>& places) {
   const double as_given = robust_fit(places, CommonError::kNone).scatter();
   const ErrorFit across = robust_fit(places, CommonError::kAcross);
   const double along = robust_fit(places, CommonError::kAlong).scatter();
-  if (std::min(as_given, along) > kFarNearer * across.scatter())
+  if (std::min(as_given, along) > kTellingRatio * across.scatter())
     return FittedShift{{across.amount[0], across.amount[1], 0.0}, across.scatter()};
   const ErrorFit any = robust_fit(places, CommonError::kShift);
-  if (as_given > kFarNearer * any.scatter()) return FittedShift{any.amount, any.scatter()};
+  if (as_given > kTellingRatio * any.scatter()) return FittedShift{any.amount, any.scatter()};
   return std::nullopt;
 }
 

@@ -19,8 +19,6 @@ namespace relief::registration {
 namespace {
 
 constexpr std::size_t kFewestViews = 4;  // Three distances agree by chance.
-// Errors of poses must be so many times smaller another way for it to be told, as for depth maps.
-constexpr double kFarBetter = 4.0;
 // Least difference of a scale from 1 that is told: calibrations of sensors are no better.
 constexpr double kLeastScale = 1e-3;
 // Places so much nearer than the farthest pair say nothing of the scale [fraction].
@@ -97,7 +95,8 @@ std::optional<Eigen::Vector2d> principal_point_shift(const std::vector<GivenAndF
 // principal point.
 std::optional<std::string> note_on_shift(const std::vector<GivenAndFound>& views) {
   const auto shift = common_shift(views);
-  if (!shift || !(shift->head<2>().norm() > kFarBetter * std::abs(shift->z()))) return std::nullopt;
+  if (!shift || !(shift->head<2>().norm() > kTellingRatio * std::abs(shift->z())))
+    return std::nullopt;
   const auto pixels = principal_point_shift(views, *shift);
   if (!pixels || pixels->norm() < 1.0) return std::nullopt;
   char note[400];
@@ -149,15 +148,19 @@ std::optional<Eigen::Vector2d> focal_lengths(const Camera& camera) {
 
 }  // namespace
 
-GivenAndFound given_and_found(const RangeView& view, const Eigen::Vector3d& centre,
-                              const RigidMotion& given, const RigidMotion& found, bool refined) {
-  return {view.name,
-          given,
-          found,
-          centre,
-          refined,
-          starts_at_origin(view.camera),
-          focal_lengths(view.camera)};
+std::vector<GivenAndFound> given_and_found(const std::vector<RangeView>& views,
+                                           const std::vector<ViewSurface>& surfaces,
+                                           const PoseConvention& convention, const Alignment& found,
+                                           const std::vector<bool>& refined) {
+  std::vector<GivenAndFound> given;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const RangeView& view = views[i];
+    if (view.pose == PoseKind::kGuess && found.views[i].aligned && !surfaces[i].samples().empty())
+      given.push_back({view.name, convention.world_from_view(view.world_from_view),
+                       found.views[i].world_from_view, surfaces[i].centre(), refined[i],
+                       starts_at_origin(view.camera), focal_lengths(view.camera)});
+  }
+  return given;
 }
 
 std::optional<double> common_scale(const std::vector<GivenAndFound>& all) {
@@ -179,7 +182,7 @@ std::optional<double> common_scale(const std::vector<GivenAndFound>& all) {
   for (double& ratio : ratios) ratio = std::abs(ratio - scale);
   const double scatter = quantile(std::move(ratios), 0.5);
   const double off = std::abs(scale - 1.0);
-  return off > std::max(kLeastScale, kFarBetter * scatter) ? std::optional(scale) : std::nullopt;
+  return off > std::max(kLeastScale, kTellingRatio * scatter) ? std::optional(scale) : std::nullopt;
 }
 
 std::optional<int> mirrored_axis(const std::vector<GivenAndFound>& views) {
@@ -187,8 +190,8 @@ std::optional<int> mirrored_axis(const std::vector<GivenAndFound>& views) {
   const Differences as_given = differences(views, std::nullopt);
   for (const int axis : {0, 1}) {
     const Differences mirrored = differences(views, axis);
-    if (as_given.angle > kFarBetter * mirrored.angle &&
-        as_given.shift > kFarBetter * mirrored.shift)
+    if (as_given.angle > kTellingRatio * mirrored.angle &&
+        as_given.shift > kTellingRatio * mirrored.shift)
       return axis;
   }
   return std::nullopt;

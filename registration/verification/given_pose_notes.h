@@ -6,10 +6,16 @@
 
 #include <Eigen/Geometry>
 
+#include "registration/surface/view_surface.h"
+#include "relief/registration/align_views.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/rigid_motion.h"
+#include "scan/views/pose_convention.h"
 
 namespace relief::registration {
+
+/// Errors of poses must be so many times smaller another way for it to be told, as for depth maps.
+inline constexpr double kTellingRatio = 4.0;
 
 /// A view that came with a pose and is aligned. Poses are world from view; the world may have moved
 /// from one to the other.
@@ -23,9 +29,12 @@ struct GivenAndFound {
   std::optional<Eigen::Vector2d> focal_lengths = {};  ///< fx and fy of a pinhole [pixels].
 };
 
-/// The same of a view, with the `centre` of its samples.
-GivenAndFound given_and_found(const RangeView& view, const Eigen::Vector3d& centre,
-                              const RigidMotion& given, const RigidMotion& found, bool refined);
+/// The views with samples that came with a guess and that `found` has. The guesses are taken in
+/// `convention`; `refined`: by view, as in GivenAndFound.
+std::vector<GivenAndFound> given_and_found(const std::vector<RangeView>& views,
+                                           const std::vector<ViewSurface>& surfaces,
+                                           const PoseConvention& convention, const Alignment& found,
+                                           const std::vector<bool>& refined);
 
 /// How many times as far apart as given the sensors of views `from_origin` were found: 1.02 where
 /// ranges are 2 % too long for the poses, or the poses in a smaller unit. Nothing for fewer than

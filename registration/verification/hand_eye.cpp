@@ -13,8 +13,6 @@ namespace relief::registration {
 namespace {
 
 constexpr std::size_t kFewestViews = 3;  // Two motions: twelve equations for seven unknowns.
-// Motions must come so many times nearer, as for all that is told of given poses.
-constexpr double kFarBetter = 4.0;
 // Errors of so small a part of those of the given poses are rounding.
 constexpr double kRounding = 1e-6;
 // A simpler correction is taken if it leaves no more than this many times what the best one does.
@@ -146,7 +144,7 @@ std::optional<HandEye> calibrate_hand_eye(const std::vector<GivenAndFound>& view
   const double as_given = median_error({}, motions);
   double least = as_given;
   for (const auto& [fitted, error] : fits) least = std::min(least, error);
-  if (!(kFarBetter * least < as_given)) return std::nullopt;
+  if (!(kTellingRatio * least < as_given)) return std::nullopt;
   const double enough = std::max(kAlmostAsGood * least, kRounding * as_given);
   for (const auto& [fitted, error] : fits)
     if (error <= enough) return fitted;
