@@ -78,6 +78,13 @@ void note_lost_detail(const std::vector<double>& spacings, MergeSummary& result)
   result.notes.push_back(note.str());
 }
 
+// Samples know their noise, whatever the range. What views differ by beyond it is not shared.
+void know_deviations(double nominal, RangeErrors& errors) {
+  errors.exponent = 0.0;
+  errors.nominal = nominal;
+  errors.excess = std::max(0.0, errors.stddev * errors.stddev - nominal * nominal);
+}
+
 void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& options, bool refined,
                    const RangeErrors& errors, MergeSummary& result) {
   std::vector<double> spacings, noises;
@@ -123,7 +130,7 @@ Result<PreparedMerge> prepare_merge(const ViewSource& views, const MergeOptions&
   release_freed_memory();
   count_samples(samplers, inputs->samples, result);
   RangeErrors errors = inter_view_errors(samplers);
-  if (quality.deviation > 0.0) errors.exponent = 0.0;  // Views know theirs.
+  if (quality.deviation > 0.0) know_deviations(quality.deviation, errors);
   for (ViewSampler& sampler : samplers) sampler.set_range_errors(errors);
   choose_scales(samplers, options, quality.refined, errors, result);
   return PreparedMerge{std::move(*prepared), quality.deviation,

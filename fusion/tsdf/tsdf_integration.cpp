@@ -183,7 +183,7 @@ TsdfSample TsdfIntegrator::combine(const Eigen::Vector3d* normal) {
       empty_.push_back({seen->distance, seen->weight, seen->information, seen->relative_stddev,
                         seen->normal, false, view});
     sample.clearance = std::max(sample.clearance, seen->clearance);
-    if (seen->border >= kAmongRays) sample.in_front = std::max(sample.in_front, seen->distance);
+    if (seen->border >= kAmongRays) sample.in_front = std::max(sample.in_front, seen->in_front);
   }
   if (sample.clearance > kSeenThrough * spacing_)
     std::erase_if(near_, [](const TsdfObservation& observation) { return observation.presumed; });

@@ -23,6 +23,10 @@ constexpr double kSteep = 0.5;  // Cosine.
 // The foot belongs to the same surface when the normals there differ by less than about 25 degrees.
 constexpr double kSameSurface = 0.9;  // Cosine.
 
+// Space is surely empty so many standard deviations in front of a surface: at 0 the noise of dark
+// patches digs dents.
+constexpr double kSurely = 2.0;
+
 // Pixels by which the projection of a box may stand out of that of its corners.
 constexpr int kBoxMargin = 1;
 
@@ -164,15 +168,19 @@ std::optional<Observation> ViewSampler::observe(const Quad& quad, double foot_re
   seen.distance = surface.distance(point);
   if (has_centre_)
     seen.relative_stddev = errors_.relative_stddev((surface.origin + surface.chord).norm());
-  seen.weight = surface.weight / (seen.relative_stddev * seen.relative_stddev);
-  seen.information = seen.weight / silhouette_weight(border, silhouette_ramp_);
+  const double information = surface.weight / silhouette_weight(border, silhouette_ramp_);
+  const double variance = errors_.relative_variance(information, seen.relative_stddev);
+  seen.weight = surface.weight / variance;
+  seen.information = information / variance;
+  seen.in_front =
+      seen.distance - kSurely * errors_.stddev_at(seen.information, seen.relative_stddev);
   seen.border = border;
   seen.matter_depth = border * surface_.spacing;
   seen.range_gap = (point - surface.origin - surface.chord).norm();
   seen.normal = world_from_view_.linear() * surface.normal;
-  if (seen.distance > 0.0 && border > 1.0) {
+  if (seen.in_front > 0.0 && border > 1.0) {
     const double footprint = projection_.pixel_footprint(point, quad.pixel.x(), quad.pixel.y());
-    seen.clearance = std::min(seen.distance, (border - 1.0) * footprint);
+    seen.clearance = std::min(seen.in_front, (border - 1.0) * footprint);
   }
   if (std::abs(seen.distance) < foot_reach && std::abs(seen.distance) < kSteep * seen.range_gap) {
     const auto quad_at_foot = quad_at(point - seen.distance * surface.normal);

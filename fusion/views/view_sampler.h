@@ -28,6 +28,9 @@ struct Observation {
   double information = 0.0;
   /// Of the distance, in units of that at the typical range: RangeErrors.
   double relative_stddev = 1.0;
+  /// The distance less two standard deviations of it, as far as these are known [unit]: so far the
+  /// point surely lies in front of the surface.
+  double in_front = 0.0;
   /// No unseen space lies within this distance of the point as far as the view can tell [unit]:
   /// zero behind the surface, growing in front of it and away from the silhouette.
   double clearance = 0.0;
@@ -108,7 +111,7 @@ class ViewSampler {
   bool empty() const { return surface_.pixels.empty(); }
 
   /// From now on weighs observations by these errors: the weight of Observation is divided by the
-  /// square of the relative standard deviation. No effect on sensors without a centre.
+  /// relative variance. Sensors without a centre have the same errors at all ranges.
   void set_range_errors(const RangeErrors& errors) {
     errors_ = errors;
     if (has_centre_) largest_relative_stddev_ = errors.relative_stddev(farthest_range_);

@@ -76,5 +76,57 @@ TEST(TsdfSample, ReachesFartherWhereViewsErrMore) {
   EXPECT_FALSE(measured_at(1.1 * kTruncation));
 }
 
+// Two views that see a plane apart from each other, one with a tenth of the other's deviation.
+std::vector<ViewSampler> planes_apart(double deviation, double gap) {
+  const Camera camera = Camera::pinhole(80, 80, {100.0, 100.0, 39.5, 39.5});
+  PagedSurfaceOptions options;
+  options.weights.nominal_deviation = deviation;
+  std::vector<ViewSampler> samplers;
+  for (const int i : {0, 1}) {
+    RangeView view = render(testing::plane({0, 0, i * gap}, {0, 0, 1}), camera,
+                            testing::look_at({0, 0, 100}, {0, 0, 0}, Eigen::Vector3d::UnitY()));
+    view.deviation = Grid<float>(80, 80, static_cast<float>(i == 0 ? deviation : 0.1 * deviation));
+    samplers.push_back(value_of(ViewSampler::create(view, options)));
+  }
+  return samplers;
+}
+
+TEST(TsdfSample, WeighsByErrorsBeyondThoseThatSamplesKnow) {
+  constexpr double kDeviation = 0.1, kGap = 0.5;
+  auto samplers = planes_apart(kDeviation, kGap);
+  const auto sample = [&] {
+    TsdfIntegrator collector(samplers, kTruncation, kSpacing);
+    return collector.collect({0.0, 0.0, 0.5 * kGap});
+  };
+  // The zero set lies at the mean by inverse variances, so many gaps from the first plane.
+  const auto expect_mean_at = [&](double variance, double more_precise) {
+    const double share = (1.0 / more_precise) / (1.0 / variance + 1.0 / more_precise);
+    const TsdfSample seen = sample();
+    EXPECT_NEAR(seen.distance, (0.5 - share) * kGap, 0.01 * kGap);
+    EXPECT_NEAR(kDeviation * kDeviation / seen.information,
+                1.0 / (1.0 / variance + 1.0 / more_precise), 0.02 * variance);
+  };
+  expect_mean_at(0.01, 0.0001);
+  for (ViewSampler& sampler : samplers)
+    sampler.set_range_errors({.stddev = 0.5, .nominal = kDeviation, .excess = 0.25});
+  expect_mean_at(0.26, 0.2501);
+}
+
+TEST(TsdfSample, SpaceIsEmptyTwoDeviationsInFrontOfASurface) {
+  auto samplers = planes_apart(0.1, 0.0);
+  samplers.pop_back();
+  const auto clearance_at = [&](double height) {
+    TsdfIntegrator collector(samplers, kTruncation, kSpacing);
+    return collector.collect({0.0, 0.0, height}).clearance;
+  };
+  EXPECT_NEAR(clearance_at(1.0), 1.0, 1e-3) << "nothing known of errors";
+  for (ViewSampler& sampler : samplers)
+    sampler.set_range_errors({.stddev = 0.3, .nominal = 0.1, .excess = 0.08});
+  EXPECT_NEAR(clearance_at(1.0), 1.0 - 2.0 * 0.3, 1e-2);
+  EXPECT_EQ(clearance_at(0.5), 0.0);
+  for (ViewSampler& sampler : samplers) sampler.set_range_errors({.stddev = 0.2});
+  EXPECT_NEAR(clearance_at(1.0), 1.0 - 2.0 * 0.2, 1e-2) << "samples know no deviations";
+}
+
 }  // namespace
 }  // namespace relief::fusion
