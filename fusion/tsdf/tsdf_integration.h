@@ -17,8 +17,8 @@ struct TsdfSample {
   double distance = 0.0;   ///< If measured: signed distance [unit], positive outside.
   double clearance = 0.0;  ///< The signed distance is at least this wherever it is positive.
   double in_front = 0.0;   ///< The most that a view surely sees it in front of its surface [unit],
-                          ///< by rays among others that meet the same surface.
-  double weight = 0.0;           ///< Sum of the weights of the measuring views.
+                           ///< by rays among others that meet the same surface.
+  double weight = 0.0;     ///< Sum of the weights of the measuring views.
   double information = 0.0;      ///< Sum of these weights without the ramp from the silhouette.
   double effective_views = 0.0;  ///< (sum w)^2 / sum w^2.
   /// Of the mean, in units of that of one view at the typical distance from its sensor:

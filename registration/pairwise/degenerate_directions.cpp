@@ -140,6 +140,16 @@ SharedConstraints SharedConstraintSum::constraints() const {
   return result;
 }
 
+ReliefAlong SharedConstraintSum::along(const DegenerateDirection& motion) const {
+  RigidTangent tangent = tangent_about(centre_, motion);
+  tangent.head<3>() *= radius_;
+  const auto held = [&](const Matrix6d& lower) {
+    const Vector6d by = lower.selfadjointView<Eigen::Lower>() * tangent;
+    return tangent.dot(by);
+  };
+  return {held(shared_), held(own_)};
+}
+
 SharedConstraints shared_constraints(const std::vector<OrientedPoint>& points,
                                      const std::vector<Eigen::Vector3d>& normals) {
   assert(points.size() == normals.size());

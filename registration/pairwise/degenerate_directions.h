@@ -47,6 +47,16 @@ struct SharedConstraints {
   Vector6d correlations = Vector6d::Zero();
 };
 
+/// How firmly surfaces are held along one motion: sums of squared displacements along the normals
+/// [unit^2].
+struct ReliefAlong {
+  double shared = 0.0;  ///< By what both show: see SharedConstraints.
+  double own = 0.0;     ///< Mean of what each shows by itself, noise included.
+
+  /// Zero where nothing holds them.
+  double correlation() const { return own > 0.0 ? shared / own : 0.0; }
+};
+
 /// Sums up points of the surfaces, for SharedConstraints about a centre.
 class SharedConstraintSum {
  public:
@@ -63,6 +73,8 @@ class SharedConstraintSum {
   SharedConstraintSum about(const Eigen::Vector3d& centre, double radius) const;
   /// Zero for fewer than six points.
   SharedConstraints constraints() const;
+  /// Along a motion in the frame of the points.
+  ReliefAlong along(const DegenerateDirection& motion) const;
 
  private:
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();

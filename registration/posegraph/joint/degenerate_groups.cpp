@@ -94,6 +94,23 @@ std::vector<DegenerateGroup> degenerate_groups(const std::vector<PairConstraint>
   return groups;
 }
 
+ReliefAlong relief_along_motions(const std::vector<DegenerateGroup>& groups,
+                                 const std::vector<PairConstraint>& pairs) {
+  ReliefAlong sum;
+  for (const auto& [views, motions] : groups) {
+    const auto inside = [&](std::size_t i) { return std::ranges::binary_search(views, i); };
+    for (const PairConstraint& pair : pairs) {
+      if (inside(pair.a) == inside(pair.b)) continue;
+      for (const DegenerateDirection& motion : motions) {
+        const ReliefAlong along = pair.shared.along(motion);
+        sum.shared += along.shared;
+        sum.own += along.own;
+      }
+    }
+  }
+  return sum;
+}
+
 MotionsOfViews remove_drift(const std::vector<DegenerateGroup>& groups, Drift drift,
                             const std::vector<ViewSurface>& surfaces,
                             const std::vector<RigidMotion>& start,

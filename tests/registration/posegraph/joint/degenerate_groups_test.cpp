@@ -142,6 +142,44 @@ TEST(DegenerateGroups, KeepTheirMeanAlongWhatOnlyNoiseHolds) {
   EXPECT_THAT(aligned.notes, Contains(HasSubstr("kept where alignment started")));
 }
 
+// Of two surfaces of a plane whose normals err apart from each other, and a wall that both show.
+SharedConstraintSum plane_and_wall(double wall_share) {
+  SharedConstraintSum sum(Eigen::Vector3d(1, 2, 3), 5.0);
+  for (int i = 0; i < 400; ++i) {
+    const Eigen::Vector3d point(0.1 * (i % 20), 0.1 * (i / 20), 0.0);
+    const double tilt = i % 2 == 0 ? 0.1 : -0.1;
+    const bool wall = i < 400 * wall_share;
+    const Eigen::Vector3d normal = wall ? Eigen::Vector3d(1, 0, 0) : Eigen::Vector3d(0, 0, 1);
+    const Eigen::Vector3d error(tilt, 0, 0), other(i % 4 < 2 ? 0.1 : -0.1, 0, 0);
+    sum.add({point, wall ? normal : normal + error}, wall ? normal : normal + other);
+  }
+  return sum;
+}
+
+TEST(DegenerateGroups, AreHeldAlongMotionsByWhatBothSidesShow) {
+  DegenerateDirection along_x, about_z;
+  along_x.motion << 0, 0, 0, 2, 0, 0;
+  const ReliefAlong noise = plane_and_wall(0.0).along(along_x);
+  EXPECT_NEAR(noise.own, 400 * 4.0 * 0.01, 1e-9);
+  EXPECT_NEAR(noise.shared, 0.0, 1e-9);
+  EXPECT_NEAR(noise.correlation(), 0.0, 1e-9);
+  const ReliefAlong wall = plane_and_wall(0.1).along(along_x);
+  EXPECT_NEAR(wall.shared, 40 * 4.0, 1e-9);
+  EXPECT_NEAR(wall.own, 40 * 4.0 + 360 * 4.0 * 0.01, 1e-9);
+  // Turning about an axis through the plane moves a point of the wall along its normal by its y.
+  about_z.motion << 0, 0, 1, 0, 0, 0;
+  double squares = 0.0;
+  for (int i = 0; i < 40; ++i) squares += std::pow(0.1 * (i / 20), 2);
+  EXPECT_NEAR(plane_and_wall(0.1).along(about_z).shared, squares, 1e-9);
+
+  // Pairs within a group hold nothing of it, nor do pairs of others.
+  const std::vector<PairConstraint> pairs = {
+      {0, 1, plane_and_wall(0.1)}, {1, 2, plane_and_wall(0.1)}, {0, 3, plane_and_wall(0.1)}};
+  EXPECT_NEAR(relief_along_motions({{{1, 2}, {along_x}}}, pairs).shared, wall.shared, 1e-9);
+  EXPECT_NEAR(relief_along_motions({{{2}, {along_x}}, {{3}, {along_x}}}, pairs).own, 2.0 * wall.own,
+              1e-9);
+}
+
 // A view that drifts alone does not displace those that hold still with it.
 TEST(DegenerateGroups, WithinOthersGoBackAlone) {
   const auto ring = testing::ring_of_views({.views = 5, .pixels = 40});
