@@ -91,9 +91,11 @@ SettledNormals settle(const NormalEvidence& view, const Decision& decision) {
 // Views that are declared alike, by their indices among all.
 using Group = std::vector<std::size_t>;
 
+// Maps that lie wrong on their depth have no part in it.
 std::vector<Group> find_groups(const std::vector<NormalEvidence>& views) {
   std::vector<Group> groups;
   for (std::size_t i = 0; i < views.size(); ++i) {
+    if (views[i].placement) continue;
     const auto found = std::ranges::find_if(
         groups, [&](const Group& group) { return alike(views[group.front()], views[i]); });
     if (found != groups.end())
@@ -102,6 +104,13 @@ std::vector<Group> find_groups(const std::vector<NormalEvidence>& views) {
       groups.push_back({i});
   }
   return groups;
+}
+
+SettledNormals settle_misplaced(const NormalEvidence& view) {
+  const ConventionRanking alone = rank_alone(view);
+  SettledNormals settled = settle(view, decide(view, alone, alone));
+  settled.chosen.usable = false;
+  return settled;
 }
 
 // Whether a view could follow the convention of another view of its group as well.
@@ -172,6 +181,8 @@ void add_notes(const NormalEvidence& view, const SettledNormals& settled, Conven
 Result<ConventionChoice> choose_conventions(const std::vector<NormalEvidence>& views) {
   const std::vector<Group> groups = find_groups(views);
   std::vector<SettledNormals> settled(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (views[i].placement) settled[i] = settle_misplaced(views[i]);
   std::vector<std::string> mixtures;
   for (const Group& group : groups) {
     const bool agree = settle_group(group, views, settled);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numbers>
 
 #include "scan/io/files/io_error.h"
 #include "scan/io/normals/convention_notes.h"
@@ -33,6 +34,8 @@ NormalEvidence with_depth_of_other(const NormalEvidence& map, const NormalEviden
   return both;
 }
 
+constexpr double kAnyAngle = std::numbers::pi;  // [rad]
+
 // The conventions of the maps that fit their own depth; without any, the usual ones.
 std::vector<NormalConvention> conventions_of_set(const std::vector<NormalEvidence>& views,
                                                  const std::vector<SettledNormals>& settled,
@@ -48,11 +51,13 @@ std::vector<NormalConvention> conventions_of_set(const std::vector<NormalEvidenc
 }
 
 // The view whose depth a map fits instead: the one that it is closest to, within the bias of a
-// sensor and half its distance from its own depth.
+// sensor and half its distance from its own depth, and closer than to its own where it lies wrong.
 std::optional<std::size_t> view_that_fits(std::size_t map, const std::vector<NormalEvidence>& views,
                                           const std::vector<SettledNormals>& settled) {
   const auto conventions = conventions_of_set(views, settled, views[map]);
   std::optional<std::size_t> best;
+  const auto& placement = views[map].placement;
+  const double on_its_own = placement ? placement->median : kAnyAngle;
   double least = std::min(kLargestBias, 0.5 * settled[map].bias);
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (i == map || views[i].kind != views[map].kind) continue;
@@ -60,9 +65,9 @@ std::optional<std::size_t> view_that_fits(std::size_t map, const std::vector<Nor
     if (both.patches.patches.size() < kFewestPatches) continue;
     for (const NormalConvention& convention : conventions) {
       if (!both.possible(convention)) continue;
-      const double bias = agreement(both, convention).bias;
-      if (!(bias < least)) continue;
-      least = bias;
+      const NormalAgreement found = agreement(both, convention);
+      if (!(found.bias < least && found.median < on_its_own)) continue;
+      least = found.bias;
       best = i;
     }
   }
@@ -70,7 +75,11 @@ std::optional<std::size_t> view_that_fits(std::size_t map, const std::vector<Nor
 }
 
 std::string fit_text(const ForeignMap& map, const std::vector<NormalEvidence>& views) {
-  return map.other ? ", but fits the depth of view " + views[*map.other].view : std::string();
+  if (map.other) return ", but fits the depth of view " + views[*map.other].view;
+  const auto& placement = views[map.view].placement;
+  return placement
+             ? ", but fits it " + to_string(*placement) + ", to " + degrees_text(placement->median)
+             : std::string();
 }
 
 Error foreign_error(const std::vector<ForeignMap>& far_off, std::size_t maps,
@@ -114,7 +123,8 @@ std::vector<ForeignMap> find_foreign_maps(const std::vector<NormalEvidence>& vie
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (views[i].kind != NormalFileKind::kImage || settled[i].chosen.usable) continue;
     const auto other = view_that_fits(i, views, settled);
-    if (other || settled[i].bias > kUnrelatedBias) foreign.push_back({i, other});
+    if (other || views[i].placement || settled[i].bias > kUnrelatedBias)
+      foreign.push_back({i, other});
   }
   return foreign;
 }

@@ -25,8 +25,9 @@ struct ForeignMap {
   std::optional<std::size_t> other;  ///< The view whose depth it fits instead.
 };
 
-/// The maps that no convention brings near the depth of their views, and those beyond the bias of a
-/// sensor that are twice as near to the depth of another view, in the order of the views.
+/// The maps that no convention brings near the depth of their views, those beyond the bias of a
+/// sensor that are twice as near to the depth of another view, and those that lie wrong on their
+/// own, in the order of the views.
 std::vector<ForeignMap> find_foreign_maps(const std::vector<NormalEvidence>& views,
                                           const std::vector<SettledNormals>& settled);
 

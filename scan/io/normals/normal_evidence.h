@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "scan/io/normals/map_placement.h"
 #include "scan/io/normals/normal_convention.h"
 #include "scan/io/normals/normal_patches.h"
 #include "scan/io/project/view_spec.h"
@@ -37,6 +39,7 @@ struct NormalEvidence {
   Eigen::Matrix3d view_from_world = Eigen::Matrix3d::Identity();
   bool has_pose = false;  ///< Without it nothing is in world space.
   NormalPatches patches;
+  std::optional<MapPlacement> placement;  ///< Of an image that lies wrong.
 
   /// Takes stored components into the view frame.
   Eigen::Matrix3d view_from_stored(const NormalConvention& convention) const;
@@ -44,6 +47,12 @@ struct NormalEvidence {
     return has_pose || convention.space == NormalSpace::kCamera;
   }
 };
+
+/// Whether a stored vector is a normal, by its length.
+inline bool is_direction(const Eigen::Vector3d& vector) {
+  const double length = vector.norm();
+  return length >= 0.5 && length <= 1.5;
+}
 
 /// The normals of one view as a file holds them.
 struct StoredNormals {

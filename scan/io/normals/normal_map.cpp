@@ -52,11 +52,6 @@ Eigen::Vector3d decode(const Image& image, const Decoding& decoding, int u, int 
   return 2.0 * value - Eigen::Vector3d::Ones();
 }
 
-bool is_direction(const Eigen::Vector3d& vector) {
-  const double length = vector.norm();
-  return length >= 0.5 && length <= 1.5;
-}
-
 // Median distance of the decoded vectors from unit length; 0 without any.
 double length_error(const Image& image, const Decoding& decoding, const RangeView& view) {
   constexpr double kEnough = 1 << 16;  // Samples for a median. Bounds the time.
@@ -185,11 +180,14 @@ Result<StoredNormals> stored_in_image(const Image& image, const NormalSpec& spec
                                     " has no world_from_view");
   const NormalEncoding encoding = spec.encoding ? *spec.encoding : find_encoding(image, view);
   StoredNormals stored = decoded_normals(image, {encoding}, spec, view);
-  const TransferCurve curve = find_curve(image, encoding, view);
-  if (curve == TransferCurve::kNone) return stored;
-  StoredNormals without_curve = decoded_normals(image, {encoding, curve}, spec, view);
-  const bool closer_to_depth = least_angle(without_curve.evidence) <= least_angle(stored.evidence);
-  return closer_to_depth ? std::move(without_curve) : std::move(stored);
+  if (const TransferCurve curve = find_curve(image, encoding, view);
+      curve != TransferCurve::kNone) {
+    StoredNormals without_curve = decoded_normals(image, {encoding, curve}, spec, view);
+    if (least_angle(without_curve.evidence) <= least_angle(stored.evidence))
+      stored = std::move(without_curve);
+  }
+  stored.evidence.placement = find_placement(stored.evidence, stored.components);
+  return stored;
 }
 
 StoredNormals stored_in_grid(Grid<Eigen::Vector3f> normals, const std::filesystem::path& file,

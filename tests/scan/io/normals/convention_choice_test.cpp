@@ -1,6 +1,8 @@
 #include "scan/io/normals/convention_choice.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -305,6 +307,55 @@ TEST(ConventionChoice, ExchangedMapsNameEachOther) {
   EXPECT_THAT(choice.notes.back(), HasSubstr("2 of 4 normal maps are not used"));
   EXPECT_THAT(choice.notes.back(), HasSubstr("fits the depth of view second"));
   EXPECT_THAT(choice.notes.back(), HasSubstr("fits the depth of view first"));
+}
+
+// The view whose map has at pixel (u, v) what belongs to `from(u, v)`.
+template <typename From>
+RangeView with_map_from(RangeView view, const From& from) {
+  const auto right = view.normals;
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u < view.width(); ++u) {
+      const Eigen::Vector2i pixel = from(u, v);
+      if (right.contains(pixel.x(), pixel.y()))
+        view.normals(u, v) = right(pixel.x(), pixel.y());
+      else
+        view.normals(u, v).setConstant(std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+  return view;
+}
+
+TEST(ConventionChoice, AMapThatLiesWrongIsLeftOutAndItsPlaceNamed) {
+  const RangeView view = wavy_view(0.4);
+  const auto note = [&](const auto& from) {
+    const StoredNormals right = store(view, kYReversed),
+                        wrong = store(with_map_from(view, from), kYReversed);
+    const auto choice = value_of(choose_conventions({right.evidence, wrong.evidence}));
+    EXPECT_TRUE(choice.views[0].usable);
+    EXPECT_FALSE(choice.views[1].usable);
+    return choice.notes.back();
+  };
+  using Pixel = Eigen::Vector2i;
+  EXPECT_THAT(note([](int u, int v) { return Pixel(u - 8, v); }),
+              HasSubstr("but fits it moved by 8 pixels to the left, to "));
+  EXPECT_THAT(note([](int u, int v) { return Pixel(u + 9, v - 12); }),
+              HasSubstr("but fits it moved by 9 pixels to the right and 12 pixels up, to "));
+  EXPECT_THAT(note([](int u, int v) { return Pixel(149 - u, v); }),
+              HasSubstr("but fits it mirrored left to right, to "));
+  EXPECT_THAT(note([](int u, int v) { return Pixel(u, 149 - v); }),
+              HasSubstr("but fits it mirrored top to bottom, to "));
+  EXPECT_THAT(note([](int u, int v) { return Pixel(149 - u, 149 - v); }),
+              HasSubstr("but fits it turned by 180 deg, to "));
+}
+
+TEST(ConventionChoice, ABiasThatAMoveWouldCancelIsNoWrongPlace) {
+  RangeView view = sphere_view();
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      view.normals(u, v) =
+          Eigen::AngleAxisf(static_cast<float>(12.0 * kDegree), Eigen::Vector3f::UnitY()) *
+          view.normals(u, v);
+  EXPECT_FALSE(store(view, kIdentity).evidence.placement);
 }
 
 TEST(ConventionChoice, NormalsInGridFilesAreCorrectedToo) {
