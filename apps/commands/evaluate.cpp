@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -20,9 +21,8 @@
 #include "relief/io/project_io.h"
 #include "scan/evaluation/base/angles.h"
 #include "scan/evaluation/base/error_colours.h"
-#include "scan/io/files/atomic_file.h"
-#include "scan/io/files/file_ending.h"
 #include "scan/io/meshes/coloured_mesh.h"
+#include "scan/io/project/poses/poses_of_views.h"
 
 namespace relief {
 
@@ -119,26 +119,17 @@ Result<void> evaluate_mesh(const EvaluateCommand& command) {
 
 // The samples of `result` under the true poses of a file that holds poses only.
 Result<ScanProject> truth_from_poses(const ScanProject& result, const std::filesystem::path& file) {
-  const auto poses = read_poses(file);
+  std::vector<std::string> names, notes;
+  for (const RangeView& view : result.views) names.push_back(view.name);
+  const auto poses = read_poses_of_views(file, names, notes);
   if (!poses) return poses.error();
-  std::map<std::string, RigidMotion> by_name;
-  for (const NamedPose& pose : *poses) by_name.emplace(pose.name, pose.world_from_view);
+  for (const std::string& note : notes) Console::info(note);
   ScanProject truth = result;
-  for (RangeView& view : truth.views) {
-    const auto found = by_name.find(view.name);
-    if (found == by_name.end())
-      return Error{ErrorKind::kBadInput, file.string() + ": has no pose for view " + view.name};
-    view.world_from_view = found->second;
-    view.pose = PoseKind::kKnown;
+  for (std::size_t i = 0; i < truth.views.size(); ++i) {
+    truth.views[i].world_from_view = (*poses)[i];
+    truth.views[i].pose = PoseKind::kKnown;
   }
   return truth;
-}
-
-// Whether a JSON file is more than a list of poses.
-bool holds_views(const std::filesystem::path& path) {
-  if (lower_ending(path) != ".json") return true;
-  const auto text = read_file(path);
-  return !text || text->find("relief-scan") != std::string::npos;
 }
 
 bool have_poses(const ScanProject& project) {
@@ -160,7 +151,7 @@ Result<void> plot_views(const evaluation::ViewSpectra& spectra, const ScanProjec
 Result<void> evaluate_project(const EvaluateCommand& command) {
   const auto result = read_with_notes(command.result, command.common);
   if (!result) return result.error();
-  const bool with_views = holds_views(command.truth);
+  const bool with_views = !holds_poses_alone(command.truth);
   ProjectInput truth_input{command.truth, command.result.options};
   const auto truth = with_views ? read_with_notes(truth_input, command.common)
                                 : truth_from_poses(*result, command.truth);
@@ -182,7 +173,7 @@ Result<void> evaluate_project(const EvaluateCommand& command) {
       print_table(*spectra, result->unit);
     }
   }
-  if (result->views.size() > 1 && have_poses(*result)) {
+  if (!with_views || (result->views.size() > 1 && have_poses(*result))) {
     const auto poses = evaluation::evaluate_poses(*result, *truth);
     if (!poses) return poses.error();
     figures["poses"] = to_json(*poses);
@@ -210,7 +201,8 @@ void add_evaluate(CLI::App& app, Action& action) {
   sub->add_option("result", command->result.path, "A mesh, or a project")->required();
   add_reading_options(*sub, command->result.options);
   sub->add_option("--truth", command->truth,
-                  "A mesh for a mesh; for a project, the true project or a file of true poses")
+                  "A mesh for a mesh; for a project, the true project or a file of true poses: "
+                  "JSON, .tum, .log, a text or table of poses, .npy")
       ->required();
   sub->add_option("--thresholds,--threshold", command->mesh.thresholds,
                   "Distances of the F-score; default: multiples of the spacing");

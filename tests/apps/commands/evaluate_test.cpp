@@ -82,6 +82,16 @@ TEST_F(Evaluate, FitsTheResultToTheTruthWhenAsked) {
   EXPECT_LT(report["accuracy"]["max"].get<double>(), 1e-6);
 }
 
+TEST_F(Evaluate, TakesTrajectoriesForTruePoses) {
+  for (const std::string file : {"truth.tum", "truth.log"}) {
+    ASSERT_EQ(run_relief({"convert", truth(), "-o", out_ / file, "-q"}).exit_status, 0);
+    const ProgramRun run = run_relief({"evaluate", scan(), "--truth", out_ / file, "--json", "-q"});
+    ASSERT_EQ(run.exit_status, 0) << run.standard_error;
+    const json poses = json::parse(run.standard_output)["evaluate"]["poses"];
+    EXPECT_EQ(poses["views"].size(), 2u) << file;
+  }
+}
+
 TEST_F(Evaluate, SaysWhatIsMissingWithoutGnuplot) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", out_.path().c_str(), 1);

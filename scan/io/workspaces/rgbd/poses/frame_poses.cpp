@@ -137,22 +137,35 @@ Result<FramePoses> assign_poses(const Trajectory& trajectory, const fs::path& pa
                                : counts + "; a trajectory without times needs one pose for each");
 }
 
+Result<FramePoses> poses_of_trajectory(const TrajectoryFile& file,
+                                       const std::vector<RgbdFrame>& frames,
+                                       std::vector<std::string>& notes) {
+  const auto text = read_file(file.path);
+  if (!text) return text.error();
+  const auto trajectory = file.parse(*text, file.path);
+  if (!trajectory) return trajectory.error();
+  notes.push_back("poses from " + file.path.string());
+  const auto lost = std::ranges::count_if(*trajectory, &TrajectoryPose::is_lost);
+  if (auto note = note_on_lost_poses(lost, trajectory->size())) notes.push_back(std::move(*note));
+  return assign_poses(*trajectory, file.path, frames, notes);
+}
+
+FramePoses poses_of_named(const NamedPoseFile& named, std::vector<std::string>& notes) {
+  notes.push_back("poses from " + named.path.string());
+  notes.insert(notes.end(), named.notes.begin(), named.notes.end());
+  return frame_poses(named.world_from_view);
+}
+
 // Poses of a file that names the frames. A note tells of files that should have poses and do not.
 Result<FramePoses> poses_by_name(const fs::path& folder, const std::vector<RgbdFrame>& frames,
                                  std::vector<std::string>& notes) {
   const auto named = find_named_poses(folder, frames);
   if (!named) return named.error();
   if (!*named) {
-    for (const fs::path& file : files_named_as_poses(folder))
-      notes.push_back(file.string() +
-                      ": is not read, as it has no form of poses that is known; write 'tx ty tz qx "
-                      "qy qz qw' or the 16 numbers of world_from_view a line, in the order of the "
-                      "views");
+    for (const fs::path& file : files_named_as_poses(folder)) notes.push_back(note_on_unread(file));
     return FramePoses(frames.size());
   }
-  notes.push_back("poses from " + (*named)->path.string());
-  notes.insert(notes.end(), (*named)->notes.begin(), (*named)->notes.end());
-  return frame_poses((*named)->world_from_view);
+  return poses_of_named(**named, notes);
 }
 
 }  // namespace
@@ -167,14 +180,19 @@ Result<FramePoses> find_frame_poses(const fs::path& folder, const RgbdFrames& fo
   const auto file = find_trajectory(folder, found.suffix);
   if (!file) return file.error();
   if (!*file) return poses_by_name(folder, found.frames, notes);
-  const auto text = read_file((*file)->path);
-  if (!text) return text.error();
-  const auto trajectory = (*file)->parse(*text, (*file)->path);
-  if (!trajectory) return trajectory.error();
-  notes.push_back("poses from " + (*file)->path.string());
-  const auto lost = std::ranges::count_if(*trajectory, &TrajectoryPose::is_lost);
-  if (auto note = note_on_lost_poses(lost, trajectory->size())) notes.push_back(std::move(*note));
-  return assign_poses(*trajectory, (*file)->path, found.frames, notes);
+  return poses_of_trajectory(**file, found.frames, notes);
+}
+
+bool holds_frame_poses(const fs::path& file) {
+  return trajectory_parser(file) || holds_named_poses(file);
+}
+
+Result<FramePoses> read_frame_poses(const fs::path& file, const std::vector<RgbdFrame>& frames,
+                                    std::vector<std::string>& notes) {
+  if (const TrajectoryParser parse = trajectory_parser(file))
+    return poses_of_trajectory({file, parse}, frames, notes);
+  const auto named = read_named_poses(file, frames);
+  return named ? Result(poses_of_named(*named, notes)) : named.error();
 }
 
 }  // namespace relief

@@ -20,4 +20,14 @@ using FramePoses = std::vector<std::optional<TrajectoryPose>>;
 Result<FramePoses> find_frame_poses(const std::filesystem::path& folder, const RgbdFrames& found,
                                     std::vector<std::string>& notes);
 
+/// Whether a file that somebody names holds poses of frames, as those that find_frame_poses() looks
+/// for do.
+bool holds_frame_poses(const std::filesystem::path& file);
+
+/// The poses of frames in one file, whatever its name, found as in a folder. Notes as there.
+/// kBadInput where it holds none, and where they cannot be told to be whose.
+Result<FramePoses> read_frame_poses(const std::filesystem::path& file,
+                                    const std::vector<RgbdFrame>& frames,
+                                    std::vector<std::string>& notes);
+
 }  // namespace relief

@@ -144,9 +144,9 @@ struct Candidate {
   int rank = 0;
 };
 
-std::optional<Candidate> candidate_of(const fs::path& file, const PoseList& poses,
+// `is_named`: as poses, so that they may be in the order of the frames.
+std::optional<Candidate> candidate_of(const fs::path& file, bool is_named, const PoseList& poses,
                                       const std::vector<RgbdFrame>& frames) {
-  const bool is_named = is_named_as_poses(file);
   const auto lost =
       std::ranges::count_if(poses.world_from_view, [](const auto& pose) { return !pose; });
   std::vector<std::string> notes;
@@ -179,7 +179,7 @@ Result<std::optional<NamedPoseFile>> find_named_poses(const fs::path& folder,
     const auto poses = poses_in(file);
     if (!poses && is_named_as_poses(file)) return poses.error();
     if (!poses || poses->empty()) continue;
-    auto candidate = candidate_of(file, *poses, frames);
+    auto candidate = candidate_of(file, is_named_as_poses(file), *poses, frames);
     if (!candidate || (best && candidate->rank < best->rank)) continue;
     if (best && candidate->rank == best->rank) {
       if (!are_same(candidate->file.world_from_view, best->file.world_from_view)) rival = file;
@@ -193,6 +193,22 @@ Result<std::optional<NamedPoseFile>> find_named_poses(const fs::path& folder,
                                  best->file.path.filename().string() +
                                  " beside it; keep one of them");
   return best ? std::optional(std::move(best->file)) : std::nullopt;
+}
+
+bool holds_named_poses(const fs::path& file) {
+  const auto poses = poses_in(file);
+  return !poses || !poses->empty() || is_named_as_poses(file);
+}
+
+Result<NamedPoseFile> read_named_poses(const fs::path& file, const std::vector<RgbdFrame>& frames) {
+  const auto poses = poses_in(file);
+  if (!poses) return poses.error();
+  if (poses->empty()) return bad_input(file, kNoFormOfPoses);
+  auto candidate = candidate_of(file, /*is_named=*/true, *poses, frames);
+  if (candidate) return std::move(candidate->file);
+  const std::string counts = std::to_string(poses->world_from_view.size()) + " poses for " +
+                             std::to_string(frames.size()) + " views";
+  return bad_input(file, counts + ", and neither names nor numbers tell which are whose");
 }
 
 std::optional<std::string> note_on_lost_poses(std::ptrdiff_t lost, std::size_t poses) {

@@ -26,6 +26,20 @@ struct NamedPoseFile {
 Result<std::optional<NamedPoseFile>> find_named_poses(const std::filesystem::path& folder,
                                                       const std::vector<RgbdFrame>& frames);
 
+/// Whether a file that somebody gives holds such poses, perhaps with an error, or is named as
+/// poses.
+bool holds_named_poses(const std::filesystem::path& file);
+
+/// The same poses of one file, whatever its name. kBadInput where it holds none, or none of these
+/// frames.
+Result<NamedPoseFile> read_named_poses(const std::filesystem::path& file,
+                                       const std::vector<RgbdFrame>& frames);
+
+/// What to say of a file without such poses, behind its name.
+inline constexpr const char* kNoFormOfPoses =
+    "has no form of poses that is known; write 'tx ty tz qx qy qz qw' or the 16 numbers of "
+    "world_from_view a line, in the order of the views";
+
 /// Says that so many of the poses of a file are lost; nothing for none.
 std::optional<std::string> note_on_lost_poses(std::ptrdiff_t lost, std::size_t poses);
 
