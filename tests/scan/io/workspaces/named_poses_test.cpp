@@ -18,6 +18,7 @@ namespace relief {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -165,6 +166,20 @@ TEST_F(PosesByName, AreMatchedByTheFieldThatNamesMostFrames) {
   std::vector<std::string> notes;
   EXPECT_EQ(x_of_views(&notes), (std::vector<int>{1, 2}));
   EXPECT_THAT(notes, Contains(HasSubstr("those of the depth maps plus 1")));
+}
+
+TEST_F(PosesByName, ThatBeginWithNoPoseAreNamedWithTheirLine) {
+  std::vector<std::string> notes;
+  const auto notes_on = [&](const std::string& text) {
+    folder_.write("poses.txt", text);
+    EXPECT_EQ(x_of_views(&notes), (std::vector<int>{-1, -1}));
+    return ::testing::PrintToString(notes);
+  };
+  EXPECT_THAT(notes_on("# poses\n2 0 0 5 0 2 0 6 0 0 2 7\n"),
+              AllOf(HasSubstr("poses.txt: line 2: the matrix is not a rigid motion"),
+                    HasSubstr("the file is not read")));
+  EXPECT_THAT(notes_on("0 1 6 7 0 0 0 2\n"), HasSubstr("poses.txt: line 1: not a rigid motion"));
+  EXPECT_THAT(notes_on("1 2 3 4 5 6\n"), HasSubstr("has no form of poses that is known"));
 }
 
 TEST_F(PosesByName, OfOtherThingsAreNotTaken) {

@@ -156,6 +156,18 @@ FramePoses poses_of_named(const NamedPoseFile& named, std::vector<std::string>& 
   return frame_poses(named.world_from_view);
 }
 
+// Why a file is no trajectory, where its first pose keeps it from being one.
+std::optional<Error> error_in(const fs::path& file) {
+  const std::string ending = lower_ending(file);
+  if (ending == ".json" || ending == ".npy") return std::nullopt;
+  return error_of_first_pose(first_bytes(file), file);
+}
+
+std::string note_on_unread(const fs::path& file) {
+  if (const auto error = error_in(file)) return error->message + "; the file is not read";
+  return file.string() + ": is not read, as it " + kNoFormOfPoses;
+}
+
 // Poses of a file that names the frames. A note tells of files that should have poses and do not.
 Result<FramePoses> poses_by_name(const fs::path& folder, const std::vector<RgbdFrame>& frames,
                                  std::vector<std::string>& notes) {
@@ -192,6 +204,8 @@ Result<FramePoses> read_frame_poses(const fs::path& file, const std::vector<Rgbd
   if (const TrajectoryParser parse = trajectory_parser(file))
     return poses_of_trajectory({file, parse}, frames, notes);
   const auto named = read_named_poses(file, frames);
+  if (!named)
+    if (auto error = error_in(file)) return std::move(*error);
   return named ? Result(poses_of_named(*named, notes)) : named.error();
 }
 

@@ -241,6 +241,20 @@ RgbdText kind_of_rgbd_text(std::string_view text) {
   return RgbdText::kUnknown;
 }
 
+std::optional<Error> error_of_first_pose(std::string_view text, const fs::path& path) {
+  constexpr std::size_t kLeastOfTum = 7, kLeastOfMatrix = 9;
+  NumberedLines lines(text, path);
+  for (std::string_view line; lines.next(line);) {
+    if (!begins_with_number(line)) continue;
+    const std::size_t count = leading_numbers(line).size();
+    if (count < kLeastOfTum || count != words_of(line).size()) return std::nullopt;
+    const auto read = count < kLeastOfMatrix ? parse_tum_trajectory(text, path)
+                                             : parse_matrix_trajectory(text, path);
+    return read ? std::nullopt : std::optional(read.error());
+  }
+  return std::nullopt;
+}
+
 std::optional<RigidMotion> pose_at(const Trajectory& trajectory, double time, double tolerance) {
   const auto after =
       std::lower_bound(trajectory.begin(), trajectory.end(), time,

@@ -79,6 +79,10 @@ enum class RgbdText {
 };
 RgbdText kind_of_rgbd_text(std::string_view text);
 
+/// What is wrong with the first line of numbers of a text that is kUnknown, where these are as many
+/// as poses have, about. Nothing for other texts.
+std::optional<Error> error_of_first_pose(std::string_view text, const std::filesystem::path& path);
+
 /// The pose at `time`: between the two neighbours when both lie within `tolerance` [s] of it, else
 /// that of the nearest one within it. Nothing where there is none, or where one of those is lost.
 /// Poses are ordered by time.

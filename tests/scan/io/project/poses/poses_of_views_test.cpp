@@ -10,8 +10,8 @@ namespace relief {
 namespace {
 
 using ::testing::Contains;
-using ::testing::HasSubstr;
 using testing::HasError;
+using ::testing::HasSubstr;
 
 // A file with poses of the views `front` and `side`, 1 and 2 along x.
 struct FormOfPoses {
@@ -49,8 +49,7 @@ INSTANTIATE_TEST_SUITE_P(
         FormOfPoses{"Log", "truth.log",
                     "0 0 1\n1 0 0 1\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
                     "1 1 2\n1 0 0 2\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"},
-        FormOfPoses{"Matrices", "truth.txt",
-                    "1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n"},
+        FormOfPoses{"Matrices", "truth.txt", "1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n"},
         FormOfPoses{"Table", "truth.csv",
                     "name,tx,ty,tz,qx,qy,qz,qw\nside,2,0,0,0,0,0,1\nfront,1,0,0,0,0,0,1\n"},
         FormOfPoses{"Json", "truth.json",
@@ -65,13 +64,21 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& form) { return std::string(form.param.name); });
 
 TEST_F(PosesOfViews, OfAnotherCountAreAnError) {
-  EXPECT_THAT(read("truth.log", "0 0 1\n1 0 0 1\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"), HasError("1 poses for 2 views"));
-  EXPECT_THAT(read("truth.csv", "name,tx,ty,tz,qx,qy,qz,qw\nx,2,0,0,0,0,0,1\n"), HasError("1 poses for 2 views, and neither names nor numbers tell"));
+  EXPECT_THAT(read("truth.log", "0 0 1\n1 0 0 1\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"),
+              HasError("1 poses for 2 views"));
+  EXPECT_THAT(read("truth.csv", "name,tx,ty,tz,qx,qy,qz,qw\nx,2,0,0,0,0,0,1\n"),
+              HasError("1 poses for 2 views, and neither names nor numbers tell"));
 }
 
 TEST_F(PosesOfViews, ThatAreLostAreNamed) {
-  EXPECT_THAT(read("truth.tum", "0 1 0 0 0 0 0 1\n1 nan 0 0 0 0 0 1\n"), HasError("truth.tum: has no pose for view side"));
+  EXPECT_THAT(read("truth.tum", "0 1 0 0 0 0 0 1\n1 nan 0 0 0 0 0 1\n"),
+              HasError("truth.tum: has no pose for view side"));
   EXPECT_THAT(notes_, Contains(HasSubstr("1 of its 2 poses are no motion")));
+}
+
+TEST_F(PosesOfViews, ThatAreNoneAreNamedWithTheirLine) {
+  EXPECT_THAT(read("poses.txt", "0 1 0 0 0 0 0 2\n"), HasError("poses.txt: line 1: not a rigid"));
+  EXPECT_TRUE(holds_poses_alone(folder_ / "poses.txt"));
 }
 
 TEST_F(PosesOfViews, AreNotPoints) {
