@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <optional>
 #include <sstream>
+
+#include <Eigen/Geometry>
 
 #include "fusion/holes/fair_holes.h"
 #include "fusion/holes/filled_regions.h"
@@ -61,6 +64,28 @@ void remove_components(const std::vector<ViewSampler>& views, MergeResult& resul
   if (!note.str().empty()) result.notes.push_back(note.str());
 }
 
+// With fewer voxels along its longest side, a model is hardly more than a lump: a feature needs two
+// to four voxels (docs/fusion.md, Limits), an eighth of it then.
+constexpr double kFewVoxels = 32.0;
+// [sample spacings] From here on raw views are merged with larger pixels (prepared_samplers.cpp):
+// what they show in less is lost.
+constexpr double kLargeVoxel = 8.0;
+
+// Tells what a chosen voxel size loses of the object.
+void note_large_voxels(double sample_spacing, MergeResult& result) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& vertex : result.mesh.vertices) box.extend(vertex);
+  const Eigen::Vector3d voxels = box.sizes() / result.voxel_size;
+  const bool few = voxels.maxCoeff() < kFewVoxels;
+  if (!few && !(result.voxel_size > kLargeVoxel * sample_spacing)) return;
+  std::ostringstream note;
+  note << (few ? "warning: voxels of " : "voxels of ") << result.voxel_size << std::setprecision(2)
+       << " are large: the model measures " << voxels.x() << " x " << voxels.y() << " x "
+       << voxels.z() << " of them, and the samples are " << sample_spacing
+       << " apart; what is finer than two voxels is lost, and --voxel 0 takes them by the samples";
+  result.notes.push_back(note.str());
+}
+
 bool opens_holes(const MergeOptions& options) {
   return options.keep_holes || options.largest_fill > 0.0;
 }
@@ -93,6 +118,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   if (result.mesh.faces.empty())
     return Error{ErrorKind::kUnsolvable,
                  "no surface was found: the voxel size is too large for the object"};
+  if (options.voxel_size > 0.0) note_large_voxels(prepared->sample_spacing, result);
   if (!report_progress(context.progress, kMesh, "turn edges along creases")) return interrupted;
   align_edges_with_creases(result.mesh, {result.voxel_size, result.view_noise});
   result.check = check_mesh(result.mesh);

@@ -8,6 +8,7 @@
 #include "scan/base/median.h"
 #include "scan/base/median_deviation.h"
 #include "scan/base/parallel.h"
+#include "scan/grid/binned_view.h"
 #include "scan/units/content_hash.h"
 #include "scan/units/input_hash.h"
 
@@ -23,24 +24,27 @@ struct SampleQuality {
 struct Inputs {
   SampleQuality quality;
   std::size_t samples = 0;          // Of all views.
+  double spacing = 0.0;             // Median of the views' spacings [unit].
   std::vector<std::string> hashes;  // Of the views, where units are kept.
 };
 
 Result<Inputs> look_at(const ViewSource& views, bool hashed, MemoryLimit* memory) {
   Inputs inputs;
   SampleQuality& quality = inputs.quality;
-  std::vector<double> medians;
+  std::vector<double> medians, spacings;
   for (std::size_t i = 0; i < views.count; ++i) {
     const auto view = views.load(i);
     if (!view) return view.error();
     const double known = median_deviation(**view);
     if (known > 0.0) medians.push_back(known);
     inputs.samples += (*view)->sample_count();
+    if (const double spacing = rough_spacing(**view); spacing > 0.0) spacings.push_back(spacing);
     quality.refined |= (*view)->samples == SampleOrigin::kRefined;
     if (hashed) inputs.hashes.push_back(hash_of_view(**view));
     if (const auto kept = check(memory); !kept) return kept.error();
   }
   quality.deviation = median(std::move(medians));
+  inputs.spacing = median(std::move(spacings));
   return inputs;
 }
 
@@ -74,7 +78,7 @@ void note_lost_detail(const std::vector<double>& spacings, MergeSummary& result)
   std::ostringstream note;
   note << std::setprecision(2) << "the sample spacings of the views are from " << *finest << " to "
        << *coarsest << ", and voxels are as large as in the typical view, " << result.voxel_size
-       << ": --voxel-size " << *finest << " keeps the detail of the finest";
+       << ": --voxel " << *finest << " keeps the detail of the finest";
   result.notes.push_back(note.str());
 }
 
@@ -133,7 +137,7 @@ Result<PreparedMerge> prepare_merge(const ViewSource& views, const MergeOptions&
   if (quality.deviation > 0.0) know_deviations(quality.deviation, errors);
   for (ViewSampler& sampler : samplers) sampler.set_range_errors(errors);
   choose_scales(samplers, options, quality.refined, errors, result);
-  return PreparedMerge{std::move(*prepared), quality.deviation,
+  return PreparedMerge{std::move(*prepared), quality.deviation, inputs->spacing,
                        FieldUnits(store, ContentHash().add(inputs->hashes, options).hex())};
 }
 

@@ -16,9 +16,14 @@
 namespace relief::fusion {
 namespace {
 
+using ::testing::AllOf;
 using testing::box_distance;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using testing::SignedDistance;
 using testing::sphere_distance;
+using ::testing::StartsWith;
 using testing::torus_distance;
 using testing::traced;
 using testing::views_around;
@@ -55,6 +60,18 @@ TEST(MergeViews, LargeVoxelsTakeTheMeanOfTheSamples) {
   EXPECT_TRUE(result.check.watertight());
   EXPECT_LT(measured_rms(result, sphere_distance(50.0)), std::hypot(exact, 0.25 * kNoise))
       << "of some 16 samples, each view has the mean";
+}
+
+TEST(MergeViews, VoxelsThatAreLargeForTheObjectAreNoted) {
+  const auto notes = [](double voxel_size) {
+    const auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 50.0), 8, 80, 50.0);
+    return merged(views, {.voxel_size = voxel_size}).notes;
+  };
+  EXPECT_THAT(notes(0.0), IsEmpty());
+  EXPECT_THAT(notes(2.5), IsEmpty());
+  const auto of_lump = ElementsAre(
+      AllOf(StartsWith("warning: voxels of 20 are large"), HasSubstr("5 x 5 x 5 of them")));
+  EXPECT_THAT(notes(20.0), of_lump);
 }
 
 TEST(MergeViews, ASphereConvergesWithTheSquareOfTheResolution) {
