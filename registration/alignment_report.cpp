@@ -9,6 +9,7 @@
 
 #include "registration/pairwise/robust.h"
 #include "registration/verification/given_pose_notes.h"
+#include "scan/base/name_list.h"
 
 namespace relief::registration {
 
@@ -207,11 +208,7 @@ class AlignmentReport {
 
   static std::string some_of(const std::vector<std::string>& names) {
     constexpr std::size_t kNamed = 4;  // The report of each view has one line.
-    std::string text;
-    for (std::size_t k = 0; k < std::min(kNamed, names.size()); ++k)
-      text += (k > 0 ? ", " : "") + names[k];
-    if (names.size() > kNamed) text += " and " + std::to_string(names.size() - kNamed) + " more";
-    return text;
+    return name_list(names, kNamed);
   }
 
   std::string reason_unverified(std::size_t i) const {

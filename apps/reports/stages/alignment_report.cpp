@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "apps/console/console.h"
+#include "scan/base/name_list.h"
 
 namespace relief {
 
@@ -211,7 +211,7 @@ void warn_of_unverified(const registration::Alignment& alignment) {
     const char* kept = one ? " is kept at a pose that is not verified: "
                            : " are kept at poses that are not verified: of each, ";
     const char* left = one ? " is not aligned: " : " are not aligned: of each, ";
-    Console::warning((one ? "view " : "views ") + fmt::format("{}", fmt::join(views.names, ", ")) +
+    Console::warning((one ? "view " : "views ") + name_list(views.names) +
                      (views.aligned ? kept : left) + views.reason);
   }
 }

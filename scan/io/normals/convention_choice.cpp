@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "scan/base/name_list.h"
 #include "scan/io/normals/consensus_sets.h"
 #include "scan/io/normals/convention_notes.h"
 #include "scan/io/normals/convention_scores.h"
@@ -157,15 +158,14 @@ std::optional<std::string> note_on_mixture(const Group& group,
   const auto uses = [&](const NormalConvention& c) { return std::ranges::count(used, c); };
   if (used.empty() || uses(used.front()) == std::ssize(used)) return std::nullopt;
   const NormalConvention most = *std::ranges::max_element(used, {}, uses);
-  std::string others;
+  std::vector<std::string> others;
   for (const std::size_t view : group) {
     const ChosenConvention& chosen = settled[view].chosen;
-    if (chosen.usable && chosen.convention != most)
-      others += (others.empty() ? "" : ", ") + views[view].view;
+    if (chosen.usable && chosen.convention != most) others.push_back(views[view].view);
   }
   return "warning: not all normals are of one convention: those of " +
-         std::to_string(std::ssize(used) - uses(most)) + " of " + std::to_string(used.size()) +
-         " views differ from the others, as the depth of these views shows (" + others +
+         std::to_string(others.size()) + " of " + std::to_string(used.size()) +
+         " views differ from the others, as the depth of these views shows (" + name_list(others) +
          "); each is used in its own; check how the files were written";
 }
 

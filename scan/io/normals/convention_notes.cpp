@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "scan/base/median.h"
+#include "scan/base/name_list.h"
 
 namespace relief {
 
@@ -84,9 +85,7 @@ namespace {
 
 std::string names_text(const std::vector<std::string>& names, std::size_t all) {
   if (names.size() == all && all > 2) return "all " + std::to_string(all) + " views with normals";
-  std::string text = names.size() > 1 ? "views " : "view ";
-  for (std::size_t i = 0; i < names.size(); ++i) text += (i > 0 ? ", " : "") + names[i];
-  return text;
+  return (names.size() > 1 ? "views " : "view ") + name_list(names);
 }
 
 }  // namespace

@@ -102,7 +102,7 @@ Error foreign_error(const std::vector<ForeignMap>& far_off, std::size_t maps,
 std::string foreign_warning(const std::vector<ForeignMap>& foreign, std::size_t maps,
                             const std::vector<NormalEvidence>& views,
                             const std::vector<SettledNormals>& settled) {
-  constexpr std::size_t kNamed = 20;
+  constexpr std::size_t kNamed = 8;
   std::string text = "warning: " + std::to_string(foreign.size()) + " of " + std::to_string(maps) +
                      " normal maps " + (foreign.size() > 1 ? "are" : "is") +
                      " not used, as no convention fits the depth of the view: ";
@@ -111,7 +111,7 @@ std::string foreign_warning(const std::vector<ForeignMap>& foreign, std::size_t 
     text += (i > 0 ? "; " : "") + view.file.string() + " of view " + view.view + " is off by " +
             degrees_text(settled[foreign[i].view].bias) + " (median)" + fit_text(foreign[i], views);
   }
-  if (foreign.size() > kNamed) text += "; and more";
+  if (foreign.size() > kNamed) text += "; and " + std::to_string(foreign.size() - kNamed) + " more";
   return text;
 }
 

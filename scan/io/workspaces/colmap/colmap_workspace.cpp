@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "scan/base/name_list.h"
 #include "scan/io/files/folder_files.h"
 #include "scan/io/images/codecs/floats/colmap_array.h"
 #include "scan/io/images/image_size.h"
@@ -184,11 +185,7 @@ void add_list_note(const std::string& what, const std::vector<std::string>& name
                    std::vector<std::string>& notes) {
   constexpr std::size_t kShown = 20;  // Names in one note.
   if (names.empty()) return;
-  std::string note = what;
-  for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i)
-    note += (i ? ", " : " ") + names[i];
-  if (names.size() > kShown) note += " and " + std::to_string(names.size() - kShown) + " more";
-  notes.push_back(note);
+  notes.push_back(what + " " + name_list(names, kShown));
 }
 
 void add_colmap_notes(const ColmapFindings& findings, std::vector<std::string>& notes) {

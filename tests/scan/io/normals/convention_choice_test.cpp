@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
@@ -18,6 +20,7 @@
 namespace relief {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using testing::kDegree;
 const Camera kCamera = Camera::pinhole(150, 150, {300, 300, 74.5, 74.5});
@@ -356,6 +359,19 @@ TEST(ConventionChoice, ABiasThatAMoveWouldCancelIsNoWrongPlace) {
           Eigen::AngleAxisf(static_cast<float>(12.0 * kDegree), Eigen::Vector3f::UnitY()) *
           view.normals(u, v);
   EXPECT_FALSE(store(view, kIdentity).evidence.placement);
+}
+
+TEST(ConventionChoice, NotesNameSomeOfManyViews) {
+  const RangeView view = wavy_view(0.4);
+  const NormalEvidence right = store(view, kIdentity).evidence,
+                       reversed = store(view, kYReversed).evidence;
+  std::vector<NormalEvidence> views;
+  for (int i = 0; i < 24; ++i) {
+    views.push_back(i % 2 ? reversed : right);
+    views.back().view = "v" + std::to_string(i);
+  }
+  EXPECT_THAT(value_of(choose_conventions(views)).notes,
+              Contains(HasSubstr("views v1, v3, v5, v7, v9, v11, v13, v15 and 4 more: ")));
 }
 
 TEST(ConventionChoice, NormalsInGridFilesAreCorrectedToo) {
