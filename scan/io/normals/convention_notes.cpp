@@ -75,7 +75,8 @@ void ConventionNotes::add_unusable(const NormalEvidence& view, const NormalConve
       find("warning: the normals are not used: in the best convention, " + name_of(view, best) +
                ", they are off by more than " + degrees_text(kLargestBias) +
                " beyond the noise of the depth; check the lights of the photometric "
-               "stereo, the scale of the depth and the camera",
+               "stereo, the scale of the depth and the camera, and whether the depth is smoother "
+               "than the surface",
            "median");
   note.views.push_back(view.view);
   note.angles.push_back(bias);

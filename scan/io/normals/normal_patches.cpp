@@ -164,7 +164,8 @@ double typical_error(const NormalPatches& found) {
   return std::max(median_stddev(found.patches), scatter_between(found));
 }
 
-// What windows see of rounded ranges: their samples lie on terraces.
+// What windows see of rounded ranges, or of a coarse image that was enlarged by repeating its
+// pixels: their samples lie on terraces.
 struct Terraces {
   double height = 0.0;   // Of a step along the ray [unit]; 0: none.
   double spacing = 0.0;  // Of samples across the ray [unit].
@@ -175,15 +176,34 @@ struct Terraces {
   }
 };
 
+// The steps between pixels of a row where most pixels repeat the one before; empty for others.
+std::vector<double> steps_between_blocks(const RangeView& view) {
+  constexpr double kRepeating = 0.6;  // Of the pairs of neighbours: blocks of 3 pixels have 2/3.
+  std::vector<double> steps;
+  double pairs = 0.0;
+  for (int v = 0; v < view.height(); ++v) {
+    for (int u = 0; u + 1 < view.width(); ++u) {
+      if (!view.has_sample(u, v) || !view.has_sample(u + 1, v)) continue;
+      const double step = std::abs(view.range(u + 1, v) - view.range(u, v));
+      if (step > 0.0) steps.push_back(step * view.camera.ray(u, v).direction.norm());
+      pairs += 1.0;
+    }
+  }
+  if (static_cast<double>(steps.size()) > (1.0 - kRepeating) * pairs) steps.clear();
+  return steps;
+}
+
 Terraces find_terraces(const RangeView& view) {
   const RangeQuantisation quantisation = find_quantisation(view);
-  if (!quantisation.exists()) return {};
   std::vector<double> steps, spacings;
+  if (!quantisation.exists()) steps = steps_between_blocks(view);
+  if (!quantisation.exists() && steps.empty()) return {};
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u + 1 < view.width(); ++u) {
       if (!view.has_sample(u, v)) continue;
       const Ray ray = view.camera.ray(u, v);
-      steps.push_back(quantisation.step_at(view.range(u, v), ray.direction.norm()));
+      if (quantisation.exists())
+        steps.push_back(quantisation.step_at(view.range(u, v), ray.direction.norm()));
       spacings.push_back(
           (view.camera.ray(u + 1, v).at(view.range(u, v)) - view.point(u, v)).norm());
     }

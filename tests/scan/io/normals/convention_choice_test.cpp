@@ -361,6 +361,17 @@ TEST(ConventionChoice, ABiasThatAMoveWouldCancelIsNoWrongPlace) {
   EXPECT_FALSE(store(view, kIdentity).evidence.placement);
 }
 
+TEST(ConventionChoice, NormalsBesideACoarseDepthThatWasEnlargedAreUsed) {
+  RangeView view = wavy_view(0.5, 0.3);
+  const auto fine = view.range;
+  constexpr int kBlock = 8;
+  for (int v = 0; v < view.height(); ++v)
+    for (int u = 0; u < view.width(); ++u)
+      view.range(u, v) = fine(std::min(u / kBlock * kBlock + kBlock / 2, view.width() - 1),
+                              std::min(v / kBlock * kBlock + kBlock / 2, view.height() - 1));
+  EXPECT_TRUE(value_of(choose_conventions({store(view, kIdentity).evidence})).views[0].usable);
+}
+
 TEST(ConventionChoice, NotesNameSomeOfManyViews) {
   const RangeView view = wavy_view(0.4);
   const NormalEvidence right = store(view, kIdentity).evidence,
