@@ -45,6 +45,20 @@ Result<void> polish(const std::vector<RangeView>& views, const ModelOptions& opt
   return {};
 }
 
+// Says why more faces are left than were wanted.
+void note_faces_left(const fusion::DecimationOptions& options, Model& model) {
+  const std::size_t left = model.mesh.faces.size();
+  if (options.faces == 0 || left <= options.faces) return;
+  std::string note = "warning: " + std::to_string(options.faces) + " faces were wanted and " +
+                     std::to_string(left) +
+                     " are left: with fewer the surface would change its topology (" +
+                     std::to_string(model.check.components) + " components, genus " +
+                     std::to_string(model.check.genus) + ") or fold over";
+  if (options.max_error > 0.0) note += ", or move by more than the decimation error";
+  if (model.check.boundary_edges > 0) note += ", and the borders of holes stay as they are";
+  model.merged.notes.push_back(std::move(note));
+}
+
 Result<void> decimate(const fusion::DecimationOptions& options, Model& model) {
   if (options.faces == 0 && !(options.max_error > 0.0)) return {};
   auto decimated = fusion::decimate_mesh(model.mesh, options);
@@ -52,6 +66,7 @@ Result<void> decimate(const fusion::DecimationOptions& options, Model& model) {
   model.faces_before_decimation = model.mesh.faces.size();
   model.mesh = std::move(decimated->mesh);
   model.check = decimated->check;
+  note_faces_left(options, model);
   return {};
 }
 

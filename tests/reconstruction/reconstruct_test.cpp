@@ -10,7 +10,10 @@
 namespace relief::reconstruction {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::vector<RangeView>& scans() {
   static const std::vector<RangeView> views = [] {
@@ -44,6 +47,20 @@ TEST(Reconstruct, ReportsEveryStage) {
   EXPECT_GT(reconstruction().second_alignment->gain.first_pose_std, 0.0);
   ASSERT_TRUE(reconstruction().model.polished);
   EXPECT_EQ(reconstruction().model.polished->status, hybrid::PolishStatus::kPolished);
+}
+
+TEST(Reconstruct, SaysWhyMoreFacesAreLeftThanWereWanted) {
+  ModelOptions options;
+  options.polish.reset();
+  options.merge.voxel_size = 3.0;
+  options.decimation.faces = 4;
+  const Model model = value_of(build_model(reconstruction().views, options));
+  const std::string left = std::to_string(model.mesh.faces.size());
+  EXPECT_THAT(model.merged.notes,
+              Contains(HasSubstr("4 faces were wanted and " + left + " are left")));
+  options.decimation.faces = 2000;
+  EXPECT_THAT(value_of(build_model(reconstruction().views, options)).merged.notes,
+              Not(Contains(HasSubstr("faces were wanted"))));
 }
 
 TEST(Reconstruct, IsTheSameOnAnyNumberOfThreads) {
