@@ -1,3 +1,4 @@
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -6,6 +7,7 @@
 #include "apps/commands/command.h"
 #include "apps/console/console.h"
 #include "apps/console/exit_status.h"
+#include "apps/reports/report.h"
 #include "reconstruction/cache/folder_lock.h"
 #include "relief/reconstruction/unit_folder.h"
 
@@ -16,8 +18,13 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CleanCommand {
-  bool quiet = false;
+  CommonOptions common;
   fs::path folder;
+};
+
+struct Removed {
+  std::size_t files = 0;
+  std::uint64_t bytes = 0;
 };
 
 std::string in_megabytes(std::uint64_t bytes) {
@@ -26,30 +33,38 @@ std::string in_megabytes(std::uint64_t bytes) {
   return text;
 }
 
+Result<Removed> count_kept(const fs::path& kept) {
+  const auto units = reconstruction::UnitFolder::open(kept / "cache");
+  if (!units) return units.error();
+  return Removed{(*units)->files(), (*units)->bytes()};
+}
+
 // The lock is held until the folder has gone, so that no run writes into it meanwhile.
-int clean(const CleanCommand& command) {
-  const fs::path kept = reconstruction::private_folder(command.folder);
+Result<Removed> remove_kept(const fs::path& folder) {
+  const fs::path kept = reconstruction::private_folder(folder);
   std::error_code failure;
   if (!fs::exists(kept, failure)) {
-    Console::info(command.folder.string() + ": no run has left anything to remove");
-    return kDone;
+    Console::info(folder.string() + ": no run has left anything to remove");
+    return Removed{};
   }
-  const auto lock = reconstruction::FolderLock::acquire(command.folder);
-  if (!lock) return fail(lock.error());
-  std::size_t files = 0;
-  std::uint64_t bytes = 0;
-  {
-    const auto units = reconstruction::UnitFolder::open(kept / "cache");
-    if (!units) return fail(units.error());
-    files = (*units)->files();
-    bytes = (*units)->bytes();
-  }
+  const auto lock = reconstruction::FolderLock::acquire(folder);
+  if (!lock) return lock.error();
+  const auto removed = count_kept(kept);
+  if (!removed) return removed;
   fs::remove_all(kept, failure);
   if (failure)
-    return fail({ErrorKind::kCannotWrite, kept.string() + ": cannot remove: " + failure.message()});
-  Console::info(kept.string() + ": removed " + std::to_string(files) +
-                " results of earlier runs, " + in_megabytes(bytes));
-  return kDone;
+    return Error{ErrorKind::kCannotWrite, kept.string() + ": cannot remove: " + failure.message()};
+  Console::info(kept.string() + ": removed " + std::to_string(removed->files) +
+                " results of earlier runs, " + in_megabytes(removed->bytes));
+  return removed;
+}
+
+int clean(const CleanCommand& command) {
+  const auto removed = remove_kept(command.folder);
+  if (!removed) return fail(removed.error());
+  const Json figures = {{"files", removed->files}, {"bytes", removed->bytes}};
+  const auto delivered = report_on_request("clean", figures, command.common);
+  return delivered ? kDone : fail(delivered.error());
 }
 
 }  // namespace
@@ -60,11 +75,8 @@ void add_clean(CLI::App& app, Action& action) {
   sub->add_option("folder", command->folder, "Output folder of `relief run`")
       ->required()
       ->check(CLI::ExistingDirectory);
-  sub->add_flag("-q,--quiet", command->quiet, "Only errors on standard error");
-  sub->callback([command, &action] {
-    if (command->quiet) Console::set_verbosity(Verbosity::kQuiet);
-    action = [command] { return clean(*command); };
-  });
+  add_common_options(*sub, command->common);
+  sub->callback([command, &action] { action = [command] { return clean(*command); }; });
 }
 
 }  // namespace relief

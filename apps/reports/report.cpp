@@ -47,6 +47,15 @@ Result<void> write_report(const std::filesystem::path& path, const std::string& 
   return write_file(path, text);
 }
 
+Result<void> report_on_request(const std::string& name, const Json& section,
+                               const CommonOptions& common) {
+  if (common.json) std::cout << Json({{name, section}}).dump(2) << "\n" << std::flush;
+  if (common.report.empty()) return {};
+  CommonOptions silent = common;
+  silent.json = false;
+  return write_report(common.report, name, section, silent);
+}
+
 double peak_memory_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

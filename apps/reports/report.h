@@ -25,6 +25,11 @@ std::filesystem::path report_path(const CommonOptions& common, const std::filesy
 Result<void> write_report(const std::filesystem::path& path, const std::string& name,
                           const Json& section, const CommonOptions& common);
 
+/// For commands without a folder of results: with --json prints `section` under `name` alone, with
+/// --report adds it to that report.
+Result<void> report_on_request(const std::string& name, const Json& section,
+                               const CommonOptions& common);
+
 /// The largest resident memory of this process so far [MB].
 double peak_memory_mb();
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -166,18 +165,10 @@ Result<void> render_all(RenderCommand& command, Json& report) {
   return meshes != 0 ? render_models(command, report) : render_projects(command, report);
 }
 
-Result<void> deliver(const CommonOptions& common, const Json& report) {
-  if (common.json) std::cout << Json({{"render", report}}).dump(2) << "\n" << std::flush;
-  if (common.report.empty()) return {};
-  CommonOptions silent = common;
-  silent.json = false;
-  return write_report(common.report, "render", report, silent);
-}
-
 int render(RenderCommand& command) {
   Json report = {{"pictures", Json::array()}};
   if (const auto done = render_all(command, report); !done) return fail(done.error());
-  const auto delivered = deliver(command.common, report);
+  const auto delivered = report_on_request("render", report, command.common);
   return delivered ? kDone : fail(delivered.error());
 }
 

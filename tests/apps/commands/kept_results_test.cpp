@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::files_below;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 using testing::ProgramRun;
 using testing::read_text;
@@ -288,6 +289,20 @@ TEST_F(KeptResults, AreRemovedOnRequest) {
   expect_same_results(full(), out / "run");
   EXPECT_THAT(run_relief({"clean", out / "run"}).standard_error, HasSubstr("anything to remove"));
   EXPECT_EQ(run_relief({"clean", out / "nowhere"}).exit_status, 2);
+}
+
+TEST_F(KeptResults, AreCountedInTheReportOfCleaning) {
+  const TemporaryFolder out;
+  copy_folder(full(), out / "run");
+  const ProgramRun run =
+      run_relief({"clean", out / "run", "--json", "-q", "--report", out / "clean.json"});
+  ASSERT_EQ(run.exit_status, 0) << run.standard_error;
+  EXPECT_THAT(run.standard_error, IsEmpty());
+  for (const std::string& text : {run.standard_output, read_text(out / "clean.json")}) {
+    const json report = json::parse(text);
+    EXPECT_EQ(report["clean"]["files"], kUnits);
+    EXPECT_GT(report["clean"]["bytes"].get<int>(), 0);
+  }
 }
 
 }  // namespace
