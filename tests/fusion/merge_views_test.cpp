@@ -70,7 +70,7 @@ TEST(MergeViews, VoxelsThatAreLargeForTheObjectAreNoted) {
   EXPECT_THAT(notes(0.0), IsEmpty());
   EXPECT_THAT(notes(2.5), IsEmpty());
   const auto of_lump = ElementsAre(
-      AllOf(StartsWith("warning: voxels of 20 are large"), HasSubstr("5 x 5 x 5 of them")));
+      AllOf(StartsWith("warning: voxels of 20 are large"), HasSubstr("4.9 x 4.9 x 4.9 of them")));
   EXPECT_THAT(notes(20.0), of_lump);
 }
 
