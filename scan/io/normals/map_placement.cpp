@@ -20,8 +20,8 @@ constexpr std::size_t kMostSearched = 500;  // Patches that are looked at in the
 // those of the depth alone: 0.2 to 0.35 for maps of the simulated object that are mirrored or moved
 // by 8 pixels, 0.5 for 4 pixels; 0.9 and more for right ones anywhere else.
 constexpr double kFarLess = 0.5;
-constexpr std::size_t kFewestPairs =
-    64;  // Of windows. The best of many places halves fewer by chance.
+// Pairs of neighbouring windows. The best of many places halves the differences of fewer by chance.
+constexpr std::size_t kFewestPairs = 64;
 
 // Mean directions of the windows round all pixels, as those of patches are; NaN where less than
 // half of the window has a direction, or they disagree.
@@ -83,8 +83,8 @@ class PlacedMap {
   double agreement_at(const MapPlacement& by, Eigen::Matrix3d& best_to_view) const {
     const MapPlace place{by, means_.width(), means_.height()};
     const std::size_t step = 1 + pixels_.size() / kMostSearched;
-    Eigen::Matrix3d products =
-        Eigen::Matrix3d::Zero();  // The cosines of all conventions are in it.
+    // The cosines of all conventions are in it.
+    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
     double count = 0.0;
     for (std::size_t k = 0; k < pixels_.size(); k += step) {
       const Eigen::Vector3d direction = mean_at(place, pixels_[k]);
