@@ -19,6 +19,7 @@
 #include "scan/io/workspaces/colmap/colmap_workspace.h"
 #include "scan/io/workspaces/meshlab_mlp.h"
 #include "scan/io/workspaces/pose_beside.h"
+#include "scan/io/workspaces/rgbd/calibration/calibration.h"
 #include "scan/io/workspaces/rgbd/nerf_transforms.h"
 #include "scan/io/workspaces/rgbd/rgbd_folder.h"
 #include "scan/io/workspaces/workspace_text.h"
@@ -251,6 +252,23 @@ Result<ProjectSpec> spec_of_project_in(const fs::path& folder, const FolderConte
   return project;
 }
 
+// Images that no layout tells apart, by the intrinsics given or those of a calibration beside them.
+Result<ProjectSpec> spec_of_images(const fs::path& folder, ReadProjectOptions options) {
+  if (options.intrinsics)
+    return read_as("depth maps, by the intrinsics given", folder, read_depth_maps(folder, options));
+  const auto calibration = find_calibration(folder);
+  if (!calibration) return calibration.error();
+  if (!*calibration || !(*calibration)->intrinsics) return no_project_in(folder);
+  options.intrinsics = (*calibration)->intrinsics;
+  if (!options.depth_scale) options.depth_scale = (*calibration)->depth_scale;
+  auto project = read_as("depth maps, by the calibration beside them", folder,
+                         read_depth_maps(folder, options));
+  if (project)
+    project->notes.insert(project->notes.end(), (*calibration)->notes.begin(),
+                          (*calibration)->notes.end());
+  return project;
+}
+
 Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOptions& options) {
   std::error_code code;
   if (fs::exists(folder / "scan.json", code)) return spec_of_file(folder / "scan.json", options);
@@ -269,10 +287,8 @@ Result<ProjectSpec> spec_of_folder(const fs::path& folder, const ReadProjectOpti
     std::ranges::copy_if(content->texts, std::back_inserter(content->points), begins_with_points);
   if (content->projects.size() == 1) return spec_of_project_in(folder, *content, options);
   if (content->grids.empty() && content->points.empty()) {
-    if (options.intrinsics && count_images(folder) > 0)
-      return read_as("depth maps, by the intrinsics given", folder,
-                     read_depth_maps(folder, options));
-    return no_project_in(folder);
+    return count_images(folder) > 0 ? spec_of_images(folder, options)
+                                    : Result<ProjectSpec>(no_project_in(folder));
   }
   auto project = spec_of_scans(content->grids.empty() ? content->points : content->grids, options);
   if (project) {

@@ -232,6 +232,20 @@ TEST(FolderGuess, ColoursOfAnotherSizeAreLeftOut) {
   EXPECT_THAT(project.notes, ::testing::Contains(HasSubstr("rgb_1.png: its size is not that of")));
 }
 
+TEST(FolderGuess, TakesTheCalibrationBesideDepthMaps) {
+  const TemporaryFolder folder;
+  folder.write("depth_1.png", depth_png());
+  folder.write("rgb_1.png", *encode_png(Image(12, 9, 3, 255)));
+  EXPECT_THAT(read_project(folder.path()), HasError("neither intrinsics nor a layout"));
+  folder.write("intrinsics_d435.json", R"({"fx": 20, "fy": 21, "s": 0, "cx": 5, "cy": 4})");
+  const auto project = value_of(read_project(folder.path()));
+  ASSERT_EQ(project.views.size(), 1u);
+  EXPECT_FALSE(project.views[0].colours.empty());
+  const Ray ray = project.views[0].camera.ray(5, 4);
+  EXPECT_TRUE(ray.direction.normalized().isApprox(Eigen::Vector3d::UnitZ()));
+  EXPECT_THAT(project.notes, ::testing::Contains(HasSubstr("by the calibration beside them")));
+}
+
 TEST(FolderGuess, TellsOfIntrinsicsOfAnotherSize) {
   const TemporaryFolder folder;
   folder.write("depth_1.png", depth_png());
