@@ -270,10 +270,12 @@ class Refining {
   // since relief that they share brought them here.
   bool finish_without_drift(const std::vector<DegenerateGroup>& drifting) {
     const JointRefinement refined = result_;
+    const std::vector<ViewPair> pairs = pairs_;
     const ReliefAlong relief = relief_along_motions(drifting, shared_);
     finish_without(Drift::kAlongMotions, drifting);
     if (loses_relief(relief_along_motions(drifting, shared_), relief)) {
       result_ = refined;
+      pairs_ = pairs;
       return false;
     }
     if (fits_as_well(result_, refined)) return true;
