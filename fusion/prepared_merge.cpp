@@ -83,10 +83,10 @@ void note_lost_detail(const std::vector<double>& spacings, MergeSummary& result)
 }
 
 // Samples know their noise, whatever the range. What views differ by beyond it is not shared.
-void know_deviations(double nominal, RangeErrors& errors) {
+void take_known_deviations(double nominal, RangeErrors& errors) {
   errors.exponent = 0.0;
-  errors.nominal = nominal;
-  errors.excess = std::max(0.0, errors.stddev * errors.stddev - nominal * nominal);
+  errors.nominal_deviation = nominal;
+  errors.excess_variance = std::max(0.0, errors.stddev * errors.stddev - nominal * nominal);
 }
 
 void choose_scales(const std::vector<ViewSampler>& views, const MergeOptions& options, bool refined,
@@ -134,7 +134,7 @@ Result<PreparedMerge> prepare_merge(const ViewSource& views, const MergeOptions&
   release_freed_memory();
   count_samples(samplers, inputs->samples, result);
   RangeErrors errors = inter_view_errors(samplers);
-  if (quality.deviation > 0.0) know_deviations(quality.deviation, errors);
+  if (quality.deviation > 0.0) take_known_deviations(quality.deviation, errors);
   for (ViewSampler& sampler : samplers) sampler.set_range_errors(errors);
   choose_scales(samplers, options, quality.refined, errors, result);
   return PreparedMerge{std::move(*prepared), quality.deviation, inputs->spacing,

@@ -18,8 +18,8 @@ struct RangeErrors {
   double exponent = 0.0;       ///< 0: the same at all ranges.
   /// Standard deviation of an observation whose information is 1, as its samples know it [unit]; 0:
   /// they know none.
-  double nominal = 0.0;
-  double excess = 0.0;  ///< Variance beyond that which samples know [unit^2].
+  double nominal_deviation = 0.0;
+  double excess_variance = 0.0;  ///< Variance beyond that which samples know [unit^2].
 
   /// The standard deviation at a range, in units of that at the typical one.
   double relative_stddev(double range) const {
@@ -28,12 +28,13 @@ struct RangeErrors {
   /// The variance of an observation, in units of that by which its samples weigh it: equation
   /// (F2a). `information`: by its samples.
   double relative_variance(double information, double relative_stddev) const {
-    if (!(nominal > 0.0)) return relative_stddev * relative_stddev;
-    return 1.0 + information * excess / (nominal * nominal);
+    if (!(nominal_deviation > 0.0)) return relative_stddev * relative_stddev;
+    return 1.0 + information * excess_variance / (nominal_deviation * nominal_deviation);
   }
   /// The standard deviation of an observation [unit], by its information.
   double stddev_at(double information, double relative_stddev) const {
-    return nominal > 0.0 ? nominal / std::sqrt(information) : stddev * relative_stddev;
+    return nominal_deviation > 0.0 ? nominal_deviation / std::sqrt(information)
+                                   : stddev * relative_stddev;
   }
 };
 

@@ -140,7 +140,7 @@ SharedConstraints SharedConstraintSum::constraints() const {
   return result;
 }
 
-ReliefAlong SharedConstraintSum::along(const DegenerateDirection& motion) const {
+MotionConstraint SharedConstraintSum::along(const DegenerateDirection& motion) const {
   RigidTangent tangent = tangent_about(centre_, motion);
   tangent.head<3>() *= radius_;
   const auto held = [&](const Matrix6d& lower) {

@@ -49,7 +49,7 @@ struct SharedConstraints {
 
 /// How firmly surfaces are held along one motion: sums of squared displacements along the normals
 /// [unit^2].
-struct ReliefAlong {
+struct MotionConstraint {
   double shared = 0.0;  ///< By what both show: see SharedConstraints.
   double own = 0.0;     ///< Mean of what each shows by itself, noise included.
 
@@ -74,7 +74,7 @@ class SharedConstraintSum {
   /// Zero for fewer than six points.
   SharedConstraints constraints() const;
   /// Along a motion in the frame of the points.
-  ReliefAlong along(const DegenerateDirection& motion) const;
+  MotionConstraint along(const DegenerateDirection& motion) const;
 
  private:
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();

@@ -94,15 +94,15 @@ std::vector<DegenerateGroup> degenerate_groups(const std::vector<PairConstraint>
   return groups;
 }
 
-ReliefAlong relief_along_motions(const std::vector<DegenerateGroup>& groups,
-                                 const std::vector<PairConstraint>& pairs) {
-  ReliefAlong sum;
+MotionConstraint constraint_along_motions(const std::vector<DegenerateGroup>& groups,
+                                          const std::vector<PairConstraint>& pairs) {
+  MotionConstraint sum;
   for (const auto& [views, motions] : groups) {
     const auto inside = [&](std::size_t i) { return std::ranges::binary_search(views, i); };
     for (const PairConstraint& pair : pairs) {
       if (inside(pair.a) == inside(pair.b)) continue;
       for (const DegenerateDirection& motion : motions) {
-        const ReliefAlong along = pair.shared.along(motion);
+        const MotionConstraint along = pair.shared.along(motion);
         sum.shared += along.shared;
         sum.own += along.own;
       }

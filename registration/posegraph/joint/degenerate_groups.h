@@ -28,8 +28,8 @@ std::vector<DegenerateGroup> degenerate_groups(const std::vector<PairConstraint>
                                                const std::vector<bool>& held);
 
 /// What holds the groups to all other views along their motions, of all groups together.
-ReliefAlong relief_along_motions(const std::vector<DegenerateGroup>& groups,
-                                 const std::vector<PairConstraint>& pairs);
+MotionConstraint constraint_along_motions(const std::vector<DegenerateGroup>& groups,
+                                          const std::vector<PairConstraint>& pairs);
 
 /// What of a group's motion since the start is drift.
 enum class Drift {

@@ -163,7 +163,7 @@ bool fits_as_well(const JointRefinement& result, const JointRefinement& refined)
 // Whether the views shared relief along the motions where they were refined to, little as it is
 // beside noise, and share less of it without the drift. What only noise holds is held as well
 // there.
-bool loses_relief(const ReliefAlong& without_drift, const ReliefAlong& refined) {
+bool loses_relief(const MotionConstraint& without_drift, const MotionConstraint& refined) {
   return refined.correlation() >= kNoSharedRelief &&
          without_drift.shared < kReliefStill * refined.shared;
 }
@@ -271,9 +271,9 @@ class Refining {
   bool finish_without_drift(const std::vector<DegenerateGroup>& drifting) {
     const JointRefinement refined = result_;
     const std::vector<ViewPair> pairs = pairs_;
-    const ReliefAlong relief = relief_along_motions(drifting, shared_);
+    const MotionConstraint relief = constraint_along_motions(drifting, shared_);
     finish_without(Drift::kAlongMotions, drifting);
-    if (loses_relief(relief_along_motions(drifting, shared_), relief)) {
+    if (loses_relief(constraint_along_motions(drifting, shared_), relief)) {
       result_ = refined;
       pairs_ = pairs;
       return false;

@@ -108,7 +108,8 @@ TEST(TsdfSample, WeighsByErrorsBeyondThoseThatSamplesKnow) {
   };
   expect_mean_at(0.01, 0.0001);
   for (ViewSampler& sampler : samplers)
-    sampler.set_range_errors({.stddev = 0.5, .nominal = kDeviation, .excess = 0.25});
+    sampler.set_range_errors(
+        {.stddev = 0.5, .nominal_deviation = kDeviation, .excess_variance = 0.25});
   expect_mean_at(0.26, 0.2501);
 }
 
@@ -121,7 +122,7 @@ TEST(TsdfSample, SpaceIsEmptyTwoDeviationsInFrontOfASurface) {
   };
   EXPECT_NEAR(clearance_at(1.0), 1.0, 1e-3) << "nothing known of errors";
   for (ViewSampler& sampler : samplers)
-    sampler.set_range_errors({.stddev = 0.3, .nominal = 0.1, .excess = 0.08});
+    sampler.set_range_errors({.stddev = 0.3, .nominal_deviation = 0.1, .excess_variance = 0.08});
   EXPECT_NEAR(clearance_at(1.0), 1.0 - 2.0 * 0.3, 1e-2);
   EXPECT_EQ(clearance_at(0.5), 0.0);
   for (ViewSampler& sampler : samplers) sampler.set_range_errors({.stddev = 0.2});

@@ -159,11 +159,11 @@ SharedConstraintSum plane_and_wall(double wall_share) {
 TEST(DegenerateGroups, AreHeldAlongMotionsByWhatBothSidesShow) {
   DegenerateDirection along_x, about_z;
   along_x.motion << 0, 0, 0, 2, 0, 0;
-  const ReliefAlong noise = plane_and_wall(0.0).along(along_x);
+  const MotionConstraint noise = plane_and_wall(0.0).along(along_x);
   EXPECT_NEAR(noise.own, 400 * 4.0 * 0.01, 1e-9);
   EXPECT_NEAR(noise.shared, 0.0, 1e-9);
   EXPECT_NEAR(noise.correlation(), 0.0, 1e-9);
-  const ReliefAlong wall = plane_and_wall(0.1).along(along_x);
+  const MotionConstraint wall = plane_and_wall(0.1).along(along_x);
   EXPECT_NEAR(wall.shared, 40 * 4.0, 1e-9);
   EXPECT_NEAR(wall.own, 40 * 4.0 + 360 * 4.0 * 0.01, 1e-9);
   // Turning about an axis through the plane moves a point of the wall along its normal by its y.
@@ -175,9 +175,9 @@ TEST(DegenerateGroups, AreHeldAlongMotionsByWhatBothSidesShow) {
   // Pairs within a group hold nothing of it, nor do pairs of others.
   const std::vector<PairConstraint> pairs = {
       {0, 1, plane_and_wall(0.1)}, {1, 2, plane_and_wall(0.1)}, {0, 3, plane_and_wall(0.1)}};
-  EXPECT_NEAR(relief_along_motions({{{1, 2}, {along_x}}}, pairs).shared, wall.shared, 1e-9);
-  EXPECT_NEAR(relief_along_motions({{{2}, {along_x}}, {{3}, {along_x}}}, pairs).own, 2.0 * wall.own,
-              1e-9);
+  EXPECT_NEAR(constraint_along_motions({{{1, 2}, {along_x}}}, pairs).shared, wall.shared, 1e-9);
+  EXPECT_NEAR(constraint_along_motions({{{2}, {along_x}}, {{3}, {along_x}}}, pairs).own,
+              2.0 * wall.own, 1e-9);
 }
 
 // A view that drifts alone does not displace those that hold still with it.
