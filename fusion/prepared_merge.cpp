@@ -24,11 +24,11 @@ struct SampleQuality {
 struct Inputs {
   SampleQuality quality;
   std::size_t samples = 0;          // Of all views.
-  double spacing = 0.0;             // Median of the views' spacings [unit].
+  double spacing = 0.0;             // Median of the views' spacings, where wanted [unit].
   std::vector<std::string> hashes;  // Of the views, where units are kept.
 };
 
-Result<Inputs> look_at(const ViewSource& views, bool hashed, MemoryLimit* memory) {
+Result<Inputs> look_at(const ViewSource& views, bool spaced, bool hashed, MemoryLimit* memory) {
   Inputs inputs;
   SampleQuality& quality = inputs.quality;
   std::vector<double> medians, spacings;
@@ -38,7 +38,8 @@ Result<Inputs> look_at(const ViewSource& views, bool hashed, MemoryLimit* memory
     const double known = median_deviation(**view);
     if (known > 0.0) medians.push_back(known);
     inputs.samples += (*view)->sample_count();
-    if (const double spacing = rough_spacing(**view); spacing > 0.0) spacings.push_back(spacing);
+    if (const double spacing = spaced ? rough_spacing(**view) : 0.0; spacing > 0.0)
+      spacings.push_back(spacing);
     quality.refined |= (*view)->samples == SampleOrigin::kRefined;
     if (hashed) inputs.hashes.push_back(hash_of_view(**view));
     if (const auto kept = check(memory); !kept) return kept.error();
@@ -121,7 +122,7 @@ Result<PreparedMerge> prepare_merge(const ViewSource& views, const MergeOptions&
                                     UnitStore* store, MemoryLimit* memory, const Progress& progress,
                                     MergeSummary& result) {
   note_files_in_memory(memory, result.notes);
-  const auto inputs = look_at(views, store != nullptr, memory);
+  const auto inputs = look_at(views, options.voxel_size > 0.0, store != nullptr, memory);
   if (!inputs) return inputs.error();
   const SampleQuality& quality = inputs->quality;
   PagedSurfaceOptions surfaces{.memory = memory};

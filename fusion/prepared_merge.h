@@ -12,7 +12,7 @@ namespace relief::fusion {
 /// All that merging needs before its field.
 struct PreparedMerge : PreparedSamplers {
   double nominal_deviation = 0.0;  ///< Median of the views' median deviations [unit]; 0: none.
-  double sample_spacing = 0.0;     ///< Of the typical view, as it was given [unit].
+  double sample_spacing = 0.0;  ///< Of the typical view as given [unit]; 0: voxels go by samples.
   FieldUnits units;
 };
 
