@@ -37,7 +37,8 @@ RangeView without(const RangeView& view, const Grid<std::uint8_t>& isolated) {
   return rest;
 }
 
-// Samples that stay as measured have the deviation of their measurement.
+// Samples that stay as measured have the deviation of their measurement: none has an end where
+// there is no confidence.
 Grid<float> deviations(const RangeView& view, const ViewProblem& problem, double sigma_position,
                        const Eigen::VectorXf& refined) {
   Grid<float> deviation(view.width(), view.height(), static_cast<float>(kNoSample));
@@ -45,7 +46,7 @@ Grid<float> deviations(const RangeView& view, const ViewProblem& problem, double
   for (int v = 0; v < view.height(); ++v) {
     for (int u = 0; u < view.width(); ++u) {
       const double confidence = confidence_of(u, v);
-      if (view.has_sample(u, v) && confidence > 0.0)
+      if (view.has_sample(u, v))
         deviation(u, v) = static_cast<float>(sigma_position / std::sqrt(confidence));
     }
   }

@@ -103,14 +103,16 @@ Eigen::ArrayXf border_factor(const SurfaceAverage& surface, Eigen::Index count, 
 
 // A few probes are noisy at each sample, but what they vary about changes slowly along the surface
 // once its rise towards borders is divided out. The bias itself is found too flat near borders, so
-// what it leaves in the range rises there once more.
+// what it leaves in the range rises there once more, at most as at a corner: a surface that is
+// small against the crossover would have no bound.
 Eigen::VectorXf smoothed(const ViewProblem& problem, const Eigen::VectorXf& from_noise,
                          const Eigen::VectorXf& from_bias, double crossover) {
   const int largest = std::max(problem.grid.width, problem.grid.height);
   crossover = std::clamp(crossover, 1.0, static_cast<double>(largest));
   const SurfaceAverage surface(problem);
   const Eigen::ArrayXf factor = border_factor(surface, from_noise.size(), crossover);
-  const Eigen::VectorXf level = from_noise.array() / factor + from_bias.array();
+  const Eigen::ArrayXf rise = factor.min(at_border(Eigen::ArrayXf::Constant(1, 0.25f))[0]);
+  const Eigen::VectorXf level = (from_noise.array() + rise * from_bias.array()) / factor;
   return surface.average(level, kWindow * crossover).array() * factor;
 }
 

@@ -11,8 +11,9 @@ namespace relief::hybrid {
 
 /// Averages over the surface of a view, weighted by exp(-distance / window) along rows and columns
 /// of the grid. Only what hangs together by for_each_bias_pair() is averaged: nothing crosses an
-/// occlusion or a hole. The cost does not depend on the window, the result not on the number of
-/// threads.
+/// occlusion or a hole. Windows of 16 samples and more sum over square cells, of an eighth to a
+/// sixteenth of the window along a side, so that they go round small holes and cracks. The cost
+/// does not depend on the window, the result not on the number of threads.
 class SurfaceAverage {
  public:
   /// `problem` must outlive the object.
@@ -26,15 +27,28 @@ class SurfaceAverage {
   Eigen::VectorXf share(double window) const;
 
  private:
-  template <typename Sum>
-  void sum_up(std::vector<Sum>& plane, double window) const;
-  template <typename Sum>
-  void sum_row(std::size_t first, float decay, std::vector<Sum>& plane) const;
-  template <typename Sum>
-  void sum_columns(std::size_t begin, std::size_t end, float decay, std::vector<Sum>& plane) const;
+  // The view in square cells of 2^level pixels along a side; level 0 are the pixels. A cell stands
+  // for the largest part of its samples that hangs together within it.
+  struct Level {
+    PaddedGrid grid;
+    std::vector<float> samples;             // of each cell
+    std::vector<std::uint8_t> right, down;  // 1: hangs together with the next cell
+    std::vector<std::uint32_t> coarser;     // cell of the next level that stands for it, or kNone
+  };
+  struct Place {
+    std::size_t level, cell;
+  };
+  static constexpr std::uint32_t kNone = 0;  // Index 0 is padding.
+
+  static Level coarsened(Level& fine);
+  static void choose_largest_parts(Level& fine, const PaddedGrid& coarse);
+  static void join_smaller_parts(Level& fine);
+  std::size_t level_of(double window) const;
+  // The coarsest cell, `coarsest` at most, that stands for a pixel.
+  Place place_of(std::size_t pixel, std::size_t coarsest) const;
 
   const ViewProblem& problem_;
-  std::vector<std::uint8_t> right_, down_;  // padded; 1: hangs together with the next pixel
+  std::vector<Level> levels_;
 };
 
 }  // namespace relief::hybrid

@@ -16,7 +16,7 @@ Grid<float> inverse_variances(const RangeView& view, double typical, const Devia
     for (int u = 0; u < view.width(); ++u) {
       weights(u, v) = view.confidence_at(u, v);
       const double ratio = typical / deviation(u, v);
-      if (weights(u, v) > 0.0f && ratio > 0.0) weights(u, v) = static_cast<float>(ratio * ratio);
+      if (weights(u, v) > 0.0f && ratio >= 0.0) weights(u, v) = static_cast<float>(ratio * ratio);
     }
   }
   return weights;

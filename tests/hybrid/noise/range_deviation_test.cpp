@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Dense>
@@ -14,6 +15,7 @@
 #include "relief/hybrid/refine_view.h"
 #include "relief/scan/context.h"
 #include "relief/scan/discontinuities.h"
+#include "scan/base/counter_random.h"
 #include "tests/hybrid/bumpy_view.h"
 #include "tests/support/degree.h"
 #include "tests/support/result_matchers.h"
@@ -332,7 +334,7 @@ TEST(RangeDeviation, GrowsAtBordersAndWhereNothingIsTrusted) {
   for (int v = 80; v < 90; ++v)
     for (int u = 5; u < 15; ++u) {
       view.normals(u, v).setConstant(static_cast<float>(kNoSample));
-      view.confidence(u, v) = 0.25f;
+      view.confidence(u, v) = u < 12 ? 0.25f : 0.0f;
     }
   RefineOptions options;
   options.sigma_position = 0.1;
@@ -342,6 +344,40 @@ TEST(RangeDeviation, GrowsAtBordersAndWhereNothingIsTrusted) {
   EXPECT_GT(deviation(0, 0), 1.2 * deviation(0, 48));
   EXPECT_GT(deviation(48, 48), 1.25 * deviation(15, 48));
   EXPECT_FLOAT_EQ(deviation(10, 85), 0.2f) << "as measured: sigma / sqrt(confidence)";
+  EXPECT_EQ(deviation(13, 85), std::numeric_limits<float>::infinity());
+}
+
+// Ranges are so noisy that positions and normals cross at 76 samples, and a tenth of the samples
+// are missing in squares of one to three.
+TEST(RangeDeviation, GapsThatAreSmallAgainstTheCrossoverChangeLittle) {
+  constexpr int size = 96;
+  const RangeView truth = plane_view(size);
+  RangeView whole = truth;
+  testing::add_range_noise(whole, 2.0, 1);
+  testing::add_normal_noise(whole, 1.5 * kDegree, 2);
+  RangeView gaps = whole;
+  const CounterRandom random(5, 0);
+  for (int v = 1; v + 3 < size; v += 4)
+    for (int u = 1; u + 3 < size; u += 4) {
+      const auto bits = random.bits(static_cast<std::size_t>(v * size + u));
+      if (bits % 5 > 1) continue;
+      const int side = 1 + static_cast<int>(bits / 5 % 3);
+      for (int k = 0; k < side * side; ++k) gaps.range(u + k % side, v + k / side) = kNoSample;
+    }
+  RefineOptions options;
+  options.sigma_position = 2.0;
+  options.sigma_normal = 1.5 * kDegree;
+  const Grid<float> of_whole = deviation_of(whole, options), of_gaps = deviation_of(gaps, options);
+  double squares = 0.0, count = 0.0;
+  for (int v = 0; v < size; ++v)
+    for (int u = 0; u < size; ++u) {
+      if (!gaps.has_sample(u, v)) continue;
+      const double ratio = of_gaps(u, v) / of_whole(u, v);
+      EXPECT_LT(ratio, 2.0) << u << ' ' << v;
+      squares += ratio * ratio, ++count;
+    }
+  EXPECT_GT(std::sqrt(squares / count), 0.8);
+  EXPECT_LT(std::sqrt(squares / count), 1.3);
 }
 
 // Half a plane, and from it strands one sample wide, as at the rim of dark patches.
@@ -399,6 +435,46 @@ TEST(SurfaceAverage, WeighsByTheDistanceAlongRowsAndColumnsAndCrossesNoCut) {
   }
   EXPECT_LT((surface.average(values, 2.0) - expected).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_LT((surface.share(2.0) - shares).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+// A plane with a cut from one border to the middle, and single samples missing.
+TEST(SurfaceAverage, GoesRoundWhatIsSmallAgainstTheWindow) {
+  constexpr int size = 128;
+  const auto problem_of = [](const RangeView& view) {
+    return make_view_problem(view, connect_samples(view), Stencil::kCompactEdge);
+  };
+  const RangeView whole = plane_view(size);
+  RangeView gaps = whole;
+  for (int v = 3; v < size; v += 7)
+    for (int u = 2 + v % 5; u < size; u += 6) gaps.range(u, v) = kNoSample;
+  const ViewProblem problem = problem_of(whole), with_gaps = problem_of(gaps);
+  const Eigen::VectorXf all = SurfaceAverage(problem).share(40.0);
+  const SurfaceAverage surface(with_gaps);
+  const Eigen::VectorXf share = surface.share(40.0);
+  const std::vector<std::uint32_t> number = numbers_of(problem);
+  for (Eigen::Index k = 0; k < share.size(); ++k) {
+    const std::uint32_t pixel = with_gaps.pixels[static_cast<std::size_t>(k)];
+    EXPECT_NEAR(share[k] / all[number[pixel]], 1.0, 0.15)
+        << with_gaps.grid.u(pixel) << ' ' << with_gaps.grid.v(pixel);
+  }
+  const Eigen::VectorXf ones = Eigen::VectorXf::Constant(share.size(), 3.0f);
+  EXPECT_LT((surface.average(ones, 40.0) - ones).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+// Two halves that a cut parts all along stay apart in cells of any size.
+TEST(SurfaceAverage, LargeWindowsCrossNoCut) {
+  constexpr int size = 129;  // The cut is inside of the cells.
+  RangeView view = plane_view(size);
+  for (int v = 0; v < size; ++v)
+    for (int u = 61 + v % 3; u < size; ++u) view.range(u, v) += 40.0;
+  const ViewProblem problem = make_view_problem(view, connect_samples(view), Stencil::kCompactEdge);
+  Eigen::VectorXf values(static_cast<Eigen::Index>(problem.size()));
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    const std::uint32_t pixel = problem.pixels[static_cast<std::size_t>(k)];
+    values[k] = problem.grid.u(pixel) < 61 + problem.grid.v(pixel) % 3 ? 1.0f : 2.0f;
+  }
+  const Eigen::VectorXf average = SurfaceAverage(problem).average(values, 60.0);
+  EXPECT_LT((average - values).cwiseAbs().maxCoeff(), 1e-5);
 }
 
 }  // namespace

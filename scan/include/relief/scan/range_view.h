@@ -38,7 +38,7 @@ struct RangeView {
   Grid<Eigen::Vector3f> normals;  ///< Unit, view frame, N . d < 0; NaN: none. Some without range.
   Grid<float> confidence;         ///< >= 0, 1 nominal; empty: 1 everywhere.
   /// Standard deviation of each sample's position along its ray [unit], confidence included; NaN
-  /// where unknown; empty: unknown everywhere.
+  /// where unknown, infinite where the position tells nothing; empty: unknown everywhere.
   Grid<float> deviation;
   Grid<Colour> colours;  ///< Empty: none known; without meaning where there is no sample.
   RigidMotion world_from_view = RigidMotion::Identity();

@@ -239,7 +239,7 @@ Result<void> load_colours(const ViewSpec& spec, RangeView& view) {
   return {};
 }
 
-// What is no positive number is unknown.
+// What is no positive number is unknown. Infinite is what a sample of no weight has.
 Result<void> load_deviation(const ViewSpec& spec, RangeView& view) {
   const auto image = read_matching({spec.deviation->file, spec.deviation->size}, spec, view);
   if (!image) return image.error();
@@ -247,8 +247,7 @@ Result<void> load_deviation(const ViewSpec& spec, RangeView& view) {
   view.deviation = Grid<float>(view.width(), view.height(), static_cast<float>(kNoSample));
   for (std::size_t i = 0; i < view.deviation.size(); ++i) {
     const auto value = static_cast<float>(image->samples[i] * spec.deviation->scale);
-    if (value > 0.0f && std::isfinite(value) && view.range[i] == view.range[i])
-      view.deviation[i] = value;
+    if (value > 0.0f && view.range[i] == view.range[i]) view.deviation[i] = value;
   }
   return {};
 }

@@ -52,6 +52,7 @@ ScanProject all_cameras() {
     view.confidence = Grid<float>(view.width(), view.height(), 0.25f);
     view.deviation = Grid<float>(view.width(), view.height(), 0.125f);
     view.deviation(view.width() / 2, view.height() / 2) = static_cast<float>(kNoSample);
+    view.deviation(view.width() / 3, view.height() / 2) = std::numeric_limits<float>::infinity();
     view.colours = Grid<Colour>(view.width(), view.height());
     for (int v = 0; v < view.height(); ++v)
       for (int u = 0; u < view.width(); ++u)
@@ -305,12 +306,13 @@ TEST_F(DepthProject, NormalsStayWhereTheRangeIsMissing) {
   EXPECT_FALSE(view.has_normal(2, 5));
 }
 
-TEST_F(DepthProject, DeviationsAreScaledAndUnknownWhereNotPositive) {
+TEST_F(DepthProject, DeviationsAreScaledUnknownWhereNotPositiveAndMayBeInfinite) {
   Image deviation(8, 6, 1);
   deviation.samples.assign(deviation.samples.size(), 5.0f);
   deviation(1, 1) = -5.0f;
   deviation(2, 1) = std::numeric_limits<float>::quiet_NaN();
   deviation(3, 1) = 0.0f;
+  deviation(4, 1) = std::numeric_limits<float>::infinity();
   folder_.write("s.tiff", *encode_tiff(deviation));
   Image depth(8, 6, 1);
   depth.samples.assign(depth.samples.size(), 10.0f);
@@ -319,6 +321,7 @@ TEST_F(DepthProject, DeviationsAreScaledAndUnknownWhereNotPositive) {
   const auto project = value_of(read(R"(,"deviation":{"file":"s.tiff","scale":0.01})", "f.tiff"));
   const RangeView& view = project.views[0];
   EXPECT_NEAR(view.deviation_at(4, 4), 0.05, 1e-8);
+  EXPECT_EQ(view.deviation_at(4, 1), std::numeric_limits<float>::infinity());
   for (const auto& [u, v] : {std::pair{1, 1}, {2, 1}, {3, 1}, {5, 5}})
     EXPECT_TRUE(std::isnan(view.deviation_at(u, v))) << u << " " << v;
 }
