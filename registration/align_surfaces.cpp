@@ -28,12 +28,12 @@ class AligningGuesses {
     Alignment& aligned = once->alignment;
     if (options_.starting_poses.given != GivenPoses::kCheck) return std::move(aligned);
     taken_ = once->convention;
-    if (options_.starting_poses.search &&
-        refinement_moved_far(views_, surfaces_, aligned, taken_)) {
+    const bool moved_far = refinement_moved_far(views_, surfaces_, aligned, taken_);
+    if (options_.starting_poses.search && (moved_far || few_pairs_determine(views_, aligned))) {
       auto found = align_by_shape();
       if (!found) return found;
       if (fits_far_better(surfaces_, *found, aligned)) return instead_of(aligned, *found);
-      doubt_what_shape_does_not_confirm(*found, aligned);
+      if (moved_far) doubt_what_shape_does_not_confirm(*found, aligned);
     }
     auto again = align_agreeing_with(aligned);
     if (!again) return again.error();
@@ -97,8 +97,10 @@ class AligningGuesses {
       return std::move(**again);
     if (verified >= most) {
       found.notes.emplace_back(
-          "the given poses are not used: refining them led far away, and the views fit each other "
-          "far better at poses found by their shape; --poses trust takes the given ones");
+          "the given poses are not used: refining them led to where few pairs of views fit, and "
+          "the "
+          "views fit each other far better at poses found by their shape; --poses trust takes the "
+          "given ones");
       // Not refined from the given ones, but what these err by alike shows.
       for (std::string& note : notes_on_given_poses(given_and_found(
                views_, surfaces_, taken_, found, std::vector<bool>(views_.size(), false))))
@@ -106,7 +108,8 @@ class AligningGuesses {
       return std::move(found);
     }
     aligned.notes.push_back(
-        "refining led far away from the given poses, and " + std::to_string(verified) +
+        "refining the given poses led to where few pairs of views fit, and " +
+        std::to_string(verified) +
         " views fit each other far better at poses found by their shape: check the given poses, or "
         "look at the others with --poses ignore");
     return std::move(aligned);

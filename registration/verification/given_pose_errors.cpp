@@ -18,7 +18,8 @@ constexpr double kFar = 0.2;
 // Pairs that deviate by more than this many times their noise may not belong where they are: three
 // quarters of their squared distances are unexplained.
 constexpr double kLargeMisfit = 2.0;
-// Other poses are far better where pairs deviate by less than this part.
+// Other poses are far better where pairs deviate by less than this part, or where those that
+// determine all motions were less than this part.
 constexpr double kFarBetter = 0.5;
 
 // Guesses agree with the poses found where these are four times nearer, as for a hand-eye motion.
@@ -50,6 +51,11 @@ double median_misfit(const std::vector<ViewSurface>& surfaces, const Alignment& 
   return misfits.empty() ? 0.0 : quantile(std::move(misfits), 0.5);
 }
 
+double determined_pairs(const Alignment& alignment) {
+  return static_cast<double>(
+      std::ranges::count(alignment.pairs, PairStatus::kDetermined, &PairFit::status));
+}
+
 bool is_guess(const RangeView& view) { return view.pose == PoseKind::kGuess; }
 
 bool any_known(const std::vector<RangeView>& views) {
@@ -77,10 +83,22 @@ bool refinement_moved_far(const std::vector<RangeView>& views,
          median_misfit(surfaces, alignment) > kLargeMisfit;
 }
 
+bool few_pairs_determine(const std::vector<RangeView>& views, const Alignment& alignment) {
+  if (any_known(views)) return false;
+  std::size_t determined = 0, failing = 0;
+  for (const PairFit& pair : alignment.pairs) {
+    if (!is_guess(views[pair.a]) || !is_guess(views[pair.b])) continue;
+    determined += pair.status == PairStatus::kDetermined;
+    failing += pair.status == PairStatus::kDegenerate || pair.status == PairStatus::kMisfit;
+  }
+  return failing > determined;
+}
+
 bool fits_far_better(const std::vector<ViewSurface>& surfaces, const Alignment& now,
                      const Alignment& before) {
   return verified_views(now) >= kFewestVerified &&
-         median_misfit(surfaces, now) < kFarBetter * median_misfit(surfaces, before);
+         (median_misfit(surfaces, now) < kFarBetter * median_misfit(surfaces, before) ||
+          kFarBetter * determined_pairs(now) > determined_pairs(before));
 }
 
 std::optional<PoseConvention> agreeing_convention(const std::vector<RangeView>& views,
