@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "scan/base/parallel.h"
 #include "scan/io/files/atomic_file.h"
@@ -17,9 +18,13 @@
 #include "scan/io/project/guess/image_names.h"
 #include "scan/io/project/json/spec_json_private.h"
 #include "scan/io/project/loading/view_loader.h"
+#include "scan/io/project/poses/poses_of_scans.h"
 #include "scan/io/workspaces/middlebury_par.h"
 #include "scan/io/workspaces/pose_beside.h"
 #include "scan/io/workspaces/rgbd/agreement/depth_scale.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_convention.h"
+#include "scan/io/workspaces/rgbd/agreement/pose_scale.h"
+#include "scan/io/workspaces/rgbd/agreement/ray_lengths.h"
 #include "scan/io/workspaces/rgbd/calibration/calibration.h"
 
 namespace relief {
@@ -158,6 +163,8 @@ Result<FolderGuess> guess_from_images(const fs::path& folder, const ReadProjectO
                      ".ply, .pcd, .ptx, .e57, "
                      ".xyz or .pts. (" +
                          why_not_read + ")");
+  take_poses_of_folder(folder, guess.project);
+  std::ranges::move(std::exchange(guess.project.notes, {}), std::back_inserter(guess.findings));
   guess.project.unit = options.depth_scale ? "m" : whole_numbers ? "mm" : "units";
   if (without_camera)
     guess.missing.push_back("fx and fy of each camera [pixels]; cx and cy are set to the middle");
@@ -229,10 +236,11 @@ Result<ProjectSpec> read_depth_maps(const fs::path& folder, const ReadProjectOpt
     return holds_whole_numbers(view.depth->file);
   };
   std::vector<ViewSpec>& views = guess->project.views;
+  const ComparedDepths compared(guess->project);
   const bool assumes =
       !options.depth_scale && std::any_of(views.begin(), views.end(), whole_numbers);
   if (assumes) {
-    auto assumed = assume_depth_scale(guess->project, kMillimetres, ComparedDepths(guess->project));
+    auto assumed = assume_depth_scale(guess->project, kMillimetres, compared);
     if (!assumed) return assumed.error();
     for (ViewSpec& view : views)
       if (whole_numbers(view)) view.depth->scale = assumed->metres_per_value;
@@ -240,6 +248,10 @@ Result<ProjectSpec> read_depth_maps(const fs::path& folder, const ReadProjectOpt
   }
   if (assumes) guess->project.unit = "m";
   guess->project.notes = std::move(guess->findings);
+  take_pose_convention(guess->project, compared);
+  take_ray_lengths(guess->project, compared);
+  take_pose_scale(guess->project, compared);
+  note_disagreement_at_poses(guess->project, compared);
   return std::move(guess->project);
 }
 

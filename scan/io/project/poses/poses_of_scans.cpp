@@ -19,15 +19,17 @@ namespace {
 namespace fs = std::filesystem;
 
 // Files that hold one scan in the frame of its sensor. Texts of points could be taken for poses,
-// PTX and E57 tell poses themselves, and those beside clouds of a lidar are often of its car.
+// PTX and E57 tell poses themselves, and those beside clouds of a lidar are often of its car. Depth
+// maps hold no pose.
 bool may_lack_pose(const ViewSpec& view) {
+  if (view.depth) return view.pose == PoseKind::kAbsent;
   constexpr std::array<std::string_view, 3> kEndings = {".pcd", ".ply", ".xyz"};
   return view.grid && view.pose == PoseKind::kAbsent && !view.grid_options.shared_frame &&
          std::ranges::find(kEndings, lower_ending(*view.grid)) != kEndings.end();
 }
 
 std::vector<double> viewpoint_of(const ViewSpec& view) {
-  if (view.grid_options.ignore_pose || lower_ending(*view.grid) != ".pcd") return {};
+  if (!view.grid || view.grid_options.ignore_pose || lower_ending(*view.grid) != ".pcd") return {};
   const auto header = read_pcd_header(*view.grid, /*organized=*/false);
   return header ? header->viewpoint : std::vector<double>();
 }
@@ -60,7 +62,7 @@ void take_poses_of_folder(const fs::path& folder, ProjectSpec& project) {
   for (const ViewSpec& view : project.views) {
     RgbdFrame& scan = scans.frames.emplace_back();
     scan.name = view.name;
-    scan.depth = *view.grid;
+    scan.depth = view.depth ? view.depth->file : *view.grid;
   }
   const auto poses = find_frame_poses(folder, scans, project.notes);
   if (!poses) {

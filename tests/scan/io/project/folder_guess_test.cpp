@@ -1,11 +1,14 @@
 #include "scan/io/project/guess/folder_guess.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "scan/io/files/atomic_file.h"
 #include "scan/io/images/image_io.h"
 #include "scan/io/project/json/spec_json_private.h"
+#include "tests/scan/io/small_files.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/scenes/synthetic_views.h"
 #include "tests/support/temporary_folder.h"
@@ -244,6 +247,37 @@ TEST(FolderGuess, TakesTheCalibrationBesideDepthMaps) {
   const Ray ray = project.views[0].camera.ray(5, 4);
   EXPECT_TRUE(ray.direction.normalized().isApprox(Eigen::Vector3d::UnitZ()));
   EXPECT_THAT(project.notes, ::testing::Contains(HasSubstr("by the calibration beside them")));
+}
+
+// As in a folder with a layout.
+TEST(FolderGuess, TakesPosesBesideDepthMapsInTheirOrder) {
+  const TemporaryFolder folder;
+  for (const char* name : {"depth_2.png", "depth_10.png"}) folder.write(name, depth_png());
+  const double half = std::sqrt(0.5);
+  folder.write("robot_poses.npy",
+               testing::npy_array("(2, 7)", {1, 0, 0, half, 0, 0, half, 2, 0, 0, 0, 0, 0, 1}));
+  ReadProjectOptions options;
+  options.intrinsics = PinholeIntrinsics{20.0, 21.0, 5.0, 4.0};
+  const auto project = value_of(read_project(folder.path(), options));
+  ASSERT_EQ(project.views.size(), 2u);
+  EXPECT_THAT(project.notes, Contains(HasSubstr("robot_poses.npy")));
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(project.views[i].pose, PoseKind::kGuess);
+    EXPECT_EQ(project.views[i].world_from_view.translation().x(), static_cast<double>(i + 1));
+  }
+  const auto guess = value_of(guess_project(folder.path()));
+  EXPECT_EQ(guess.project.views[1].world_from_view.translation().x(), 2.0);
+}
+
+TEST(FolderGuess, TellsOfPosesBesideDepthMapsThatAreOfOthers) {
+  const TemporaryFolder folder;
+  for (const char* name : {"depth_2.png", "depth_10.png"}) folder.write(name, depth_png());
+  folder.write("trajectory.txt", "0 0 0 0 0 0 1\n1 0 0 0 0 0 1\n2 0 0 0 0 0 1\n");
+  ReadProjectOptions options;
+  options.intrinsics = PinholeIntrinsics{20.0, 21.0, 5.0, 4.0};
+  const auto project = value_of(read_project(folder.path(), options));
+  for (const RangeView& view : project.views) EXPECT_EQ(view.pose, PoseKind::kAbsent);
+  EXPECT_THAT(project.notes, Contains(HasSubstr("poses are not taken")));
 }
 
 TEST(FolderGuess, TellsOfIntrinsicsOfAnotherSize) {

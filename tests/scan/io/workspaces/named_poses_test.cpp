@@ -125,6 +125,20 @@ TEST(NpyPoses, AreMatricesOrRows) {
   EXPECT_THAT(parse_npy_poses("not NumPy", "p.npy"), HasError("not a NumPy file"));
 }
 
+TEST(NpyPoses, MayBeTranslationsAndQuaternions) {
+  const double half = std::sqrt(0.5);  // A quarter turn about x.
+  std::vector<double> rows = {5, 6, 7, half, 0, 0, half, 0, 0, 0,   0,
+                              0, 0, 0, 8,    6, 7, half, 0, 0, half};
+  EXPECT_THAT(summary(parse_npy_poses(npy_array("(3, 7)", rows), "p")),
+              ElementsAre("5", "lost", "8"));
+  EXPECT_THAT(summary(parse_npy_poses(npy_array("(7, 3)", rows), "p")), ElementsAre());
+  rows[17] = 3.0;
+  EXPECT_THAT(parse_npy_poses(npy_array("(3, 7)", rows), "p.npy"),
+              HasError("p.npy: row 2 is not a rigid motion"));
+  rows[3] = 3.0;  // As angles of the joints of an arm.
+  EXPECT_THAT(summary(parse_npy_poses(npy_array("(3, 7)", rows), "p")), ElementsAre());
+}
+
 class PosesByName : public ::testing::Test {
  protected:
   // Of views `depth/2.png` and `depth/10.png`, x of their poses; -1 without one.

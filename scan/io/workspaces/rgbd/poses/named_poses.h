@@ -39,8 +39,9 @@ Result<PoseList> parse_json_poses(std::string_view text, const std::filesystem::
 Result<PoseList> parse_pose_table(std::string_view text, const std::filesystem::path& path);
 
 /// The poses of a NumPy array of floats: one matrix of 4x4 or 3x4 numbers, or many, or rows of 16
-/// or 12 numbers, lost as those of a table. Empty for other arrays; kBadInput names the matrix that
-/// is no rigid motion, a header that is damaged, and a file that ends too soon.
+/// or 12 numbers, or of `tx ty tz qx qy qz qw`, lost as those of a table. Empty for other arrays,
+/// as of seven numbers without a unit quaternion in the first row; kBadInput names the matrix or
+/// row that is no rigid motion, a header that is damaged, and a file that ends too soon.
 Result<PoseList> parse_npy_poses(std::string_view content, const std::filesystem::path& path);
 
 }  // namespace relief
