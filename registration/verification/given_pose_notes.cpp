@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <iomanip>
 #include <iterator>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -134,6 +135,42 @@ std::string note_on_mirror(int axis) {
          ", and so is the model, or the given poses turn the wrong way round";
 }
 
+// How far apart two poses of a view put its sensor, or the middle of its samples, at most.
+double distance_between(const RigidMotion& a, const RigidMotion& b, const Eigen::Vector3d& centre) {
+  return std::max(place_distance(a, b), (a * centre - b * centre).norm());
+}
+
+// The world of the poses found from that of the given ones, by the view for which the others are
+// nearest to their given poses in the median, and that median. Of many views a few are tried: more
+// than half of them are at their own poses, or nothing is told.
+std::pair<RigidMotion, double> found_from_given(const std::vector<GivenAndFound>& views) {
+  constexpr std::size_t kTried = 50;
+  std::pair<RigidMotion, double> best(RigidMotion::Identity(),
+                                      std::numeric_limits<double>::infinity());
+  const std::size_t step = std::max<std::size_t>(1, views.size() / kTried);
+  for (std::size_t k = 0; k < views.size(); k += step) {
+    const RigidMotion world = views[k].found * views[k].given.inverse();
+    std::vector<double> off;
+    for (const GivenAndFound& view : views)
+      if (&view != &views[k])
+        off.push_back(distance_between(view.found, world * view.given, view.centre));
+    if (const double median = quantile(std::move(off), 0.5); median < best.second)
+      best = {world, median};
+  }
+  return best;
+}
+
+std::string note_on_exchanged(const std::vector<GivenAndFound>& views,
+                              const std::vector<std::pair<std::size_t, std::size_t>>& exchanged) {
+  const auto& [a, b] = exchanged.front();
+  std::string note = "views " + views[a].name + " and " + views[b].name;
+  if (exchanged.size() > 1)
+    note += ", and " + std::to_string(exchanged.size() - 1) + " more pairs,";
+  return note +
+         " seem to have changed places: each was found at the given pose of the other; check the "
+         "names of their files, or their poses";
+}
+
 // Whether all rays do.
 bool starts_at_origin(const Camera& camera) {
   return camera.ray(0, 0).origin.isZero() &&
@@ -158,7 +195,8 @@ std::vector<GivenAndFound> given_and_found(const std::vector<RangeView>& views,
     if (view.pose == PoseKind::kGuess && found.views[i].aligned && !surfaces[i].samples().empty())
       given.push_back({view.name, convention.world_from_view(view.world_from_view),
                        found.views[i].world_from_view, surfaces[i].centre(), refined[i],
-                       starts_at_origin(view.camera), focal_lengths(view.camera)});
+                       starts_at_origin(view.camera), focal_lengths(view.camera),
+                       surfaces[i].spacing()});
   }
   return given;
 }
@@ -197,9 +235,36 @@ std::optional<int> mirrored_axis(const std::vector<GivenAndFound>& views) {
   return std::nullopt;
 }
 
+std::vector<std::pair<std::size_t, std::size_t>> exchanged_views(
+    const std::vector<GivenAndFound>& views) {
+  if (views.size() < kFewestViews) return {};
+  const auto [world, typical] = found_from_given(views);
+  const auto distance = [&, &world = world](std::size_t found, std::size_t given) {
+    return distance_between(views[found].found, world * views[given].given, views[found].centre);
+  };
+  const auto is_near = [&, typical = typical](std::size_t i, double off) {
+    return off <= std::max(kTellingRatio * typical, views[i].spacing);
+  };
+  std::vector<std::size_t> elsewhere;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (!is_near(i, distance(i, i))) elsewhere.push_back(i);
+  if (2 * elsewhere.size() >= views.size()) return {};
+  const auto is_at = [&](std::size_t i, std::size_t j) {
+    const double off = distance(i, j);
+    return is_near(i, off) && kTellingRatio * off < distance(i, i);
+  };
+  std::vector<std::pair<std::size_t, std::size_t>> exchanged;
+  for (const std::size_t i : elsewhere)
+    for (const std::size_t j : elsewhere)
+      if (i < j && is_at(i, j) && is_at(j, i)) exchanged.emplace_back(i, j);
+  return exchanged;
+}
+
 std::vector<std::string> notes_on_given_poses(const std::vector<GivenAndFound>& views) {
   std::vector<std::string> notes;
   if (auto moves = note_on_moves(views)) notes.push_back(std::move(*moves));
+  if (const auto exchanged = exchanged_views(views); !exchanged.empty())
+    notes.push_back(note_on_exchanged(views, exchanged));
   const auto scale = common_scale(views);
   auto shift = note_on_shift(views);
   // Each makes a part of the other appear: what explains the poses better is told.

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -27,6 +29,7 @@ struct GivenAndFound {
   /// All its rays start at the origin of its frame, where the sensor stood.
   bool from_origin = false;
   std::optional<Eigen::Vector2d> focal_lengths = {};  ///< fx and fy of a pinhole [pixels].
+  double spacing = 0.0;                               ///< Of its samples [unit].
 };
 
 /// The views with samples that came with a guess and that `found` has. The guesses are taken in
@@ -46,8 +49,16 @@ std::optional<double> common_scale(const std::vector<GivenAndFound>& all);
 /// y in the frame of each view: four times nearer than without. Nothing for fewer than four views.
 std::optional<int> mirrored_axis(const std::vector<GivenAndFound>& views);
 
-/// For the user: how far refining moved the given poses, and what common_scale(),
-/// mirrored_axis() and common_shift() tell. Of scale and shift the one that fits better.
+/// Pairs of places in `views` that were exchanged: each view was found at the given pose of the
+/// other, as where files have each other's names. So near, and four times nearer than to its own:
+/// a sample spacing, or four times what views are typically off their given poses. Nothing unless
+/// more than half of the views are at their own.
+std::vector<std::pair<std::size_t, std::size_t>> exchanged_views(
+    const std::vector<GivenAndFound>& views);
+
+/// For the user: how far refining moved the given poses, and what exchanged_views(),
+/// common_scale(), mirrored_axis() and common_shift() tell. Of scale and shift the one that fits
+/// better.
 std::vector<std::string> notes_on_given_poses(const std::vector<GivenAndFound>& views);
 
 }  // namespace relief::registration

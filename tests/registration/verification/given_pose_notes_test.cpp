@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -18,6 +19,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -85,6 +87,28 @@ TEST(GivenPoseNotes, OneWrongPoseHidesNothing) {
   views = ring(0.2, 1.0, 0);
   views[4].given = Eigen::Translation3d(70, 0, 0) * views[4].given;
   EXPECT_EQ(mirrored_axis(views), 0);
+}
+
+TEST(GivenPoseNotes, TellViewsThatChangedPlaces) {
+  for (const double noise : {0.0, 0.2, 2.0}) {
+    auto views = ring(noise);
+    EXPECT_THAT(exchanged_views(views), IsEmpty());
+    std::swap(views[3].given, views[7].given);
+    EXPECT_THAT(exchanged_views(views), ElementsAre(std::pair(3, 7))) << noise;
+    EXPECT_THAT(notes_on_given_poses(views),
+                Contains(HasSubstr("views v3 and v7 seem to have changed places")));
+    std::swap(views[0].given, views[5].given);  // The first view may be one of them.
+    EXPECT_THAT(exchanged_views(views), ElementsAre(std::pair(0, 5), std::pair(3, 7))) << noise;
+  }
+  auto one_moved = ring(0.2);
+  one_moved[3].given = one_moved[7].given;
+  EXPECT_THAT(exchanged_views(one_moved), IsEmpty());
+}
+
+// The poses of opposite views are each other's in a mirror.
+TEST(GivenPoseNotes, TellNoChangeOfPlacesWhereMostViewsAreElsewhere) {
+  for (const int axis : {0, 1}) EXPECT_THAT(exchanged_views(ring(0.2, 1.0, axis)), IsEmpty());
+  EXPECT_THAT(exchanged_views(ring(30.0)), IsEmpty());
 }
 
 TEST(GivenPoseNotes, TellMirroredImages) {
