@@ -1,12 +1,31 @@
 #include "relief/registration/align_views.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "registration/align_surfaces.h"
 #include "registration/calibration/sensor_error_covariance.h"
+#include "registration/distinct_views.h"
 #include "registration/prepared_views.h"
 
 namespace relief::registration {
+
+namespace {
+
+Result<Alignment> align_distinct(const std::vector<RangeView>& views, const AlignOptions& options,
+                                 const Context& context) {
+  const auto prepared = prepare_to_align(views, options, context);
+  if (!prepared) return prepared.error();
+  const auto& [surfaces, units] = *prepared;
+  auto aligned = align_surfaces(views, surfaces, options, context.progress, units);
+  if (!aligned) return aligned;
+  if (!report_progress(context.progress, 0.0, "measuring errors of sensors"))
+    return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
+  include_sensor_errors(views, surfaces, options.refinement, *aligned);
+  return aligned;
+}
+
+}  // namespace
 
 bool Alignment::complete() const {
   return std::all_of(views.begin(), views.end(), [](const auto& view) { return view.aligned; });
@@ -21,15 +40,15 @@ std::vector<RigidMotion> Alignment::world_from_view() const {
 Result<Alignment> align_views(const std::vector<RangeView>& views, const AlignOptions& options,
                               const Context& context) {
   return run_in(context, [&]() -> Result<Alignment> {
-    const auto prepared = prepare_to_align(views, options, context);
-    if (!prepared) return prepared.error();
-    const auto& [surfaces, units] = *prepared;
-    auto aligned = align_surfaces(views, surfaces, options, context.progress, units);
+    const DistinctViews distinct(views);
+    auto aligned = align_distinct(distinct.views(), options, context);
     if (!aligned) return aligned;
-    if (!report_progress(context.progress, 0.0, "measuring errors of sensors"))
-      return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
-    include_sensor_errors(views, surfaces, options.refinement, *aligned);
-    return aligned;
+    if (const auto others = distinct.with_guesses_of_copies(*aligned)) {
+      auto again = align_distinct(*others, options, context);
+      if (!again) return again;
+      if (verified_views(*again) > verified_views(*aligned)) aligned = std::move(again);
+    }
+    return distinct.with_copies(*std::move(aligned));
   });
 }
 

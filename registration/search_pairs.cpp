@@ -1,5 +1,6 @@
 #include "relief/registration/search_pairs.h"
 
+#include "registration/distinct_views.h"
 #include "registration/prepared_views.h"
 #include "registration/verification/given_poses.h"
 #include "scan/base/parallel.h"
@@ -11,10 +12,11 @@ Result<std::size_t> search_pairs(const std::vector<RangeView>& views, const Alig
   if (block.index >= block.count)
     return Error{ErrorKind::kBadInput, "there is no such block of pairs"};
   return run_in(context, [&]() -> Result<std::size_t> {
-    const auto prepared = prepare_to_align(views, options, context);
+    const DistinctViews distinct(views);
+    const auto prepared = prepare_to_align(distinct.views(), options, context);
     if (!prepared) return prepared.error();
     const auto& [surfaces, units] = *prepared;
-    const auto given = refine_given_poses(surfaces, views, options.starting_poses,
+    const auto given = refine_given_poses(surfaces, distinct.views(), options.starting_poses,
                                           options.refinement, {}, context.progress, units);
     if (!given) return given.error();
     return search_first_pairs(surfaces, given->checked, options.starting_poses, block,

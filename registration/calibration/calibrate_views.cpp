@@ -19,12 +19,14 @@
 #include "registration/calibration/selection/held_out.h"
 #include "registration/calibration/selection/left_out_views.h"
 #include "registration/calibration/selection/term_selection.h"
+#include "registration/distinct_views.h"
 #include "registration/pairwise/robust.h"
 #include "registration/posegraph/pose_step.h"
 #include "registration/posegraph/refinement/pose_graph_refinement.h"
 #include "registration/posegraph/view_graph.h"
 #include "registration/prepared_views.h"
 #include "scan/base/parallel.h"
+#include "scan/views/view_copies.h"
 
 namespace relief::registration {
 
@@ -37,9 +39,9 @@ constexpr int kMostIterations = 6;
 // much as the poses of exact data err by.
 constexpr double kTolerance = 0.01;
 
-std::vector<double> spacings_of(const std::vector<RangeView>& views) {
+std::vector<double> spacings_of(const std::vector<const RangeView*>& views) {
   return parallel_map<double>(views.size(),
-                              [&](std::size_t i) { return sample_spacing(views[i]); });
+                              [&](std::size_t i) { return sample_spacing(*views[i]); });
 }
 
 AlignOptions with_index(AlignOptions align) {
@@ -58,7 +60,7 @@ class Calibrating {
         progress_(progress),
         pairs_(fitting_pairs(aligned)),
         held_(held_views(views, pairs_)),
-        sensors_(find_sensors(pointers_to(views), spacings_of(views))),
+        sensors_(find_sensors(pointers_to(views), spacings_of(pointers_to(views)))),
         poses_(aligned.world_from_view()),
         corrected_(views, sensors_, with_index(align)) {}
 
@@ -234,16 +236,29 @@ Result<SensorCalibration> calibrate_views(const std::vector<RangeView>& views,
     return Error{ErrorKind::kBadInput, "calibration: the alignment is not that of the views"};
   if (options.samples < 100)
     return Error{ErrorKind::kBadInput, "calibration options: samples must be >= 100"};
-  return run_in(
-      context, [&] { return Calibrating(views, aligned, align, options, context.progress).run(); });
+  return run_in(context, [&]() -> Result<SensorCalibration> {
+    const DistinctViews distinct(views);
+    const Alignment given = distinct.without_copies(aligned);
+    auto found = Calibrating(distinct.views(), given, align, options, context.progress).run();
+    if (!found) return found;
+    return distinct.with_copies(*std::move(found));
+  });
 }
 
 void apply_calibration(const SensorCalibration& calibration, std::vector<RangeView>& views) {
   if (!calibration.found()) return;
-  const Sensors sensors = find_sensors(pointers_to(views), spacings_of(views));
+  const auto originals = originals_of(views);
+  std::vector<const RangeView*> distinct;
+  std::vector<std::size_t> place(views.size());  // Of originals, in `distinct`.
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (originals[i] != i) continue;
+    place[i] = distinct.size();
+    distinct.push_back(&views[i]);
+  }
+  const Sensors sensors = find_sensors(distinct, spacings_of(distinct));
   views = parallel_map<RangeView>(views.size(), [&](std::size_t i) {
-    return sensors.models[sensors.of_view[i]].corrected(views[i],
-                                                        calibration.views[i].coefficients);
+    return sensors.models[sensors.of_view[place[originals[i]]]].corrected(
+        views[i], calibration.views[i].coefficients);
   });
   apply_alignment(calibration.alignment, views);
 }

@@ -1,35 +1,14 @@
 #include "scan/io/project/loading/copied_views.h"
 
-#include <algorithm>
 #include <cstddef>
-#include <map>
-#include <tuple>
-#include <utility>
+#include <string>
+#include <vector>
+
+#include "scan/views/view_copies.h"
 
 namespace relief {
 
 namespace {
-
-// Cameras are compared at two corners.
-bool have_equal_points(const RangeView& a, const RangeView& b) {
-  if (a.width() != b.width() || a.height() != b.height()) return false;
-  for (const auto& [u, v] : {std::pair{0, 0}, std::pair{a.width() - 1, a.height() - 1}}) {
-    const Ray of_a = a.camera.ray(u, v), of_b = b.camera.ray(u, v);
-    if (of_a.origin != of_b.origin || of_a.direction != of_b.direction) return false;
-  }
-  const auto same = [](double x, double y) { return x == y || (x != x && y != y); };
-  return std::equal(a.range.begin(), a.range.end(), b.range.begin(), same);
-}
-
-// Which of two views with the same samples to keep: one with a pose, else one with colours or
-// normals of its own.
-bool tells_more(const RangeView& a, const RangeView& b) {
-  const auto told = [](const RangeView& view) {
-    return std::tuple(view.pose != PoseKind::kAbsent,
-                      (view.colours.empty() ? 0 : 1) + (view.normals.empty() ? 0 : 1));
-  };
-  return told(a) > told(b);
-}
 
 // A view and the one that it is a copy of.
 struct Copy {
@@ -37,21 +16,10 @@ struct Copy {
 };
 
 std::vector<Copy> find_copies(const std::vector<RangeView>& views) {
+  const auto originals = originals_of(views);
   std::vector<Copy> copies;
-  std::multimap<std::size_t, std::size_t> by_samples;  // Originals.
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const auto [begin, end] = by_samples.equal_range(views[i].sample_count());
-    const auto equal = std::find_if(begin, end, [&](const auto& entry) {
-      return have_equal_points(views[entry.second], views[i]);
-    });
-    if (equal == end) {
-      by_samples.emplace(views[i].sample_count(), i);
-      continue;
-    }
-    std::size_t copy = i;
-    if (tells_more(views[i], views[equal->second])) std::swap(equal->second, copy);
-    copies.push_back({copy, equal->second});
-  }
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (originals[i] != i) copies.push_back({i, originals[i]});
   return copies;
 }
 
