@@ -6,6 +6,7 @@
 #include "registration/align_surfaces.h"
 #include "registration/calibration/sensor_error_covariance.h"
 #include "registration/distinct_views.h"
+#include "registration/pairwise/robust.h"
 #include "registration/prepared_views.h"
 
 namespace relief::registration {
@@ -29,6 +30,18 @@ Result<Alignment> align_distinct(const std::vector<RangeView>& views, const Alig
 
 bool Alignment::complete() const {
   return std::all_of(views.begin(), views.end(), [](const auto& view) { return view.aligned; });
+}
+
+bool Alignment::stands_still() const {
+  // Of the deviation. Squares of errors add up: this adds two percent.
+  constexpr double kSmallPart = 0.2;
+  std::vector<double> deviations;  // Of the centres of views that can move.
+  for (const ViewReport& view : views)
+    if (view.aligned && !view.pose_std.isZero(0.0))
+      deviations.push_back(view.pose_std.tail<3>().norm());
+  return termination == RefinementTermination::kConverged ||
+         (solved() && !deviations.empty() &&
+          last_motion <= kSmallPart * quantile(std::move(deviations), 0.5));
 }
 
 std::vector<RigidMotion> Alignment::world_from_view() const {

@@ -42,12 +42,17 @@ std::size_t main_group(const PoseVerification& verified, const std::vector<Range
 // a typical view, or as near, are of another unit, unless other views confirm them.
 constexpr double kOtherUnit = 9.0;
 
-// What the spacing of each view is in that of a typical one.
-std::vector<double> relative_spacings(const std::vector<ViewSurface>& surfaces) {
+// 0 where no view has samples.
+double typical_spacing(const std::vector<ViewSurface>& surfaces) {
   std::vector<double> spacings;
   for (const ViewSurface& surface : surfaces)
     if (!surface.samples().empty()) spacings.push_back(surface.spacing());
-  const double typical = spacings.empty() ? 0.0 : quantile(std::move(spacings), 0.5);
+  return spacings.empty() ? 0.0 : quantile(std::move(spacings), 0.5);
+}
+
+// What the spacing of each view is in that of a typical one.
+std::vector<double> relative_spacings(const std::vector<ViewSurface>& surfaces) {
+  const double typical = typical_spacing(surfaces);
   std::vector<double> relative;
   for (const ViewSurface& surface : surfaces)
     relative.push_back(typical > 0.0 && !surface.samples().empty() ? surface.spacing() / typical
@@ -87,6 +92,8 @@ class AlignmentReport {
     result.pairs = std::move(state_.refined.pairs);
     result.termination = state_.refined.termination;
     result.iterations = state_.refined.iterations;
+    result.last_motion = state_.refined.last_motion;
+    result.spacing = typical_spacing(surfaces_);
     result.rms = state_.refined.rms;
     result.solves = std::move(state_.refined.solves);
     result.loops = std::move(state_.refined.loops);

@@ -50,6 +50,7 @@ Result<Alignment> align_corrected(const CorrectedViews& views, const Alignment& 
   alignment.pairs = std::move(refined->pairs);
   alignment.termination = refined->termination;
   alignment.iterations += refined->iterations;
+  alignment.last_motion = refined->last_motion;
   alignment.rms = refined->rms;
   alignment.loops = std::move(refined->loops);
   alignment.solves.insert(alignment.solves.end(), refined->solves.begin(), refined->solves.end());

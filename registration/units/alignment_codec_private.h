@@ -45,9 +45,10 @@ void serialize(Archive& archive, SolverSummary& solve) {
 
 template <class Archive>
 void serialize(Archive& archive, Alignment& alignment) {
-  auto& [views, pairs, termination, iterations, rms, solves, loops, notes, sensor_error] =
-      alignment;
-  archive(views, pairs, termination, iterations, rms, solves, loops, notes, sensor_error);
+  auto& [views, pairs, termination, iterations, last_motion, spacing, rms, solves, loops, notes,
+         sensor_error] = alignment;
+  archive(views, pairs, termination, iterations, last_motion, spacing, rms, solves, loops, notes,
+          sensor_error);
 }
 
 template <class Archive>

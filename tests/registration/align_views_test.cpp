@@ -77,6 +77,30 @@ TEST(AlignViews, ClosesARingOfNoisyViews) {
     EXPECT_NEAR(view.world_from_view.linear().determinant(), 1.0, 1e-12);
 }
 
+TEST(AlignViews, ViewsStandStillWhereTheLastStepIsSmallBesideTheErrorsOfPoses) {
+  Alignment aligned;
+  aligned.termination = RefinementTermination::kIterationLimit;
+  aligned.views.resize(3);
+  for (ViewReport& view : aligned.views) view.aligned = true;
+  aligned.views[1].pose_std << 0, 0, 0, 0.03, 0.0, 0.04;  // The first view is held.
+  aligned.views[2].pose_std = aligned.views[1].pose_std;
+  aligned.last_motion = 0.009;
+  EXPECT_TRUE(aligned.stands_still());
+  aligned.last_motion = 0.011;
+  EXPECT_FALSE(aligned.stands_still());
+  aligned.termination = RefinementTermination::kConverged;
+  EXPECT_TRUE(aligned.stands_still());
+  aligned.termination = RefinementTermination::kSolverFailed;
+  EXPECT_FALSE(aligned.stands_still());
+}
+
+TEST(AlignViews, TellsTheLastMotionAndTheSpacing) {
+  const auto aligned = value_of(align_views(disturbed_ring()));
+  EXPECT_NEAR(aligned.spacing, spacing(), 0.1 * spacing());
+  EXPECT_GT(aligned.last_motion, 0.0);
+  EXPECT_LT(aligned.last_motion, 0.02 * spacing());
+}
+
 TEST(AlignViews, AssociatesNearestPointsWhenAskedTo) {
   AlignOptions options;
   options.refinement.association = options.starting_poses.association = Association::kNearest;

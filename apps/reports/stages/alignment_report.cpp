@@ -155,11 +155,24 @@ std::string verdict_on(const reconstruction::AlignmentGain& gain) {
   return "";
 }
 
+// How the refinement ended; empty where there is nothing to know, as the views stand still but for
+// less than their poses err by.
+std::string words_on_end(const registration::Alignment& alignment) {
+  if (alignment.termination != registration::RefinementTermination::kIterationLimit)
+    return fmt::format(", {}", to_string(alignment.termination));
+  if (alignment.stands_still() || alignment.spacing == 0.0) return "";
+  return fmt::format(", the last step still moved views by up to {:.2g} sample spacings",
+                     alignment.last_motion / alignment.spacing);
+}
+
 }  // namespace
 
 Json to_json(const registration::Alignment& alignment) {
   Json report = {{"termination", to_string(alignment.termination)},
                  {"iterations", alignment.iterations},
+                 {"last_motion", alignment.last_motion},
+                 {"spacing", alignment.spacing},
+                 {"stands_still", alignment.stands_still()},
                  {"rms", alignment.rms},
                  {"views", Json::array()},
                  {"pairs", Json::array()},
@@ -200,9 +213,9 @@ void log_alignment(const registration::Alignment& alignment, const std::string& 
         "infinite or huge confidences and coordinates");
   const auto aligned = std::count_if(alignment.views.begin(), alignment.views.end(),
                                      [](const auto& view) { return view.aligned; });
-  Console::info(fmt::format("aligned {} of {} views by {} pairs: {:.3g} {} RMS, {}, {:.1f} s",
+  Console::info(fmt::format("aligned {} of {} views by {} pairs: {:.3g} {} RMS{}, {:.1f} s",
                             aligned, alignment.views.size(), alignment.pairs.size(), alignment.rms,
-                            unit, to_string(alignment.termination), seconds));
+                            unit, words_on_end(alignment), seconds));
 }
 
 void warn_of_unverified(const registration::Alignment& alignment) {

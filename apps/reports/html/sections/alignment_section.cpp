@@ -183,11 +183,20 @@ std::string deviations(const ReportContent& content) {
 std::string introduction(const ReportContent& content) {
   const ReportFigures& report = content.report;
   const std::string section = report.alignment();
-  return fmt::format("<p>{} The alignment {} after {} iterations, with a residual of {} RMS.</p>\n",
-                     section == "/align" ? "" : "These are the poses found on the refined views.",
-                     escape_html(report.text(section + "/termination")),
-                     report.shown(section + "/iterations", Rounding::kCount),
-                     report.shown(section + "/rms", Rounding::kThreeDigits, content.unit));
+  const std::string termination = report.text(section + "/termination");
+  const bool moves = report.truth(section + "/stands_still") == false &&
+                     termination == "iteration limit" && report.number(section + "/last_motion");
+  return fmt::format(
+      "<p>{} The alignment {} after {} iterations, with a residual of {} RMS.{}</p>\n",
+      section == "/align" ? "" : "These are the poses found on the refined views.",
+      termination == "converged"         ? "converged"
+      : termination == "iteration limit" ? "ended"
+                                         : "ended (" + escape_html(termination) + ")",
+      report.shown(section + "/iterations", Rounding::kCount),
+      report.shown(section + "/rms", Rounding::kThreeDigits, content.unit),
+      moves ? " The last one still moved views by up to " +
+                  report.shown(section + "/last_motion", Rounding::kThreeDigits, content.unit) + "."
+            : "");
 }
 
 }  // namespace

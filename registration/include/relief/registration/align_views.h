@@ -79,6 +79,8 @@ struct Alignment {
   std::vector<PairFit> pairs;     ///< Of all overlapping pairs.
   RefinementTermination termination = RefinementTermination::kNoOverlap;
   int iterations = 0;                 ///< Renewals of the correspondences.
+  double last_motion = 0.0;           ///< Largest motion of a sample by the last step [unit].
+  double spacing = 0.0;               ///< Between samples of a typical view [unit].
   double rms = 0.0;                   ///< Of all point-to-plane distances [unit].
   std::vector<SolverSummary> solves;  ///< Of the refinement that gave the poses, in their order.
   std::vector<LoopClosure> loops;     ///< Of cycles of pairs, the least explained first.
@@ -89,6 +91,9 @@ struct Alignment {
 
   /// Whether all views are in one frame.
   bool complete() const;
+  /// Whether another step would move the views by no more than a fifth of what their poses err by
+  /// anyway, as `pose_std` has it: that adds two percent to their errors.
+  bool stands_still() const;
   /// Whether the poses were refined to the end.
   bool solved() const { return termination != RefinementTermination::kSolverFailed; }
   std::vector<RigidMotion> world_from_view() const;
