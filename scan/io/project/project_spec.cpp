@@ -12,6 +12,7 @@
 #include "scan/io/images/image_size.h"
 #include "scan/io/project/guess/folder_guess.h"
 #include "scan/io/project/no_project.h"
+#include "scan/io/project/options_of_input.h"
 #include "scan/io/project/poses/poses_of_scans.h"
 #include "scan/io/project/ptx_views.h"
 #include "scan/io/project/scan_file.h"
@@ -32,31 +33,6 @@ namespace fs = std::filesystem;
 
 // Formats that say nothing of their unit.
 constexpr const char* kUnknownUnit = "units";
-
-// `count` numbers and nothing else, from a small text file.
-Result<std::vector<double>> read_numbers(const fs::path& path, std::size_t count,
-                                         const std::string& expected) {
-  auto text = read_file(path);
-  if (!text) return text.error();
-  std::istringstream words(*text);
-  std::vector<double> numbers;
-  for (double number; words >> number;) numbers.push_back(number);
-  if (numbers.size() != count || !words.eof())
-    return bad_input(
-        path, "expected " + expected + "; read " + std::to_string(numbers.size()) + " numbers");
-  return numbers;
-}
-
-Result<CameraSpec> read_fc(const fs::path& path) {
-  const auto numbers = read_numbers(path, 4, "the four numbers fx fy cx cy");
-  if (!numbers) return numbers.error();
-  CameraSpec camera;
-  camera.model = CameraSpec::Model::kPinholeGl;
-  camera.intrinsics = {(*numbers)[0], (*numbers)[1], (*numbers)[2], (*numbers)[3]};
-  if (!(camera.intrinsics.fx > 0.0 && camera.intrinsics.fy > 0.0))
-    return bad_input(path, "the focal lengths fx and fy must be positive");
-  return camera;
-}
 
 std::string unused_name(const ProjectSpec& project, const std::string& stem,
                         const std::string& file_name) {
@@ -105,29 +81,12 @@ Result<ProjectSpec> spec_of_scans(const std::vector<fs::path>& files,
   return project;
 }
 
-bool has_intrinsics(const ViewSpec& view, const PinholeIntrinsics& intrinsics) {
-  return view.camera && view.camera->intrinsics.fx == intrinsics.fx &&
-         view.camera->intrinsics.fy == intrinsics.fy;
-}
-
-// Says so where no camera needs the intrinsics.
-Result<ProjectSpec> parse_own_project(const std::string& text, const fs::path& path,
-                                      const std::optional<PinholeIntrinsics>& of_drafts) {
-  auto project = parse_scan_json(text, path, of_drafts);
-  if (project && of_drafts && std::ranges::none_of(project->views, [&](const ViewSpec& view) {
-        return has_intrinsics(view, *of_drafts);
-      }))
-    project->notes.push_back("--intrinsics are not used: in " + path.string() +
-                             " no focal length is 0");
-  return project;
-}
-
 Result<ProjectSpec> parse_project(const std::string& text, const fs::path& path,
                                   const RgbdOptions& options) {
   const std::string ending = lower_ending(path);
   if (ending == ".json")
     return looks_like_nerf_transforms(text) ? parse_nerf_transforms(text, path, options)
-                                            : parse_own_project(text, path, options.intrinsics);
+                                            : parse_scan_json(text, path, options.intrinsics);
   auto project = ending == ".aln"   ? parse_meshlab_aln(text, path)
                  : ending == ".mlp" ? parse_meshlab_mlp(text, path)
                                     : parse_stanford_conf(text, path);
@@ -324,12 +283,9 @@ Result<ProjectSpec> read_project_spec(const fs::path& path, const ReadProjectOpt
   auto project =
       fs::is_directory(path, code) ? spec_of_folder(path, options) : spec_of_file(path, options);
   if (!project) return project;
+  if (auto applied = apply_options_of_input(options, path, *project); !applied)
+    return applied.error();
   complete_ptx_views(*project);
-  if (options.fc_file.empty()) return project;
-  const auto camera = read_fc(options.fc_file);
-  if (!camera) return camera.error();
-  for (auto& view : project->views)
-    if (view.grid && !view.camera) view.camera = *camera;
   return project;
 }
 

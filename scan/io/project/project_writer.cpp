@@ -122,13 +122,24 @@ void set_viewpoint_json(const ScanProject& project, const std::string& view, jso
     entry["grid"]["viewpoint"] = {0.0, 0.0, 0.0};
 }
 
+// What options of input tell of a view and its entry does not: it is read without them later.
+void set_options_json(const ViewSpec& view, const fs::path& folder, json& entry) {
+  const json told = view_json(view, folder);
+  if (told.contains("grid")) entry["grid"] = told["grid"];
+  const bool draft = entry.contains("camera") && (entry["camera"].value("fx", 1.0) == 0.0 ||
+                                                  entry["camera"].value("fy", 1.0) == 0.0);
+  if (told.contains("camera") && (draft || !entry.contains("camera")))
+    entry["camera"] = told["camera"];
+}
+
 // A scan.json whose file names are relative to `file` instead of `source`, with only the views of
 // `project` and their poses.
 Result<json> updated_document(const ScanProject& project, const fs::path& source,
-                              const fs::path& file) {
+                              const ReadProjectOptions& options, const fs::path& file) {
+  const auto spec = read_project_spec(source, options);
+  if (!spec) return spec.error();
   auto text = read_file(source);
   if (!text) return text.error();
-  if (auto valid = parse_scan_json(*text, source); !valid) return valid.error();
   json document = json::parse(*text, nullptr, true, /*ignore_comments=*/true);
   json views = json::array();
   for (json& entry : document["views"]) {
@@ -140,6 +151,9 @@ Result<json> updated_document(const ScanProject& project, const fs::path& source
       json& name = entry[key]["file"];
       name = path_from(folder_of(source) / name.get<std::string>(), folder_of(file)).string();
     }
+    if (const auto told = std::ranges::find(spec->views, view->name, &ViewSpec::name);
+        told != spec->views.end())
+      set_options_json(*told, folder_of(file), entry);
     set_viewpoint_json(project, view->name, entry);
     set_pose_json(entry, view->world_from_view, view->pose);
     views.push_back(std::move(entry));
@@ -212,7 +226,7 @@ Result<void> write_project(const ScanProject& project, const fs::path& folder,
 Result<void> write_project_poses(const ScanProject& project, const fs::path& source,
                                  const ReadProjectOptions& source_options, const fs::path& file) {
   if (const auto scan_json = scan_json_of(source)) {
-    const auto document = updated_document(project, *scan_json, file);
+    const auto document = updated_document(project, *scan_json, source_options, file);
     if (!document) return document.error();
     return write_file(file, document->dump(1) + "\n");
   }

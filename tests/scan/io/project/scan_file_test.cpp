@@ -117,6 +117,65 @@ TEST(ScanFile, PosesOfFilesCanBeIgnored) {
   EXPECT_EQ(project.views[0].pose, PoseKind::kAbsent);
 }
 
+// A cloud of its own without a viewpoint, one with a viewpoint, and a grid with a pose.
+void write_project_of_files(const TemporaryFolder& folder) {
+  std::string points;
+  for (int i = 0; i < 20; ++i)
+    for (int j = 0; j < 20; ++j)
+      points += std::to_string(0.1 * i) + " " + std::to_string(0.1 * j) + " 4\n";
+  folder.write("points.xyz", points);
+  ASSERT_THAT(write_ptx({ball_view("posed", 1.0)}, folder / "posed.ptx"), IsOk());
+  folder.write("scan.json",
+               R"({"format": "relief-scan", "version": 1, "views": [)"
+               R"({"name": "open", "grid": {"file": "points.xyz"}},)"
+               R"({"name": "told", "grid": {"file": "points.xyz", "viewpoint": [0, 0, 1]}},)"
+               R"({"name": "posed", "grid": {"file": "posed.ptx"}}]})");
+}
+
+TEST(ScanFile, OptionsApplyToFilesThatAProjectNames) {
+  const TemporaryFolder folder;
+  write_project_of_files(folder);
+  const Eigen::Vector3d viewpoint(0.0, 0.5, 0.0);
+  const ReadProjectOptions options{.viewpoint = viewpoint, .ignore_viewpoints = true};
+  const auto spec = value_of(read_project_spec(folder / "scan.json", options));
+  EXPECT_EQ(spec.views[0].grid_options.viewpoint, viewpoint);
+  EXPECT_EQ(spec.views[1].grid_options.viewpoint, Eigen::Vector3d(0.0, 0.0, 1.0));
+  EXPECT_THAT(spec.notes, ::testing::ElementsAre(
+                              ::testing::HasSubstr("--viewpoint is not used for 1 of 3 views")));
+  const auto project = value_of(read_project(folder / "scan.json", options));
+  EXPECT_TRUE(project.views[0].camera.ray(3, 3).origin.isApprox(viewpoint));
+  EXPECT_EQ(project.views[2].pose, PoseKind::kAbsent);
+}
+
+// Else the aligned views are read without the options, from another side.
+TEST(ScanFile, OptionsAreWrittenWithThePoses) {
+  const TemporaryFolder folder;
+  write_project_of_files(folder);
+  const ReadProjectOptions options{.viewpoint = Eigen::Vector3d::Zero(), .ignore_viewpoints = true};
+  const auto project = value_of(read_project(folder / "scan.json", options));
+  ASSERT_THAT(write_project_poses(project, folder / "scan.json", options, folder / "aligned.json"),
+              IsOk());
+  const auto aligned = value_of(read_project_spec(folder / "aligned.json", {}));
+  EXPECT_EQ(aligned.views[0].grid_options.viewpoint, Eigen::Vector3d::Zero().eval());
+  EXPECT_EQ(aligned.views[1].grid_options.viewpoint, Eigen::Vector3d(0.0, 0.0, 1.0));
+  EXPECT_TRUE(aligned.views[2].grid_options.ignore_pose);
+}
+
+TEST(ScanFile, OptionsThatNoViewNeedsAreNamed) {
+  const TemporaryFolder folder;
+  ASSERT_THAT(write_project({{ball_view("a", 1.0)}}, "mm", folder.path()), IsOk());
+  folder.write("fc.txt", "500 500 32 32");
+  const auto spec = value_of(
+      read_project_spec(folder.path(), {.fc_file = folder / "fc.txt",
+                                        .intrinsics = PinholeIntrinsics{500.0, 500.0, 32.0, 32.0},
+                                        .depth_scale = 1000.0,
+                                        .viewpoint = Eigen::Vector3d::Zero().eval(),
+                                        .ignore_viewpoints = true}));
+  for (const char* option : {"--fc is", "--intrinsics are", "--depth-scale is", "--viewpoint is"})
+    EXPECT_THAT(spec.notes,
+                ::testing::Contains(::testing::HasSubstr(std::string(option) + " not used")));
+}
+
 // The same ball in one frame, from two sides.
 TEST(ScanFile, FilesWithoutPosesCanShareAFrame) {
   const TemporaryFolder folder;

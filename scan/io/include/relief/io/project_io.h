@@ -19,12 +19,14 @@ struct ReadProjectOptions {
   /// Intrinsics of grid files without a camera: `fx fy cx cy`, the model `pinhole_gl`. Empty: the
   /// best-fitting model is found from the points and named in the notes.
   std::filesystem::path fc_file;
-  /// Of the depth maps of a folder without a scan.json, in place of its calibration file.
+  /// Of the depth maps of a folder without a scan.json, in place of its calibration file. Of a
+  /// scan.json where a focal length is 0. An option that no view needs is told in the notes.
   std::optional<PinholeIntrinsics> intrinsics;
   /// How many steps of such a depth map are a metre, as 1000; below 1 how many metres a step is, as
   /// 0.001.
   std::optional<double> depth_scale;
-  /// Where the sensor stood, in the frame of points without a grid [unit]. Unset: it is found.
+  /// Where the sensor stood, in the frame of points without a grid [unit]; for those of which a
+  /// scan.json does not tell it as well. Unset: it is found.
   std::optional<Eigen::Vector3d> viewpoint;
   /// Poses that files of scans tell are not taken: the VIEWPOINT of PCD, the matrix of PTX, the
   /// pose of E57. Some programs write a frame there, not a pose.
