@@ -46,6 +46,9 @@ constexpr double kHeightMap = 0.002;
 // points on the rings of a lidar: up to 0.07, and more than half where normals look away.
 constexpr double kHiddenFromSensor = 0.5;
 
+// Standard errors by which fractions of points must differ.
+constexpr double kStandardErrors = 2.5;
+
 // Evenly over the sphere, on a spiral of golden angles.
 std::vector<Eigen::Vector3d> sphere_directions() {
   std::vector<Eigen::Vector3d> directions;
@@ -143,6 +146,16 @@ bool lie_before_origin(const std::vector<Eigen::Vector3d>& points) {
   return box.exteriorDistance(Eigen::Vector3d::Zero().eval()) > 0.05 * box.diagonal().norm();
 }
 
+// Whether fewer points lie behind gaps on rays from the origin than on parallel ones.
+// Surfaces with holes, as thinned walls and trees, let points be seen behind them in wide cells.
+bool has_fewer_gaps(const CloudRays& from_origin, const JudgedDirection& best,
+                    const DirectionJudge& judge) {
+  const GapScore here = judge.score_gaps(from_origin);
+  const GapScore far_off = judge.score_gaps(parallel_rays(best.direction, judge.centre()));
+  return here.behind + kStandardErrors * here.standard_error <
+         kHiddenFromSensor * (far_off.behind - kStandardErrors * far_off.standard_error);
+}
+
 // The origin as the sensor where the points lie all around it, if they look as seen from there.
 std::optional<CloudDirection> from_among_points(const PointCloudFile& cloud,
                                                 const CloudRays& from_origin,
@@ -154,6 +167,13 @@ std::optional<CloudDirection> from_among_points(const PointCloudFile& cloud,
   if (from_far > kOneSide && hidden < kHiddenFromSensor * from_far)
     return CloudDirection{from_origin, hidden,
                           "the origin of the frame, all around which the points lie"};
+  if (best.score.hidden > kOneSide && has_fewer_gaps(from_origin, best, judge)) {
+    judge.set_cell(DirectionJudge::kCell);
+    const double hidden_in_small_cells = judge.score(from_origin).hidden;
+    if (hidden_in_small_cells < kHiddenFromSensor)
+      return CloudDirection{from_origin, hidden_in_small_cells,
+                            "the origin of the frame, from where few points lie far behind others"};
+  }
   if (best.score.hidden > kHeightMap && on_lidar_rings(cloud.points)) {
     judge.set_cell(DirectionJudge::kCell);
     const double hidden_in_small_cells = judge.score(from_origin).hidden;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "scan/io/clouds/cloud_direction.h"
 
@@ -20,6 +21,14 @@ std::int32_t cell(double value) {
   if (std::isnan(value)) return 0;
   return static_cast<std::int32_t>(std::floor(std::clamp(value, -1e9, 1e9)));
 }
+
+// A point in the cell of its ray.
+struct PlacedPoint {
+  std::int32_t u = 0, v = 0;
+  double depth = 0.0;
+};
+
+bool share_cell(const PlacedPoint& a, const PlacedPoint& b) { return a.u == b.u && a.v == b.v; }
 
 }  // namespace
 
@@ -58,6 +67,42 @@ DirectionScore DirectionJudge::score(const CloudRays& rays) {
   return {
       static_cast<double>(hidden) / static_cast<double>(std::max<std::size_t>(1, points_.size())),
       cells_.used()};
+}
+
+GapScore DirectionJudge::score_gaps(const CloudRays& rays) const {
+  std::vector<PlacedPoint> placed;
+  double distance = 0.0;
+  for (const auto& point : points_) {
+    const Eigen::Vector3d p = rays.project(point);
+    placed.push_back({0, 0, p.z()});
+    distance += p.z() / static_cast<double>(points_.size());
+  }
+  const double scale = std::max(rays.scale(distance), 1e-300), size = kCell * spacing_ / scale;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Eigen::Vector3d p = rays.project(points_[i]);
+    placed[i].u = cell(p.x() / size);
+    placed[i].v = cell(p.y() / size);
+  }
+  std::ranges::sort(placed, {}, [](const PlacedPoint& p) { return std::tuple(p.u, p.v, p.depth); });
+  // Far off, cells are wider, and samples of a surface are further apart.
+  const auto gap = [&](double depth) {
+    return kBehind * kCell * spacing_ * std::max(1.0, rays.scale(depth) / scale);
+  };
+  double shared = 0.0, behind = 0.0;
+  bool after_gap = false;
+  for (std::size_t i = 1; i < placed.size(); ++i) {
+    if (!share_cell(placed[i], placed[i - 1])) {
+      after_gap = false;
+      continue;
+    }
+    after_gap |= placed[i].depth - placed[i - 1].depth > gap(placed[i].depth);
+    ++shared;
+    behind += after_gap ? 1.0 : 0.0;
+  }
+  if (!(shared > 0.0)) return {};
+  // One more point of each kind: no fraction is known without an error.
+  const double likely = (behind + 1.0) / (shared + 2.0);
+  return {behind / shared, std::sqrt(likely * (1.0 - likely) / shared)};
 }
 
 bool DirectionJudge::averted(std::size_t i, const CloudRays& rays) const {

@@ -51,6 +51,13 @@ struct DirectionScore {
   std::size_t cells = 0;  ///< The area of the picture.
 };
 
+/// Of the points that share a cell with a nearer one, those that lie behind a gap in depth.
+struct GapScore {
+  double behind = 0.0;  ///< Fraction of them.
+  double standard_error =
+      1.0;  ///< Of the fraction, by the count of points; 1 where there are none.
+};
+
 /// Judges rays by an even choice of the points of a cloud.
 class DirectionJudge {
  public:
@@ -63,6 +70,11 @@ class DirectionJudge {
   DirectionScore score(const Eigen::Vector3d& direction) {
     return score(parallel_rays(direction, centre_));
   }
+
+  /// How many of the points that share a line of sight lie behind a gap, in cells of one spacing.
+  /// Surfaces at grazing angles are deep in a cell, but have no gaps; those behind others have.
+  /// Unlike hidden points, the fraction does not depend on how densely rays are sampled.
+  GapScore score_gaps(const CloudRays& rays) const;
 
   /// The side of a cell [spacings].
   void set_cell(double cell) { cell_ = cell; }

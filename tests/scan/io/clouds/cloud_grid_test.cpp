@@ -452,6 +452,41 @@ TEST(CloudGrid, TakesTheOriginOfALidarWithoutRows) {
   EXPECT_THAT(grid.notes, Contains(HasSubstr("all around which the points lie")));
 }
 
+// A yard with a hedge before its walls, thinned to one point in each cube of 10 cm. The hedge has
+// holes of 3 degrees: in wider cells, what lies behind them is seen beside the hedge.
+PointCloudFile yard_behind_a_hedge(const Eigen::Vector3d& sensor) {
+  std::mt19937 random(11);
+  const auto number = [&] { return static_cast<double>(random()) / 4294967296.0; };
+  std::set<std::array<int, 3>> taken;
+  PointCloudFile cloud;
+  for (int i = 0; i < 300000; ++i) {
+    const double sine = -0.7 + 1.3 * number(), azimuth = 2.0 * EIGEN_PI * number();
+    const double cosine = std::sqrt(1.0 - sine * sine);
+    const Eigen::Vector3d ray(std::cos(azimuth) * cosine, std::sin(azimuth) * cosine, sine);
+    double range = std::min({(ray.x() > 0.0 ? 14.0 : 11.0) / std::abs(ray.x()),
+                             (ray.y() > 0.0 ? 9.0 : 12.0) / std::abs(ray.y()),
+                             ray.z() < 0.0 ? -1.7 / ray.z() : 100.0});
+    const double hedge = (4.0 + 0.6 * number()) / ray.head<2>().norm();
+    const auto block = [](double angle) { return std::floor(angle / (3.0 * EIGEN_PI / 180.0)); };
+    const bool hole = std::sin(12.9 * block(azimuth) + 78.2 * block(std::asin(sine))) > 0.0;
+    if (!hole && hedge < range && hedge * ray.z() < 2.0) range = hedge;
+    const Eigen::Vector3d point = range * ray;
+    if (point.z() > 6.0) continue;
+    const Eigen::Vector3i cube = (point / 0.1).array().floor().cast<int>();
+    if (taken.insert({cube.x(), cube.y(), cube.z()}).second) cloud.points.push_back(point + sensor);
+  }
+  return cloud;
+}
+
+TEST(CloudGrid, TakesTheOriginWhereSurfacesHaveHoles) {
+  const auto grid = value_of(grid_from_cloud(yard_behind_a_hedge(Eigen::Vector3d::Zero())));
+  EXPECT_EQ(grid.assumed_viewpoint, AssumedViewpoint::kOrigin);
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("few points lie far behind others")));
+  // The sensor stood beside the origin, from which the hedge hides other things.
+  const auto other = value_of(grid_from_cloud(yard_behind_a_hedge({5.0, -4.0, 0.0})));
+  EXPECT_EQ(other.assumed_viewpoint, AssumedViewpoint::kFarOff);
+}
+
 // A street with trunks between walls, thinned to one point in each cube of 20 cm: from above hardly
 // anything is hidden. Elevations are those of a lidar of 32 lasers, or any.
 PointCloudFile thinned_street(bool rings) {
