@@ -9,6 +9,7 @@
 
 #include "registration/pairwise/robust.h"
 #include "registration/verification/given_pose_notes.h"
+#include "registration/verification/still_samples.h"
 #include "scan/base/name_list.h"
 
 namespace relief::registration {
@@ -41,6 +42,9 @@ std::size_t main_group(const PoseVerification& verified, const std::vector<Range
 // Units of scans differ by ten at least: mm, cm, m. Samples so many times as far apart as those of
 // a typical view, or as near, are of another unit, unless other views confirm them.
 constexpr double kOtherUnit = 9.0;
+
+// Standard deviations of the noise by which ranges of one place differ at most.
+constexpr double kAlike = 5.0;
 
 // 0 where no view has samples.
 double typical_spacing(const std::vector<ViewSurface>& surfaces) {
@@ -230,7 +234,7 @@ class AlignmentReport {
     if (!view.overlaps)
       return "it overlaps no other view at its pose; it is kept there, and nothing confirms it";
     if (view.violation > 0.0)
-      return "other views saw through where a part of it stands; check its pose";
+      return "other views saw through where a part of it stands; " + check_of_pose_seen_through(i);
     if (is_guess_along_a_motion(i))
       return "its pose was found by its shape, which fits as well when moved by " +
              state_.refined.kept_motions[i].front().description +
@@ -248,6 +252,25 @@ class AlignmentReport {
     if (!partners.empty())
       return "it is confirmed only by " + partners + ", which nothing confirms in turn";
     return "it deviates from the views that it overlaps by more than other pairs do";
+  }
+
+  // What stands still in the camera's frame is seen through wherever poses carry it. It explains a
+  // violation that is not larger.
+  std::string check_of_pose_seen_through(std::size_t i) const {
+    std::vector<const RangeView*> others;
+    std::vector<RigidMotion> world_from_others;
+    for (std::size_t j = 0; j < views_.size(); ++j) {
+      if (j == i || surfaces_[j].samples().empty()) continue;
+      others.push_back(&views_[j]);
+      world_from_others.push_back(state_.refined.world_from_view[j]);
+    }
+    const double tolerance = surfaces_[i].spacing() + kAlike * surfaces_[i].noise();
+    const double still = still_fraction(views_[i], state_.refined.world_from_view[i], others,
+                                        world_from_others, tolerance);
+    if (!(still > 0.0) || still < state_.verified.views[i].violation) return "check its pose";
+    return "so many of its samples are where other views have theirs in the camera's frame, "
+           "although the poses move them, that these explain it: leave out what stands still, as a "
+           "wall or a table (a mask per view), or check its pose";
   }
 
   // Where two views differ, either may be wrong.
