@@ -53,9 +53,8 @@ struct DirectionScore {
 
 /// Of the points that share a cell with a nearer one, those that lie behind a gap in depth.
 struct GapScore {
-  double behind = 0.0;  ///< Fraction of them.
-  double standard_error =
-      1.0;  ///< Of the fraction, by the count of points; 1 where there are none.
+  double behind = 0.0;          ///< Fraction of them.
+  double standard_error = 1.0;  ///< Of the fraction, by the count of points; 1: there are none.
 };
 
 /// Judges rays by an even choice of the points of a cloud.
