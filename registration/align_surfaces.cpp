@@ -29,7 +29,8 @@ class AligningGuesses {
     if (options_.starting_poses.given != GivenPoses::kCheck) return std::move(aligned);
     taken_ = once->convention;
     const bool moved_far = refinement_moved_far(views_, surfaces_, aligned, taken_);
-    if (options_.starting_poses.search && (moved_far || few_pairs_determine(views_, aligned))) {
+    if (options_.starting_poses.search &&
+        (moved_far || has_few_determined_pairs(views_, aligned))) {
       auto found = align_by_shape();
       if (!found) return found;
       if (fits_far_better(surfaces_, *found, aligned)) return instead_of(aligned, *found);

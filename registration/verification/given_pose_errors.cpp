@@ -83,7 +83,7 @@ bool refinement_moved_far(const std::vector<RangeView>& views,
          median_misfit(surfaces, alignment) > kLargeMisfit;
 }
 
-bool few_pairs_determine(const std::vector<RangeView>& views, const Alignment& alignment) {
+bool has_few_determined_pairs(const std::vector<RangeView>& views, const Alignment& alignment) {
   if (any_known(views)) return false;
   std::size_t determined = 0, failing = 0;
   for (const PairFit& pair : alignment.pairs) {

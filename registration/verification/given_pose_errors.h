@@ -20,7 +20,7 @@ bool refinement_moved_far(const std::vector<RangeView>& views,
 /// Whether more pairs of guesses leave motions free, or deviate by more than noise and sampling
 /// explain, than determine all motions. Refining may have come to rest beside where views belong,
 /// with walls on other walls; or the surface determines no more. False where a pose is known.
-bool few_pairs_determine(const std::vector<RangeView>& views, const Alignment& alignment);
+bool has_few_determined_pairs(const std::vector<RangeView>& views, const Alignment& alignment);
 
 /// Whether three views or more are verified, and pairs deviate by less than half of before, or
 /// twice as many of them determine all motions.

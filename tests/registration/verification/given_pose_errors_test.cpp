@@ -111,23 +111,23 @@ TEST_F(GivenPoseErrors, RefinementMovesFarWherePairsMoveAndDeviate) {
   EXPECT_FALSE(fits_far_better(surfaces(), bad, good));
 }
 
-TEST_F(GivenPoseErrors, FewPairsDetermineWhereMoreAreDegenerateOrMisfit) {
+TEST_F(GivenPoseErrors, HasFewDeterminedPairsWhereMoreAreDegenerateOrMisfit) {
   Alignment few = aligned(8), many = few;
   for (Alignment* alignment : {&few, &many}) add_pairs(1.0, *alignment);
-  EXPECT_FALSE(few_pairs_determine(ring(), many));
+  EXPECT_FALSE(has_few_determined_pairs(ring(), many));
   for (std::size_t i = 0; i < few.pairs.size(); ++i)
     few.pairs[i].status = i == 0       ? PairStatus::kThin
                           : i % 2 == 1 ? PairStatus::kDegenerate
                           : i % 4 == 0 ? PairStatus::kMisfit
                                        : PairStatus::kDetermined;
-  EXPECT_TRUE(few_pairs_determine(ring(), few));
+  EXPECT_TRUE(has_few_determined_pairs(ring(), few));
   EXPECT_TRUE(fits_far_better(surfaces(), many, few)) << "as small deviations, far more determined";
   EXPECT_FALSE(fits_far_better(surfaces(), few, many));
   for (PairFit& pair : many.pairs) pair.status = PairStatus::kThin;
-  EXPECT_FALSE(few_pairs_determine(ring(), many)) << "they share little, but it fits";
+  EXPECT_FALSE(has_few_determined_pairs(ring(), many)) << "they share little, but it fits";
   auto known = ring();
   known[0].pose = PoseKind::kKnown;
-  EXPECT_FALSE(few_pairs_determine(known, few)) << "a known pose";
+  EXPECT_FALSE(has_few_determined_pairs(known, few)) << "a known pose";
 }
 
 }  // namespace
