@@ -37,8 +37,8 @@ RangeView without(const RangeView& view, const Grid<std::uint8_t>& isolated) {
   return rest;
 }
 
-// Samples that stay as measured have the deviation of their measurement: none has an end where
-// there is no confidence.
+// Samples that stay as measured have the deviation of their measurement: an infinite one where
+// their confidence is zero.
 Grid<float> deviations(const RangeView& view, const ViewProblem& problem, double sigma_position,
                        const Eigen::VectorXf& refined) {
   Grid<float> deviation(view.width(), view.height(), static_cast<float>(kNoSample));

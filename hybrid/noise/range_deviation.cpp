@@ -109,7 +109,7 @@ Eigen::VectorXf smoothed(const ViewProblem& problem, const Eigen::VectorXf& from
                          const Eigen::VectorXf& from_bias, double crossover) {
   const int largest = std::max(problem.grid.width, problem.grid.height);
   crossover = std::clamp(crossover, 1.0, static_cast<double>(largest));
-  const SurfaceAverage surface(problem);
+  const SurfaceAverage surface(problem, crossover);
   const Eigen::ArrayXf factor = border_factor(surface, from_noise.size(), crossover);
   const Eigen::ArrayXf rise = factor.min(at_border(Eigen::ArrayXf::Constant(1, 0.25f))[0]);
   const Eigen::VectorXf level = (from_noise.array() + rise * from_bias.array()) / factor;

@@ -80,13 +80,32 @@ void sum_columns(const Connections& of, std::vector<Sum>& plane) {
                [&](std::size_t begin, std::size_t end) { sum_columns(of, begin, end, plane); });
 }
 
+// What reaches each cell along rows and then columns, and along columns and then rows: the other
+// way round goes past a hole that stops one of them.
+template <typename Sum>
+std::array<std::vector<Sum>, 2> sums_in_both_orders(const Connections& of,
+                                                    const std::vector<Sum>& plane) {
+  std::array<std::vector<Sum>, 2> sums{plane, plane};
+  sum_rows(of, sums[0]);
+  sum_columns(of, sums[0]);
+  sum_columns(of, sums[1]);
+  sum_rows(of, sums[1]);
+  return sums;
+}
+
+// The level for a window, where there are as many.
+std::size_t level_of(double window) {
+  return static_cast<std::size_t>(std::max(0.0, std::floor(std::log2(window / kCellsOfWindow))));
+}
+
 float decay_of(double window, std::size_t level) {
   return static_cast<float>(std::exp(-std::ldexp(1.0, static_cast<int>(level)) / window));
 }
 
 }  // namespace
 
-SurfaceAverage::SurfaceAverage(const ViewProblem& problem) : problem_(problem), levels_(1) {
+SurfaceAverage::SurfaceAverage(const ViewProblem& problem, double largest_window)
+    : problem_(problem), levels_(1) {
   Level& pixels = levels_.front();
   pixels.grid = problem.grid;
   pixels.samples.assign(problem.grid.size(), 0.0f);
@@ -96,7 +115,8 @@ SurfaceAverage::SurfaceAverage(const ViewProblem& problem) : problem_(problem), 
   for_each_bias_pair(problem, [&](std::size_t tail, std::size_t head) {
     (head - tail == 1 ? pixels.right : pixels.down)[tail] = 1;
   });
-  while (std::max(levels_.back().grid.width, levels_.back().grid.height) > kCellsOfWindow)
+  while (levels_.size() <= level_of(largest_window) &&
+         std::max(levels_.back().grid.width, levels_.back().grid.height) > kCellsOfWindow)
     levels_.push_back(coarsened(levels_.back()));
 }
 
@@ -159,11 +179,6 @@ void SurfaceAverage::join_smaller_parts(Level& fine) {
   }
 }
 
-std::size_t SurfaceAverage::level_of(double window) const {
-  const double level = std::floor(std::log2(window / kCellsOfWindow));
-  return std::min(levels_.size() - 1, static_cast<std::size_t>(std::max(0.0, level)));
-}
-
 SurfaceAverage::Place SurfaceAverage::place_of(std::size_t pixel, std::size_t coarsest) const {
   Place place{0, pixel};
   while (place.level < coarsest) {
@@ -175,7 +190,7 @@ SurfaceAverage::Place SurfaceAverage::place_of(std::size_t pixel, std::size_t co
 }
 
 Eigen::VectorXf SurfaceAverage::average(const Eigen::VectorXf& values, double window) const {
-  const std::size_t coarsest = level_of(window);
+  const std::size_t coarsest = std::min(levels_.size() - 1, level_of(window));
   std::vector<std::vector<WeightedSum>> sums(coarsest + 1);
   sums[0].resize(problem_.grid.size());
   for_each_sample(problem_, [&](Eigen::Index k, std::size_t i) { sums[0][i] = {values[k], 1.0f}; });
@@ -187,12 +202,8 @@ Eigen::VectorXf SurfaceAverage::average(const Eigen::VectorXf& values, double wi
   }
   for (std::size_t l = 0; l <= coarsest; ++l) {
     const Connections of{levels_[l].grid, levels_[l].right, levels_[l].down, decay_of(window, l)};
-    std::vector<WeightedSum> other = sums[l];
-    sum_rows(of, sums[l]);
-    sum_columns(of, sums[l]);
-    sum_columns(of, other);
-    sum_rows(of, other);
-    for (std::size_t i = 0; i < other.size(); ++i) sums[l][i] = sums[l][i] + other[i];
+    const auto both = sums_in_both_orders(of, sums[l]);
+    for (std::size_t i = 0; i < sums[l].size(); ++i) sums[l][i] = both[0][i] + both[1][i];
   }
   Eigen::VectorXf averages(values.size());
   for_each_sample(problem_, [&](Eigen::Index k, std::size_t i) {
@@ -204,21 +215,17 @@ Eigen::VectorXf SurfaceAverage::average(const Eigen::VectorXf& values, double wi
 }
 
 Eigen::VectorXf SurfaceAverage::share(double window) const {
-  const std::size_t coarsest = level_of(window);
+  const std::size_t coarsest = std::min(levels_.size() - 1, level_of(window));
   std::vector<std::vector<float>> shares(coarsest + 1);
   for (std::size_t l = 0; l <= coarsest; ++l) {
     const float decay = decay_of(window, l);
     const Connections of{levels_[l].grid, levels_[l].right, levels_[l].down, decay};
-    std::vector<float>& reached = shares[l] = levels_[l].samples;
-    std::vector<float> other = reached;
-    sum_rows(of, reached);
-    sum_columns(of, reached);
-    sum_columns(of, other);
-    sum_rows(of, other);
+    const auto both = sums_in_both_orders(of, levels_[l].samples);
     const float line = (1.0f + decay) / (1.0f - decay);
     const float all = line * line * std::ldexp(1.0f, 2 * static_cast<int>(l));
-    for (std::size_t i = 0; i < reached.size(); ++i)
-      reached[i] = std::max(reached[i], other[i]) / all;
+    shares[l].resize(both[0].size());
+    for (std::size_t i = 0; i < both[0].size(); ++i)
+      shares[l][i] = std::max(both[0][i], both[1][i]) / all;
   }
   Eigen::VectorXf result(static_cast<Eigen::Index>(problem_.size()));
   for_each_sample(problem_, [&](Eigen::Index k, std::size_t i) {

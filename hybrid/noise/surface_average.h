@@ -16,8 +16,8 @@ namespace relief::hybrid {
 /// does not depend on the window, the result not on the number of threads.
 class SurfaceAverage {
  public:
-  /// `problem` must outlive the object.
-  explicit SurfaceAverage(const ViewProblem& problem);
+  /// `problem` must outlive the object. Windows of up to `largest_window` samples are asked for.
+  SurfaceAverage(const ViewProblem& problem, double largest_window);
 
   /// Of one value per movable sample; `window` in samples, > 0.
   Eigen::VectorXf average(const Eigen::VectorXf& values, double window) const;
@@ -43,7 +43,6 @@ class SurfaceAverage {
   static Level coarsened(Level& fine);
   static void choose_largest_parts(Level& fine, const PaddedGrid& coarse);
   static void join_smaller_parts(Level& fine);
-  std::size_t level_of(double window) const;
   // The coarsest cell, `coarsest` at most, that stands for a pixel.
   Place place_of(std::size_t pixel, std::size_t coarsest) const;
 

@@ -410,7 +410,7 @@ TEST(SurfaceAverage, WeighsByTheDistanceAlongRowsAndColumnsAndCrossesNoCut) {
   RangeView view = plane_view(12);
   for (int v = 0; v < 12; ++v) view.range(7, v) = kNoSample;
   const ViewProblem problem = make_view_problem(view, connect_samples(view), Stencil::kCompactEdge);
-  const SurfaceAverage surface(problem);
+  const SurfaceAverage surface(problem, 2.0);
   const auto count = static_cast<Eigen::Index>(problem.size());
   Eigen::VectorXf values(count), expected(count), shares(count);
   for (Eigen::Index k = 0; k < count; ++k)
@@ -448,8 +448,8 @@ TEST(SurfaceAverage, GoesRoundWhatIsSmallAgainstTheWindow) {
   for (int v = 3; v < size; v += 7)
     for (int u = 2 + v % 5; u < size; u += 6) gaps.range(u, v) = kNoSample;
   const ViewProblem problem = problem_of(whole), with_gaps = problem_of(gaps);
-  const Eigen::VectorXf all = SurfaceAverage(problem).share(40.0);
-  const SurfaceAverage surface(with_gaps);
+  const Eigen::VectorXf all = SurfaceAverage(problem, 40.0).share(40.0);
+  const SurfaceAverage surface(with_gaps, 40.0);
   const Eigen::VectorXf share = surface.share(40.0);
   const std::vector<std::uint32_t> number = numbers_of(problem);
   for (Eigen::Index k = 0; k < share.size(); ++k) {
@@ -473,7 +473,7 @@ TEST(SurfaceAverage, LargeWindowsCrossNoCut) {
     const std::uint32_t pixel = problem.pixels[static_cast<std::size_t>(k)];
     values[k] = problem.grid.u(pixel) < 61 + problem.grid.v(pixel) % 3 ? 1.0f : 2.0f;
   }
-  const Eigen::VectorXf average = SurfaceAverage(problem).average(values, 60.0);
+  const Eigen::VectorXf average = SurfaceAverage(problem, 60.0).average(values, 60.0);
   EXPECT_LT((average - values).cwiseAbs().maxCoeff(), 1e-5);
 }
 
