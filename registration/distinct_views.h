@@ -21,6 +21,9 @@ class DistinctViews {
 
   const std::vector<RangeView>& views() const { return distinct_ ? *distinct_ : all_; }
 
+  /// Where in views() a view is, or the original that it is a copy of.
+  std::size_t place_of(std::size_t view) const { return place_[view]; }
+
   /// views() with the guesses of copies in place of those of originals that `aligned` does not
   /// verify. Nothing where no guesses differ.
   std::optional<std::vector<RangeView>> with_guesses_of_copies(const Alignment& aligned) const;

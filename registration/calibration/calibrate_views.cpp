@@ -26,7 +26,6 @@
 #include "registration/posegraph/view_graph.h"
 #include "registration/prepared_views.h"
 #include "scan/base/parallel.h"
-#include "scan/views/view_copies.h"
 
 namespace relief::registration {
 
@@ -39,9 +38,9 @@ constexpr int kMostIterations = 6;
 // much as the poses of exact data err by.
 constexpr double kTolerance = 0.01;
 
-std::vector<double> spacings_of(const std::vector<const RangeView*>& views) {
+std::vector<double> spacings_of(const std::vector<RangeView>& views) {
   return parallel_map<double>(views.size(),
-                              [&](std::size_t i) { return sample_spacing(*views[i]); });
+                              [&](std::size_t i) { return sample_spacing(views[i]); });
 }
 
 AlignOptions with_index(AlignOptions align) {
@@ -60,7 +59,7 @@ class Calibrating {
         progress_(progress),
         pairs_(fitting_pairs(aligned)),
         held_(held_views(views, pairs_)),
-        sensors_(find_sensors(pointers_to(views), spacings_of(pointers_to(views)))),
+        sensors_(find_sensors(pointers_to(views), spacings_of(views))),
         poses_(aligned.world_from_view()),
         corrected_(views, sensors_, with_index(align)) {}
 
@@ -247,17 +246,11 @@ Result<SensorCalibration> calibrate_views(const std::vector<RangeView>& views,
 
 void apply_calibration(const SensorCalibration& calibration, std::vector<RangeView>& views) {
   if (!calibration.found()) return;
-  const auto originals = originals_of(views);
-  std::vector<const RangeView*> distinct;
-  std::vector<std::size_t> place(views.size());  // Of originals, in `distinct`.
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (originals[i] != i) continue;
-    place[i] = distinct.size();
-    distinct.push_back(&views[i]);
-  }
-  const Sensors sensors = find_sensors(distinct, spacings_of(distinct));
+  const DistinctViews distinct(views);
+  const Sensors sensors =
+      find_sensors(pointers_to(distinct.views()), spacings_of(distinct.views()));
   views = parallel_map<RangeView>(views.size(), [&](std::size_t i) {
-    return sensors.models[sensors.of_view[place[originals[i]]]].corrected(
+    return sensors.models[sensors.of_view[distinct.place_of(i)]].corrected(
         views[i], calibration.views[i].coefficients);
   });
   apply_alignment(calibration.alignment, views);

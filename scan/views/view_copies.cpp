@@ -20,6 +20,18 @@ bool have_equal_points(const RangeView& a, const RangeView& b) {
   return std::equal(a.range.begin(), a.range.end(), b.range.begin(), same);
 }
 
+// Equal for views with equal ranges, and for hardly any others: how many samples there are, and
+// the sum of their ranges.
+std::pair<std::size_t, double> key_of(const RangeView& view) {
+  std::pair<std::size_t, double> key;
+  for (const double range : view.range)
+    if (range == range) {
+      ++key.first;
+      key.second += range;
+    }
+  return key;
+}
+
 bool tells_more(const RangeView& a, const RangeView& b) {
   const auto told = [](const RangeView& view) {
     return std::tuple(view.pose, (view.colours.empty() ? 0 : 1) + (view.normals.empty() ? 0 : 1));
@@ -32,17 +44,17 @@ bool tells_more(const RangeView& a, const RangeView& b) {
 std::vector<std::size_t> originals_of(const std::vector<RangeView>& views) {
   std::vector<std::size_t> first_of(views.size());  // Of the views with the same samples.
   std::vector<std::size_t> original_of_first(views.size());
-  std::multimap<std::size_t, std::size_t> firsts;  // By the number of samples.
+  std::multimap<std::pair<std::size_t, double>, std::size_t> firsts;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const std::size_t samples = views[i].sample_count();
-    const auto [begin, end] = firsts.equal_range(samples);
+    const auto key = key_of(views[i]);
+    const auto [begin, end] = firsts.equal_range(key);
     const auto equal = std::find_if(begin, end, [&](const auto& entry) {
-      return samples > 0 && have_equal_points(views[entry.second], views[i]);
+      return key.first > 0 && have_equal_points(views[entry.second], views[i]);
     });
     first_of[i] = equal == end ? i : equal->second;
     if (equal == end) {
       original_of_first[i] = i;
-      firsts.emplace(samples, i);
+      firsts.emplace(key, i);
     } else if (tells_more(views[i], views[original_of_first[first_of[i]]])) {
       original_of_first[first_of[i]] = i;
     }
