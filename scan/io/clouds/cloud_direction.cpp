@@ -167,21 +167,16 @@ std::optional<CloudDirection> from_among_points(const PointCloudFile& cloud,
   if (from_far > kOneSide && hidden < kHiddenFromSensor * from_far)
     return CloudDirection{from_origin, hidden,
                           "the origin of the frame, all around which the points lie"};
-  if (best.score.hidden > kOneSide && has_fewer_gaps(from_origin, best, judge)) {
-    judge.set_cell(DirectionJudge::kCell);
-    const double hidden_in_small_cells = judge.score(from_origin).hidden;
-    if (hidden_in_small_cells < kHiddenFromSensor)
-      return CloudDirection{from_origin, hidden_in_small_cells,
-                            "the origin of the frame, from where few points lie far behind others"};
-  }
-  if (best.score.hidden > kHeightMap && on_lidar_rings(cloud.points)) {
-    judge.set_cell(DirectionJudge::kCell);
-    const double hidden_in_small_cells = judge.score(from_origin).hidden;
-    if (hidden_in_small_cells < kHiddenFromSensor)
-      return CloudDirection{
-          from_origin, hidden_in_small_cells,
-          "the origin of the frame, around which the points lie on the rings of a lidar"};
-  }
+  const char* why = nullptr;
+  if (best.score.hidden > kOneSide && has_fewer_gaps(from_origin, best, judge))
+    why = "the origin of the frame, from where few points lie far behind others";
+  else if (best.score.hidden > kHeightMap && on_lidar_rings(cloud.points))
+    why = "the origin of the frame, around which the points lie on the rings of a lidar";
+  if (!why) return std::nullopt;
+  judge.set_cell(DirectionJudge::kCell);
+  const double hidden_in_small_cells = judge.score(from_origin).hidden;
+  if (hidden_in_small_cells < kHiddenFromSensor)
+    return CloudDirection{from_origin, hidden_in_small_cells, why};
   return std::nullopt;
 }
 
