@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "hybrid/mesh/mesh_preconditioner.h"
 #include "hybrid/refine_memory.h"
 #include "relief/hybrid/refine_view.h"
 #include "scan/base/memory/memory_limit.h"
@@ -12,9 +13,6 @@ namespace relief::reconstruction {
 namespace {
 
 constexpr int kMebibyteBits = 20;
-
-// Measured on the bear, the bunny and five views of a Kinect (docs/results.md).
-constexpr std::size_t kPolishedVertex = 40;  // What lies in no file [bytes per vertex].
 
 Result<void> compare(const std::string& work, std::size_t needed, const MemoryLimit& limit,
                      const std::string& remedy) {
@@ -46,7 +44,8 @@ Result<void> check_memory_to_refine(const std::vector<RangeView>& views,
 Result<void> check_memory_to_polish(std::size_t vertices) {
   const MemoryLimit* const limit = current_memory_limit();
   if (!limit) return {};
-  return compare("polishing", resident_beyond_files() + kPolishedVertex * vertices, *limit,
+  return compare("polishing",
+                 resident_beyond_files() + hybrid::MeshPreconditioner::memory(vertices), *limit,
                  "raise the limit, or merge without polishing (--no-polish)");
 }
 

@@ -11,12 +11,6 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;  // Of one piece of work; changes no result.
 
-// Makes numbers of items the places of the first ones: of the one after the last, too.
-void sum_up(PagedArray<std::size_t>& begin) {
-  std::size_t sum = 0;
-  serial_for(begin.size(), [&](std::size_t i) { begin[i] = sum += begin[i]; });
-}
-
 // The faces at each vertex, in rising order.
 struct FaceLists {
   PagedArray<std::size_t> begin;
@@ -39,6 +33,11 @@ FaceLists faces_at_vertices(const TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+void sum_up(PagedArray<std::size_t>& begin) {
+  std::size_t sum = 0;
+  serial_for(begin.size(), [&](std::size_t i) { begin[i] = sum += begin[i]; });
+}
 
 MeshGraph mesh_graph(const TriangleMesh& mesh) {
   const FaceLists lists = faces_at_vertices(mesh);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scan/base/median.h"
+#include "scan/base/memory/paged_median.h"
 #include "scan/base/parallel.h"
 #include "scan/base/robust_scales.h"
 
@@ -54,7 +54,7 @@ MeshSystem::MeshSystem(const TriangleMesh& mesh, const MeshGraph& graph, const M
   sample_area_ = normals.sample_spacing * normals.sample_spacing;
   if (!(sample_area_ > 0.0)) sample_area_ = surface_area(mesh) / static_cast<double>(count);
   // An error that is tiny by accident must not pin its vertex.
-  const double least = 0.2 * median(std::vector<float>(mesh.quality.begin(), mesh.quality.end()));
+  const double least = 0.2 * double{paged_median(mesh.quality)};
   const auto share_of = [&](std::size_t i) {
     return graph.vertex_area[i] > 0.0f ? double{graph.vertex_area[i]} / sample_area_ : 1.0;
   };

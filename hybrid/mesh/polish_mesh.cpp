@@ -6,6 +6,7 @@
 
 #include "hybrid/mesh/mesh_graph.h"
 #include "hybrid/mesh/mesh_guard.h"
+#include "hybrid/mesh/mesh_preconditioner.h"
 #include "hybrid/mesh/mesh_solver.h"
 #include "hybrid/mesh/mesh_system.h"
 #include "scan/base/memory/paged_fill.h"
