@@ -25,16 +25,16 @@ inline float paged_median(std::span<const float> values) {
   const auto select = [&](const auto& part_of) {
     std::vector<std::size_t> count(std::size_t{1} << 16);
     serial_for(values.size(), [&](std::size_t i) {
-      if (const int part = part_of(key(values[i])); part >= 0) ++count[static_cast<std::size_t>(part)];
+      if (const int part = part_of(key(values[i])); part >= 0)
+        ++count[static_cast<std::size_t>(part)];
     });
     std::uint32_t part = 0;
     for (; rank >= count[part]; ++part) rank -= count[part];
     return part;
   };
   const std::uint32_t upper = select([](std::uint32_t k) { return static_cast<int>(k >> 16); });
-  const std::uint32_t lower = select([&](std::uint32_t k) {
-    return k >> 16 == upper ? static_cast<int>(k & 0xffffu) : -1;
-  });
+  const std::uint32_t lower = select(
+      [&](std::uint32_t k) { return k >> 16 == upper ? static_cast<int>(k & 0xffffu) : -1; });
   const std::uint32_t found = upper << 16 | lower;
   return std::bit_cast<float>(found & kSign ? found & ~kSign : ~found);
 }
