@@ -77,6 +77,7 @@ class Agreement {
   double best_agreement(std::size_t i, const std::vector<RigidMotion>& poses, bool as_given) const {
     double best = 0.0;
     for (const std::size_t j : views_) {
+      check_stop_and_memory();  // All views are looked at.
       const RigidMotion j_from_i = poses[j].inverse() * poses[i];
       if (j != i && (as_given || !only_rolls(j_from_i, surfaces_[i].centre())))
         best = std::max(
