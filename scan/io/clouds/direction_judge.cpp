@@ -37,7 +37,8 @@ DirectionJudge::DirectionJudge(const PointCloudFile& cloud)
   const auto& normals = cloud.facing.empty() ? cloud.normals : cloud.facing;
   for (const std::size_t i : chosen_) {
     points_.push_back(cloud.points[i]);
-    if (!normals.empty()) normals_.push_back(normals[i].cast<double>().stableNormalized());
+    if (!normals.empty() && (!cloud.signs_are_free || !cloud.facing.empty()))
+      normals_.push_back(normals[i].cast<double>().stableNormalized());
   }
   spacing_ = nearest_spacing(points_);
   for (const auto& point : points_) centre_ += point / static_cast<double>(points_.size());

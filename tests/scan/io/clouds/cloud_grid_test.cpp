@@ -433,6 +433,27 @@ TEST(CloudGrid, TakesTheOriginOfAScannerInItsSurroundings) {
   EXPECT_THAT(grid.notes, Contains(HasSubstr("all around which the points lie")));
 }
 
+// As a fit of planes to the neighbours of each point leaves them.
+TEST(CloudGrid, TurnsNormalsToTheSensorWhereNeighboursHaveOppositeOnes) {
+  PointCloudFile cloud = room_around_origin(0.4);
+  std::mt19937 random(3);
+  for (const auto& point : cloud.points) {
+    const Eigen::Vector3d part = point.cwiseAbs().cwiseQuotient(Eigen::Vector3d(3.0, 2.0, 1.5));
+    Eigen::Index wall = 0;
+    part.maxCoeff(&wall);
+    const float sign = random() % 3 == 0 ? -1.0f : 1.0f;
+    cloud.normals.push_back(sign * Eigen::Vector3f::Unit(wall));
+  }
+  const auto grid = value_of(grid_from_cloud(cloud));
+  EXPECT_TRUE(grid.camera->spherical_projection());
+  EXPECT_THAT(grid.notes, Contains(HasSubstr("neighbours have opposite normals")));
+  for (int v = 0; v < grid.points.height(); ++v)
+    for (int u = 0; u < grid.points.width(); ++u)
+      if (const Eigen::Vector3d& point = grid.points(u, v); point.allFinite()) {
+        ASSERT_LE(grid.normals(u, v).cast<double>().dot(point), 0.0);
+      }
+}
+
 // A lidar without rows of rays: they are at random, half of them close together to either side.
 // Most points of the others lie alone, and few hide another one in cells of the typical spacing.
 TEST(CloudGrid, TakesTheOriginOfALidarWithoutRows) {

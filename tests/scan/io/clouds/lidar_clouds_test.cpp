@@ -87,17 +87,17 @@ TEST(LidarClouds, OfOneSetAreSeenFromTheSamePlace) {
 void write_text(const PointCloudFile& cloud, const std::filesystem::path& path, bool with_normals) {
   std::ofstream file(path);
   file.precision(9);
-  std::mt19937 generator(3);
   for (const Eigen::Vector3d& point : cloud.points) {
     file << point.transpose();
-    // As programs leave them that do not orient them.
+    // As programs leave them that turn them to a place which is not the sensor.
     if (with_normals)
-      file << ' ' << ((generator() & 1u) != 0 ? 1.0 : -1.0) * point.normalized().transpose();
+      file << ' ' << (point.x() > 0.0 ? 1.0 : -1.0) * point.normalized().transpose();
     file << '\n';
   }
 }
 
-// Normals of mixed sign hide from the points of one cloud that it was seen from the origin.
+// Normals that face away on one side hide from the points of one cloud that it was seen from the
+// origin.
 TEST(LidarClouds, WrittenPosesTellFromWhereTheyWereSeen) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "scans");
