@@ -131,6 +131,15 @@ TEST_F(MemoryLimitTest, PagesHandedBackAreNoLongerResident) {
       << "no process fits into one byte";
 }
 
+TEST_F(MemoryLimitTest, PagesThatOtherThreadsFetchMeanwhileDoNotEndTheWork) {
+  std::atomic<int> looks = 0;
+  MemoryLimit limit(100 * kMebibyte, folder_.path(),
+                    [&] { return ++looks < 8 ? 200 * kMebibyte : 50 * kMebibyte; });
+  limit.evict_pages();
+  EXPECT_THAT(limit.check(), IsOk());
+  EXPECT_GT(limit.releases(), 1u);
+}
+
 TEST_F(MemoryLimitTest, AFolderThatCannotHoldFilesIsAnErrorAndTheArrayStillWorks) {
   MemoryLimit limit(kMebibyte, folder_ / "absent");
   PagedArray<int> array(10000, &limit);
