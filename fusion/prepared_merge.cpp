@@ -135,6 +135,14 @@ Result<PreparedMerge> prepare_merge(const ViewSource& views, const MergeOptions&
   release_freed_memory();
   count_samples(samplers, inputs->samples, result);
   RangeErrors errors = inter_view_errors(samplers);
+  if (!options.keep_contradicted) {
+    for (ViewSampler& sampler : samplers) sampler.set_range_errors(errors);
+    if (const auto kept =
+            prepare_contradicted(views, options.voxel_size, surfaces, errors, *prepared, result);
+        !kept)
+      return kept.error();
+    if (!result.contradicted_views.empty()) errors = inter_view_errors(samplers);
+  }
   if (quality.deviation > 0.0) take_known_deviations(quality.deviation, errors);
   for (ViewSampler& sampler : samplers) sampler.set_range_errors(errors);
   choose_scales(samplers, options, quality.refined, errors, result);

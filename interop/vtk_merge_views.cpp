@@ -24,6 +24,7 @@ relief::fusion::MergeOptions options_of(vtkReliefMergeViews& filter) {
   options.keep_holes = filter.GetKeepHoles();
   options.largest_fill = filter.GetLargestFill();
   options.keep_components = filter.GetKeepComponents();
+  options.keep_contradicted = filter.GetKeepContradicted();
   return options;
 }
 
@@ -78,6 +79,7 @@ void vtkReliefMergeViews::PrintSelf(ostream& os, vtkIndent indent) {
   os << indent << "KeepHoles: " << this->KeepHoles << "\n";
   os << indent << "LargestFill: " << this->LargestFill << "\n";
   os << indent << "KeepComponents: " << this->KeepComponents << "\n";
+  os << indent << "KeepContradicted: " << this->KeepContradicted << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "Watertight: " << this->Watertight << "\n";
   os << indent << "FilledAreaFraction: " << this->FilledAreaFraction << "\n";

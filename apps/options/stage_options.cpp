@@ -207,6 +207,9 @@ void add_merge_options(CLI::App& command, MergeFlags& flags) {
   group->add_flag_callback(
       "--keep-components", [&options] { options.keep_components = true; },
       "Keep also the components that less than a twentieth of the samples lie on");
+  group->add_flag_callback(
+      "--keep-contradicted", [&options] { options.keep_contradicted = true; },
+      "Take all samples of views that others contradict; else only where no other view measured");
   group
       ->add_option_function<std::string>(
           "--holes", [&options](const std::string& holes) { options.keep_holes = holes == "keep"; },

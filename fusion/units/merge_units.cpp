@@ -18,9 +18,10 @@ UnitKey key_of_group(const std::string& inputs, std::size_t number) {
 
 // A structured binding names exactly the fields there are: whoever adds one comes by here.
 void hash_into(ContentHash& hash, const MergeOptions& options) {
-  const auto& [voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components] =
-      options;
-  hash.add(voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components);
+  const auto& [voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components,
+               keep_contradicted] = options;
+  hash.add(voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components,
+           keep_contradicted);
 }
 
 template <class Archive>

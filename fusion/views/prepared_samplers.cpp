@@ -1,10 +1,15 @@
 #include "fusion/views/prepared_samplers.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <utility>
 
+#include "fusion/views/contradicted_views.h"
+#include "fusion/views/unshared_samples.h"
+#include "scan/base/name_list.h"
 #include "scan/base/parallel.h"
 #include "scan/base/usable_pose.h"
 #include "scan/grid/binned_view.h"
@@ -70,7 +75,59 @@ Result<void> add_views(const ViewSource& views, std::size_t begin, std::size_t e
   return check(options.memory);
 }
 
+std::string note_on_contradicted(const std::vector<std::string>& names, std::size_t samples,
+                                 std::size_t left) {
+  const bool one = names.size() == 1;
+  std::ostringstream note;
+  note << (one ? "view " : "views ") << name_list(names) << (one ? " contradicts" : " contradict")
+       << " the others: more than a tenth of the samples are far from where two or more others "
+          "agree, and more than twice as many as usual; the pose is wrong, or the image is "
+          "mirrored or bent, or something moved; "
+       << (one ? "it counts" : "they count") << " only where no other view measured, with "
+       << std::lround(100.0 * static_cast<double>(left) / static_cast<double>(samples))
+       << " % of the samples; --keep-contradicted takes all";
+  return note.str();
+}
+
 }  // namespace
+
+Result<void> prepare_contradicted(const ViewSource& views, double voxel_size,
+                                  const PagedSurfaceOptions& options, const RangeErrors& errors,
+                                  PreparedSamplers& prepared, MergeSummary& result) {
+  const auto judged = judge_views(prepared.samplers, errors);
+  std::vector<const ViewSampler*> others;
+  std::vector<std::size_t> contradicted;
+  for (std::size_t k = 0; k < judged.size(); ++k) {
+    if (judged[k].contradicted && prepared.indices[k] != kNoSourceView)
+      contradicted.push_back(k);
+    else
+      others.push_back(&prepared.samplers[k]);
+  }
+  if (contradicted.empty()) return {};
+  std::size_t samples = 0, left = 0;
+  std::vector<std::pair<std::size_t, ViewSampler>> anew;
+  for (const std::size_t k : contradicted) {
+    const auto view = views.load(prepared.indices[k]);
+    if (!view) return view.error();
+    const auto unshared = unshared_samples(**view, prepared.samplers[k], others);
+    if (!unshared) return unshared.error();
+    auto sampler = ViewSampler::create(
+        *as_large_as_needed(std::make_shared<const RangeView>(*unshared), voxel_size), options);
+    if (!sampler) return sampler.error();
+    samples += (*view)->sample_count();
+    left += unshared->sample_count();
+    result.contradicted_views.push_back((*view)->name);
+    anew.emplace_back(k, std::move(*sampler));
+  }
+  for (auto& [k, sampler] : anew) prepared.samplers[k] = std::move(sampler);
+  for (std::size_t k = prepared.samplers.size(); k-- > 0;) {
+    if (!prepared.samplers[k].empty()) continue;
+    prepared.samplers.erase(prepared.samplers.begin() + static_cast<std::ptrdiff_t>(k));
+    prepared.indices.erase(prepared.indices.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+  result.notes.push_back(note_on_contradicted(result.contradicted_views, samples, left));
+  return check(options.memory);
+}
 
 Result<PreparedSamplers> prepare_samplers(const ViewSource& views, double voxel_size,
                                           const PagedSurfaceOptions& options,

@@ -26,4 +26,11 @@ Result<PreparedSamplers> prepare_samplers(const ViewSource& views, double voxel_
                                           const PagedSurfaceOptions& options,
                                           const Progress& progress);
 
+/// Prepares the views that others contradict anew, without the samples that speak of what these
+/// measured, and those without any others no more. `options` and `voxel_size` as before; `result`
+/// gets their names and a note. Errors: those of reading views, or of memory.
+Result<void> prepare_contradicted(const ViewSource& views, double voxel_size,
+                                  const PagedSurfaceOptions& options, const RangeErrors& errors,
+                                  PreparedSamplers& prepared, MergeSummary& result);
+
 }  // namespace relief::fusion

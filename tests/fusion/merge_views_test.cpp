@@ -251,6 +251,23 @@ TEST(MergeViews, TellsOfPartsThatItLeavesOut) {
   EXPECT_EQ(merged(two_balls(30.0, 6.0), options).check.components, 2u);
 }
 
+TEST(MergeViews, ViewsThatOthersContradictCountOnlyWhereNoOtherMeasured) {
+  const SignedDistance torus = torus_distance(35.0, 12.0);
+  std::vector<RangeView> views = views_around(traced(torus), 10, 80, 50.0);
+  const double exact = measured_rms(merged(views), torus);
+  views[3].world_from_view.pretranslate(
+      Eigen::Vector3d(5.0 * views[3].world_from_view.linear().col(2)));
+  const MergeResult result = merged(views);
+  EXPECT_THAT(result.contradicted_views, ElementsAre(views[3].name));
+  EXPECT_THAT(result.notes, ElementsAre(AllOf(StartsWith("view " + views[3].name + " contradicts"),
+                                              HasSubstr("--keep-contradicted"))));
+  EXPECT_LT(measured_rms(result, torus), 1.3 * exact);
+  const MergeResult kept = merged(views, {.keep_contradicted = true});
+  EXPECT_THAT(kept.contradicted_views, IsEmpty());
+  EXPECT_THAT(kept.notes, IsEmpty());
+  EXPECT_GT(measured_rms(kept, torus), 10.0 * exact);
+}
+
 // The large sheet is beyond all samples.
 TEST(MergeViews, SamplesAndNotTheAreaTellWhichPartIsTheObject) {
   const auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 30.0), 4, 60, 50.0);

@@ -87,6 +87,7 @@ TEST(OptionHash, ChangesWithEveryOptionOfMerging) {
       [](auto& o) { o.keep_holes = true; },
       [](auto& o) { o.largest_fill = 1.0; },
       [](auto& o) { o.keep_components = true; },
+      [](auto& o) { o.keep_contradicted = true; },
   });
 }
 

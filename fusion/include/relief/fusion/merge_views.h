@@ -31,10 +31,14 @@ struct MergeOptions {
   double largest_fill = 0.0;
   /// Keep also the components that hardly any samples lie on: less than a twentieth of all.
   bool keep_components = false;
+  /// Take all samples of views that others contradict. Else these count only where no other view
+  /// measured.
+  bool keep_contradicted = false;
 };
 
 /// Views given one at a time, so that they need not all be in memory. `load(i)` is called twice for
-/// each i below `count`; its errors end the merging.
+/// each i below `count`, and once more for views that others contradict; its errors end the
+/// merging.
 struct ViewSource {
   std::size_t count = 0;
   std::function<Result<std::shared_ptr<const RangeView>>(std::size_t i)> load;
@@ -57,6 +61,9 @@ struct MergeSummary {
   /// With more noise than the sample spacing and ten times the typical noise of their view, such as
   /// those of far walls: they tell only which space is empty.
   std::size_t noisy_samples = 0;
+  /// Names of the views that others contradict: more than a tenth of their samples, and twice as
+  /// many as of the typical view, are far from where two or more others agree. A note tells.
+  std::vector<std::string> contradicted_views;
   /// Blocks of 8 x 8 x 8 voxels where the field that closes the surface had not come to rest; 0: it
   /// had everywhere. A note tells.
   std::size_t moving_blocks = 0;

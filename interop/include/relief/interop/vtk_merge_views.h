@@ -35,6 +35,10 @@ class vtkReliefMergeViews : public vtkPolyDataAlgorithm {
   vtkSetMacro(KeepComponents, bool);
   vtkGetMacro(KeepComponents, bool);
   vtkBooleanMacro(KeepComponents, bool);
+  /// Take all samples of views that others contradict; off by default.
+  vtkSetMacro(KeepContradicted, bool);
+  vtkGetMacro(KeepContradicted, bool);
+  vtkBooleanMacro(KeepContradicted, bool);
   /// 0 (default): one per core. The result does not depend on it.
   vtkSetMacro(NumberOfThreads, int);
   vtkGetMacro(NumberOfThreads, int);
@@ -62,6 +66,7 @@ class vtkReliefMergeViews : public vtkPolyDataAlgorithm {
   double LargestFill = 0.0;
   bool KeepHoles = false;
   bool KeepComponents = false;
+  bool KeepContradicted = false;
   int NumberOfThreads = 0;
   bool Watertight = false;
   double FilledAreaFraction = 0.0;
