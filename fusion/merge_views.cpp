@@ -12,6 +12,7 @@
 #include "fusion/holes/filled_regions.h"
 #include "fusion/mesh/crease_edges.h"
 #include "fusion/mesh/measured_components.h"
+#include "fusion/mesh/small_handles.h"
 #include "fusion/prepared_merge.h"
 #include "fusion/surface/isosurface.h"
 #include "fusion/surface/vertex_attributes.h"
@@ -86,6 +87,33 @@ void note_large_voxels(double sample_spacing, MergeResult& result) {
   result.notes.push_back(note.str());
 }
 
+// A handle is an opening of two voxels at least, with twice as much of the object on either side of
+// it as a plate needs (docs/fusion.md, Limits). Smaller ones are what the lattice makes of less.
+constexpr double kSmallHandle = 8.0;  // [voxels]
+// Where two surfaces come near each other a single handle may arise. So many do not by chance, if
+// the patches with them are this part of the area.
+constexpr long kManyHandles = 10;
+constexpr double kMuchOfArea = 0.01;
+
+// Tells of a surface full of holes that the object hardly has. `result.mesh` is closed.
+void note_small_handles(MergeResult& result) {
+  if (result.check.genus < kManyHandles) return;
+  const SmallHandles small = find_small_handles(result.mesh, kSmallHandle * result.voxel_size);
+  result.small_handles = small.count;
+  if (static_cast<long>(small.count) < kManyHandles || small.area_fraction < kMuchOfArea) return;
+  const Eigen::Vector3d size = small.region.sizes(), centre = small.region.center();
+  std::ostringstream note;
+  note << std::setprecision(4) << "of the " << result.check.genus << " handles of the model, "
+       << small.count << " or more are within eight voxels, too small for those of an object; "
+       << small.in_region << " of these are in a box of " << size.x() << " x " << size.y() << " x "
+       << size.z() << " around (" << centre.x() << " " << centre.y() << " " << centre.z()
+       << "); views disagree there by more than the truncation of " << result.truncation
+       << ", or they see both sides of something thinner than two voxels of " << result.voxel_size
+       << ": look at the poses and edges of the views there, leave out stray samples or one of "
+          "the sides (masks), or try another --voxel";
+  result.notes.push_back(note.str());
+}
+
 bool opens_holes(const MergeOptions& options) {
   return options.keep_holes || options.largest_fill > 0.0;
 }
@@ -123,6 +151,7 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   align_edges_with_creases(result.mesh, {result.voxel_size, result.view_noise});
   result.check = check_mesh(result.mesh);
   if (!result.check.watertight()) return failed_check(result.check);
+  note_small_handles(result);
 
   if (!report_progress(context.progress, kSurface, "measure the surface")) return interrupted;
   const VertexAttributeOptions measure{.truncation = result.truncation,

@@ -268,6 +268,20 @@ TEST(MergeViews, ViewsThatOthersContradictCountOnlyWhereNoOtherMeasured) {
   EXPECT_GT(measured_rms(kept, torus), 10.0 * exact);
 }
 
+// A plate without thickness: what views see of its sides is noise apart.
+TEST(MergeViews, ManyHandlesThatAreTooSmallForAnObjectAreNoted) {
+  std::vector<RangeView> views =
+      views_around(traced(box_distance({30.0, 30.0, 0.1})), 12, 100, 45.0);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    testing::add_range_noise(views[i], 0.5, static_cast<std::uint32_t>(i));
+  const MergeResult result = merged(views);
+  EXPECT_GT(result.small_handles, 10u);
+  EXPECT_LE(result.small_handles, static_cast<std::size_t>(result.check.genus));
+  EXPECT_THAT(result.notes,
+              ::testing::Contains(AllOf(StartsWith("of the "), HasSubstr("within eight voxels"),
+                                        HasSubstr("thinner than two voxels"))));
+}
+
 // The large sheet is beyond all samples.
 TEST(MergeViews, SamplesAndNotTheAreaTellWhichPartIsTheObject) {
   const auto views = views_around(testing::sphere(Eigen::Vector3d::Zero(), 30.0), 4, 60, 50.0);

@@ -75,6 +75,7 @@ Json to_json(const reconstruction::Model& model) {
   report["filled_samples"] = merged.filled_samples;
   report["noisy_samples"] = merged.noisy_samples;
   report["contradicted_views"] = merged.contradicted_views;
+  report["small_handles"] = merged.small_handles;
   report["components_removed"] = merged.components_removed;
   report["faces_removed"] = merged.faces_removed;
   report["voxel_size"] = merged.voxel_size;

@@ -67,6 +67,9 @@ struct MergeSummary {
   /// Blocks of 8 x 8 x 8 voxels where the field that closes the surface had not come to rest; 0: it
   /// had everywhere. A note tells.
   std::size_t moving_blocks = 0;
+  /// Handles that lie within cubes of eight voxels, at least so many: hardly of the object. 0 where
+  /// the model has fewer than ten handles. Of many a note tells.
+  std::size_t small_handles = 0;
   std::size_t components_removed = 0;
   std::size_t faces_removed = 0;   ///< In the removed components.
   std::vector<std::string> notes;  ///< What the user should know, one line each.
