@@ -148,6 +148,20 @@ class Reconstructor {
     });
   }
 
+  // Along motions that nothing determines the second alignment starts where the first one did.
+  void keep_doubts(registration::Alignment& second) const {
+    auto view = second.views.begin();
+    for (const registration::ViewReport& first : result_.first_alignment.views) {
+      if (!first.aligned) continue;
+      if (first.status == registration::PoseStatus::kUnverified && !first.kept_motions.empty() &&
+          view->status == registration::PoseStatus::kVerified && !view->kept_motions.empty()) {
+        view->status = first.status;
+        view->reason = first.reason;
+      }
+      ++view;
+    }
+  }
+
   Result<void> align_again() {
     if (any_refined() && result_.views.size() > 1) {
       registration::AlignOptions options = options_.align;
@@ -157,6 +171,7 @@ class Reconstructor {
           align_or_find("align_again", result_.views, options, stages_.of(Stage::kAlignAgain),
                         stages_.missing_unit_error(Stage::kAlignAgain));
       if (!alignment) return alignment.error();
+      keep_doubts(*alignment);
       const AlignmentGain gain =
           compare_alignments(result_.first_alignment, *alignment, result_.views);
       if (gain.kept()) registration::apply_alignment(*alignment, result_.views);

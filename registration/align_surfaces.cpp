@@ -1,7 +1,9 @@
 #include "registration/align_surfaces.h"
 
 #include <algorithm>
+#include <iomanip>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,8 +40,9 @@ class AligningGuesses {
     }
     auto again = align_agreeing_with(aligned);
     if (!again) return again.error();
-    const bool more = *again && verified_views(**again) > verified_views(aligned);
-    return more ? std::move(**again) : std::move(aligned);
+    if (*again && verified_views(**again) > verified_views(aligned)) return std::move(**again);
+    doubt_kept_motions(aligned);
+    return std::move(aligned);
   }
 
  private:
@@ -75,6 +78,28 @@ class AligningGuesses {
       view.reason =
           "refining moved the views far from their given poses, to where they deviate by more than "
           "their noise, and their shape does not confirm it; check the given poses";
+    }
+  }
+
+  // Along a motion that a view keeps, its guess is off as guesses are where other views correct
+  // them. Up to a sample spacing that is as good as the views tell.
+  void doubt_kept_motions(Alignment& aligned) const {
+    const double move = median_move(given_and_found(views_, surfaces_, taken_, aligned,
+                                                    std::vector<bool>(views_.size(), true)));
+    if (!(move > aligned.spacing)) return;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      ViewReport& view = aligned.views[i];
+      if (view.status != PoseStatus::kVerified || view.kept_motions.empty() ||
+          views_[i].pose != PoseKind::kGuess)
+        continue;
+      std::ostringstream reason;
+      reason << std::setprecision(2)
+             << "nothing that it shares with other views tells how far its guess is off along one "
+                "motion ("
+             << view.kept_motions.front().description
+             << "), and where they tell, guesses were off by " << move << " (median)";
+      view.status = PoseStatus::kUnverified;
+      view.reason = reason.str();
     }
   }
 

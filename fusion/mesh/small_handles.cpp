@@ -99,19 +99,16 @@ class CubePatches {
             static_cast<std::int64_t>(at.z())};
   }
   Eigen::AlignedBox3d cube(const Cell& cell) const {
-    const Eigen::Vector3d low =
-        corner_ + side_ * Eigen::Vector3d(static_cast<double>(cell[0]),
-                                          static_cast<double>(cell[1]),
-                                          static_cast<double>(cell[2]));
+    const Eigen::Vector3d low = corner_ + side_ * Eigen::Vector3d(static_cast<double>(cell[0]),
+                                                                  static_cast<double>(cell[1]),
+                                                                  static_cast<double>(cell[2]));
     return {low, low + Eigen::Vector3d::Constant(side_)};
   }
   const std::unordered_map<std::uint32_t, CubePatch>& all() const { return patches_; }
 
  private:
   static std::uint32_t face_of(std::size_t h) { return static_cast<std::uint32_t>(h / 3); }
-  bool is_inner(std::size_t h) const {
-    return cell_of(h / 3) == cell_of(edges_.opposite(h) / 3);
-  }
+  bool is_inner(std::size_t h) const { return cell_of(h / 3) == cell_of(edges_.opposite(h) / 3); }
   CubePatch& patch_of(std::size_t face) {
     return patches_[sets_.find(static_cast<std::uint32_t>(face))];
   }

@@ -60,15 +60,24 @@ Differences differences(const std::vector<GivenAndFound>& views, std::optional<i
   return {quantile(std::move(angles), 0.5), quantile(std::move(shifts), 0.5)};
 }
 
-std::optional<std::string> note_on_moves(const std::vector<GivenAndFound>& views) {
+double move_of(const GivenAndFound& view) {
+  return (view.found * view.centre - view.given * view.centre).norm();
+}
+
+// Of the views that refining started from given poses.
+std::vector<double> moves_of(const std::vector<GivenAndFound>& views) {
   std::vector<double> moves;
+  for (const GivenAndFound& view : views)
+    if (view.refined) moves.push_back(move_of(view));
+  return moves;
+}
+
+std::optional<std::string> note_on_moves(const std::vector<GivenAndFound>& views) {
+  const std::vector<double> moves = moves_of(views);
   const GivenAndFound* farthest = nullptr;
   double largest = -1.0;
-  for (const GivenAndFound& view : views) {
-    if (!view.refined) continue;
-    moves.push_back((view.found * view.centre - view.given * view.centre).norm());
-    if (moves.back() >= largest) largest = moves.back(), farthest = &view;
-  }
+  for (const GivenAndFound& view : views)
+    if (view.refined && move_of(view) >= largest) largest = move_of(view), farthest = &view;
   if (moves.size() < 2 || largest == 0.0) return std::nullopt;
   std::ostringstream note;
   note << std::setprecision(2) << "refining moved the " << moves.size()
@@ -258,6 +267,11 @@ std::vector<std::pair<std::size_t, std::size_t>> exchanged_views(
     for (const std::size_t j : elsewhere)
       if (i < j && is_at(i, j) && is_at(j, i)) exchanged.emplace_back(i, j);
   return exchanged;
+}
+
+double median_move(const std::vector<GivenAndFound>& views) {
+  std::vector<double> moves = moves_of(views);
+  return moves.size() < 2 ? 0.0 : quantile(std::move(moves), 0.5);
 }
 
 std::vector<std::string> notes_on_given_poses(const std::vector<GivenAndFound>& views) {

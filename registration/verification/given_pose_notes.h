@@ -56,6 +56,10 @@ std::optional<int> mirrored_axis(const std::vector<GivenAndFound>& views);
 std::vector<std::pair<std::size_t, std::size_t>> exchanged_views(
     const std::vector<GivenAndFound>& views);
 
+/// How far the centres of the refined views are from where the given poses had them, the median; 0
+/// for fewer than two views [unit].
+double median_move(const std::vector<GivenAndFound>& views);
+
 /// For the user: how far refining moved the given poses, and what exchanged_views(),
 /// common_scale(), mirrored_axis() and common_shift() tell. Of scale and shift the one that fits
 /// better.

@@ -21,15 +21,14 @@ TriangleMesh contour_of(int side, const testing::SignedDistance& distance) {
 
 // A plate of 12 x 12 x 1.5 with 3 x 3 holes of radius 0.8, four apart, from (4, 4) on.
 double sieve(const Eigen::Vector3d& p) {
-  const double plate =
-      testing::box_distance({7.0, 7.0, 0.75})(p - Eigen::Vector3d(8.0, 8.0, 8.0));
+  const double plate = testing::box_distance({7.0, 7.0, 0.75})(p - Eigen::Vector3d(8.0, 8.0, 8.0));
   const auto nearest = [](double x) { return x - 4.0 * std::clamp(std::round(x / 4.0), 1.0, 3.0); };
   return std::max(plate, 0.8 - std::hypot(nearest(p.x()), nearest(p.y())));
 }
 
 TEST(SmallHandles, AreNoneOfABall) {
-  const TriangleMesh ball =
-      contour_of(4, [](const Eigen::Vector3d& p) { return (p.array() - 8.0).matrix().norm() - 5.0; });
+  const TriangleMesh ball = contour_of(
+      4, [](const Eigen::Vector3d& p) { return (p.array() - 8.0).matrix().norm() - 5.0; });
   for (const double side : {2.0, 4.0, 100.0}) EXPECT_EQ(find_small_handles(ball, side).count, 0u);
 }
 

@@ -117,6 +117,21 @@ testing::Surface cylinder_with_bumps() {
   };
 }
 
+// Along the motions that views keep guesses are as good as elsewhere.
+TEST(DegenerateViews, AreVerifiedWhereGuessesAreRight) {
+  auto views = views_of_cylinder(false);
+  const auto right = value_of(align_views(views));
+  for (const ViewReport& view : right.views) EXPECT_EQ(view.status, PoseStatus::kVerified);
+  EXPECT_FALSE(right.views[1].kept_motions.empty());
+  move_outward(views);
+  const auto off = value_of(align_views(views));
+  for (std::size_t i = 1; i < views.size(); ++i) {
+    EXPECT_TRUE(off.views[i].aligned);
+    EXPECT_EQ(off.views[i].status, PoseStatus::kUnverified);
+    EXPECT_THAT(off.views[i].reason, HasSubstr("guesses were off by 1.5 (median)"));
+  }
+}
+
 // The bumps hold the views of either end to each other, and nothing holds the ends along the
 // cylinder, where the four of the second end drift by 9 units together. No view alone does.
 TEST(DegenerateGroups, KeepTheirMeanAlongWhatOnlyNoiseHolds) {
