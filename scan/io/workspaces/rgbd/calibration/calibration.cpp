@@ -209,6 +209,13 @@ Result<FoundCalibration> combined(std::vector<FoundCalibration> found) {
   return std::move(first);
 }
 
+// Beside the folders of frames: Replica has one for all scenes, as others have.
+bool is_calibration_of_folders(const fs::path& path) {
+  return path.filename() == "cam_params.json" ||
+         (lower_ending(path) == ".txt" &&
+          path.stem().string().find("intrinsic") != std::string::npos);
+}
+
 }  // namespace
 
 std::optional<ImageSize> size_of_numbers(double width, double height) {
@@ -262,9 +269,8 @@ Result<std::optional<Calibration>> find_calibration(const fs::path& folder) {
   std::vector<FoundCalibration> all;
   auto files = files_in(folder);
   const std::size_t own = files.size();
-  // Replica has one for all scenes, beside them.
-  if (const fs::path beside = folder / ".." / "cam_params.json"; is_file(beside))
-    files.push_back(beside.lexically_normal());
+  for (const fs::path& file : files_in(folder / ".."))
+    if (is_calibration_of_folders(file)) files.push_back(file.lexically_normal());
   for (std::size_t k = 0; k < files.size(); ++k) {
     if (k >= own && !all.empty()) break;
     auto found = calibration_of_file(files[k]);

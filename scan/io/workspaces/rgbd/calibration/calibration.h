@@ -50,8 +50,9 @@ bool has_calibration_name(const std::filesystem::path& path);
 /// `intrinsic`, a camera .json of Open3D, or cam_params.json. Else .json, .yaml and .npy files that
 /// have intrinsics (camera_files.h). One whose name says `depth` goes before the others. In a
 /// folder `intrinsic` of its own, if there is one, as ScanNet exports have. Else the
-/// `cam_params.json` beside the folder. The scale of the depth may come from another file with the
-/// same intrinsics. Nothing where there is none; kBadInput where several differ.
+/// `cam_params.json`, or .txt files named like `intrinsic`, beside the folder. The scale of the
+/// depth may come from another file with the same intrinsics. Nothing where there is none;
+/// kBadInput where several differ.
 Result<std::optional<Calibration>> find_calibration(const std::filesystem::path& folder);
 
 }  // namespace relief
