@@ -56,29 +56,56 @@ class Judge {
 
   // The part of the samples that is outvoted; nothing where too few are judged.
   std::optional<double> outvoted(std::size_t view) const {
-    std::size_t all = 0, k = 0, judged = 0, against = 0;
-    views_[view].for_surface_points([&](const Eigen::Vector3d&) { ++all; });
-    const std::size_t step = std::max<std::size_t>(1, all / samples_);
-    views_[view].for_surface_points([&](const Eigen::Vector3d& position) {
-      if (k++ % step != 0) return;
-      const auto own = views_[view].observe(position, 0.0);
-      if (!own || own->border < kInside) return;
-      const Verdict verdict = verdict_on(view, position, *own);
+    const std::vector<Sample> samples = samples_of(views_[view]);
+    const std::vector<std::size_t> others = witnesses(view, samples);
+    std::size_t judged = 0, against = 0;
+    for (const Sample& sample : samples) {
+      check_stop_and_memory();  // All witnesses are looked at.
+      const Verdict verdict = verdict_on(view, sample, others);
       judged += verdict == Verdict::kNone ? 0 : 1;
       against += verdict == Verdict::kOutvoted ? 1 : 0;
-    });
+    }
     if (judged < kFewestJudged) return std::nullopt;
     return static_cast<double>(against) / static_cast<double>(judged);
   }
 
  private:
   enum class Verdict { kNone, kConfirmed, kOutvoted };
+  struct Sample {
+    Eigen::Vector3d position;  // World frame.
+    Observation own;
+  };
 
-  Verdict verdict_on(std::size_t view, const Eigen::Vector3d& position,
-                     const Observation& own) const {
+  std::vector<Sample> samples_of(const ViewSampler& view) const {
+    std::size_t all = 0, k = 0;
+    view.for_surface_points([&](const Eigen::Vector3d&) { ++all; });
+    const std::size_t step = std::max<std::size_t>(1, all / samples_);
+    std::vector<Sample> samples;
+    view.for_surface_points([&](const Eigen::Vector3d& position) {
+      if (k++ % step != 0) return;
+      const auto own = view.observe(position, 0.0);
+      if (own && own->border >= kInside) samples.push_back({position, *own});
+    });
+    return samples;
+  }
+
+  // The other views that may say something of the samples, without copies of the view.
+  std::vector<std::size_t> witnesses(std::size_t view, const std::vector<Sample>& samples) const {
+    Eigen::AlignedBox3d box;
+    for (const Sample& sample : samples) box.extend(sample.position);
+    std::vector<std::size_t> others;
+    for (std::size_t other = 0; other < views_.size(); ++other)
+      if (original_[other] != original_[view] &&
+          views_[other].concerns(box, reach_of_difference(views_[other])))
+        others.push_back(other);
+    return others;
+  }
+
+  Verdict verdict_on(std::size_t view, const Sample& sample,
+                     const std::vector<std::size_t>& others) const {
+    const auto& [position, own] = sample;
     std::map<std::size_t, double> distances;  // In units of what is far, by original.
-    for (std::size_t other = 0; other < views_.size(); ++other) {
-      if (original_[other] == original_[view]) continue;
+    for (const std::size_t other : others) {
       const auto found = difference_from(views_[other], position, own.normal, kInside);
       if (!found) continue;
       const double distance =

@@ -35,6 +35,7 @@ void mark_seen_through(const RangeView& view, const ViewProjection& projection,
                        Grid<std::uint8_t>& shared) {
   const RigidMotion view_from_world = view.world_from_view.inverse();
   for (const ViewSampler* other : others) {
+    check_stop_and_memory();
     other->for_surface_points([&](const Eigen::Vector3d& position) {
       const auto seen = sampler.observe(position, 0.0);
       if (!seen || !(seen->distance > other->spacing())) return;

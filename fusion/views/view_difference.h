@@ -23,4 +23,7 @@ std::optional<ViewDifference> difference_from(const ViewSampler& view,
                                               const Eigen::Vector3d& position,
                                               const Eigen::Vector3d& normal, double inside);
 
+/// So far behind the surface of the view it says nothing of a sample [unit].
+double reach_of_difference(const ViewSampler& view);
+
 }  // namespace relief::fusion
