@@ -412,12 +412,12 @@ TEST_F(RgbdFolder, ReadsReplica) {
 }
 
 TEST_F(RgbdFolder, ReadsIntrinsicsBesideTheFolderOfFrames) {
-  folder_.write("demo/camera-intrinsics.txt", "585 0 320\n0 586 240\n0 0 1\n");
+  folder_.write("demo/camera-intrinsics.txt", "585 586 320 240 4 3\n");
   folder_.write("demo/notes.txt", "585 0 320 240\n");
   folder_.write("demo/rgbd-frames/frame-000008.depth.png", png_head(5));
   folder_.write("demo/rgbd-frames/frame-000008.color.png", png_head(5));
   folder_.write("demo/rgbd-frames/frame-000008.pose.txt", "1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n");
-  const auto spec = value_of(read_rgbd_folder(folder_ / "demo" / "rgbd-frames"));
+  const auto spec = value_of(read_rgbd_folder(folder_ / "demo" / "rgbd-frames", {{}, 1000.0}));
   ASSERT_EQ(spec.views.size(), 1u);
   EXPECT_EQ(spec.views[0].camera->intrinsics.fy, 586.0);
   EXPECT_THAT(spec.notes, Contains(HasSubstr("camera-intrinsics.txt")));
