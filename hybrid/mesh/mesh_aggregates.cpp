@@ -9,7 +9,7 @@ namespace relief::hybrid {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr std::size_t kRowsAtOnce = 256;  // of one piece of work; changes no result
+constexpr std::size_t kRowsAtOnce = 16;  // of one piece of work; changes no result
 
 PagedArray<std::uint32_t> aggregate_of_vertices(const Adjacency& graph) {
   PagedArray<std::uint32_t> aggregate(graph.vertices());

@@ -16,8 +16,8 @@ namespace relief::hybrid {
 
 namespace {
 
-constexpr std::size_t kSweep = 4096;             // vertices that one Gauss-Seidel sweep couples
-constexpr std::size_t kAggregatesAtOnce = 4096;  // of one piece of work; changes no result
+constexpr std::size_t kSweep = 4096;            // vertices that one Gauss-Seidel sweep couples
+constexpr std::size_t kAggregatesAtOnce = 128;  // of one piece of work; changes no result
 // A system of aggregates is solved to this part of its right-hand side, which takes 8 steps. With
 // 1e-6 it takes 32, and that of the vertices as many steps as with this.
 constexpr double kCoarseTolerance = 1e-2;
