@@ -47,6 +47,7 @@ set(RELIEF_UNSANITIZED_TESTS
   Closing.ASphereSeenFromOneSide*
   CloudGrid.RealScansAsText*
   DegenerateGroups.KeepTheirMean*
+  DegenerateViews.AreVerified*
   DepthCamera.AViewWithoutAPose*
   DepthCamera.GuessesThatAreAllTheSame*
   DepthCamera.ViewsFromOnePlace*
