@@ -1,5 +1,6 @@
 #include "fusion/mesh/small_handles.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "fusion/holes/plates/cotangent_laplacian.h"
 #include "scan/base/disjoint_sets.h"
 #include "scan/base/memory/paged_array.h"
 #include "scan/base/parallel.h"
@@ -17,41 +19,40 @@ namespace {
 
 using Cell = std::array<std::int64_t, 3>;
 
+PagedArray<std::uint8_t> all_vertices(const TriangleMesh& mesh) {
+  PagedArray<std::uint8_t> all(mesh.vertices.size());
+  std::fill(all.begin(), all.end(), std::uint8_t{1});
+  return all;
+}
+
 // Half-edge k of face f runs from its corner k to the next one, and has the number 3 f + k.
 class HalfEdges {
  public:
   explicit HalfEdges(const TriangleMesh& mesh)
-      : mesh_(mesh), first_(mesh.vertices.size() + 1), outgoing_(3 * mesh.faces.size()) {
-    serial_for(size(), [&](std::size_t h) { ++first_[from(h) + 1]; });
-    serial_for(mesh.vertices.size(), [&](std::size_t v) { first_[v + 1] += first_[v]; });
-    PagedArray<std::uint32_t> filled(mesh.vertices.size());
-    serial_for(size(), [&](std::size_t h) {
-      const std::uint32_t v = from(h);
-      outgoing_[first_[v] + filled[v]++] = static_cast<std::uint32_t>(h);
-    });
-  }
+      : mesh_(mesh), around_(mesh, all_vertices(mesh).span()) {}
 
-  std::size_t size() const { return outgoing_.size(); }
+  std::size_t size() const { return 3 * mesh_.faces.size(); }
   std::uint32_t from(std::size_t h) const { return mesh_.faces[h / 3][h % 3]; }
   static std::size_t next(std::size_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
   std::size_t opposite(std::size_t h) const {
-    const std::uint32_t end = from(next(h));
-    std::size_t k = first_[end];
-    while (k + 1 < first_[end + 1] && from(next(outgoing_[k])) != from(h)) ++k;
-    return outgoing_[k];
+    std::size_t found = h;
+    visit_from(from(next(h)), [&](std::size_t other) {
+      if (from(next(other)) == from(h)) found = other;
+    });
+    return found;
   }
-  /// Whether `holds` is true of all half-edges from a vertex; false without any.
-  template <typename Predicate>
-  bool all_from(std::size_t v, const Predicate& holds) const {
-    for (std::size_t k = first_[v]; k < first_[v + 1]; ++k)
-      if (!holds(outgoing_[k])) return false;
-    return first_[v] < first_[v + 1];
+  // Calls `visit` for all half-edges from a vertex.
+  template <typename Visit>
+  void visit_from(std::uint32_t vertex, const Visit& visit) const {
+    around_.visit(vertex, [&](std::uint32_t face) {
+      const auto& corners = mesh_.faces[face];
+      visit(3 * std::size_t{face} + (corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2));
+    });
   }
-  std::size_t any_from(std::size_t v) const { return outgoing_[first_[v]]; }
 
  private:
   const TriangleMesh& mesh_;
-  PagedArray<std::uint32_t> first_, outgoing_;
+  FacesAround around_;
 };
 
 // Faces of one cube that are joined by edges.
@@ -85,8 +86,13 @@ class CubePatches {
       ++patch.faces;
     });
     serial_for(mesh.vertices.size(), [&](std::size_t v) {
-      if (edges_.all_from(v, [&](std::size_t h) { return is_inner(h); }))
-        ++patch_of(edges_.any_from(v) / 3).inner_vertices;
+      std::size_t edges = 0, inner = 0, face = 0;
+      edges_.visit_from(static_cast<std::uint32_t>(v), [&](std::size_t h) {
+        ++edges;
+        inner += is_inner(h) ? 1 : 0;
+        face = h / 3;
+      });
+      if (edges > 0 && inner == edges) ++patch_of(face).inner_vertices;
     });
     follow_borders();
   }
