@@ -21,9 +21,6 @@ constexpr std::size_t kAllSamples = 20'000, kLeastOfView = 300, kMostOfView = 10
 // Judged samples of a view, at least: one of ten is certain to 0.03 then.
 constexpr std::size_t kFewestJudged = 100;
 
-// Next to a silhouette samples are mixed with what is behind them [pixels].
-constexpr double kInside = 2.0;
-
 // Views that outvote a sample, at least: of two that differ either may be wrong.
 constexpr std::size_t kFewestAgainst = 2;
 
@@ -56,10 +53,10 @@ class Judge {
 
   // The part of the samples that is outvoted; nothing where too few are judged.
   std::optional<double> outvoted(std::size_t view) const {
-    const std::vector<Sample> samples = samples_of(views_[view]);
+    const std::vector<SurfaceSample> samples = some_samples(views_[view], samples_);
     const std::vector<std::size_t> others = witnesses(view, samples);
     std::size_t judged = 0, against = 0;
-    for (const Sample& sample : samples) {
+    for (const SurfaceSample& sample : samples) {
       check_stop_and_memory();  // All witnesses are looked at.
       const Verdict verdict = verdict_on(view, sample, others);
       judged += verdict == Verdict::kNone ? 0 : 1;
@@ -71,28 +68,12 @@ class Judge {
 
  private:
   enum class Verdict { kNone, kConfirmed, kOutvoted };
-  struct Sample {
-    Eigen::Vector3d position;  // World frame.
-    Observation own;
-  };
-
-  std::vector<Sample> samples_of(const ViewSampler& view) const {
-    std::size_t all = 0, k = 0;
-    view.for_surface_points([&](const Eigen::Vector3d&) { ++all; });
-    const std::size_t step = std::max<std::size_t>(1, all / samples_);
-    std::vector<Sample> samples;
-    view.for_surface_points([&](const Eigen::Vector3d& position) {
-      if (k++ % step != 0) return;
-      const auto own = view.observe(position, 0.0);
-      if (own && own->border >= kInside) samples.push_back({position, *own});
-    });
-    return samples;
-  }
 
   // The other views that may say something of the samples, without copies of the view.
-  std::vector<std::size_t> witnesses(std::size_t view, const std::vector<Sample>& samples) const {
+  std::vector<std::size_t> witnesses(std::size_t view,
+                                     const std::vector<SurfaceSample>& samples) const {
     Eigen::AlignedBox3d box;
-    for (const Sample& sample : samples) box.extend(sample.position);
+    for (const SurfaceSample& sample : samples) box.extend(sample.position);
     std::vector<std::size_t> others;
     for (std::size_t other = 0; other < views_.size(); ++other)
       if (original_[other] != original_[view] &&
@@ -101,7 +82,7 @@ class Judge {
     return others;
   }
 
-  Verdict verdict_on(std::size_t view, const Sample& sample,
+  Verdict verdict_on(std::size_t view, const SurfaceSample& sample,
                      const std::vector<std::size_t>& others) const {
     const auto& [position, own] = sample;
     std::map<std::size_t, double> distances;  // In units of what is far, by original.

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "fusion/views/view_difference.h"
 #include "scan/base/median.h"
 #include "scan/base/parallel.h"
 
@@ -19,17 +20,6 @@ constexpr std::size_t kSamples = 20'000;
 
 // Differences that make the median mean anything. Fewer come from a rim where views touch.
 constexpr std::size_t kFewest = 100;
-
-// Two views see the same surface when their normals differ by less than 60 degrees; the sides of a
-// plate and the faces of an edge differ by more.
-constexpr double kSameSurface = 0.5;  // Cosine.
-
-// Farther apart than this are two surfaces, not two measurements of one [sample spacings]. More
-// lets steps of the object in; less cuts the differences of views that are badly aligned.
-constexpr double kFarthest = 8.0;
-
-// Next to a silhouette samples are mixed with what is behind them [pixels].
-constexpr double kInside = 2.0;
 
 // Views whose differences tell how the exponent scatters. The error of one view is the same for all
 // of its differences, so that of an exponent from three is itself off by a half.
@@ -58,17 +48,9 @@ struct Difference {
 };
 
 std::vector<SurfacePoint> points_of(const ViewSampler& view, std::size_t index, std::size_t count) {
-  std::size_t all = 0;
-  view.for_surface_points([&](const Eigen::Vector3d&) { ++all; });
-  const std::size_t step = std::max<std::size_t>(1, all / std::max<std::size_t>(1, count));
   std::vector<SurfacePoint> points;
-  std::size_t k = 0;
-  view.for_surface_points([&](const Eigen::Vector3d& position) {
-    if (k++ % step != 0) return;
-    const auto own = view.observe(position, 0.0);
-    if (own && own->border >= kInside)
-      points.push_back({position, own->normal, view.range_of(position), index});
-  });
+  for (const auto& [position, own] : some_samples(view, count))
+    points.push_back({position, own.normal, view.range_of(position), index});
   return points;
 }
 
@@ -83,7 +65,7 @@ std::vector<Difference> differences(const ViewSampler& view, std::size_t index,
     if (!quad || view.side(*quad, 2.0 * farthest) != ViewSampler::Side::kNear) continue;
     const auto seen = view.observe(*quad, farthest);
     if (seen && !seen->noisy && seen->border >= kInside &&
-        seen->normal.dot(point.normal) > kSameSurface && std::abs(seen->distance) < farthest)
+        seen->normal.dot(point.normal) > kSameSurfaceCosine && std::abs(seen->distance) < farthest)
       found.push_back({.range = std::sqrt(point.range * view.range_of(point.position)),
                        .distance = std::abs(seen->distance)});
   }

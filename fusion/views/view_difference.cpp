@@ -1,19 +1,28 @@
 #include "fusion/views/view_difference.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace relief::fusion {
 
 namespace {
 
-// As for inter_view_errors(): farther apart are two surfaces [sample spacings], and normals that
-// differ by more than 60 degrees are those of two.
-constexpr double kOtherSurface = 8.0;
-constexpr double kAlikeNormals = 0.5;  // Cosine.
-
-double farthest_of(const ViewSampler& view) { return kOtherSurface * view.spacing(); }
+double farthest_of(const ViewSampler& view) { return kFarthest * view.spacing(); }
 
 }  // namespace
+
+std::vector<SurfaceSample> some_samples(const ViewSampler& view, std::size_t count) {
+  std::size_t all = 0, k = 0;
+  view.for_surface_points([&](const Eigen::Vector3d&) { ++all; });
+  const std::size_t step = std::max<std::size_t>(1, all / std::max<std::size_t>(1, count));
+  std::vector<SurfaceSample> samples;
+  view.for_surface_points([&](const Eigen::Vector3d& position) {
+    if (k++ % step != 0) return;
+    const auto own = view.observe(position, 0.0);
+    if (own && own->border >= kInside) samples.push_back({position, *own});
+  });
+  return samples;
+}
 
 double reach_of_difference(const ViewSampler& view) { return 2.0 * farthest_of(view); }
 
@@ -28,7 +37,8 @@ std::optional<ViewDifference> difference_from(const ViewSampler& view,
   if (!seen || seen->noisy || seen->border < inside) return std::nullopt;
   if (seen->distance > farthest)
     return ViewDifference{std::numeric_limits<double>::infinity(), seen->relative_stddev};
-  if (seen->distance < -farthest || seen->normal.dot(normal) < kAlikeNormals) return std::nullopt;
+  if (seen->distance < -farthest || seen->normal.dot(normal) < kSameSurfaceCosine)
+    return std::nullopt;
   return ViewDifference{seen->distance, seen->relative_stddev};
 }
 

@@ -1,12 +1,34 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "fusion/views/view_sampler.h"
 
 namespace relief::fusion {
+
+/// Two views see the same surface when their normals differ by less than 60 degrees (a cosine); the
+/// sides of a plate and the faces of an edge differ by more.
+inline constexpr double kSameSurfaceCosine = 0.5;
+
+/// Farther apart than this are two surfaces, not two measurements of one [sample spacings]. More
+/// lets steps of the object in; less cuts the differences of views that are badly aligned.
+inline constexpr double kFarthest = 8.0;
+
+/// Next to a silhouette samples are mixed with what is behind them [pixels].
+inline constexpr double kInside = 2.0;
+
+/// A sample of a view, and its own surface there.
+struct SurfaceSample {
+  Eigen::Vector3d position;  ///< World frame.
+  Observation own;
+};
+
+/// About `count` samples evenly spread over the view, without those near silhouettes.
+std::vector<SurfaceSample> some_samples(const ViewSampler& view, std::size_t count);
 
 /// What a view says of a sample that another one measured.
 struct ViewDifference {
