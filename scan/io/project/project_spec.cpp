@@ -215,7 +215,8 @@ Result<ProjectSpec> spec_of_project_in(const fs::path& folder, const FolderConte
 Result<ProjectSpec> spec_of_images(const fs::path& folder, ReadProjectOptions options) {
   if (options.intrinsics)
     return read_as("depth maps, by the intrinsics given", folder, read_depth_maps(folder, options));
-  const auto calibration = find_calibration(folder);
+  auto calibration = find_calibration(folder);
+  if (calibration && !*calibration) calibration = find_calibration_beside(folder);
   if (!calibration) return calibration.error();
   if (!*calibration || !(*calibration)->intrinsics) return no_project_in(folder);
   options.intrinsics = (*calibration)->intrinsics;

@@ -59,6 +59,7 @@ Result<RgbdSetting> find_setting(const fs::path& folder, const RgbdFrames& found
   Calibration calibration;
   if (!options.intrinsics || !options.depth_scale) {
     auto file = find_calibration(folder);
+    if (file && !*file && !recording) file = find_calibration_beside(folder);
     if (!file && !options.intrinsics) return file.error();
     if (!file) {
       notes.push_back(file.error().message + " (not used: --intrinsics are given)");

@@ -216,6 +216,22 @@ bool is_calibration_of_folders(const fs::path& path) {
           path.stem().string().find("intrinsic") != std::string::npos);
 }
 
+// Nothing where none of the files is one.
+Result<std::optional<Calibration>> calibration_among(const std::vector<fs::path>& files) {
+  std::vector<FoundCalibration> all;
+  for (const fs::path& path : files) {
+    auto found = calibration_of_file(path);
+    if (!found) return found.error();
+    if (*found) all.push_back(std::move(**found));
+  }
+  if (all.empty()) return std::optional<Calibration>();
+  auto found = combined(std::move(all));
+  if (!found) return found.error();
+  auto& [file, calibration, is_other, is_not_depth] = *found;
+  calibration.notes.insert(calibration.notes.begin(), "intrinsics from " + file.string());
+  return std::optional(std::move(calibration));
+}
+
 }  // namespace
 
 std::optional<ImageSize> size_of_numbers(double width, double height) {
@@ -266,23 +282,14 @@ Result<std::optional<Calibration>> find_calibration(const fs::path& folder) {
   for (const char* of_its_own : {"intrinsic", "intrinsics"})
     if (fs::is_directory(folder / of_its_own))
       if (auto found = find_calibration(folder / of_its_own); !found || *found) return found;
-  std::vector<FoundCalibration> all;
-  auto files = files_in(folder);
-  const std::size_t own = files.size();
+  return calibration_among(files_in(folder));
+}
+
+Result<std::optional<Calibration>> find_calibration_beside(const fs::path& folder) {
+  std::vector<fs::path> files;
   for (const fs::path& file : files_in(folder / ".."))
     if (is_calibration_of_folders(file)) files.push_back(file.lexically_normal());
-  for (std::size_t k = 0; k < files.size(); ++k) {
-    if (k >= own && !all.empty()) break;
-    auto found = calibration_of_file(files[k]);
-    if (!found) return found.error();
-    if (*found) all.push_back(std::move(**found));
-  }
-  if (all.empty()) return std::optional<Calibration>();
-  auto found = combined(std::move(all));
-  if (!found) return found.error();
-  auto& [file, calibration, is_other, is_not_depth] = *found;
-  calibration.notes.insert(calibration.notes.begin(), "intrinsics from " + file.string());
-  return std::optional(std::move(calibration));
+  return calibration_among(files);
 }
 
 }  // namespace relief

@@ -49,10 +49,13 @@ bool has_calibration_name(const std::filesystem::path& path);
 /// The calibration of a folder: of its .txt files those named like `calibration`, `camera` or
 /// `intrinsic`, a camera .json of Open3D, or cam_params.json. Else .json, .yaml and .npy files that
 /// have intrinsics (camera_files.h). One whose name says `depth` goes before the others. In a
-/// folder `intrinsic` of its own, if there is one, as ScanNet exports have. Else the
-/// `cam_params.json`, or .txt files named like `intrinsic`, beside the folder. The scale of the
-/// depth may come from another file with the same intrinsics. Nothing where there is none;
-/// kBadInput where several differ.
+/// folder `intrinsic` of its own, if there is one, as ScanNet exports have. The
+/// scale of the depth may come from another file with the same intrinsics. Nothing where there is
+/// none; kBadInput where several differ.
 Result<std::optional<Calibration>> find_calibration(const std::filesystem::path& folder);
+
+/// The same of the `cam_params.json`, or .txt files named like `intrinsic`, beside the folder: one
+/// for all folders of frames there.
+Result<std::optional<Calibration>> find_calibration_beside(const std::filesystem::path& folder);
 
 }  // namespace relief
