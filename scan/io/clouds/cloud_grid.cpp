@@ -13,7 +13,7 @@
 #include "scan/io/clouds/cloud_direction.h"
 #include "scan/io/clouds/cloud_rays.h"
 #include "scan/io/clouds/cloud_side.h"
-#include "scan/io/clouds/normal_signs.h"
+#include "scan/io/clouds/normal_orientation.h"
 
 namespace relief {
 
@@ -57,8 +57,8 @@ std::string rays_text(const CloudRays& rays) {
              : "from " + cloud_vector_text(rays.origin);
 }
 
-bool has_signed_normals(const PointCloudFile& cloud) {
-  return !cloud.normals.empty() && !cloud.signs_are_free;
+bool has_oriented_normals(const PointCloudFile& cloud) {
+  return !cloud.normals.empty() && !cloud.unoriented_normals;
 }
 
 ChosenRays choose_rays(const PointCloudFile& cloud, const CloudGridOptions& options) {
@@ -73,7 +73,7 @@ ChosenRays choose_rays(const PointCloudFile& cloud, const CloudGridOptions& opti
           "no viewpoint is given; taken as seen " + rays_text(found.rays) + " (" + found.side + ")",
           true,
           found.side_known,
-          found.side_known && has_signed_normals(cloud) && cloud.facing.empty(),
+          found.side_known && has_oriented_normals(cloud) && cloud.facing.empty(),
           found.around_origin};
 }
 
@@ -166,7 +166,7 @@ std::optional<GridFile> seen_from_origin(const PointCloudFile& cloud,
   auto grid = grid_on_rays(cloud, rays, true);
   if (!grid || lost_part(*grid, cloud.points.size()) > std::min(most, 0.5 * lost))
     return std::nullopt;
-  const bool has_sides = !cloud.facing.empty() || has_signed_normals(cloud);
+  const bool has_sides = !cloud.facing.empty() || has_oriented_normals(cloud);
   if (has_sides && hidden_fraction(cloud, rays) > kManyHidden) return std::nullopt;
   grid->assumed_viewpoint = AssumedViewpoint::kOrigin;
   grid->notes.insert(grid->notes.begin(),
@@ -209,13 +209,13 @@ Result<GridFile> lattice_from_cloud(PointCloudFile& cloud, const CloudGridOption
 
 Result<GridFile> grid_from_cloud(PointCloudFile cloud, const CloudGridOptions& options) {
   if (auto sound = check_cloud(cloud, options); !sound) return sound.error();
-  cloud.signs_are_free = signs_of_normals_are_free(cloud);
+  cloud.unoriented_normals = has_unoriented_normals(cloud);
   auto grid = cloud.points.size() < kLeastPoints ? Result<GridFile>(row_of_points(cloud))
                                                  : lattice_from_cloud(cloud, options);
   if (!grid) return grid;
-  if (cloud.signs_are_free)
+  if (cloud.unoriented_normals)
     grid->notes.push_back("neighbours have opposite normals, so their signs tell no side: " +
-                          of_points(turn_normals_to_sensor(*grid), cloud.points.size()) +
+                          of_points(orient_normals_to_sensor(*grid), cloud.points.size()) +
                           " have theirs turned to the sensor");
   grid->world_from_view = cloud.world_from_view;
   grid->notes.insert(grid->notes.begin(), cloud.notes.begin(), cloud.notes.end());

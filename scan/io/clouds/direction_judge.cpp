@@ -37,7 +37,7 @@ DirectionJudge::DirectionJudge(const PointCloudFile& cloud)
   const auto& normals = cloud.facing.empty() ? cloud.normals : cloud.facing;
   for (const std::size_t i : chosen_) {
     points_.push_back(cloud.points[i]);
-    if (!normals.empty() && (!cloud.signs_are_free || !cloud.facing.empty()))
+    if (!normals.empty() && (!cloud.unoriented_normals || !cloud.facing.empty()))
       normals_.push_back(normals[i].cast<double>().stableNormalized());
   }
   spacing_ = nearest_spacing(points_);

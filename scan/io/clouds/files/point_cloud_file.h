@@ -19,7 +19,7 @@ namespace relief {
 struct PointCloudFile {
   std::vector<Eigen::Vector3d> points;   ///< All finite.
   std::vector<Eigen::Vector3f> normals;  ///< As stored, any length. Empty, or one for each point.
-  bool signs_are_free = false;           ///< Of the normals: either side may be the right one.
+  bool unoriented_normals = false;       ///< Of each either side may be the right one.
   std::vector<Colour> colours;           ///< Empty, or one for each point.
   /// Unit normals from the faces of a mesh, on the side where faces wind counter-clockwise; zero
   /// where a point has no face. No measurement: they only tell the side. Empty, or one each.

@@ -1,4 +1,4 @@
-#include "scan/io/clouds/normal_signs.h"
+#include "scan/io/clouds/normal_orientation.h"
 
 #include <cmath>
 #include <vector>
@@ -22,7 +22,7 @@ constexpr double kStandardErrors = 2.5;  // By which the fraction must be larger
 
 }  // namespace
 
-bool signs_of_normals_are_free(const PointCloudFile& cloud) {
+bool has_unoriented_normals(const PointCloudFile& cloud) {
   if (cloud.normals.empty()) return false;
   std::vector<Eigen::Vector3d> points, normals;
   for (const std::size_t i : some_points(cloud.points.size(), kMostPoints)) {
@@ -43,7 +43,7 @@ bool signs_of_normals_are_free(const PointCloudFile& cloud) {
   return fraction > kOpposite + kStandardErrors * std::sqrt(fraction * (1.0 - fraction) / alike);
 }
 
-std::size_t turn_normals_to_sensor(GridFile& grid) {
+std::size_t orient_normals_to_sensor(GridFile& grid) {
   std::size_t turned = 0;
   for (int v = 0; v < grid.normals.height(); ++v) {
     for (int u = 0; u < grid.normals.width(); ++u) {
