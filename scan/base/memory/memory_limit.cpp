@@ -44,10 +44,9 @@ constexpr std::size_t kLarge = std::size_t{1} << 20;
 constexpr std::chrono::nanoseconds kPause = std::chrono::milliseconds(2);
 constexpr std::chrono::nanoseconds kLongPause = std::chrono::seconds(1);
 
-// How often pages are evicted once more before that counts as no help, or a limit as one that
-// cannot be kept: other threads fetch pages meanwhile. Pieces of work take some milliseconds; what
-// lies in no file stays.
-constexpr std::size_t kEvictions = 25;
+// How often pages are evicted once more before a limit counts as one that cannot be kept. Pieces of
+// work take some milliseconds; what lies in no file stays.
+constexpr int kEvictions = 25;
 
 // A file without a name; -1 and errno when there can be none.
 int open_nameless(const std::filesystem::path& folder) {
@@ -99,8 +98,9 @@ void MemoryLimit::evict_pages(std::size_t needed) {
   if (resident_() + needed <= limit_) return;
   const std::lock_guard lock(mutex_);
   if (resident_() + needed <= limit_) return;  // another thread was first
+  // Other threads fetch pages until they look at the memory themselves.
   std::size_t left = evict_all();
-  for (std::size_t again = 0; left + needed > limit_ && again < kEvictions; ++again) {
+  for (int again = 0; left + needed > limit_ && again < kEvictions; ++again) {
     std::this_thread::sleep_for(kPause);
     left = evict_all();
   }
@@ -120,9 +120,8 @@ void MemoryLimit::evict_in_time(std::size_t needed) {
   needed = touched + std::min(needed, touched);  // More is not touched at once.
   if (resident_() + needed <= limit_) return;
   const std::lock_guard lock(mutex_);
-  if (resident_() + needed <= limit_) return;
-  failed_evictions_ = evict_all() + needed > limit_ ? failed_evictions_ + 1 : 0;
-  if (failed_evictions_ > kEvictions) next_look_ = next_eviction_ = now + kLongPause.count();
+  if (resident_() + needed > limit_ && evict_all() + needed > limit_)
+    next_look_ = next_eviction_ = now + kLongPause.count();
 }
 
 // What is resident then. The content of shared mappings stays in their files.

@@ -118,7 +118,6 @@ class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
   // Of evict_in_time(), on the steady clock [ns]: later where evicting did not help.
   std::atomic<std::int64_t> next_look_{0}, next_eviction_{0};
   std::atomic<bool> evicting_{false};
-  std::size_t failed_evictions_ = 0;  // Of evict_in_time(), in a row.
   std::optional<Error> failure_;
 };
 
