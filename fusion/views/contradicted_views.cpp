@@ -53,10 +53,10 @@ class Judge {
 
   // The part of the samples that is outvoted; nothing where too few are judged.
   std::optional<double> outvoted(std::size_t view) const {
-    const std::vector<SurfaceSample> samples = some_samples(views_[view], samples_);
+    const std::vector<ObservedSample> samples = some_samples(views_[view], samples_);
     const std::vector<std::size_t> others = witnesses(view, samples);
     std::size_t judged = 0, against = 0;
-    for (const SurfaceSample& sample : samples) {
+    for (const ObservedSample& sample : samples) {
       check_stop_and_memory();  // All witnesses are looked at.
       const Verdict verdict = verdict_on(view, sample, others);
       judged += verdict == Verdict::kNone ? 0 : 1;
@@ -71,9 +71,9 @@ class Judge {
 
   // The other views that may say something of the samples, without copies of the view.
   std::vector<std::size_t> witnesses(std::size_t view,
-                                     const std::vector<SurfaceSample>& samples) const {
+                                     const std::vector<ObservedSample>& samples) const {
     Eigen::AlignedBox3d box;
-    for (const SurfaceSample& sample : samples) box.extend(sample.position);
+    for (const ObservedSample& sample : samples) box.extend(sample.position);
     std::vector<std::size_t> others;
     for (std::size_t other = 0; other < views_.size(); ++other)
       if (original_[other] != original_[view] &&
@@ -82,7 +82,7 @@ class Judge {
     return others;
   }
 
-  Verdict verdict_on(std::size_t view, const SurfaceSample& sample,
+  Verdict verdict_on(std::size_t view, const ObservedSample& sample,
                      const std::vector<std::size_t>& others) const {
     const auto& [position, own] = sample;
     std::map<std::size_t, double> distances;  // In units of what is far, by original.

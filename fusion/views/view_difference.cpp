@@ -11,11 +11,11 @@ double farthest_of(const ViewSampler& view) { return kFarthest * view.spacing();
 
 }  // namespace
 
-std::vector<SurfaceSample> some_samples(const ViewSampler& view, std::size_t count) {
+std::vector<ObservedSample> some_samples(const ViewSampler& view, std::size_t count) {
   std::size_t all = 0, k = 0;
   view.for_surface_points([&](const Eigen::Vector3d&) { ++all; });
   const std::size_t step = std::max<std::size_t>(1, all / std::max<std::size_t>(1, count));
-  std::vector<SurfaceSample> samples;
+  std::vector<ObservedSample> samples;
   view.for_surface_points([&](const Eigen::Vector3d& position) {
     if (k++ % step != 0) return;
     const auto own = view.observe(position, 0.0);

@@ -22,13 +22,13 @@ inline constexpr double kFarthest = 8.0;
 inline constexpr double kInside = 2.0;
 
 /// A sample of a view, and its own surface there.
-struct SurfaceSample {
+struct ObservedSample {
   Eigen::Vector3d position;  ///< World frame.
   Observation own;
 };
 
 /// About `count` samples evenly spread over the view, without those near silhouettes.
-std::vector<SurfaceSample> some_samples(const ViewSampler& view, std::size_t count);
+std::vector<ObservedSample> some_samples(const ViewSampler& view, std::size_t count);
 
 /// What a view says of a sample that another one measured.
 struct ViewDifference {
