@@ -5,7 +5,8 @@
 #include <utility>
 
 #include "registration/alignment_report.h"
-#include "registration/verification/given_poses.h"
+#include "registration/given_poses/given_poses.h"
+#include "registration/global/starting_poses.h"
 
 namespace relief::registration {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "registration/align_once.h"
-#include "registration/verification/given_pose_errors.h"
-#include "registration/verification/given_pose_notes.h"
+#include "registration/given_poses/given_pose_errors.h"
+#include "registration/given_poses/given_pose_notes.h"
 
 namespace relief::registration {
 

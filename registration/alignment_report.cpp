@@ -7,8 +7,8 @@
 #include <sstream>
 #include <utility>
 
+#include "registration/given_poses/given_pose_notes.h"
 #include "registration/pairwise/robust.h"
-#include "registration/verification/given_pose_notes.h"
 #include "registration/verification/still_samples.h"
 #include "scan/base/name_list.h"
 

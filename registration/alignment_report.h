@@ -3,7 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "registration/verification/given_poses.h"
+#include "registration/given_poses/given_poses.h"
+#include "registration/global/starting_poses.h"
 #include "relief/registration/align_views.h"
 
 namespace relief::registration {

@@ -1,8 +1,9 @@
 #include "relief/registration/search_pairs.h"
 
 #include "registration/distinct_views.h"
+#include "registration/given_poses/given_poses.h"
+#include "registration/global/starting_poses.h"
 #include "registration/prepared_views.h"
-#include "registration/verification/given_poses.h"
 #include "scan/base/parallel.h"
 
 namespace relief::registration {

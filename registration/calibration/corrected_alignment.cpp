@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "registration/align_surfaces.h"
+#include "registration/given_poses/given_poses.h"
+#include "registration/given_poses/kept_poses.h"
 #include "registration/posegraph/joint/joint_refinement.h"
-#include "registration/verification/given_poses.h"
-#include "registration/verification/kept_poses.h"
 
 namespace relief::registration {
 

@@ -1,4 +1,4 @@
-#include "registration/verification/starting_poses.h"
+#include "registration/global/starting_poses.h"
 
 #include <algorithm>
 #include <limits>
@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "registration/global/global_registration.h"
-#include "registration/verification/unplaced_reason.h"
+#include "registration/global/unplaced_reason.h"
 
 namespace relief::registration {
 

@@ -1,4 +1,4 @@
-#include "registration/verification/given_pose_notes.h"
+#include "registration/given_poses/given_pose_notes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 
 #include <Eigen/Geometry>
 
+#include "registration/given_poses/common_pose_shift.h"
 #include "registration/pairwise/robust.h"
-#include "registration/verification/common_pose_shift.h"
 
 namespace relief::registration {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "registration/given_poses/checked_poses.h"
 #include "registration/global/view_groups.h"
 #include "registration/surface/view_surface.h"
-#include "registration/verification/starting_poses.h"
 #include "relief/registration/align_options.h"
 #include "relief/scan/range_view.h"
 

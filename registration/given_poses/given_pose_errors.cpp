@@ -1,12 +1,12 @@
-#include "registration/verification/given_pose_errors.h"
+#include "registration/given_poses/given_pose_errors.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 
 #include "registration/align_surfaces.h"
+#include "registration/given_poses/hand_eye.h"
 #include "registration/pairwise/robust.h"
-#include "registration/verification/hand_eye.h"
 
 namespace relief::registration {
 

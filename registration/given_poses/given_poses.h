@@ -3,12 +3,12 @@
 #include <optional>
 #include <vector>
 
+#include "registration/given_poses/checked_poses.h"
+#include "registration/given_poses/pose_convention.h"
 #include "registration/posegraph/joint/joint_refinement.h"
 #include "registration/surface/view_surface.h"
 #include "registration/units/align_units.h"
-#include "registration/verification/pose_convention.h"
 #include "registration/verification/pose_verification.h"
-#include "registration/verification/starting_poses.h"
 #include "relief/scan/context.h"
 #include "relief/scan/range_view.h"
 #include "relief/scan/result.h"

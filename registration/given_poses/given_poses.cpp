@@ -1,10 +1,10 @@
-#include "registration/verification/given_poses.h"
+#include "registration/given_poses/given_poses.h"
 
 #include <algorithm>
 #include <utility>
 
+#include "registration/given_poses/kept_poses.h"
 #include "registration/posegraph/pose_step.h"
-#include "registration/verification/kept_poses.h"
 
 namespace relief::registration {
 

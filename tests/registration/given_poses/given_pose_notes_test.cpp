@@ -1,4 +1,4 @@
-#include "registration/verification/given_pose_notes.h"
+#include "registration/given_poses/given_pose_notes.h"
 
 #include <cmath>
 #include <numbers>
@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "registration/verification/common_pose_shift.h"
+#include "registration/given_poses/common_pose_shift.h"
 #include "tests/support/scenes/synthetic_views.h"
 
 namespace relief::registration {

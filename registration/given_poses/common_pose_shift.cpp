@@ -1,4 +1,4 @@
-#include "registration/verification/common_pose_shift.h"
+#include "registration/given_poses/common_pose_shift.h"
 
 #include <algorithm>
 #include <cmath>

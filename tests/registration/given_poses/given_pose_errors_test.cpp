@@ -1,4 +1,4 @@
-#include "registration/verification/given_pose_errors.h"
+#include "registration/given_poses/given_pose_errors.h"
 
 #include <vector>
 

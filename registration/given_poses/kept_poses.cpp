@@ -1,4 +1,4 @@
-#include "registration/verification/kept_poses.h"
+#include "registration/given_poses/kept_poses.h"
 
 #include <algorithm>
 #include <cstddef>

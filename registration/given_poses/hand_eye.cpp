@@ -1,4 +1,4 @@
-#include "registration/verification/hand_eye.h"
+#include "registration/given_poses/hand_eye.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "registration/verification/given_pose_notes.h"
+#include "registration/given_poses/given_pose_notes.h"
 
 namespace relief::registration {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "registration/verification/given_pose_notes.h"
+#include "registration/given_poses/given_pose_notes.h"
 #include "relief/scan/rigid_motion.h"
 
 namespace relief::registration {

@@ -1,4 +1,4 @@
-#include "registration/verification/unplaced_reason.h"
+#include "registration/global/unplaced_reason.h"
 
 #include <cstddef>
 #include <cstdio>

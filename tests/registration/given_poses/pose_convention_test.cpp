@@ -1,4 +1,4 @@
-#include "registration/verification/pose_convention.h"
+#include "registration/given_poses/pose_convention.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
