@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "relief/scan/context.h"
 #include "scan/base/loop_threads.h"
 #include "scan/base/memory/memory_limit.h"
+#include "scan/base/memory/memory_watch.h"
 
 namespace relief {
 
@@ -78,7 +80,11 @@ bool run_until_stopped(const Context& context, const std::function<void()>& work
   LoopState state = loop_state;
   if (context.stop.stop_possible()) state.stop = &context.stop;
   const std::shared_ptr<MemoryLimit> limit = new_limit(context);  // Grids made inside may keep it.
-  if (limit) state.memory = limit.get();
+  std::optional<MemoryWatch> watch;
+  if (limit) {
+    state.memory = limit.get();
+    watch.emplace(*limit);
+  }
   const LoopStateScope scope(state);
   try {
     run_on_threads(context.threads, work);

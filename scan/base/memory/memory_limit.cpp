@@ -40,7 +40,7 @@ constexpr std::size_t kMostFiles = 32768;
 // Before so much is allocated the memory is looked at in any case [bytes].
 constexpr std::size_t kLarge = std::size_t{1} << 20;
 
-// How long loops do not look at the memory again, and how long where evicting did not help.
+// How long loops do not look at the memory again, and how long where evicting cannot help.
 constexpr std::chrono::nanoseconds kPause = std::chrono::milliseconds(2);
 constexpr std::chrono::nanoseconds kLongPause = std::chrono::seconds(1);
 
@@ -94,6 +94,20 @@ bool MemoryLimit::keep_in_memory(std::size_t bytes) {
   return true;
 }
 
+std::size_t MemoryLimit::touched_at_once() const {
+  return std::clamp(limit_ / kLoopPart, kLoopBytes, kMostLoopBytes);
+}
+
+std::size_t MemoryLimit::room_for_loops() const {
+  const std::size_t used = resident_() + touched_at_once();
+  return used < limit_ ? limit_ - used : 0;
+}
+
+// Not by what is resident afterwards: other threads fetch pages meanwhile.
+bool MemoryLimit::can_make_room_for_loops() const {
+  return anonymous_memory() + touched_at_once() <= limit_;
+}
+
 void MemoryLimit::evict_pages(std::size_t needed) {
   if (resident_() + needed <= limit_) return;
   const std::lock_guard lock(mutex_);
@@ -116,12 +130,13 @@ void MemoryLimit::evict_in_time(std::size_t needed) {
   if (evicting_) const std::lock_guard wait(mutex_);  // Else pages come back as fast as they go.
   if (now < (needed < kLarge ? next_look_ : next_eviction_)) return;
   next_look_ = now + kPause.count();
-  const std::size_t touched = std::clamp(limit_ / kLoopPart, kLoopBytes, kMostLoopBytes);
+  const std::size_t touched = touched_at_once();
   needed = touched + std::min(needed, touched);  // More is not touched at once.
   if (resident_() + needed <= limit_) return;
   const std::lock_guard lock(mutex_);
-  if (resident_() + needed > limit_ && evict_all() + needed > limit_)
-    next_look_ = next_eviction_ = now + kLongPause.count();
+  if (resident_() + needed <= limit_) return;
+  evict_all();
+  if (!can_make_room_for_loops()) next_look_ = next_eviction_ = now + kLongPause.count();
 }
 
 // What is resident then. The content of shared mappings stays in their files.

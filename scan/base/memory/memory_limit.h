@@ -46,6 +46,11 @@ class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
   /// Whether `needed` [bytes] can be had without handing pages back.
   bool has_room(std::size_t needed) const { return resident_() + needed <= limit_; }
 
+  /// What loops may still fetch before their pages are handed back [bytes].
+  std::size_t room_for_loops() const;
+  /// Whether handing pages back leaves loops room.
+  bool can_make_room_for_loops() const;
+
   /// Whether one more large array of `bytes` may lie in memory. All such arrays together have an
   /// eighth of the limit, with all that the process has now: so a limit that is ample costs
   /// nothing, and a tight one nearly all of them lie in files.
@@ -95,6 +100,7 @@ class MemoryLimit : public std::enable_shared_from_this<MemoryLimit> {
   static constexpr std::size_t kMostLoopBytes = std::size_t{128} << 20;
   static constexpr std::size_t kLoopPart = 10;  // Of the limit, if that is between the two.
 
+  std::size_t touched_at_once() const;
   bool keep_grid_in_memory(std::size_t bytes);
   std::size_t evict_all();
   // A file without a name, mapped to memory.

@@ -18,4 +18,7 @@ std::size_t free_memory(const std::filesystem::path& root = "/");
 /// Resident memory of this process [bytes].
 std::size_t resident_memory();
 
+/// The part of it that lies in no file [bytes].
+std::size_t anonymous_memory();
+
 }  // namespace relief
