@@ -12,11 +12,13 @@
 #include "fusion/holes/filled_regions.h"
 #include "fusion/mesh/crease_edges.h"
 #include "fusion/mesh/measured_components.h"
+#include "fusion/mesh/remove_handles.h"
 #include "fusion/mesh/small_handles.h"
 #include "fusion/prepared_merge.h"
 #include "fusion/surface/isosurface.h"
 #include "fusion/surface/vertex_attributes.h"
 #include "fusion/surface/vertex_colours.h"
+#include "fusion/tsdf/tsdf_integration.h"
 #include "scan/base/parallel.h"
 
 namespace relief::fusion {
@@ -114,6 +116,26 @@ void note_small_handles(MergeResult& result) {
   result.notes.push_back(note.str());
 }
 
+void remove_handles(const std::vector<ViewSampler>& views, const VertexAttributeOptions& measure,
+                    MergeResult& result) {
+  const auto emptiness = [&] {
+    return [&result, evidence = TsdfIntegrator(views, result.truncation, result.voxel_size)](
+               const Eigen::Vector3d& point) mutable {
+      return in_empty_space(evidence.collect(point), result.voxel_size);
+    };
+  };
+  result.handles_removed = remove_unmeasured_handles(
+      result.mesh, {kSmallHandle * result.voxel_size, result.voxel_size, emptiness});
+  if (result.handles_removed == 0) return;
+  result.notes.push_back(std::to_string(result.handles_removed) +
+                         (result.handles_removed == 1 ? " handle" : " handles") +
+                         " within eight voxels, which no view measured or saw through, " +
+                         (result.handles_removed == 1 ? "is" : "are") +
+                         " removed; --keep-handles keeps all");
+  result.check = check_mesh(result.mesh);
+  set_vertex_attributes(result.mesh, views, measure);
+}
+
 bool opens_holes(const MergeOptions& options) {
   return options.keep_holes || options.largest_fill > 0.0;
 }
@@ -151,7 +173,6 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
   align_edges_with_creases(result.mesh, {result.voxel_size, result.view_noise});
   result.check = check_mesh(result.mesh);
   if (!result.check.watertight()) return failed_check(result.check);
-  note_small_handles(result);
 
   if (!report_progress(context.progress, kSurface, "measure the surface")) return interrupted;
   const VertexAttributeOptions measure{.truncation = result.truncation,
@@ -161,6 +182,9 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
                                        .memory = memory,
                                        .view_indices = prepared->indices};
   set_vertex_attributes(result.mesh, samplers, measure);
+  if (!options.keep_handles && result.check.genus > 0) remove_handles(samplers, measure, result);
+  if (!result.check.watertight()) return failed_check(result.check);
+  note_small_handles(result);
   const FairFillOptions fair{result.truncation, result.voxel_size, memory};
   const Progress closing = part_of(context.progress, kMeasured, kMeasured);
   const auto notes = fair_holes(fair, samplers, result.mesh, result.check, closing);

@@ -25,6 +25,7 @@ relief::fusion::MergeOptions options_of(vtkReliefMergeViews& filter) {
   options.largest_fill = filter.GetLargestFill();
   options.keep_components = filter.GetKeepComponents();
   options.keep_contradicted = filter.GetKeepContradicted();
+  options.keep_handles = filter.GetKeepHandles();
   return options;
 }
 
@@ -80,6 +81,7 @@ void vtkReliefMergeViews::PrintSelf(ostream& os, vtkIndent indent) {
   os << indent << "LargestFill: " << this->LargestFill << "\n";
   os << indent << "KeepComponents: " << this->KeepComponents << "\n";
   os << indent << "KeepContradicted: " << this->KeepContradicted << "\n";
+  os << indent << "KeepHandles: " << this->KeepHandles << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "Watertight: " << this->Watertight << "\n";
   os << indent << "FilledAreaFraction: " << this->FilledAreaFraction << "\n";

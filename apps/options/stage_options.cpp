@@ -210,6 +210,9 @@ void add_merge_options(CLI::App& command, MergeFlags& flags) {
   group->add_flag_callback(
       "--keep-contradicted", [&options] { options.keep_contradicted = true; },
       "Take all samples of views that others contradict; else only where no other view measured");
+  group->add_flag_callback(
+      "--keep-handles", [&options] { options.keep_handles = true; },
+      "Keep also the handles within eight voxels that no view measured");
   group
       ->add_option_function<std::string>(
           "--holes", [&options](const std::string& holes) { options.keep_holes = holes == "keep"; },

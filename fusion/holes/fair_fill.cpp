@@ -16,9 +16,6 @@ namespace relief::fusion {
 
 namespace {
 
-// How far a filled vertex may be in space seen empty, as presumed matter (kSeenThrough), and in
-// front of a surface where the outermost rays meet it, as measured vertices (vertex_attributes).
-constexpr double kIntrusion = 0.25, kInFront = 0.5;  // [voxels]
 // The closed field's surface is that far at most in the way of such rays. A vertex that would have
 // to go farther stays.
 constexpr double kFarthestRetreat = 1.5;  // [voxels]
@@ -161,9 +158,7 @@ class Fairing {
   }
 
   bool in_empty_space(const Eigen::Vector3d& point, TsdfIntegrator& collector) const {
-    const TsdfSample evidence = collector.collect(point);
-    return evidence.clearance > kIntrusion * options_.voxel_size ||
-           evidence.in_front > kInFront * options_.voxel_size;
+    return relief::fusion::in_empty_space(collector.collect(point), options_.voxel_size);
   }
 
   // The farthest point on a vertex's way to `end` that is in no space seen empty. If its start is,

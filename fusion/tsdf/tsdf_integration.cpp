@@ -48,7 +48,15 @@ bool measures(const Observation& seen, double truncation, double spacing) {
          seen.range_gap < kGrazingReach * truncation;
 }
 
+// How far a filled vertex may be in space seen empty, as presumed matter (kSeenThrough), and in
+// front of a surface where the outermost rays meet it, as measured vertices (vertex_attributes).
+constexpr double kIntrusion = 0.25, kInFront = 0.5;  // [voxels]
+
 }  // namespace
+
+bool in_empty_space(const TsdfSample& evidence, double voxel_size) {
+  return evidence.clearance > kIntrusion * voxel_size || evidence.in_front > kInFront * voxel_size;
+}
 
 double tukey_biweight(double relative_distance) {
   const double inside = 1.0 - relative_distance * relative_distance;

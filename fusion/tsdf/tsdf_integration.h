@@ -28,6 +28,10 @@ struct TsdfSample {
   int views = 0;          ///< Number of measuring views.
 };
 
+/// Whether a view saw space empty at a point, where a filled surface may not lie. It may reach a
+/// little into it, as presumed matter and measured vertices do.
+bool in_empty_space(const TsdfSample& evidence, double voxel_size);
+
 /// t of (F4), for a distance relative to the truncation: Tukey's biweight. Of surfaces close
 /// together the nearer one counts most, and the average stays unbiased where the surface is.
 double tukey_biweight(double relative_distance);

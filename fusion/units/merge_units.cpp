@@ -19,9 +19,9 @@ UnitKey key_of_group(const std::string& inputs, std::size_t number) {
 // A structured binding names exactly the fields there are: whoever adds one comes by here.
 void hash_into(ContentHash& hash, const MergeOptions& options) {
   const auto& [voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components,
-               keep_contradicted] = options;
+               keep_contradicted, keep_handles] = options;
   hash.add(voxel_size, truncation, silhouette_ramp, keep_holes, largest_fill, keep_components,
-           keep_contradicted);
+           keep_contradicted, keep_handles);
 }
 
 template <class Archive>

@@ -76,10 +76,11 @@ template <class Archive>
 void serialize(Archive& archive, MergeSummary& summary) {
   auto& [filled_area_fraction, voxel_size, truncation, view_noise, inter_view_stddev,
          range_exponent, flying_samples, filled_samples, noisy_samples, contradicted_views,
-         moving_blocks, small_handles, components_removed, faces_removed, notes] = summary;
+         moving_blocks, small_handles, handles_removed, components_removed, faces_removed, notes] =
+      summary;
   archive(filled_area_fraction, voxel_size, truncation, view_noise, inter_view_stddev,
           range_exponent, flying_samples, filled_samples, noisy_samples, contradicted_views,
-          moving_blocks, small_handles, components_removed, faces_removed, notes);
+          moving_blocks, small_handles, handles_removed, components_removed, faces_removed, notes);
 }
 
 template <class Archive>

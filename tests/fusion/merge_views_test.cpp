@@ -280,6 +280,12 @@ TEST(MergeViews, ManyHandlesThatAreTooSmallForAnObjectAreNoted) {
   EXPECT_THAT(result.notes,
               ::testing::Contains(AllOf(StartsWith("of the "), HasSubstr("within eight voxels"),
                                         HasSubstr("thinner than two voxels"))));
+  const MergeResult kept = merged(views, {.keep_handles = true});
+  EXPECT_EQ(kept.handles_removed, 0u);
+  EXPECT_EQ(result.check.genus, kept.check.genus - static_cast<long>(result.handles_removed));
+  EXPECT_GT(result.handles_removed, 0u);
+  EXPECT_TRUE(find_self_intersections(result.mesh, {}).faces().empty());
+  EXPECT_THAT(result.notes, ::testing::Contains(HasSubstr("--keep-handles")));
 }
 
 // The large sheet is beyond all samples.

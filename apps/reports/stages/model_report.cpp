@@ -76,6 +76,7 @@ Json to_json(const reconstruction::Model& model) {
   report["noisy_samples"] = merged.noisy_samples;
   report["contradicted_views"] = merged.contradicted_views;
   report["small_handles"] = merged.small_handles;
+  report["handles_removed"] = merged.handles_removed;
   report["components_removed"] = merged.components_removed;
   report["faces_removed"] = merged.faces_removed;
   report["voxel_size"] = merged.voxel_size;

@@ -88,6 +88,7 @@ TEST(OptionHash, ChangesWithEveryOptionOfMerging) {
       [](auto& o) { o.largest_fill = 1.0; },
       [](auto& o) { o.keep_components = true; },
       [](auto& o) { o.keep_contradicted = true; },
+      [](auto& o) { o.keep_handles = true; },
   });
 }
 

@@ -34,6 +34,8 @@ struct MergeOptions {
   /// Take all samples of views that others contradict. Else these count only where no other view
   /// measured.
   bool keep_contradicted = false;
+  /// Keep also the handles within cubes of eight voxels that no view measured.
+  bool keep_handles = false;
 };
 
 /// Views given one at a time, so that they need not all be in memory. `load(i)` is called twice for
@@ -70,6 +72,7 @@ struct MergeSummary {
   /// Handles that lie within cubes of eight voxels, at least so many: hardly of the object. 0 where
   /// the model has fewer than ten handles. Of many a note tells.
   std::size_t small_handles = 0;
+  std::size_t handles_removed = 0;  ///< Small ones that no view measured.
   std::size_t components_removed = 0;
   std::size_t faces_removed = 0;   ///< In the removed components.
   std::vector<std::string> notes;  ///< What the user should know, one line each.

@@ -39,6 +39,10 @@ class vtkReliefMergeViews : public vtkPolyDataAlgorithm {
   vtkSetMacro(KeepContradicted, bool);
   vtkGetMacro(KeepContradicted, bool);
   vtkBooleanMacro(KeepContradicted, bool);
+  /// Keep also the small handles that no view measured; off by default.
+  vtkSetMacro(KeepHandles, bool);
+  vtkGetMacro(KeepHandles, bool);
+  vtkBooleanMacro(KeepHandles, bool);
   /// 0 (default): one per core. The result does not depend on it.
   vtkSetMacro(NumberOfThreads, int);
   vtkGetMacro(NumberOfThreads, int);
@@ -67,6 +71,7 @@ class vtkReliefMergeViews : public vtkPolyDataAlgorithm {
   bool KeepHoles = false;
   bool KeepComponents = false;
   bool KeepContradicted = false;
+  bool KeepHandles = false;
   int NumberOfThreads = 0;
   bool Watertight = false;
   double FilledAreaFraction = 0.0;
