@@ -34,9 +34,13 @@ void keep(MemoryLimit& limit, const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any stopped;
   while (!stop.stop_requested()) {
-    if (limit.room_for_loops() == 0) limit.evict();
-    const microseconds pause =
-        limit.can_make_room_for_loops() ? pause_for(limit.room_for_loops()) : kPauseWithoutRoom;
+    std::size_t room = limit.room_for_loops();
+    if (room == 0) {
+      limit.evict();
+      room = limit.room_for_loops();
+    }
+    const bool waits = room == 0 && !limit.can_make_room_for_loops();
+    const microseconds pause = waits ? kPauseWithoutRoom : pause_for(room);
     std::unique_lock lock(mutex);
     stopped.wait_for(lock, stop, pause, [] { return false; });
   }
