@@ -119,10 +119,8 @@ void note_small_handles(MergeResult& result) {
 void remove_handles(const std::vector<ViewSampler>& views, const VertexAttributeOptions& measure,
                     MergeResult& result) {
   const auto emptiness = [&] {
-    return [&result, evidence = TsdfIntegrator(views, result.truncation, result.voxel_size)](
-               const Eigen::Vector3d& point) mutable {
-      return in_empty_space(evidence.collect(point), result.voxel_size);
-    };
+    return [evidence = TsdfIntegrator(views, result.truncation, result.voxel_size)](
+               const Eigen::Vector3d& point) mutable { return evidence.in_empty_space(point); };
   };
   result.handles_removed = remove_unmeasured_handles(
       result.mesh, {kSmallHandle * result.voxel_size, result.voxel_size, emptiness});
@@ -182,8 +180,10 @@ Result<MergeResult> merge(const ViewSource& views, const MergeOptions& options,
                                        .memory = memory,
                                        .view_indices = prepared->indices};
   set_vertex_attributes(result.mesh, samplers, measure);
-  if (!options.keep_handles && result.check.genus > 0) remove_handles(samplers, measure, result);
-  if (!result.check.watertight()) return failed_check(result.check);
+  if (!options.keep_handles && result.check.genus > 0) {
+    remove_handles(samplers, measure, result);
+    if (!result.check.watertight()) return failed_check(result.check);
+  }
   note_small_handles(result);
   const FairFillOptions fair{result.truncation, result.voxel_size, memory};
   const Progress closing = part_of(context.progress, kMeasured, kMeasured);

@@ -157,20 +157,16 @@ class Fairing {
     }
   }
 
-  bool in_empty_space(const Eigen::Vector3d& point, TsdfIntegrator& collector) const {
-    return relief::fusion::in_empty_space(collector.collect(point), options_.voxel_size);
-  }
-
   // The farthest point on a vertex's way to `end` that is in no space seen empty. If its start is,
   // the nearest behind the surface that is not.
   Eigen::Vector3d allowed(std::uint32_t v, const Eigen::Vector3d& end,
                           TsdfIntegrator& collector) const {
-    if (!mesh_.filled[v] || !in_empty_space(end, collector)) return end;
+    if (!mesh_.filled[v] || !collector.in_empty_space(end)) return end;
     const Eigen::Vector3d& start = mesh_.vertices[v];
-    if (!in_empty_space(start, collector)) return last_sound(start, end, collector);
+    if (!collector.in_empty_space(start)) return last_sound(start, end, collector);
     const Eigen::Vector3d behind =
         start - kFarthestRetreat * options_.voxel_size * mesh_.normals[v].cast<double>();
-    return in_empty_space(behind, collector) ? start : last_sound(behind, start, collector);
+    return collector.in_empty_space(behind) ? start : last_sound(behind, start, collector);
   }
 
   // Of the points from `sound`, which is in no space seen empty, to `empty`, which is: the last
@@ -179,7 +175,7 @@ class Fairing {
                              TsdfIntegrator& collector) const {
     for (int step = 0; step < 6; ++step) {
       const Eigen::Vector3d middle = 0.5 * (sound + empty);
-      (in_empty_space(middle, collector) ? empty : sound) = middle;
+      (collector.in_empty_space(middle) ? empty : sound) = middle;
     }
     return sound;
   }

@@ -1,7 +1,7 @@
 #include "fusion/mesh/cube_patches.h"
 
 #include <algorithm>
-#include <cmath>
+#include <unordered_map>
 
 #include "scan/base/memory/paged_array.h"
 #include "scan/base/parallel.h"
@@ -50,9 +50,9 @@ CubePatches::Cell CubePatches::cell_of(std::size_t face) const {
 }
 
 Eigen::AlignedBox3d CubePatches::cube(const Cell& cell) const {
-  const Eigen::Vector3d low = corner_ + side_ * Eigen::Vector3d(static_cast<double>(cell[0]),
-                                                                static_cast<double>(cell[1]),
-                                                                static_cast<double>(cell[2]));
+  const Eigen::Vector3d low =
+      corner_ + side_ * Eigen::Vector3d(static_cast<double>(cell[0]), static_cast<double>(cell[1]),
+                                        static_cast<double>(cell[2]));
   return {low, low + Eigen::Vector3d::Constant(side_)};
 }
 

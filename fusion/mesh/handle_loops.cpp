@@ -1,15 +1,15 @@
 #include "fusion/mesh/handle_loops.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <functional>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <queue>
 #include <unordered_map>
 #include <utility>
+
+#include "scan/base/disjoint_sets.h"
 
 namespace relief::fusion {
 
@@ -39,8 +39,7 @@ class Patch {
       : faces_(faces.size()) {
     std::unordered_map<std::uint64_t, std::uint32_t> face_at;  // By half-edge.
     for (std::uint32_t f = 0; f < faces.size(); ++f)
-      for (std::size_t k = 0; k < 3; ++k)
-        face_at.emplace(half_edge(mesh.faces[faces[f]], k), f);
+      for (std::size_t k = 0; k < 3; ++k) face_at.emplace(half_edge(mesh.faces[faces[f]], k), f);
     std::vector<bool> inside;
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
       const auto& face = mesh.faces[faces[f]];
@@ -160,34 +159,12 @@ class PathTree {
   std::vector<std::uint32_t> edge_;  // Towards the root.
 };
 
-class FaceSets {
- public:
-  explicit FaceSets(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-  // False: they were in one set before.
-  bool join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-    return a != b;
-  }
-
- private:
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  std::vector<std::uint32_t> parent_;
-};
-
-// The shortest acceptable one of the loops from the root that are independent of each other, in
-// numbers of the patch. The faces are joined across edges that are not in the tree, those with the
-// longest loops first. Loops through the edges that are left cross none of these, so they do not
-// part the patch.
+// The shortest acceptable one of the loops from the root that are independent of each other. The
+// faces are joined across edges that are not in the tree, those with the longest loops first. Loops
+// through the edges that are left cross none of these, so they do not part the patch.
 std::optional<HandleLoop> loop_from(const Patch& patch, const PathTree& tree,
                                     const AcceptLoop& accept) {
-  FaceSets joined(patch.faces());
+  DisjointSets joined(patch.faces());
   const auto join_across = [&](std::uint32_t e) {
     return joined.join(patch.edges()[e].left, patch.edges()[e].right);
   };

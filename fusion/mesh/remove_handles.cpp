@@ -13,6 +13,7 @@
 #include "fusion/mesh/handle_loops.h"
 #include "scan/base/parallel.h"
 #include "scan/mesh/moved_faces.h"
+#include "scan/mesh/vertex_arrays.h"
 
 namespace relief::fusion {
 
@@ -37,19 +38,10 @@ struct Cut {
   std::size_t patch;
 };
 
-template <typename Values>
-void append_copy(Values& values, std::uint32_t v) {
-  if (!values.empty()) values.push_back(values[v]);
-}
-
 std::uint32_t copy_of(std::uint32_t v, TriangleMesh& mesh) {
-  append_copy(mesh.vertices, v);
-  append_copy(mesh.normals, v);
-  append_copy(mesh.quality, v);
-  append_copy(mesh.views, v);
-  append_copy(mesh.source_views, v);
-  append_copy(mesh.filled, v);
-  append_copy(mesh.colours, v);
+  visit_vertex_arrays(mesh, [v](auto& array) {
+    if (!array.empty()) array.push_back(array[v]);
+  });
   return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
 }
 
@@ -59,9 +51,9 @@ Eigen::Vector3d centre_of(const std::vector<std::uint32_t>& loop, const Triangle
   return sum / static_cast<double>(loop.size());
 }
 
-// One side of a loop: its vertices, and the one in the middle of its membrane.
+// What closes one side of a loop.
 struct Membrane {
-  std::vector<std::uint32_t> free;
+  std::vector<std::uint32_t> free;   // The vertices of the loop, and the one in the middle.
   std::vector<std::uint32_t> faces;  // With any of these.
 };
 
@@ -166,8 +158,8 @@ bool may_be_cut(const HandleLoop& loop, const TriangleMesh& mesh, const IsEmpty&
   if (2 * std::ranges::count_if(loop.vertices, is_filled) < std::ssize(loop.vertices)) return false;
   const Eigen::Vector3d centre = centre_of(loop.vertices, mesh);
   return !is_empty(centre) && std::ranges::none_of(loop.vertices, [&](std::uint32_t v) {
-           return is_empty(0.5 * (centre + mesh.vertices[v]));
-         });
+    return is_empty(0.5 * (centre + mesh.vertices[v]));
+  });
 }
 
 class HandleRemoval {
@@ -198,9 +190,9 @@ class HandleRemoval {
     parallel_for(patches_.size(), kPatchesAtOnce, [&](std::size_t begin, std::size_t end) {
       const IsEmpty is_empty = options_.emptiness();
       for (std::size_t p = begin; p < end; ++p)
-        loops[p] = short_handle_loop(
-            mesh_, patches_[p], mesh_.filled,
-            [&](const HandleLoop& loop) { return may_be_cut(loop, mesh_, is_empty); });
+        loops[p] = short_handle_loop(mesh_, patches_[p], mesh_.filled, [&](const HandleLoop& loop) {
+          return may_be_cut(loop, mesh_, is_empty);
+        });
     });
     std::vector<Cut> cuts;
     for (std::size_t p = 0; p < loops.size(); ++p)

@@ -18,9 +18,9 @@ struct HandleRemovalOptions {
 
 /// Removes small handles of a closed mesh (`filled` set) that nobody measured, and returns how many
 /// (topological noise: Guskov and Wood 2001). Of a loop round or through such a handle half of the
-/// vertices or more are filled. The mesh is cut there, and either side is closed by a membrane that spans
-/// the faces beside the loop. Handles stay where a membrane would lie in space that a view saw
-/// empty, or the surface would intersect itself. All attributes of new vertices are those of a
+/// vertices or more are filled. The mesh is cut there, and either side is closed by a membrane that
+/// spans the faces beside the loop. Handles stay where a membrane would lie in space that a view
+/// saw empty, or the surface would intersect itself. All attributes of new vertices are those of a
 /// vertex of the loop.
 std::size_t remove_unmeasured_handles(TriangleMesh& mesh, const HandleRemovalOptions& options);
 

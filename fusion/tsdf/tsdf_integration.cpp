@@ -54,8 +54,9 @@ constexpr double kIntrusion = 0.25, kInFront = 0.5;  // [voxels]
 
 }  // namespace
 
-bool in_empty_space(const TsdfSample& evidence, double voxel_size) {
-  return evidence.clearance > kIntrusion * voxel_size || evidence.in_front > kInFront * voxel_size;
+bool TsdfIntegrator::in_empty_space(const Eigen::Vector3d& point) {
+  const TsdfSample evidence = collect(point);
+  return evidence.clearance > kIntrusion * spacing_ || evidence.in_front > kInFront * spacing_;
 }
 
 double tukey_biweight(double relative_distance) {

@@ -28,10 +28,6 @@ struct TsdfSample {
   int views = 0;          ///< Number of measuring views.
 };
 
-/// Whether a view saw space empty at a point, where a filled surface may not lie. It may reach a
-/// little into it, as presumed matter and measured vertices do.
-bool in_empty_space(const TsdfSample& evidence, double voxel_size);
-
 /// t of (F4), for a distance relative to the truncation: Tukey's biweight. Of surfaces close
 /// together the nearer one counts most, and the average stays unbiased where the surface is.
 double tukey_biweight(double relative_distance);
@@ -56,8 +52,12 @@ class TsdfIntegrator {
 
   TsdfSample collect(const Eigen::Vector3d& point);
 
-  /// The same in less time where no view has its surface near the point: then not `measured`, with
-  /// a `clearance` that is right as far as `enough` [unit], and nothing else.
+  /// Whether a view saw space empty at a point, where a filled surface may not lie. It may reach a
+  /// little into it, as presumed matter and measured vertices do.
+  bool in_empty_space(const Eigen::Vector3d& point);
+
+  /// As collect(), in less time where no view has its surface near the point: then not `measured`,
+  /// with a `clearance` that is right as far as `enough` [unit], and nothing else.
   TsdfSample collect_as_far_as(double enough, const Eigen::Vector3d& point);
 
   /// The same from the views only that see the surface from the side `normal` points to.

@@ -6,6 +6,7 @@
 #include "scan/base/disjoint_sets.h"
 #include "scan/base/memory/paged_array.h"
 #include "scan/base/parallel.h"
+#include "scan/mesh/vertex_arrays.h"
 
 namespace relief {
 
@@ -35,13 +36,7 @@ void drop_unused_vertices(TriangleMesh& mesh) {
   serial_for(mesh.faces.size(), [&](std::size_t f) {
     for (auto& v : mesh.faces[f]) v = new_index[v];
   });
-  compact(mesh.vertices, used);
-  compact(mesh.normals, used);
-  compact(mesh.quality, used);
-  compact(mesh.views, used);
-  compact(mesh.source_views, used);
-  compact(mesh.filled, used);
-  compact(mesh.colours, used);
+  visit_vertex_arrays(mesh, [&](auto& array) { compact(array, used); });
 }
 
 MeshComponents find_components(const TriangleMesh& mesh) {

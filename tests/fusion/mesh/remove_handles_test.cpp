@@ -17,7 +17,7 @@
 namespace relief::fusion {
 namespace {
 
-constexpr double kVoxel = 0.5;  // Of field_of(),
+constexpr double kVoxel = 0.5;                 // Of field_of(),
 const Eigen::Vector3d kOrigin(1.0, 2.0, 3.0);  // and the place of its first node.
 constexpr double kRadius = 0.8, kApart = 4.0;
 
@@ -57,8 +57,8 @@ TEST(HandleLoops, OfASieveRunRoundItsHolesOrBetweenThem) {
   EXPECT_NEAR(loop->length, 2.0 * M_PI * kRadius, 1.0);
   for (const std::uint32_t v : loop->vertices)
     EXPECT_NEAR(to_nearest_axis(mesh.vertices[v] - kOrigin), kRadius, kVoxel);
-  const auto longer = short_handle_loop(
-      mesh, patches[0], mesh.filled, [](const HandleLoop& other) { return other.length > 7.0; });
+  const auto longer = short_handle_loop(mesh, patches[0], mesh.filled,
+                                        [](const HandleLoop& other) { return other.length > 7.0; });
   ASSERT_TRUE(longer);
   auto once = longer->vertices;
   std::ranges::sort(once);
@@ -111,10 +111,11 @@ TEST(RemoveHandles, LeavesTheSurfaceWithoutIntersections) {
     const auto box = [&](double x, double y, double z, const Eigen::Vector3d& half) {
       return testing::box_distance(half)(p - Eigen::Vector3d(x, y, z));
     };
-    const double plates = std::min(box(8.0, 8.0, 6.7, {5.0, 5.0, 0.8}),
-                                   box(8.0, 8.0, 8.9, {5.0, 5.0, 0.8}));
+    const double plates =
+        std::min(box(8.0, 8.0, 6.7, {5.0, 5.0, 0.8}), box(8.0, 8.0, 8.9, {5.0, 5.0, 0.8}));
     double pillars = 100.0;
-    for (int i = 0; i < 5; ++i) pillars = std::min(pillars, box(5.0 + 1.5 * i, 8.0, 7.8, {0.4, 0.4, 1.0}));
+    for (int i = 0; i < 5; ++i)
+      pillars = std::min(pillars, box(5.0 + 1.5 * i, 8.0, 7.8, {0.4, 0.4, 1.0}));
     return std::min(plates, pillars);
   }));
   mesh.filled.assign(mesh.vertices.size(), 1);
