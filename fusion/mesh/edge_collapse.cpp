@@ -105,6 +105,7 @@ class Collapser {
         faces_of_(mesh.vertices.size()),
         planes_(mesh.vertices.size(), Eigen::Matrix4d::Zero()),
         stamp_(mesh.vertices.size(), 0),
+        refused_(mesh.vertices.size()),
         fixed_(mesh.vertices.size(), 0),
         gone_(mesh.faces.size(), 0),
         left_(mesh.faces.size()) {
@@ -122,9 +123,11 @@ class Collapser {
     for (std::size_t step = 0; left_ > options_.faces && !queue_.empty(); ++step) {
       if (step % kBetweenStops == 0) check_stop_and_memory();
       const Candidate next = queue_.pop();
-      if (next.from_stamp == stamp_[next.from] && next.to_stamp == stamp_[next.to] &&
-          allowed(next.from, next.to))
+      if (next.from_stamp != stamp_[next.from] || next.to_stamp != stamp_[next.to]) continue;
+      if (allowed(next.from, next.to))
         collapse(next.from, next.to);
+      else
+        refused_[next.from].push_back(next.to);
     }
     std::size_t kept = 0;
     for (std::size_t f = 0; f < mesh_.faces.size(); ++f)
@@ -177,6 +180,13 @@ class Collapser {
         {std::max(0.0, squares) + kLengthShare * length, from, to, stamp_[from], stamp_[to]});
   }
 
+  // What was refused for the faces around `from`, which have changed.
+  void propose_again(std::uint32_t from) {
+    for (const std::uint32_t to : refused_[from])
+      if (stamp_[to] != kRemoved) propose(from, to);
+    refused_[from].clear();
+  }
+
   bool allowed(std::uint32_t from, std::uint32_t to) const {
     return keeps_topology(from, to) && keeps_shape(from, to);
   }
@@ -195,21 +205,23 @@ class Collapser {
     return !(spans(from) && spans(to));
   }
 
-  // No face turns far, and none gets narrow that was not.
+  // No face turns far, and none is narrow, or at least none narrower than what is there.
   bool keeps_shape(std::uint32_t from, std::uint32_t to) const {
-    return std::all_of(faces_of_[from].begin(), faces_of_[from].end(), [&](std::uint32_t f) {
-      if (has(mesh_.faces[f], to)) return true;
+    double least_before = 1.0, least_after = 1.0;
+    for (const std::uint32_t f : faces_of_[from]) {
       Corners before, after;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = mesh_.faces[f][k];
         before[k] = mesh_.vertices[v];
         after[k] = mesh_.vertices[v == from ? to : v];
       }
-      const double round = roundness(after);
-      if (round < kLeastRoundness && round < (1.0 - kRounding) * roundness(before)) return false;
+      least_before = std::min(least_before, roundness(before));
+      if (has(mesh_.faces[f], to)) continue;
+      least_after = std::min(least_after, roundness(after));
       const Eigen::Vector3d cross = cross_of(before), new_cross = cross_of(after);
-      return cross.dot(new_cross) > kLeastCosine * cross.norm() * new_cross.norm();
-    });
+      if (!(cross.dot(new_cross) > kLeastCosine * cross.norm() * new_cross.norm())) return false;
+    }
+    return least_after >= std::min(kLeastRoundness, (1.0 - kRounding) * least_before);
   }
 
   void collapse(std::uint32_t from, std::uint32_t to) {
@@ -232,7 +244,9 @@ class Collapser {
     for (const std::uint32_t w : neighbours(to)) {
       propose(w, to);
       propose(to, w);
+      propose_again(w);
     }
+    refused_[to].clear();
   }
 
   TriangleMesh& mesh_;
@@ -241,6 +255,7 @@ class Collapser {
   std::vector<std::vector<std::uint32_t>> faces_of_;
   std::vector<Eigen::Matrix4d> planes_;  // Sums of squared distances to planes, as quadratic forms.
   std::vector<std::uint32_t> stamp_;     // Renewed when the planes of a vertex change.
+  std::vector<std::vector<std::uint32_t>> refused_;  // Of a vertex: where it may not go as yet.
   std::vector<std::uint8_t> fixed_, gone_;
   std::size_t left_;
   CandidateQueue queue_;

@@ -42,6 +42,19 @@ TEST(DecimateMesh, ReachesANumberOfFacesAndStaysAClosedTorus) {
   EXPECT_LT(largest_error(result.mesh), 0.6);
 }
 
+TEST(DecimateMesh, ReachesFewFacesOfARoughSurface) {
+  TriangleMesh mesh = testing::torus_mesh();
+  for (auto& v : mesh.vertices)
+    v += 0.4 * std::sin(v.x()) * std::sin(v.y() + 1.0) * std::sin(v.z() + 2.0) *
+         Eigen::Vector3d(v.x(), v.y(), 0.0).normalized();
+  for (const std::size_t faces : {4000, 1000, 250}) {
+    const auto result = value_of(decimate_mesh(mesh, {.faces = faces}));
+    EXPECT_LE(result.mesh.faces.size(), faces);
+    EXPECT_TRUE(result.check.watertight());
+    EXPECT_EQ(result.check.genus, 1);
+  }
+}
+
 TEST(DecimateMesh, ABoundOfTheErrorIsKept) {
   std::size_t last = testing::torus_mesh().faces.size();
   for (const double bound : {0.02, 0.1, 0.5}) {
