@@ -155,6 +155,9 @@ TEST(HtmlReport, HasTheNumbersOfTheReport) {
         std::string("/refine/views/2/spectrum/0/refined"), std::string("/merge/peak_memory_mb")})
     EXPECT_TRUE(places.contains(place)) << place;
   EXPECT_GT(places.size(), 100u);
+  for (const char* step : {"run", "align", "merge"})
+    for (const std::string note : report[step]["notes"])
+      EXPECT_THAT(run.standard_error, HasSubstr(note));
   for (const char* title : {"Lit from the front", "Grazing light", "Measured and filled"})
     EXPECT_THAT(page, HasSubstr("<figcaption>" + std::string(title)));
   EXPECT_EQ(count(page, "<figcaption>As measured"), 6u);
@@ -323,6 +326,21 @@ TEST(HtmlReport, NamesCannotBreakOut) {
   EXPECT_THAT(page, HasSubstr(escape_html(name)));
   EXPECT_THAT(page, HasSubstr(R"(<span class="badge rescan">rescan</span>)"));
   EXPECT_THAT(page, HasSubstr("It fits nowhere and is not in the model: &lt;b&gt;far."));
+}
+
+TEST(HtmlReport, ShowsWhatTheStepsTold) {
+  const TemporaryFolder folder;
+  write_model(folder, ellipsoid(10));
+  EXPECT_THAT(page_of(folder), Not(HasSubstr("<h3>Notes")));
+  folder.write("report.json", json{{"relief", "0"},
+                                   {"run", {{"notes", {"a.ply: no units"}}}},
+                                   {"align", {{"notes", {"<b>ranges differ"}}}},
+                                   {"merge", {{"vertices", 1}, {"notes", {"2 handles", 3}}}}}
+                                  .dump());
+  const std::string page = page_of(folder);
+  for (const char* note :
+       {"Reading: a.ply: no units.", "Alignment: &lt;b&gt;ranges differ.", "Merging: 2 handles."})
+    EXPECT_THAT(page, HasSubstr("<li>" + std::string(note) + "</li>"));
 }
 
 // Aligning alone writes a report without a model, and other versions have other keys.

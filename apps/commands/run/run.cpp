@@ -44,6 +44,7 @@ class Run {
         command_.input, command_.common,
         [this](const std::vector<RangeView>& v) { record_["inputs"] = input_record(v); });
     if (!project) return fail(project.error());
+    record_["notes"] = project->notes;
     if (const auto can = check_exports_of_results(project->views, command_.exports); !can)
       return fail(can.error());
     if (const auto ready = prepare_folder(command_.output); !ready) return fail(ready.error());

@@ -155,6 +155,13 @@ std::string verdict_on(const reconstruction::AlignmentGain& gain) {
   return "";
 }
 
+// All that the user should know, one line each.
+std::vector<std::string> notes_on(const registration::Alignment& alignment) {
+  std::vector<std::string> notes = alignment.notes;
+  if (!alignment.sensor_error.empty()) notes.push_back(alignment.sensor_error);
+  return notes;
+}
+
 // How the refinement ended; empty where there is nothing to know, as the views stand still but for
 // less than their poses err by.
 std::string words_on_end(const registration::Alignment& alignment) {
@@ -177,7 +184,8 @@ Json to_json(const registration::Alignment& alignment) {
                  {"views", Json::array()},
                  {"pairs", Json::array()},
                  {"loops", Json::array()},
-                 {"solves", Json::array()}};
+                 {"solves", Json::array()},
+                 {"notes", notes_on(alignment)}};
   for (const registration::ViewReport& view : alignment.views)
     report["views"].push_back(view_report(view));
   for (const registration::PairFit& pair : alignment.pairs)
@@ -200,8 +208,7 @@ Json to_json(const reconstruction::AlignmentGain& gain) {
 void log_alignment(const registration::Alignment& alignment, const std::string& unit,
                    double seconds) {
   constexpr std::size_t kShortTable = 60;
-  for (const std::string& note : alignment.notes) Console::info(note);
-  if (!alignment.sensor_error.empty()) Console::info(alignment.sensor_error);
+  for (const std::string& note : notes_on(alignment)) Console::info(note);
   const auto log = alignment.pairs.size() <= kShortTable ? Console::info : Console::detail;
   if (!alignment.pairs.empty())
     for (const std::string& line : pair_table(alignment, unit)) log(line);

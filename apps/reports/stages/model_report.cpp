@@ -83,6 +83,7 @@ Json to_json(const reconstruction::Model& model) {
   report["truncation"] = merged.truncation;
   report["inter_view_stddev"] = merged.inter_view_stddev;
   report["range_exponent"] = merged.range_exponent;
+  report["notes"] = merged.notes;
   if (model.polished) report["polish"] = polish_report(*model.polished);
   return report;
 }

@@ -200,6 +200,18 @@ std::string unmeasured_regions(const ReportContent& content) {
   return html;
 }
 
+// What the steps told beside their figures. Calibration's are among what is good.
+std::string notes(const ReportContent& content) {
+  const ReportFigures& report = content.report;
+  std::string html;
+  for (const auto& [step, place] : {std::pair<std::string, std::string>{"Reading", "/run/notes"},
+                                    {"Alignment", report.alignment() + "/notes"},
+                                    {"Merging", "/merge/notes"}})
+    for (const std::string& note : report.entries(place))
+      html += item(step + ": " + escape_html(report.text(note)) + ".");
+  return html.empty() ? "" : "<h3>Notes</h3>\n<ul>" + html + "</ul>\n";
+}
+
 std::string list(const char* title, const std::string& items, const char* none) {
   return fmt::format("<div><h3>{}</h3>\n<ul>{}</ul></div>\n", title,
                      items.empty() ? item(none) : items);
@@ -214,9 +226,10 @@ std::string summary_section(const ReportContent& content) {
   const std::string check = to_rescan(content, ViewGrade::kCheck);
   return fmt::format(
       "<section id=\"summary\"><h2>Summary</h2>\n<p class=\"lead\">{}</p>\n{}<div "
-      "class=\"columns\">\n{}{}{}</div></section>\n",
+      "class=\"columns\">\n{}{}{}</div>\n{}</section>\n",
       lead(content), tiles(content), list("What is good", good, "Nothing could be confirmed."),
-      list("What to scan again", rescan, "Nothing."), list("What to check", check, "Nothing."));
+      list("What to scan again", rescan, "Nothing."), list("What to check", check, "Nothing."),
+      notes(content));
 }
 
 }  // namespace relief
