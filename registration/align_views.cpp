@@ -6,8 +6,8 @@
 #include "registration/align_surfaces.h"
 #include "registration/calibration/sensor_error_covariance.h"
 #include "registration/distinct_views.h"
-#include "registration/pairwise/robust.h"
 #include "registration/prepared_views.h"
+#include "registration/verification/unsettled_poses.h"
 
 namespace relief::registration {
 
@@ -23,6 +23,7 @@ Result<Alignment> align_distinct(const std::vector<RangeView>& views, const Alig
   if (!report_progress(context.progress, 0.0, "measuring errors of sensors"))
     return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
   include_sensor_errors(views, surfaces, options.refinement, *aligned);
+  doubt_unsettled_poses(views, *aligned);
   return aligned;
 }
 
@@ -35,13 +36,9 @@ bool Alignment::complete() const {
 bool Alignment::stands_still() const {
   // Of the deviation. Squares of errors add up: this adds two percent.
   constexpr double kSmallPart = 0.2;
-  std::vector<double> deviations;  // Of the centres of views that can move.
-  for (const ViewReport& view : views)
-    if (view.aligned && !view.pose_std.isZero(0.0))
-      deviations.push_back(view.pose_std.tail<3>().norm());
+  const double deviation = median_deviation(*this);
   return termination == RefinementTermination::kConverged ||
-         (solved() && !deviations.empty() &&
-          last_motion <= kSmallPart * quantile(std::move(deviations), 0.5));
+         (solved() && deviation > 0.0 && last_motion <= kSmallPart * deviation);
 }
 
 std::vector<RigidMotion> Alignment::world_from_view() const {
