@@ -150,6 +150,11 @@ CommonErrors measure_common_errors(const std::vector<ViewSurface>& surfaces,
   return {first, false};
 }
 
+VerificationThresholds at_counting_overlaps(VerificationThresholds limits) {
+  limits.min_overlap = kCountingOverlap;
+  return limits;
+}
+
 // The limits, widened to what the pairs of these views have in common.
 VerificationThresholds limits_of_views(const std::vector<ViewSurface>& surfaces,
                                        const std::vector<Judged>& pairs,
@@ -176,8 +181,7 @@ VerificationThresholds limits_of_views(const std::vector<ViewSurface>& surfaces,
                  kWarpDeviations * quantile(std::move(noise), 0.5)));
   widen(limits.max_free_space_violation, std::move(free_space_violation),
         kWidest * limits.max_free_space_violation);
-  limits.min_overlap = kCountingOverlap;
-  return limits;
+  return at_counting_overlaps(limits);
 }
 
 // The RMS that the common errors of all pairs explain between two views, as relative_rms() has it.
@@ -189,7 +193,8 @@ double explained_rms(const ViewSurface& a, const ViewSurface& b, double common_s
 
 void decide(const std::vector<ViewSurface>& surfaces, const VerificationThresholds& general,
             const CommonErrors& common, std::vector<Judged>& pairs) {
-  const VerificationThresholds limits = limits_of_views(surfaces, pairs, general);
+  const VerificationThresholds limits =
+      common.settled ? limits_of_views(surfaces, pairs, general) : at_counting_overlaps(general);
   const double strays = std::max(kStrays, limits.max_free_space_violation);
   VerificationThresholds allowed = limits;
   allowed.max_coherent_rms = std::numeric_limits<double>::infinity();

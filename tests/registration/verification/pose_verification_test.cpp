@@ -56,6 +56,23 @@ TEST_F(PoseVerificationTest, TheOneWrongViewIsRefutedAndNoOther) {
   }
 }
 
+// Poses that are all wrong deviate alike, as noisy views do, but by more in a wider reach.
+TEST_F(PoseVerificationTest, PosesThatAreAllWrongDoNotConfirmEachOther) {
+  for (const double seed : {0.0, 1.0, 2.0}) {
+    auto poses = testing::poses_of(views());
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const double phase = 2.0 * static_cast<double>(i);
+      poses[i] =
+          Eigen::Translation3d(4.0 * sample_spacing(views()[i]) *
+                               Eigen::Vector3d(std::cos(phase + seed), std::sin(2.0 * phase + seed),
+                                               std::cos(3.0 * phase + seed))) *
+          poses[i];
+    }
+    const auto verified = verify(views(), poses);
+    for (std::size_t i = 0; i < views().size(); ++i) EXPECT_EQ(verified.group[i], i) << seed;
+  }
+}
+
 // A wall seen from afar, by a sensor whose errors grow with the square of the distance.
 TEST_F(PoseVerificationTest, TheWrongViewIsRefutedWhereAPartOfAllViewsIsFarAway) {
   auto before_wall = views();
