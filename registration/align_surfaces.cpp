@@ -1,14 +1,13 @@
 #include "registration/align_surfaces.h"
 
 #include <algorithm>
-#include <iomanip>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "registration/align_once.h"
+#include "registration/given_poses/doubted_poses.h"
 #include "registration/given_poses/given_pose_errors.h"
 #include "registration/given_poses/given_pose_notes.h"
 
@@ -36,12 +35,12 @@ class AligningGuesses {
       auto found = align_by_shape();
       if (!found) return found;
       if (fits_far_better(surfaces_, *found, aligned)) return instead_of(aligned, *found);
-      if (moved_far) doubt_what_shape_does_not_confirm(*found, aligned);
+      if (moved_far) doubt_what_shape_does_not_confirm(surfaces_, *found, aligned);
     }
     auto again = align_agreeing_with(aligned);
     if (!again) return again.error();
     if (*again && verified_views(**again) > verified_views(aligned)) return std::move(**again);
-    doubt_kept_motions(aligned);
+    doubt_kept_motions(views_, surfaces_, taken_, aligned);
     return std::move(aligned);
   }
 
@@ -52,55 +51,6 @@ class AligningGuesses {
     auto found = align_once(views_, surfaces_, options, units_, progress_);
     if (!found) return found.error();
     return std::move(found->alignment);
-  }
-
-  // Refining moved views far, to where they deviate by more than their noise: they may have come to
-  // rest anywhere. Those that `found` does not have at the same poses, to a sample spacing, are
-  // verified by nothing.
-  void doubt_what_shape_does_not_confirm(const Alignment& found, Alignment& aligned) const {
-    const auto is_confirmed = [&](std::size_t i, std::size_t j) {
-      if (i == j || found.views[i].status != PoseStatus::kVerified ||
-          found.views[j].status != PoseStatus::kVerified)
-        return false;
-      const RigidMotion by_shape =
-          found.views[j].world_from_view.inverse() * found.views[i].world_from_view;
-      const RigidMotion refined =
-          aligned.views[j].world_from_view.inverse() * aligned.views[i].world_from_view;
-      return largest_motion(by_shape.inverse() * refined, surfaces_[i]) <=
-             coarser_spacing(surfaces_[i], surfaces_[j]);
-    };
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      ViewReport& view = aligned.views[i];
-      bool confirmed = view.status != PoseStatus::kVerified;
-      for (std::size_t j = 0; j < views_.size() && !confirmed; ++j) confirmed = is_confirmed(i, j);
-      if (confirmed) continue;
-      view.status = PoseStatus::kUnverified;
-      view.reason =
-          "refining moved the views far from their given poses, to where they deviate by more than "
-          "their noise, and their shape does not confirm it; check the given poses";
-    }
-  }
-
-  // Along a motion that a view keeps, its guess is off as guesses are where other views correct
-  // them. Up to a sample spacing that is as good as the views tell.
-  void doubt_kept_motions(Alignment& aligned) const {
-    const double move = median_move(given_and_found(views_, surfaces_, taken_, aligned,
-                                                    std::vector<bool>(views_.size(), true)));
-    if (!(move > aligned.spacing)) return;
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      ViewReport& view = aligned.views[i];
-      if (view.status != PoseStatus::kVerified || view.kept_motions.empty() ||
-          views_[i].pose != PoseKind::kGuess)
-        continue;
-      std::ostringstream reason;
-      reason << std::setprecision(2)
-             << "nothing that it shares with other views tells how far its guess is off along one "
-                "motion ("
-             << view.kept_motions.front().description
-             << "), and where they tell, guesses were off by " << move << " (median)";
-      view.status = PoseStatus::kUnverified;
-      view.reason = reason.str();
-    }
   }
 
   // From guesses corrected such that they agree with `shown`; nothing where no correction does.

@@ -6,8 +6,8 @@
 #include "registration/align_surfaces.h"
 #include "registration/calibration/sensor_error_covariance.h"
 #include "registration/distinct_views.h"
+#include "registration/given_poses/doubted_poses.h"
 #include "registration/prepared_views.h"
-#include "registration/verification/unsettled_poses.h"
 
 namespace relief::registration {
 
@@ -24,6 +24,7 @@ Result<Alignment> align_distinct(const std::vector<RangeView>& views, const Alig
     return Error{ErrorKind::kInterrupted, "alignment was interrupted"};
   include_sensor_errors(views, surfaces, options.refinement, *aligned);
   doubt_unsettled_poses(views, *aligned);
+  doubt_undetermined_poses(views, *aligned);
   return aligned;
 }
 

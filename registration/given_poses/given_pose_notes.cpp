@@ -60,10 +60,6 @@ Differences differences(const std::vector<GivenAndFound>& views, std::optional<i
   return {quantile(std::move(angles), 0.5), quantile(std::move(shifts), 0.5)};
 }
 
-double move_of(const GivenAndFound& view) {
-  return (view.found * view.centre - view.given * view.centre).norm();
-}
-
 // Of the views that refining started from given poses.
 std::vector<double> moves_of(const std::vector<GivenAndFound>& views) {
   std::vector<double> moves;
@@ -267,6 +263,10 @@ std::vector<std::pair<std::size_t, std::size_t>> exchanged_views(
     for (const std::size_t j : elsewhere)
       if (i < j && is_at(i, j) && is_at(j, i)) exchanged.emplace_back(i, j);
   return exchanged;
+}
+
+double move_of(const GivenAndFound& view) {
+  return (view.found * view.centre - view.given * view.centre).norm();
 }
 
 double median_move(const std::vector<GivenAndFound>& views) {

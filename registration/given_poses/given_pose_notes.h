@@ -56,6 +56,9 @@ std::optional<int> mirrored_axis(const std::vector<GivenAndFound>& views);
 std::vector<std::pair<std::size_t, std::size_t>> exchanged_views(
     const std::vector<GivenAndFound>& views);
 
+/// How far the centre of the samples is from where the given pose had it [unit].
+double move_of(const GivenAndFound& view);
+
 /// How far the centres of the refined views are from where the given poses had them, the median; 0
 /// for fewer than two views [unit].
 double median_move(const std::vector<GivenAndFound>& views);
