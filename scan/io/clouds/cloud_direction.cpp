@@ -217,7 +217,7 @@ CloudDirection find_direction(const PointCloudFile& cloud) {
     const double hidden = judge.score(from_origin).hidden;
     // In a view so wide that it is no picture, points may share rays: it must be clearly better.
     const bool is_picture = from_origin.kind == CloudRays::Kind::kPinhole;
-    if (is_picture
+    if (is_picture || cloud.missing_at_origin
             ? hidden <= best.score.hidden + kAsGood
             : best.score.hidden > kHeightMap && hidden <= kHiddenFromSensor * best.score.hidden)
       return {from_origin, hidden, "the origin of the frame, in front of which all points lie"};

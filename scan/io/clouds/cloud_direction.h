@@ -36,9 +36,10 @@ double nearest_spacing(const std::vector<Eigen::Vector3d>& points);
 /// Rays from the origin of the frame are preferred where the points lie in front of it within a
 /// pinhole's field of view and hide each other no more than in the best direction: depth cameras
 /// leave their clouds so. In a wider field of view, as of lidars that do not turn, they must hide
-/// each other half as much. So are they where the points lie all around the origin and hide each
-/// other less than along any direction, as from a scanner that stands in its surroundings, or lie
-/// on the rings of a lidar (on_lidar_rings): seen from above, streets hide hardly a point.
+/// each other half as much, unless missing samples of the file are at the origin. So are they where
+/// the points lie all around the origin and hide each other less than along any direction, as from
+/// a scanner that stands in its surroundings, or lie on the rings of a lidar (on_lidar_rings): seen
+/// from above, streets hide hardly a point.
 CloudDirection find_direction(const PointCloudFile& cloud);
 
 /// The fraction of the points that lie behind others on these rays, or whose normals are averted.

@@ -30,6 +30,7 @@ struct GridFile {
   std::optional<RigidMotion> world_from_view;  ///< Where the file tells, as VIEWPOINT of a PCD.
   std::optional<Camera> camera;                ///< Where the file tells the rays.
   AssumedViewpoint assumed_viewpoint = AssumedViewpoint::kNone;  ///< Of points that had no grid.
+  bool missing_at_origin = false;  ///< Whether missing samples were there.
   std::vector<std::string> notes;  ///< What was left out or assumed, for the user.
 };
 

@@ -11,6 +11,8 @@ namespace relief {
 
 namespace {
 
+bool at_origin(const Eigen::Vector3d& point) { return point.isZero(0.0); }
+
 // In the precision of most files, which rounds equal depths alike.
 float depth_of(const Eigen::Vector3d& point) { return static_cast<float>(std::abs(point.z())); }
 
@@ -43,21 +45,21 @@ std::string invalidate_depth(std::span<Eigen::Vector3d> points, float invalid) {
 
 }  // namespace
 
-std::vector<std::string> invalidate_missing_points(std::span<Eigen::Vector3d> points) {
-  std::vector<std::string> notes;
-  const auto at_origin = [](const Eigen::Vector3d& point) { return point.isZero(0.0); };
-  if (std::ranges::count_if(points, at_origin) > 1)
-    notes.push_back(std::to_string(invalidate_if(points, at_origin)) +
-                    " points at the origin are taken for missing samples");
+MissingPoints invalidate_missing_points(std::span<Eigen::Vector3d> points) {
+  MissingPoints missing;
+  missing.at_origin = std::ranges::count_if(points, at_origin) > 1;
+  if (missing.at_origin)
+    missing.notes.push_back(std::to_string(invalidate_if(points, at_origin)) +
+                            " points at the origin are taken for missing samples");
   if (const float invalid = invalid_depth_of(points); std::isfinite(invalid))
-    notes.push_back(invalidate_depth(points, invalid));
-  return notes;
+    missing.notes.push_back(invalidate_depth(points, invalid));
+  return missing;
 }
 
-std::vector<std::string> invalidate_missing_corners(std::span<Eigen::Vector3d> points) {
+MissingPoints invalidate_missing_corners(std::span<Eigen::Vector3d> points) {
   const float invalid = invalid_depth_of(points);
   if (!is_largest_of_16_bits(invalid)) return {};
-  return {invalidate_depth(points, invalid)};
+  return {false, {invalidate_depth(points, invalid)}};
 }
 
 bool hold_directions(std::span<const Eigen::Vector3f> normals) {

@@ -8,14 +8,20 @@
 
 namespace relief {
 
+/// What stood for missing samples.
+struct MissingPoints {
+  bool at_origin = false;          ///< So the origin is where the sensor was.
+  std::vector<std::string> notes;  ///< For the user, one for each kind.
+};
+
 /// Points that stand for missing samples become NaN: several at exactly the origin, since a surface
 /// has but one point there, and those at the depth (the size of z) that invalid_depth_value()
-/// names, which depth cameras write as 65.535. Returns a note for the user for each kind.
-std::vector<std::string> invalidate_missing_points(std::span<Eigen::Vector3d> points);
+/// names, which depth cameras write as 65.535.
+MissingPoints invalidate_missing_points(std::span<Eigen::Vector3d> points);
 
 /// The same for the corners of a mesh, which may meet at the origin and share any depth but the
 /// largest of 16 bits.
-std::vector<std::string> invalidate_missing_corners(std::span<Eigen::Vector3d> points);
+MissingPoints invalidate_missing_corners(std::span<Eigen::Vector3d> points);
 
 /// Whether any of the normals of a file is a direction: finite and not zero. PCL's points with
 /// normals are written with zeros where nobody has computed them.

@@ -221,7 +221,9 @@ Result<GridFile> grid_from_cloud(const PcdCloud& from, const std::filesystem::pa
     if (confidence) grid.confidence[i] = static_cast<float>(value_at(from, i, *confidence));
     if (colour) grid.colours[i] = colour_at(from, i, *colour);
   }
-  grid.notes = invalidate_missing_points({grid.points.begin(), grid.points.end()});
+  auto missing = invalidate_missing_points({grid.points.begin(), grid.points.end()});
+  grid.missing_at_origin = missing.at_origin;
+  grid.notes = std::move(missing.notes);
   return grid;
 }
 

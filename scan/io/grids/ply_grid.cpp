@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "relief/scan/range_view.h"
 #include "scan/io/files/io_error.h"
@@ -118,7 +119,9 @@ Result<GridFile> read_ply_grid(const std::filesystem::path& path) {
     if (!colour) return colour.error();
     grid.colours[i] = *colour;
   }
-  grid.notes = invalidate_missing_points({grid.points.begin(), grid.points.end()});
+  auto missing = invalidate_missing_points({grid.points.begin(), grid.points.end()});
+  grid.missing_at_origin = missing.at_origin;
+  grid.notes = std::move(missing.notes);
   return grid;
 }
 

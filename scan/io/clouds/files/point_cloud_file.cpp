@@ -75,8 +75,9 @@ Result<PointCloudFile> measured_points(PointCloudFile cloud, const std::filesyst
     cloud.notes.push_back(std::to_string(count) + " points that are not finite are left out");
   auto missing = cloud.facing.empty() ? invalidate_missing_points(cloud.points)
                                       : invalidate_missing_corners(cloud.points);
-  if (!missing.empty()) keep_finite_points(cloud);
-  std::move(missing.begin(), missing.end(), std::back_inserter(cloud.notes));
+  cloud.missing_at_origin |= missing.at_origin;
+  if (!missing.notes.empty()) keep_finite_points(cloud);
+  std::ranges::move(missing.notes, std::back_inserter(cloud.notes));
   invalidate_repeated_points(cloud.points);
   if (const std::size_t count = keep_finite_points(cloud); count > 0)
     cloud.notes.push_back(std::to_string(count) +
@@ -174,6 +175,7 @@ PointCloudFile cloud_of_grid(const GridFile& grid) {
   }
   cloud.world_from_view = grid.world_from_view;
   if (cloud.world_from_view) cloud.viewpoint = Eigen::Vector3d::Zero();
+  cloud.missing_at_origin = grid.missing_at_origin;
   cloud.notes = grid.notes;
   return cloud;
 }

@@ -26,7 +26,9 @@ struct PointCloudFile {
   std::vector<Eigen::Vector3f> facing;
   std::optional<RigidMotion> world_from_view;  ///< Where the file tells, as VIEWPOINT of a PCD.
   std::optional<Eigen::Vector3d> viewpoint;    ///< Where the sensor is in the points' frame.
-  std::vector<std::string> notes;              ///< What was left out or assumed, for the user.
+  /// Whether missing samples were at the origin: that is where the sensor was.
+  bool missing_at_origin = false;
+  std::vector<std::string> notes;  ///< What was left out or assumed, for the user.
 };
 
 /// Reads points by the ending of `path`, in lower or upper case:
