@@ -166,9 +166,8 @@ class AlignmentReport {
         names.push_back(views_[i].name);
     }
     if (!names.empty())
-      result.notes.push_back(
-          (names.size() == given ? "the views" : some_of(names)) +
-          " stay at their given poses: refining led away from these without a better fit");
+      result.notes.push_back((names.size() == given ? "the views" : some_of(names)) +
+                             " stay at their given poses: refining found none that fit better");
   }
 
   void note_kept_motions(Alignment& result) const {

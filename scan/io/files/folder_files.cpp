@@ -22,6 +22,16 @@ std::string_view take_digits(std::string_view& text) {
   return digits;
 }
 
+template <typename IsWanted>
+std::vector<fs::path> entries_in(const fs::path& folder, const IsWanted& is_wanted) {
+  std::error_code code, ignored;
+  std::vector<fs::path> entries;
+  for (const auto& entry : fs::directory_iterator(folder, code))
+    if (is_wanted(entry, ignored) && !is_hidden(entry.path())) entries.push_back(entry.path());
+  sort_naturally(entries);
+  return entries;
+}
+
 }  // namespace
 
 bool natural_less(std::string_view a, std::string_view b) {
@@ -55,12 +65,15 @@ bool is_file(const fs::path& path) {
 bool is_hidden(const fs::path& path) { return path.filename().native().starts_with('.'); }
 
 std::vector<fs::path> files_in(const fs::path& folder) {
-  std::error_code code, ignored;
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder, code))
-    if (entry.is_regular_file(ignored) && !is_hidden(entry.path())) files.push_back(entry.path());
-  sort_naturally(files);
-  return files;
+  return entries_in(folder, [](const fs::directory_entry& entry, std::error_code& code) {
+    return entry.is_regular_file(code);
+  });
+}
+
+std::vector<fs::path> folders_in(const fs::path& folder) {
+  return entries_in(folder, [](const fs::directory_entry& entry, std::error_code& code) {
+    return entry.is_directory(code);
+  });
 }
 
 }  // namespace relief

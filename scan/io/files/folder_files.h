@@ -27,4 +27,7 @@ bool is_hidden(const std::filesystem::path& path);
 /// The files of a folder in natural order, without hidden ones; none where it cannot be listed.
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
 
+/// The folders in a folder, likewise.
+std::vector<std::filesystem::path> folders_in(const std::filesystem::path& folder);
+
 }  // namespace relief

@@ -175,6 +175,16 @@ std::size_t count_images(const fs::path& folder) {
   return static_cast<std::size_t>(std::ranges::count_if(files, has_depth_image_ending));
 }
 
+// Where scans may lie instead, for the user.
+std::string other_folders(const fs::path& folder) {
+  const auto folders = folders_in(folder);
+  const auto most = std::ranges::max_element(folders, {}, count_images);
+  if (most == folders.end() || count_images(*most) == 0)
+    return "name the folder that holds these, above it or in it";
+  return "its folder " + most->filename().string() + " holds images (" +
+         std::to_string(count_images(*most)) + "): name that";
+}
+
 Error no_project_in(const fs::path& folder) {
   if (const std::size_t images = count_images(folder))
     return bad_input(folder,
@@ -187,7 +197,8 @@ Error no_project_in(const fs::path& folder) {
   return bad_input(folder,
                    "no scan.json, no file of scans (.ply .pcd .ptx .e57 .xyz .pts .obj .stl "
                    ".vtp), no depth maps with their lists or poses and no COLMAP workspace in "
-                   "it; name the folder above if these lie there, or try 'relief init'");
+                   "it; " +
+                       other_folders(folder) + ", or try 'relief init'");
 }
 
 // The only project of a folder. Scans beside it that it does not name are told.

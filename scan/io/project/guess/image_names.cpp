@@ -141,10 +141,9 @@ std::vector<NamedImage> named_images(const fs::path& folder) {
   std::error_code code;
   auto images =
       images_of_folder(folder, fs::weakly_canonical(folder, code).filename().string(), "");
-  for (const auto& entry : fs::directory_iterator(folder, code)) {
-    if (!entry.is_directory(code) || is_hidden(entry.path())) continue;
-    const std::string name = entry.path().filename().string();  // `depth`, or `view_0`.
-    std::ranges::move(images_of_folder(entry.path(), name, name_in(name).view),
+  for (const fs::path& below : folders_in(folder)) {
+    const std::string name = below.filename().string();  // `depth`, or `view_0`.
+    std::ranges::move(images_of_folder(below, name, name_in(name).view),
                       std::back_inserter(images));
   }
   if (!has_depth(images))

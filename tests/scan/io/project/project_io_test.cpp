@@ -453,6 +453,16 @@ TEST(ProjectIo, ImagesWithoutACameraNameTheWayOn) {
                        "--intrinsics FX FY CX CY --depth-scale N"));
 }
 
+TEST(ProjectIo, AFolderAboveImagesNamesTheirs) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(read_project(folder.path()), HasError("name the folder that holds these"));
+  folder.write("configs/roi.json", "{}");
+  folder.write("images/depth_0.png", "");
+  folder.write("images/depth_1.png", "");
+  EXPECT_THAT(read_project(folder.path()),
+              HasError("its folder images holds images (2): name that", "relief init"));
+}
+
 // A file that belongs to a project, without being one, says what to give in its place.
 TEST(ProjectIo, PartsOfProjectsNameTheRemedy) {
   const TemporaryFolder folder;
