@@ -53,12 +53,12 @@ TEST(Reconstruct, SaysWhyMoreFacesAreLeftThanWereWanted) {
   ModelOptions options;
   options.polish.reset();
   options.merge.voxel_size = 3.0;
-  options.decimation.faces = 4;
+  options.decimation = {.faces = 4, .max_error = 0.01};
   const Model model = value_of(build_model(reconstruction().views, options));
   const std::string left = std::to_string(model.mesh.faces.size());
   EXPECT_THAT(model.merged.notes,
               Contains(HasSubstr("4 faces were wanted and " + left + " are left")));
-  options.decimation.faces = 2000;
+  options.decimation = {.faces = 2000};
   EXPECT_THAT(value_of(build_model(reconstruction().views, options)).merged.notes,
               Not(Contains(HasSubstr("faces were wanted"))));
 }
