@@ -155,17 +155,35 @@ class Calibrating {
     solves_.push_back(found.summary);
     if (!found.usable()) return false;
     double largest = 0.0;
-    for (std::size_t p = 0; p < model_.parameters.size(); ++p) {
+    const auto parameters_before = model_.parameters;
+    for (std::size_t p = 0; p < model_.parameters.size(); ++p)
       model_.parameters[p].value += found.errors[p];
-      largest = std::max(largest, std::abs(found.errors[p]));
-    }
     const auto before = poses_;
     for (std::size_t i = 0; i < held_.size(); ++i)
       if (!found.tangents[i].isZero(0.0))
         poses_[i] = moved(before[i], found.tangents[i], corrected_.centre());
+    keep_scale_of_most();
+    for (std::size_t p = 0; p < model_.parameters.size(); ++p)
+      largest =
+          std::max(largest, std::abs(model_.parameters[p].value - parameters_before[p].value));
     const double motion =
         largest_motion(registration::pointers_to(corrected_.surfaces()), before, poses_);
     return largest > kTolerance || motion > kTolerance * sensors_.models.front().spacing();
+  }
+
+  // What is wrong with the scale of one view does not shrink all others. Several known poses tell
+  // the scale themselves.
+  void keep_scale_of_most() {
+    const auto known = [](const RangeView& view) { return view.pose == PoseKind::kKnown; };
+    if (std::count_if(given_.begin(), given_.end(), known) > 1) return;
+    const double ratio = take_median_scale(model_, sensors_);
+    const auto group = connected_groups(given_.size(), pairs_);
+    const std::vector<RigidMotion> unscaled = poses_;
+    for (std::size_t i = 0; i < held_.size(); ++i)
+      for (std::size_t j = 0; j < held_.size(); ++j)
+        if (held_[j] && group[i] == group[j])
+          poses_[i].translation() -=
+              ratio * (unscaled[i].translation() - unscaled[j].translation());
   }
 
   void describe(const HeldOutFit& fit) {

@@ -31,4 +31,31 @@ std::vector<double> ErrorModel::coefficients(std::size_t view, const Sensors& se
   return sum;
 }
 
+double take_median_scale(ErrorModel& model, const Sensors& sensors) {
+  const auto scale = std::find_if(
+      model.choices.begin(), model.choices.end(),
+      [](const ErrorChoice& choice) { return choice.error == SensorError::kRangeScale; });
+  const bool free = std::all_of(sensors.models.begin(), sensors.models.end(),
+                                [](const SensorModel& sensor) { return sensor.scales_all(); });
+  if (scale == model.choices.end() || !free) return 0.0;
+  std::vector<double> ratios;
+  for (std::size_t view = 0; view < sensors.of_view.size(); ++view) {
+    const SensorModel& sensor = sensors.models[sensors.of_view[view]];
+    const std::vector<double> coefficients = model.coefficients(view, sensors);
+    for (std::size_t k = 0; k < sensor.terms(); ++k)
+      if (sensor.error_of(k) == SensorError::kRangeScale)
+        ratios.push_back(sensor.natural(k, coefficients[k]));
+  }
+  std::sort(ratios.begin(), ratios.end());
+  const double median = 0.5 * (ratios[(ratios.size() - 1) / 2] + ratios[ratios.size() / 2]);
+  const auto choice = static_cast<std::size_t>(scale - model.choices.begin());
+  for (ErrorParameter& parameter : model.parameters) {
+    if (parameter.choice != choice) continue;
+    const std::size_t sensor = scale->per_view ? sensors.of_view[parameter.owner] : parameter.owner;
+    const double unit = sensors.models[sensor].natural(parameter.term, 1.0);
+    if (unit > 0.0) parameter.value -= median / unit;
+  }
+  return median;
+}
+
 }  // namespace relief::registration

@@ -47,4 +47,10 @@ struct ErrorModel {
   std::vector<double> coefficients(std::size_t view, const Sensors& sensors) const;
 };
 
+/// Takes the median over the views of the errors of range scale, a ratio, from all of them, and
+/// returns it. Views whose rays start from one point fit each other as well when all ranges and
+/// positions grow by one factor, so most views are taken for right. Returns 0, and changes nothing,
+/// where no error of scale is estimated, or where rays of a sensor do not start from one point.
+double take_median_scale(ErrorModel& model, const Sensors& sensors);
+
 }  // namespace relief::registration

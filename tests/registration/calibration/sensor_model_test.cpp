@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/calibration/calibration_notes.h"
+#include "registration/calibration/model/error_model.h"
 
 namespace relief::registration {
 namespace {
@@ -179,6 +180,42 @@ TEST(CalibrationNotes, NameTheSensorsThatHaveTheError) {
   EXPECT_THAT(result.notes[0], HasSubstr("; sensor of c: the principal point"));
   EXPECT_THAT(result.notes[0], HasSubstr("(6, 6) pixels"));
   EXPECT_THAT(result.notes[0], Not(HasSubstr("sensor of a")));
+}
+
+// Three sensors, the first one of three views.
+TEST(ErrorModel, TakesTheMedianRangeScaleForRight) {
+  const RangeView a = view_with(Rays::kPinhole);
+  RangeView b = a, c = a;
+  b.camera = Camera::pinhole(kPixels, kPixels, {171.0, 165.0, 29.0, 30.5});
+  c.camera = Camera::pinhole(kPixels, kPixels, {181.0, 165.0, 29.0, 30.5});
+  const Sensors sensors = find_sensors({&a, &a, &a, &b, &c}, {1.7, 1.7, 1.7, 1.7, 1.7});
+  const std::vector<double> ratios = {-0.001, -0.001, 0.006};
+  ErrorModel model;
+  model.add({SensorError::kRangeOffset, false}, sensors);
+  model.add({SensorError::kRangeScale, false}, sensors);
+  for (ErrorParameter& parameter : model.parameters) {
+    const double unit = sensors.models[parameter.owner].natural(parameter.term, 1.0);
+    parameter.value = parameter.choice == 0 ? 0.5 : ratios[parameter.owner] / unit;
+  }
+  EXPECT_DOUBLE_EQ(take_median_scale(model, sensors), -0.001);
+  for (const ErrorParameter& parameter : model.parameters) {
+    const double ratio = sensors.models[parameter.owner].natural(parameter.term, parameter.value);
+    if (parameter.choice == 0)
+      EXPECT_EQ(parameter.value, 0.5);
+    else
+      EXPECT_NEAR(ratio, ratios[parameter.owner] + 0.001, 1e-12);
+  }
+}
+
+TEST(ErrorModel, KeepsRangeScalesThatAreNotThoseOfAll) {
+  const RangeView view = view_with(Rays::kTable);
+  const Sensors sensors = find_sensors({&view}, {1.7});
+  ErrorModel model;
+  EXPECT_EQ(take_median_scale(model, sensors), 0.0);
+  model.add({SensorError::kRangeScale, false}, sensors);
+  model.parameters[0].value = 0.3;
+  EXPECT_EQ(take_median_scale(model, sensors), 0.0);
+  EXPECT_EQ(model.parameters[0].value, 0.3);
 }
 
 TEST(FindSensors, TellsSensorsApartByTheirCameras) {
