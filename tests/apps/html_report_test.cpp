@@ -218,7 +218,7 @@ TEST(HtmlReport, HoldsTheDecimatedModel) {
   EXPECT_LT(page.size(), 1'200'000u + 30 * model.faces.size());
 }
 
-// A model that is many times too fine is clustered first; what is left are vertices of it.
+// A model that is many times too fine is clustered first, then decimated.
 TEST(HtmlReport, ThinsALargeModel) {
   const TemporaryFolder folder;
   const TriangleMesh mesh = ellipsoid(100);
@@ -239,12 +239,14 @@ TEST(HtmlReport, ThinsALargeModel) {
       const double low = data["low"][k], high = data["high"][k];
       place[k] = low + steps[3 * v + k] / 65535.0 * (high - low);
     }
-    const auto nearest = std::min_element(
-        mesh.vertices.begin(), mesh.vertices.end(), [&](const auto& a, const auto& b) {
-          return (a - place).squaredNorm() < (b - place).squaredNorm();
-        });
-    EXPECT_LT((*nearest - place).norm(), 0.002);
-    EXPECT_EQ(views[v], mesh.views[nearest - mesh.vertices.begin()]);
+    double nearest = 1e300, nearest_alike = 1e300;
+    for (std::size_t w = 0; w < mesh.vertices.size(); ++w) {
+      const double distance = (mesh.vertices[w] - place).norm();
+      nearest = std::min(nearest, distance);
+      if (mesh.views[w] == views[v]) nearest_alike = std::min(nearest_alike, distance);
+    }
+    EXPECT_LT(nearest, 0.5);
+    EXPECT_LT(nearest_alike, 2.0) << "attributes of a vertex nearby";
     shown.vertices.push_back(place);
   }
   for (std::size_t f = 0; f < faces.size(); f += 3)

@@ -1,19 +1,19 @@
-#include "fusion/mesh/edge_collapse.h"
+#include "fusion/mesh/decimation/edge_collapse.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <iterator>
-#include <queue>
-#include <tuple>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "fusion/mesh/decimation/collapse_queue.h"
 #include "scan/base/parallel.h"
+#include "scan/mesh/vertex_arrays.h"
 
 namespace relief::fusion {
 
@@ -30,6 +30,12 @@ constexpr double kLeastCosine = 0.5;
 constexpr double kLeastRoundness = 0.05;
 constexpr double kRounding = 1e-9;  // Of the roundness of faces of the same shape.
 
+// Of moved vertices: planes as many as this part of all draw them to the middle of their edge.
+// Along planes and creases the others say nothing.
+constexpr double kMiddleShare = 1e-3;
+// From the middle of an edge, in its lengths. Nearly parallel planes meet far off.
+constexpr double kFarthest = 1.0;
+
 using Corners = std::array<Eigen::Vector3d, 3>;
 
 Eigen::Vector3d cross_of(const Corners& corners) {
@@ -43,59 +49,6 @@ double roundness(const Corners& corners) {
                 (corners[0] - corners[2]).squaredNorm()});
   return longest > 0.0 ? cross_of(corners).norm() / longest : 0.0;
 }
-
-struct Candidate {
-  double cost;
-  std::uint32_t from, to;
-  std::uint32_t from_stamp, to_stamp;
-  bool operator>(const Candidate& other) const {
-    return std::tie(cost, from, to) > std::tie(other.cost, other.from, other.to);
-  }
-};
-
-// Candidates by their cost, the least first. The dear ones wait unsorted until the cheap ones are
-// used up: most never come that far, and the heap stays small enough for the cache.
-class CandidateQueue {
- public:
-  void push(const Candidate& candidate) {
-    if (candidate.cost > limit_)
-      waiting_.push_back(candidate);
-    else
-      heap_.push(candidate);
-  }
-
-  bool empty() const { return heap_.empty() && waiting_.empty(); }
-
-  /// Must not be empty.
-  Candidate pop() {
-    if (heap_.empty()) admit();
-    const Candidate next = heap_.top();
-    heap_.pop();
-    return next;
-  }
-
- private:
-  // The cheapest of those that wait, and all of the same cost.
-  void admit() {
-    const std::size_t count =
-        std::min(std::max(kLeastAdmitted, waiting_.size() / 16), waiting_.size());
-    const auto last = waiting_.begin() + static_cast<std::ptrdiff_t>(count - 1);
-    std::nth_element(waiting_.begin(), last, waiting_.end(),
-                     [](const Candidate& a, const Candidate& b) { return b > a; });
-    limit_ = last->cost;
-    const auto dear = std::partition(waiting_.begin(), waiting_.end(),
-                                     [this](const Candidate& c) { return c.cost > limit_; });
-    for (auto candidate = dear; candidate != waiting_.end(); ++candidate) heap_.push(*candidate);
-    waiting_.erase(dear, waiting_.end());
-  }
-
-  // Candidates at once: few enough for the cache. Changes no result.
-  static constexpr std::size_t kLeastAdmitted = 50000;
-
-  double limit_ = -1.0;  // The largest cost in the heap; costs are not negative.
-  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> heap_;
-  std::vector<Candidate> waiting_;
-};
 
 class Collapser {
  public:
@@ -122,12 +75,13 @@ class Collapser {
   void run() {
     for (std::size_t step = 0; left_ > options_.faces && !queue_.empty(); ++step) {
       if (step % kBetweenStops == 0) check_stop_and_memory();
-      const Candidate next = queue_.pop();
+      const CollapseCandidate next = queue_.pop();
       if (next.from_stamp != stamp_[next.from] || next.to_stamp != stamp_[next.to]) continue;
-      if (allowed(next.from, next.to))
-        collapse(next.from, next.to);
+      const Eigen::Vector3d place = place_for(next.from, next.to);
+      if (keeps_topology(next.from, next.to) && keeps_shape(next.from, next.to, place))
+        collapse(next.from, next.to, place);
       else
-        refused_[next.from].push_back(next.to);
+        refuse(next.from, next.to);
     }
     std::size_t kept = 0;
     for (std::size_t f = 0; f < mesh_.faces.size(); ++f)
@@ -169,26 +123,64 @@ class Collapser {
   // Round an inner vertex of a manifold there are as many neighbours as faces.
   bool on_border(std::uint32_t v) const { return neighbours(v).size() != faces_of_[v].size(); }
 
+  // Whether the edge has one candidate, the same for both directions.
+  bool both_move(std::uint32_t a, std::uint32_t b) const {
+    return options_.move && !fixed_[a] && !fixed_[b];
+  }
+
+  // Where one vertex stands for both: where the squares are least. Of exact planes the given places
+  // stay.
+  Eigen::Vector3d place_for(std::uint32_t from, std::uint32_t to) const {
+    const Eigen::Vector3d &a = mesh_.vertices[from], &b = mesh_.vertices[to];
+    if (!both_move(from, to)) return b;
+    const Eigen::Matrix4d planes = planes_[from] + planes_[to];
+    const Eigen::Vector3d middle = 0.5 * (a + b);
+    Eigen::Matrix3d squares = planes.topLeftCorner<3, 3>();
+    const Eigen::Vector3d slope = squares * (middle - centre_) + planes.topRightCorner<3, 1>();
+    squares.diagonal().array() += kMiddleShare * squares.trace();
+    const Eigen::Vector3d step = -squares.llt().solve(slope);
+    Eigen::Vector3d best = middle;
+    if (step.norm() <= kFarthest * (a - b).norm()) best += step;
+    double least = squares_at(planes, best);
+    for (const Eigen::Vector3d& given : {b, a}) {
+      const double of_given = squares_at(planes, given);
+      if (of_given > least) continue;
+      least = of_given;
+      best = given;
+    }
+    return best;
+  }
+
+  double squares_at(const Eigen::Matrix4d& planes, const Eigen::Vector3d& place) const {
+    Eigen::Vector4d at;
+    at << place - centre_, 1.0;
+    return at.dot(planes * at);
+  }
+
   void propose(std::uint32_t from, std::uint32_t to) {
-    if (fixed_[from]) return;
-    Eigen::Vector4d place;
-    place << mesh_.vertices[to] - centre_, 1.0;
-    const double squares = place.dot((planes_[from] + planes_[to]) * place);
+    if (fixed_[from] || (both_move(from, to) && from < to)) return;
+    const double squares = squares_at(planes_[from] + planes_[to], place_for(from, to));
     if (squares > options_.max_error * options_.max_error) return;
     const double length = (mesh_.vertices[to] - mesh_.vertices[from]).squaredNorm();
     queue_.push(
         {std::max(0.0, squares) + kLengthShare * length, from, to, stamp_[from], stamp_[to]});
   }
 
-  // What was refused for the faces around `from`, which have changed.
-  void propose_again(std::uint32_t from) {
-    for (const std::uint32_t to : refused_[from])
-      if (stamp_[to] != kRemoved) propose(from, to);
-    refused_[from].clear();
+  void refuse(std::uint32_t from, std::uint32_t to) {
+    refused_[from].push_back(to);
+    if (both_move(from, to)) refused_[to].push_back(from);
   }
 
-  bool allowed(std::uint32_t from, std::uint32_t to) const {
-    return keeps_topology(from, to) && keeps_shape(from, to);
+  // What was refused for the faces around `v`, which have changed.
+  void propose_again(std::uint32_t v) {
+    for (const std::uint32_t w : refused_[v]) {
+      if (stamp_[w] == kRemoved) continue;
+      propose(v, w);
+      if (!both_move(v, w)) continue;
+      propose(w, v);
+      std::erase(refused_[w], v);
+    }
+    refused_[v].clear();
   }
 
   // The link condition.
@@ -206,25 +198,39 @@ class Collapser {
   }
 
   // No face turns far, and none is narrow, or at least none narrower than what is there.
-  bool keeps_shape(std::uint32_t from, std::uint32_t to) const {
+  bool keeps_shape(std::uint32_t from, std::uint32_t to, const Eigen::Vector3d& place) const {
     double least_before = 1.0, least_after = 1.0;
-    for (const std::uint32_t f : faces_of_[from]) {
-      Corners before, after;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t v = mesh_.faces[f][k];
-        before[k] = mesh_.vertices[v];
-        after[k] = mesh_.vertices[v == from ? to : v];
+    const auto keeps_direction = [&](std::uint32_t moved, std::uint32_t other) {
+      for (const std::uint32_t f : faces_of_[moved]) {
+        Corners before, after;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t v = mesh_.faces[f][k];
+          before[k] = mesh_.vertices[v];
+          after[k] = v == moved ? place : before[k];
+        }
+        least_before = std::min(least_before, roundness(before));
+        if (has(mesh_.faces[f], other)) continue;
+        least_after = std::min(least_after, roundness(after));
+        const Eigen::Vector3d cross = cross_of(before), new_cross = cross_of(after);
+        if (!(cross.dot(new_cross) > kLeastCosine * cross.norm() * new_cross.norm())) return false;
       }
-      least_before = std::min(least_before, roundness(before));
-      if (has(mesh_.faces[f], to)) continue;
-      least_after = std::min(least_after, roundness(after));
-      const Eigen::Vector3d cross = cross_of(before), new_cross = cross_of(after);
-      if (!(cross.dot(new_cross) > kLeastCosine * cross.norm() * new_cross.norm())) return false;
-    }
-    return least_after >= std::min(kLeastRoundness, (1.0 - kRounding) * least_before);
+      return true;
+    };
+    return keeps_direction(from, to) && (!both_move(from, to) || keeps_direction(to, from)) &&
+           least_after >= std::min(kLeastRoundness, (1.0 - kRounding) * least_before);
   }
 
-  void collapse(std::uint32_t from, std::uint32_t to) {
+  // `to` stands at a place for both, with the attributes of the nearer one.
+  void move(std::uint32_t from, std::uint32_t to, const Eigen::Vector3d& place) {
+    if ((mesh_.vertices[from] - place).squaredNorm() < (mesh_.vertices[to] - place).squaredNorm())
+      visit_vertex_arrays(mesh_, [&](auto& values) {
+        if (!values.empty()) values[to] = values[from];
+      });
+    mesh_.vertices[to] = place;
+  }
+
+  void collapse(std::uint32_t from, std::uint32_t to, const Eigen::Vector3d& place) {
+    move(from, to, place);
     for (const std::uint32_t f : faces_of_[from]) {
       auto& face = mesh_.faces[f];
       if (has(face, to)) {
@@ -258,7 +264,7 @@ class Collapser {
   std::vector<std::vector<std::uint32_t>> refused_;  // Of a vertex: where it may not go as yet.
   std::vector<std::uint8_t> fixed_, gone_;
   std::size_t left_;
-  CandidateQueue queue_;
+  CollapseQueue queue_;
 };
 
 }  // namespace

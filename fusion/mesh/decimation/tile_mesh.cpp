@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "fusion/mesh/edge_collapse.h"
-#include "fusion/mesh/face_octree.h"
+#include "fusion/mesh/decimation/edge_collapse.h"
+#include "fusion/mesh/decimation/face_octree.h"
 #include "scan/base/parallel.h"
 
 namespace relief::fusion {

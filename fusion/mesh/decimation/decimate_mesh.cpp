@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "fusion/mesh/edge_collapse.h"
+#include "fusion/mesh/decimation/edge_collapse.h"
 #include "scan/mesh/mesh_components.h"
 
 namespace relief::fusion {
@@ -19,6 +19,7 @@ Result<DecimatedMesh> decimate_mesh(const TriangleMesh& mesh, const DecimationOp
     collapse.faces = options.faces;
     collapse.max_error =
         options.max_error > 0.0 ? options.max_error : std::numeric_limits<double>::infinity();
+    collapse.move = true;
     collapse_edges(result.mesh, collapse);
     drop_unused_vertices(result.mesh);
     result.mesh.normals = vertex_normals(result.mesh);

@@ -1,4 +1,4 @@
-#include "fusion/mesh/face_octree.h"
+#include "fusion/mesh/decimation/face_octree.h"
 
 #include <algorithm>
 #include <array>
