@@ -44,6 +44,7 @@ constexpr double kTolerableRadii = 0.005;
 constexpr double kConfirmedExcess = 1.75;
 // Absence and strays depend on the pair: most links believed otherwise show no more.
 constexpr double kAbsenceQuantile = 0.9, kStraysQuantile = 0.75, kStraysExcess = 1.6;
+constexpr double kLoopsRmsQuantile = 0.9;
 // How far limits may follow [general limits]: to 0.8 spacings of RMS in exact views, one of
 // coherent residual and a twentieth in front. Wrong poses settle at a spacing and rarely show less
 // in front.
@@ -186,6 +187,23 @@ bool follow_losses(const std::vector<ViewSurface>& surfaces, const std::vector<P
   return true;
 }
 
+// What pairs of views deviate by whose links several loops close, and that are believed otherwise.
+// Noise and its estimate depend on the pair too, and loops do not agree by chance. 0 for too few.
+double rms_of_loops(const std::vector<ViewSurface>& surfaces, const std::vector<PoseLink>& links,
+                    const std::vector<int>& loops, VerificationThresholds limits) {
+  limits.max_rms = std::numeric_limits<double>::infinity();
+  const std::set<ViewIndices> ambiguous = ambiguous_pairs(surfaces, links, loops);
+  std::vector<const PoseLink*> closed;
+  for (std::size_t k = 0; k < links.size(); ++k)
+    if (loops[k] >= kTellingLoops && !is_repeated(surfaces, links[k]) &&
+        !ambiguous.contains(std::minmax(links[k].a, links[k].b)) &&
+        plausible(links[k].evidence, surfaces[links[k].a], surfaces[links[k].b], limits))
+      closed.push_back(&links[k]);
+  Deviations found;
+  for (const PoseLink* link : best_of_each_pair(surfaces, closed)) found.add(*link, surfaces);
+  return found.rms.size() < kTellingLinks ? 0.0 : quantile(std::move(found.rms), kLoopsRmsQuantile);
+}
+
 // The median of the links' coherence_scale() [unit]; infinite without links.
 double typical_coherence_scale(const std::vector<ViewSurface>& surfaces,
                                const std::vector<const PoseLink*>& links) {
@@ -301,7 +319,11 @@ LinkLimits fit_link_limits(const std::vector<ViewSurface>& surfaces,
   if (follow_losses(surfaces, links, loops, wide.confirmed)) {
     wide.lone.max_missing_coverage = wide.confirmed.max_missing_coverage;
     wide.lone.max_free_space_violation = wide.confirmed.max_free_space_violation;
-    return with_loop_confirmed(wide, options.limits);
+    LinkLimits limits = with_loop_confirmed(wide, options.limits);
+    limits.loop_confirmed.max_rms =
+        std::clamp(rms_of_loops(surfaces, links, loops, limits.loop_confirmed),
+                   limits.confirmed.max_rms, open.max_rms);
+    return limits;
   }
   VerificationThresholds believed = options.limits;
   believed.max_coherent_rms = std::max(believed.max_coherent_rms, options.confirmed_coherent_rms);

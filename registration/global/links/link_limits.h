@@ -25,6 +25,7 @@ struct LinkLimits {
   VerificationThresholds confirmed;  ///< Links that loops confirm, and pairs at poses of chains.
   /// Links that kTellingLoops loops or more confirm, and the pairs of these. Strays depend on the
   /// pair, and samples are few: such poses may show as many as those that `confirmed` follows from.
+  /// Noise depends on the pair too: they may deviate by as much as nine tenths of such links do.
   VerificationThresholds loop_confirmed;
 };
 

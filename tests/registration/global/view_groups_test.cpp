@@ -225,6 +225,37 @@ TEST(LinkLimits, DoNotFollowLinksThatShareTooLittleToBeBelieved) {
   EXPECT_LT(limit({small}, 0), limit({large}, 0));         // So do small ones without others.
 }
 
+// Noise depends on the pair: some right pairs deviate by three times what the better quarter does.
+TEST(LinkLimits, FollowTheDeviationsOfPairsThatSeveralLoopsClose) {
+  const auto views = six_neighbours();
+  const std::vector<ViewSurface> surfaces = surfaces_of(views);
+  const auto link = [&](std::size_t a, std::size_t b, double rms, double turned = 0.0) {
+    PoseLink found{
+        a,
+        b,
+        turn_about_z(turned) * views[b].world_from_view.inverse() * views[a].world_from_view,
+        {}};
+    found.evidence.overlap = 0.5;
+    found.evidence.rms = rms * coarser_spacing(surfaces[a], surfaces[b]);
+    return found;
+  };
+  const auto limits = [&](const std::vector<PoseLink>& links, int loops) {
+    return fit_link_limits(surfaces, links, std::vector<int>(links.size(), loops), {});
+  };
+  const std::vector<PoseLink> links = {link(0, 1, 0.2), link(1, 2, 0.2), link(2, 3, 0.2),
+                                       link(3, 4, 0.2), link(0, 2, 0.6), link(1, 3, 0.6)};
+  const double largest = relative_rms(links[4].evidence, surfaces[0], surfaces[2]);
+  const LinkLimits several = limits(links, 2), one = limits(links, 1);
+  EXPECT_EQ(one.loop_confirmed.max_rms, one.confirmed.max_rms);
+  EXPECT_EQ(several.confirmed.max_rms, one.confirmed.max_rms);
+  EXPECT_LT(several.confirmed.max_rms, 0.9 * largest);
+  EXPECT_NEAR(several.loop_confirmed.max_rms, largest, 0.1 * largest);
+  // Loops that close at two places tell nothing.
+  const std::vector<PoseLink> twice = {link(0, 1, 0.2), link(1, 2, 0.2), link(2, 3, 0.2),
+                                       link(3, 4, 0.2), link(0, 2, 0.6), link(0, 2, 0.6, 1.0)};
+  EXPECT_EQ(limits(twice, 2).loop_confirmed.max_rms, limits(twice, 2).confirmed.max_rms);
+}
+
 TEST(PoseEvidence, MeasuresCoherentMisfitsByTheSizeOfViewsWhoseSamplesAreFine) {
   const auto views = testing::ring_of_views({.views = 2, .pixels = 100});
   const auto fine_views = testing::ring_of_views({.views = 2, .pixels = 400});
